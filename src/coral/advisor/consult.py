@@ -1,0 +1,139 @@
+"""The generate-verify-correct loop: ask, check, feed the reason back, ask again with fresh pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Generic, Literal, Protocol, TypeVar
+
+from pydantic import BaseModel
+
+from coral.advisor.question import Advisor, AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
+
+A = TypeVar("A", bound=BaseModel)
+T = TypeVar("T")
+
+Verdict = Literal["accepted", "rejected", "malformed", "unavailable", "withdrawn"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BudgetCfg:
+    """How long one decision may take."""
+
+    max_requeries: int = 3
+    """Further attempts after the first; a rejected or malformed answer uses one up."""
+    deadline_s: float = 60.0
+    """Longest time for the whole decision, all attempts together, on the clock of the world (s)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Attempt:
+    """One line of the attempt log: what was asked, what came back, what became of it."""
+
+    decision: int
+    """Number of the decision this attempt belongs to, from 0 in each run."""
+    attempt: int
+    """0 for the first question of a decision, 1 for the first re-query, ..."""
+    asked_at_s: float
+    answered_at_s: float
+    """Both on the clock of the world: simulated seconds in a simulation."""
+    question: Question[Any]
+    verdict: Verdict
+    raw: str = ""
+    answer: dict[str, Any] | None = None
+    rejection: Rejection | None = None
+    usage: Usage = field(default_factory=lambda: Usage(requests=0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome(Generic[A]):
+    """How a decision ended: with an accepted answer, or with a named failure."""
+
+    answer: A | None
+    question: Question[A] | None
+    attempts: int
+    failure: str = ""
+    """"" when accepted; else "requeries-used-up", "deadline", "withdrawn" or the advisor's own code."""
+    rejections: tuple[Rejection, ...] = ()
+
+
+class Clock(Protocol):
+    """Time as the world sees it."""
+
+    def now(self) -> float:
+        """Seconds since the start of the run."""
+        ...
+
+    async def reply(self, asking: Callable[[], Any], timeout_s: float) -> Any:
+        """Start `asking()` (a coroutine), and return its result when it arrives on this clock.
+
+        Raises:
+            TimeoutError: It did not arrive within `timeout_s` seconds of this clock.
+        """
+        ...
+
+
+async def consult(
+    advisor: Advisor,
+    observe: Callable[[Sequence[Rejection]], Question[A] | None],
+    verify: Callable[[Question[A], A], Rejection | None],
+    budget: BudgetCfg,
+    clock: Clock,
+    log: Callable[[Attempt], None],
+    decision: int = 0,
+) -> Outcome[A]:
+    """Reach one verified decision, or a named failure (paper CORAL III-D.3, Alg. 2).
+
+    Args:
+        advisor: Who is asked.
+        observe: Makes the question from the world as it is now, given the reasons so far. None withdraws
+            the question: the world no longer needs an answer.
+        verify: Checks an answer against the world as it is when the answer arrives; None accepts it.
+        budget: Bounds on attempts and time.
+        clock: The clock of the world.
+        log: Receives every attempt.
+        decision: Number of this decision, for the log.
+    """
+    rejections: list[Rejection] = []
+    end = clock.now() + budget.deadline_s
+    question: Question[A] | None = None
+    for attempt in range(budget.max_requeries + 1):
+        question = observe(rejections)
+        if question is None:
+            return Outcome(answer=None, question=None, attempts=attempt, failure="withdrawn")
+        asked_at = clock.now()
+        reasons = tuple(rejections)
+
+        def record(verdict: Verdict, asked_at: float = asked_at, attempt: int = attempt,
+                   question: Question[A] = question, **fields: Any) -> None:
+            log(Attempt(decision=decision, attempt=attempt, asked_at_s=asked_at, answered_at_s=clock.now(),
+                        question=question, verdict=verdict, **fields))
+
+        try:
+            reply: Reply[A] = await clock.reply(
+                lambda question=question, reasons=reasons: advisor.answer(question, reasons), end - asked_at)
+        except TimeoutError:
+            silence = Rejection(code="deadline", reason=f"no answer within {budget.deadline_s:g} s")
+            record("unavailable", rejection=silence)
+            return Outcome(answer=None, question=question, attempts=attempt + 1, failure="deadline",
+                           rejections=(*rejections, silence))
+        except BadAnswer as bad:
+            record("malformed", raw=bad.raw, rejection=bad.rejection, usage=bad.usage)
+            rejections.append(bad.rejection)
+            continue
+        except AdvisorUnavailable as gone:
+            absence = Rejection(code=gone.code, reason=gone.reason)
+            record("unavailable", rejection=absence)
+            if gone.final:
+                return Outcome(answer=None, question=question, attempts=attempt + 1, failure=gone.code,
+                               rejections=(*rejections, absence))
+            continue
+        refusal = verify(question, reply.value)
+        fields = {"raw": reply.raw, "answer": reply.value.model_dump(mode="json"), "usage": reply.usage}
+        if refusal is None:
+            record("accepted", **fields)
+            return Outcome(answer=reply.value, question=question, attempts=attempt + 1, rejections=tuple(rejections))
+        record("rejected", rejection=refusal, **fields)
+        rejections.append(refusal)
+    return Outcome(answer=None, question=question, attempts=budget.max_requeries + 1,
+                   failure="requeries-used-up", rejections=tuple(rejections))

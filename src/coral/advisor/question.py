@@ -1,0 +1,106 @@
+"""What is asked of an advisor, and what comes back."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Generic, Protocol, TypeVar
+
+from pydantic import BaseModel
+
+A = TypeVar("A", bound=BaseModel)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """One PNG that goes with a question."""
+
+    name: str
+    """Short file-name stem, unique within the question ("map", "segmentation", "depth")."""
+    png: bytes
+    caption: str = ""
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the PNG bytes, hexadecimal."""
+        return hashlib.sha256(self.png).hexdigest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question(Generic[A]):
+    """One question, complete in itself: an advisor needs nothing else to answer it."""
+
+    kind: str
+    """Which template made it, such as "reef-centroid"."""
+    prompt: str
+    answer_type: type[A]
+    """Pydantic model that the answer must validate against."""
+    facts: Mapping[str, Any]
+    """What the pictures show, as JSON numbers. Only the robot's own map and sensors, never ground truth."""
+    pictures: tuple[Picture, ...] = ()
+    prompt_version: str = "1"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rejection:
+    """Why an answer was refused, in words that the model can act on."""
+
+    code: str
+    """Stable identifier for logs and tests, such as "backward" or "not-json"."""
+    reason: str
+    details: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Usage:
+    """What one reply cost."""
+
+    input_tokens: int = 0
+    output_tokens: int = 0
+    cost_usd: float = 0.0
+    requests: int = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reply(Generic[A]):
+    """An answer that parsed, with the raw text it came from."""
+
+    value: A
+    raw: str
+    usage: Usage = Usage(requests=0)
+
+
+class BadAnswer(Exception):
+    """The advisor answered, but not with anything that validates. Its reason goes back to the model."""
+
+    def __init__(self, code: str, reason: str, raw: str = "", usage: Usage | None = None) -> None:
+        super().__init__(reason)
+        self.rejection = Rejection(code=code, reason=reason)
+        self.raw = raw
+        self.usage = usage or Usage()
+
+
+class AdvisorUnavailable(Exception):
+    """No answer could be had (network, time-out, budget). `code` names the failure in the attempt log."""
+
+    def __init__(self, code: str, reason: str, *, final: bool = False) -> None:
+        super().__init__(reason)
+        self.code, self.reason = code, reason
+        self.final = final
+        """True when asking again cannot help (budget used up, key refused)."""
+
+
+class Advisor(Protocol):
+    """Anything that thinks: rules, a foundation model, a person at a desk, a recording."""
+
+    name: str
+
+    async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:
+        """Answer a question, knowing why earlier answers were refused.
+
+        Raises:
+            BadAnswer: A reply came that does not validate.
+            AdvisorUnavailable: No reply came.
+        """
+        ...

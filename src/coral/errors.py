@@ -1,0 +1,32 @@
+"""The one exception a user sees: which file, which field, what was found, what was expected."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class InputError(ValueError):
+    """Bad input from the user. Printed as one line by the command line, which then exits with code 2.
+
+    Args:
+        where: File, folder or flag that holds the bad value.
+        field: Dotted path of the value inside it, or "" when the whole of it is bad.
+        found: What was found there.
+        expected: What would have been accepted.
+    """
+
+    def __init__(self, where: str, field: str, found: object, expected: str) -> None:
+        self.where, self.field, self.found, self.expected = str(where), field, found, expected
+        place = f"{where}: {field}" if field else str(where)
+        super().__init__(" ".join(f"{place}: found {found}, expected {expected}".split()))
+
+
+class RunError(RuntimeError):
+    """A run that was well specified but could not finish. Printed as one line; exit code 1."""
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Suggestion for a mistyped name: " (did you mean 'x'?)", or "" when nothing is near."""
+    close = difflib.get_close_matches(word, list(known), n=1, cutoff=0.5)
+    return f" (did you mean {close[0]!r}?)" if close else ""

@@ -1,0 +1,61 @@
+"""Poses and frames shared by the reef: world ENU, body FLU (REP-103), camera optical (REP-103)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Pose(NamedTuple):
+    """Planar pose in the world frame: metres, metres, radians."""
+
+    x: float
+    y: float
+    theta: float
+
+
+class Label(IntEnum):
+    """Class of a camera pixel."""
+
+    WATER = 0
+    OYSTER = 1
+    OBSTACLE = 2
+    SEABED = 3
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One camera picture.
+
+    depth: Shape=(H, W) float32, metres along the optical axis (z, not range); inf where nothing is seen.
+    labels: Shape=(H, W) uint8 of `Label`.
+    instances: Shape=(H, W) int32, index of the object in the scene, -1 for seabed and water; for tests and
+        metrics only, no decision reads it.
+    """
+
+    depth: NDArray[np.float32]
+    labels: NDArray[np.uint8]
+    instances: NDArray[np.int32]
+
+
+def wrap(angle: float) -> float:
+    """Angle wrapped to (-pi, pi]."""
+    return math.pi - (math.pi - angle) % (2 * math.pi)
+
+
+def to_world(pose: Pose, forward: float, left: float) -> tuple[float, float]:
+    """Point given in the robot frame (m forward, m left) in the world frame."""
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    return pose.x + c * forward - s * left, pose.y + s * forward + c * left
+
+
+def to_robot(pose: Pose, x: float, y: float) -> tuple[float, float]:
+    """World point in the robot frame (m forward, m left)."""
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    dx, dy = x - pose.x, y - pose.y
+    return c * dx + s * dy, -s * dx + c * dy
