@@ -1,0 +1,82 @@
+"""Everything the robot knows, and nothing else: the only thing that decisions are made from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.chain import CentroidTracker, ChainCfg, Track, components
+from coral.reef.geometry import Frame, Pose, to_robot
+from coral.reef.mapping import OccupancyMap
+
+
+@dataclass(frozen=True, kw_only=True)
+class BeliefCfg:
+    """How the robot keeps its memory."""
+
+    chain: ChainCfg = field(default_factory=ChainCfg)
+    chain_period: int = 5
+    """Ticks between updates of the centroid chain."""
+    visit_radius_m: float = 2.5
+    """A centroid counts as visited once the robot has been this close; D_trig, where its next goal is asked for."""
+    max_attempts: int = 2
+    """Goals towards one centroid that may fail before it is given up."""
+    trail_step_m: float = 0.1
+    """Spacing of the remembered trajectory."""
+
+
+class Belief:
+    """The robot's map, centroid chain, own pose, trajectory and goals."""
+
+    def __init__(self, occupancy: OccupancyMap, cfg: BeliefCfg | None = None) -> None:
+        self.cfg = cfg or BeliefCfg()
+        self.map = occupancy
+        self.tracker = CentroidTracker(self.cfg.chain)
+        self.pose = Pose(0.0, 0.0, 0.0)
+        self.frame: Frame | None = None
+        self.goal: tuple[float, float] | None = None
+        self.previous_goal: tuple[float, float] | None = None
+        self._trail: list[tuple[float, float]] = []
+        self._failed: list[tuple[float, float]] = []
+        self._ticks = 0
+
+    def update(self, frame: Frame, pose: Pose) -> None:
+        """Take in one camera picture and the pose it was taken from."""
+        self.frame, self.pose = frame, pose
+        self.map.integrate(frame, pose)
+        if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:
+            self._trail.append((pose.x, pose.y))
+        if self._ticks % self.cfg.chain_period == 0:
+            self.tracker.update(components(self.map.target, self.map.cfg.cell_m, self.cfg.chain))
+            self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
+        self._ticks += 1
+
+    @property
+    def trajectory(self) -> NDArray[np.float64]:
+        """Where the robot has been. Shape=(N, 2), metres, oldest first."""
+        return np.array(self._trail, dtype=float).reshape(-1, 2)
+
+    @property
+    def tracks(self) -> list[Track]:
+        """All known clusters."""
+        return self.tracker.tracks
+
+    def unvisited(self) -> list[Track]:
+        """Clusters still to be visited; those whose goals failed too often are left out."""
+        return [t for t in self.tracks if not t.visited and self.failures(t.x, t.y) < self.cfg.max_attempts]
+
+    def ahead(self, forward_m: float) -> list[Track]:
+        """Unvisited clusters with a forward projection of at least `forward_m`."""
+        return [t for t in self.unvisited() if to_robot(self.pose, t.x, t.y)[0] >= forward_m]
+
+    def goal_failed(self) -> None:
+        """Remember that the present goal could not be reached."""
+        if self.goal is not None:
+            self._failed.append(self.goal)
+
+    def failures(self, x: float, y: float) -> int:
+        """How many goals near a point have failed."""
+        return sum(math.dist(p, (x, y)) < self.cfg.chain.merge_distance_m for p in self._failed)

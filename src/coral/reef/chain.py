@@ -1,0 +1,160 @@
+"""The centroid chain: oyster clusters as a short, ordered list of stable, labelled points (paper III-B)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChainCfg:
+    """Component filter and centroid tracking."""
+
+    min_area_px: int = 100
+    """A_min (paper IV-F)."""
+    closing_m: float = 0.35
+    """Gaps between oysters up to this wide are closed before components are labelled. Not in the paper: at 0.05 m
+    one oyster is about 12 cells, so a bed of separate oysters would never reach A_min."""
+    merge_distance_m: float = 1.0
+    """d_merge; not given in the paper. Equal to its minimum target separation."""
+    alpha_new: float = 0.3
+    """Weight of the new centroid in Eq. 3 (alpha_old = 1 - alpha_new); not given in the paper."""
+    drop_after: int = 30
+    """Consecutive unmatched updates after which a track is removed; not given in the paper."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Component:
+    """One connected oyster region."""
+
+    x: float
+    y: float
+    """Centroid in the world (m), Eq. 2."""
+    area_px: int
+    length_m: float
+    """Longer edge of its bounding box (m); tells strips from compact clusters."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Track:
+    """One cluster as the advisor knows it: `index` is its label for as long as it lives."""
+
+    index: int
+    x: float
+    y: float
+    area_px: int
+    length_m: float
+    unmatched: int = 0
+    visited: bool = False
+
+
+def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[Component]:
+    """Connected oyster regions of at least A_min, with their centroids (Eq. 2).
+
+    Args:
+        target: Oyster cells. Shape=(NY, NX).
+        cell_m: Edge of a cell (m).
+        cfg: Filter settings.
+    """
+    ys, xs = np.flatnonzero(target.any(axis=1)), np.flatnonzero(target.any(axis=0))
+    if not ys.size:
+        return []
+    width = max(1, round(cfg.closing_m / cell_m)) | 1
+    y0, x0 = max(ys[0] - width, 0), max(xs[0] - width, 0)
+    patch = target[y0:ys[-1] + width + 1, x0:xs[-1] + width + 1].astype(np.uint8)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
+    closed = cv2.morphologyEx(patch, cv2.MORPH_CLOSE, kernel)
+    count, _, stats, centroids = cv2.connectedComponentsWithStats(closed, connectivity=8)
+    return [
+        Component(x=float((centroids[k, 0] + x0 + 0.5) * cell_m), y=float((centroids[k, 1] + y0 + 0.5) * cell_m),
+                  area_px=int(stats[k, cv2.CC_STAT_AREA]),
+                  length_m=float(max(stats[k, cv2.CC_STAT_WIDTH], stats[k, cv2.CC_STAT_HEIGHT]) * cell_m))
+        for k in range(1, count) if stats[k, cv2.CC_STAT_AREA] >= cfg.min_area_px
+    ]
+
+
+def order_chain(points: NDArray[np.float64]) -> list[int]:
+    """Order points into one path that follows their spine (paper III-B, "path ordering").
+
+    Path segments grow greedily: the closest pair of segment ends that belong to different segments (union-find)
+    is joined until one path is left.
+
+    Args:
+        points: Shape=(K, 2), metres.
+
+    Returns:
+        Indices into `points`, from one end of the path to the other.
+    """
+    k = len(points)
+    if k < 2:
+        return list(range(k))
+    parent = list(range(k))
+
+    def root(i: int) -> int:
+        while parent[i] != i:
+            parent[i] = parent[parent[i]]
+            i = parent[i]
+        return i
+
+    links: list[list[int]] = [[] for _ in range(k)]
+    first, second = np.triu_indices(k, 1)
+    gaps = np.linalg.norm(points[first] - points[second], axis=1)
+    for pair in np.argsort(gaps, kind="stable"):
+        i, j = int(first[pair]), int(second[pair])
+        if len(links[i]) < 2 and len(links[j]) < 2 and root(i) != root(j):
+            parent[root(i)] = root(j)
+            links[i].append(j)
+            links[j].append(i)
+    chain = [next(i for i in range(k) if len(links[i]) == 1)]
+    while len(chain) < k:
+        chain.append(next(j for j in links[chain[-1]] if len(chain) < 2 or j != chain[-2]))
+    return chain
+
+
+class CentroidTracker:
+    """Keeps labels stable while the map grows: nearest match within d_merge, Eq. 3 smoothing, expiry."""
+
+    def __init__(self, cfg: ChainCfg | None = None) -> None:
+        self.cfg = cfg or ChainCfg()
+        self.tracks: list[Track] = []
+
+    def update(self, found: Sequence[Component]) -> list[Track]:
+        """Match components to tracks, closest pairs first, each at most once; start and drop tracks."""
+        cfg, tracks = self.cfg, self.tracks
+        pairs = sorted(
+            (float(np.hypot(c.x - t.x, c.y - t.y)), i, j) for i, c in enumerate(found) for j, t in enumerate(tracks))
+        match: dict[int, int] = {}
+        for gap, i, j in pairs:
+            if gap <= cfg.merge_distance_m and i not in match and j not in match.values():
+                match[i] = j
+        kept: dict[int, Track] = {}
+        for i, j in match.items():
+            c, t, a = found[i], tracks[j], cfg.alpha_new
+            kept[j] = replace(t, x=(1 - a) * t.x + a * c.x, y=(1 - a) * t.y + a * c.y, area_px=c.area_px,
+                              length_m=c.length_m, unmatched=0)
+        for j, t in enumerate(tracks):
+            if j not in kept and t.unmatched + 1 < cfg.drop_after:
+                kept[j] = replace(t, unmatched=t.unmatched + 1)
+        survivors = [kept[j] for j in sorted(kept)]
+        free = (n for n in range(len(survivors) + len(found) + 1) if n not in {t.index for t in survivors})
+        survivors += [Track(index=next(free), x=c.x, y=c.y, area_px=c.area_px, length_m=c.length_m)
+                      for i, c in enumerate(found) if i not in match]
+        self.tracks = survivors
+        return survivors
+
+    def mark_visited(self, x: float, y: float, radius_m: float) -> None:
+        """Remember the tracks that the vehicle has come within `radius_m` of."""
+        self.tracks = [
+            t if t.visited or np.hypot(t.x - x, t.y - y) > radius_m else replace(t, visited=True) for t in self.tracks]
+
+    def chain(self) -> list[Track]:
+        """The tracks in chain order, starting from the end that holds the lowest label."""
+        tracks = self.tracks
+        order = order_chain(np.array([[t.x, t.y] for t in tracks]).reshape(-1, 2))
+        if order and tracks[order[-1]].index < tracks[order[0]].index:
+            order.reverse()
+        return [tracks[i] for i in order]

@@ -1,0 +1,128 @@
+"""The occupancy map: the spatial memory that every later stage reads (paper III-A)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.camera import CameraCfg
+from coral.reef.geometry import Frame, Pose
+from coral.reef.mapping_kernels import classify, explore, project
+
+UNEXPLORED, FREE, OBSTACLE, TARGET = 0, 1, 2, 3
+"""Cell classes, in the paper's colours: white, gray, black, green."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapCfg:
+    """Resolution and evidence thresholds of the occupancy map."""
+
+    cell_m: float = 0.05
+    """Edge of a cell. The paper gives none; 0.05 m makes its A_min = 100 px equal to 0.25 m²."""
+    range_m: float = 6.0
+    """d_max of the explored-area rays and of target detection; the paper's prompts speak of 0-6 m."""
+    obstacle_range_m: float = 4.0
+    """Obstacle sensing range (paper IV-F)."""
+    n_rays: int = 360
+    """N of the explored-area ray casting; 120° in 360 rays is 3.5 cm between rays at 6 m, under one cell."""
+    target_hits: int = 2
+    obstacle_hits: int = 2
+    """Pixels that must agree before a cell counts; 2 ignores a single wrong pixel."""
+    ground_ratio: float = 0.05
+    """A cell is not a target or an obstacle when its hits are fewer than this share of its seabed hits, so that
+    wrong masks are outvoted in time."""
+
+
+class OccupancyMap:
+    """Persistent 2D grid over the survey area; arrays are indexed [iy, ix], cell (0, 0) at the world's origin."""
+
+    def __init__(self, size_m: tuple[float, float], camera: CameraCfg, cfg: MapCfg | None = None) -> None:
+        self.cfg = cfg = cfg or MapCfg()
+        self.size_m = size_m
+        shape = (math.ceil(size_m[1] / cfg.cell_m - 1e-9), math.ceil(size_m[0] / cfg.cell_m - 1e-9))
+        self._targets = np.zeros(shape, np.uint16)
+        self._obstacles = np.zeros(shape, np.uint16)
+        self._ground = np.zeros(shape, np.uint16)
+        self.target = np.zeros(shape, np.bool_)
+        """Oyster cells. Shape=(NY, NX)."""
+        self.obstacle = np.zeros(shape, np.bool_)
+        """Obstacle cells. Shape=(NY, NX)."""
+        self.explored = np.zeros(shape, np.bool_)
+        """Cells that were in view. Shape=(NY, NX)."""
+        self.version = 0
+        """Grows whenever an obstacle cell appears or goes."""
+        self._rays, self._lever = _pixel_rays(camera)
+        self._hfov = math.radians(camera.hfov_deg)
+        self._reach = np.zeros(camera.width)
+
+    def integrate(self, frame: Frame, pose: Pose) -> None:
+        """Fuse one camera picture taken at `pose` (the robot's own estimate)."""
+        cfg = self.cfg
+        project(frame.depth, frame.labels, self._rays, self._lever, (pose.x, pose.y, pose.theta), cfg.cell_m,
+                cfg.range_m, cfg.obstacle_range_m, self._targets, self._obstacles, self._ground, self._reach)
+        changed = classify(self._targets, self._obstacles, self._ground, cfg.target_hits, cfg.obstacle_hits,
+                           cfg.ground_ratio, self.target, self.obstacle, self._window(pose, cfg.range_m))
+        self.version += changed > 0
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        origin = (pose.x + c * self._lever[0] - s * self._lever[1], pose.y + s * self._lever[0] + c * self._lever[1])
+        explore(self.explored, self.obstacle, origin, pose.theta, self._hfov, cfg.n_rays, cfg.range_m, cfg.cell_m,
+                math.tan(self._hfov / 2), self._reach)
+
+    def cells(self) -> NDArray[np.uint8]:
+        """Class of every cell. Shape=(NY, NX), values UNEXPLORED, FREE, OBSTACLE, TARGET."""
+        cells = self.explored.astype(np.uint8)
+        cells[self.target] = TARGET
+        cells[self.obstacle] = OBSTACLE
+        return cells
+
+    def distance(self) -> NDArray[np.float32]:
+        """Distance of every cell's centre to the nearest obstacle cell's centre (m). Shape=(NY, NX)."""
+        return distance_to(self.obstacle, self.cfg.cell_m)
+
+    def index(self, x: float, y: float) -> tuple[int, int]:
+        """(iy, ix) of the cell that holds a world point, clipped to the map."""
+        ny, nx = self.target.shape
+        ix, iy = int(x // self.cfg.cell_m), int(y // self.cfg.cell_m)
+        return min(max(iy, 0), ny - 1), min(max(ix, 0), nx - 1)
+
+    def contains(self, x: float, y: float, margin_m: float = 0.0) -> bool:
+        """Whether a world point lies inside the survey area by at least `margin_m`."""
+        width, height = self.size_m
+        return margin_m <= x <= width - margin_m and margin_m <= y <= height - margin_m
+
+    def explored_fraction(self, x: float, y: float, radius_m: float) -> float:
+        """Share of explored cells in the square of half-edge `radius_m` about a world point."""
+        y0, y1, x0, x1 = self._window(Pose(x, y, 0.0), radius_m)
+        patch = self.explored[y0:y1, x0:x1]
+        return float(patch.mean()) if patch.size else 1.0
+
+    def _window(self, pose: Pose, radius_m: float) -> tuple[int, int, int, int]:
+        ny, nx = self.target.shape
+        r = math.ceil(radius_m / self.cfg.cell_m) + 1
+        iy, ix = int(pose.y // self.cfg.cell_m), int(pose.x // self.cfg.cell_m)
+        y0, x0 = min(max(iy - r, 0), ny), min(max(ix - r, 0), nx)
+        return y0, max(min(iy + r + 1, ny), y0), x0, max(min(ix + r + 1, nx), x0)
+
+
+def distance_to(mask: NDArray[np.bool_], cell_m: float) -> NDArray[np.float32]:
+    """Distance of every cell to the nearest True cell (m); `inf` everywhere when there is none. Shape=(NY, NX)."""
+    if not mask.any():
+        return np.full(mask.shape, np.inf, np.float32)
+    distances: NDArray[np.float32] = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 5)
+    return distances * np.float32(cell_m)
+
+
+def _pixel_rays(camera: CameraCfg) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Forward and left components of each pixel's ray at unit depth, and the camera's place in the body frame."""
+    from coral.reef.camera import T_world_camera
+
+    fx, fy, cx, cy = camera.intrinsics
+    u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+    optical = np.stack([(u - cx) / fx, (v - cy) / fy, np.ones_like(u, dtype=float)], axis=-1)
+    body_camera = T_world_camera(Pose(0.0, 0.0, 0.0), camera)
+    body = optical @ body_camera[:3, :3].T
+    return np.ascontiguousarray(body[..., :2]), np.ascontiguousarray(body_camera[:2, 3])

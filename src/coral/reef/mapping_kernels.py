@@ -1,0 +1,164 @@
+"""Hot loops of the occupancy map: Eq. 1 projection and the explored-area ray casting (paper III-A)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+OYSTER, OBSTACLE, SEABED = 1, 2, 3
+SATURATED = 60000
+
+
+@njit(cache=True)
+def project(
+    depth: NDArray[np.float32],
+    labels: NDArray[np.uint8],
+    rays: NDArray[np.float64],
+    lever: NDArray[np.float64],
+    pose: tuple[float, float, float],
+    cell_m: float,
+    target_range_m: float,
+    obstacle_range_m: float,
+    targets: NDArray[np.uint16],
+    obstacles: NDArray[np.uint16],
+    ground: NDArray[np.uint16],
+    column_reach: NDArray[np.float64],
+) -> int:
+    """Project every pixel into the grid (Eq. 1) and count it under its class.
+
+    Args:
+        depth: Shape=(H, W), metres along the optical axis; inf where nothing is seen.
+        labels: Shape=(H, W), pixel classes.
+        rays: Shape=(H, W, 2), forward and left components (body frame) of each pixel's ray at unit depth.
+        lever: Shape=(2,), camera position in the body frame (m forward, m left).
+        pose: (x, y, theta) of the body in the world.
+        cell_m: Edge of a grid cell (m).
+        target_range_m: Oyster and seabed pixels farther than this (horizontally, m) are not counted.
+        obstacle_range_m: The same for obstacle pixels.
+        targets: Shape=(NY, NX), oyster hits, updated in place.
+        obstacles: Shape=(NY, NX), obstacle hits, updated in place.
+        ground: Shape=(NY, NX), seabed hits, updated in place.
+        column_reach: Shape=(W,), farthest horizontal distance (m) with a return in each column, written.
+
+    Returns:
+        How many oyster and obstacle cells were hit for the first time.
+    """
+    ny, nx = targets.shape
+    height, width = depth.shape
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    x0 = pose[0] + c * lever[0] - s * lever[1]
+    y0 = pose[1] + s * lever[0] + c * lever[1]
+    fresh = 0
+    for u in range(width):
+        reach = 0.0
+        for v in range(height):
+            z = depth[v, u]
+            if not z < np.inf:
+                continue
+            forward, left = z * rays[v, u, 0], z * rays[v, u, 1]
+            distance = math.sqrt(forward * forward + left * left)
+            reach = max(reach, distance)
+            label = labels[v, u]
+            if distance > (obstacle_range_m if label == OBSTACLE else target_range_m):
+                continue
+            ix = int(math.floor((x0 + c * forward - s * left) / cell_m))
+            iy = int(math.floor((y0 + s * forward + c * left) / cell_m))
+            if ix < 0 or iy < 0 or ix >= nx or iy >= ny:
+                continue
+            if label == OYSTER:
+                fresh += targets[iy, ix] == 0
+                if targets[iy, ix] < SATURATED:
+                    targets[iy, ix] += 1
+            elif label == OBSTACLE:
+                fresh += obstacles[iy, ix] == 0
+                if obstacles[iy, ix] < SATURATED:
+                    obstacles[iy, ix] += 1
+            elif label == SEABED and ground[iy, ix] < SATURATED:
+                ground[iy, ix] += 1
+        column_reach[u] = reach
+    return fresh
+
+
+@njit(cache=True)
+def explore(
+    explored: NDArray[np.bool_],
+    blocked: NDArray[np.bool_],
+    origin: tuple[float, float],
+    heading: float,
+    hfov: float,
+    n_rays: int,
+    range_m: float,
+    cell_m: float,
+    tangent_half: float,
+    column_reach: NDArray[np.float64],
+) -> int:
+    """Cast `n_rays` rays over the field of view and mark the cells they pass as explored.
+
+    A ray ends at the first blocked cell, at `range_m`, or where its image column had its last return,
+    whichever comes first: nothing is called explored that the camera could not have seen.
+
+    Args:
+        explored: Shape=(NY, NX), updated in place.
+        blocked: Shape=(NY, NX), known obstacles.
+        origin: Camera position in the world (m).
+        heading: Camera heading in the world (rad).
+        hfov: Horizontal field of view (rad).
+        n_rays: Number of rays.
+        range_m: Longest ray (m).
+        cell_m: Edge of a grid cell (m).
+        tangent_half: tan(hfov / 2).
+        column_reach: Shape=(W,), farthest return per image column (m).
+
+    Returns:
+        Number of newly explored cells.
+    """
+    ny, nx = explored.shape
+    width = column_reach.shape[0]
+    fresh = 0
+    for k in range(n_rays):
+        bearing = (k + 0.5) / n_rays * hfov - 0.5 * hfov
+        column = int(0.5 * width * (1.0 - math.tan(bearing) / tangent_half))
+        column = min(max(column, 0), width - 1)
+        reach = min(range_m, column_reach[column])
+        dx, dy = math.cos(heading + bearing) * cell_m, math.sin(heading + bearing) * cell_m
+        x, y = origin
+        for _ in range(int(reach / cell_m)):
+            ix, iy = int(math.floor(x / cell_m)), int(math.floor(y / cell_m))
+            if ix < 0 or iy < 0 or ix >= nx or iy >= ny:
+                break
+            if not explored[iy, ix]:
+                explored[iy, ix] = True
+                fresh += 1
+            if blocked[iy, ix]:
+                break
+            x += dx
+            y += dy
+    return fresh
+
+
+@njit(cache=True)
+def classify(
+    targets: NDArray[np.uint16],
+    obstacles: NDArray[np.uint16],
+    ground: NDArray[np.uint16],
+    target_hits: int,
+    obstacle_hits: int,
+    ratio: float,
+    target_mask: NDArray[np.bool_],
+    obstacle_mask: NDArray[np.bool_],
+    window: tuple[int, int, int, int],
+) -> int:
+    """Turn hit counts into masks inside `window` (y0, y1, x0, x1); returns how many obstacle cells changed."""
+    changed = 0
+    for iy in range(window[0], window[1]):
+        for ix in range(window[2], window[3]):
+            floor = ratio * ground[iy, ix]
+            solid = obstacles[iy, ix] >= obstacle_hits and obstacles[iy, ix] >= floor
+            if solid != obstacle_mask[iy, ix]:
+                obstacle_mask[iy, ix] = solid
+                changed += 1
+            target_mask[iy, ix] = targets[iy, ix] >= target_hits and targets[iy, ix] >= floor and not solid
+    return changed

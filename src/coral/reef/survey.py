@@ -1,0 +1,125 @@
+"""What is left to explore, read off the robot's own map: frontiers, dead ends, distances along known water."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.belief import Belief
+from coral.reef.costfield import CostField, CostFieldCfg
+from coral.reef.geometry import to_robot
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurveyCfg:
+    """Resolution and thresholds of the survey of what is left."""
+
+    cell_m: float = 0.2
+    """Edge of the coarse cells that frontiers are found on."""
+    min_region_m2: float = 1.5
+    """Unexplored regions smaller than this are shadows behind obstacles, not something to explore."""
+    min_frontier_m: float = 0.8
+    """Shorter frontiers are ignored."""
+    tile_m: float = 3.0
+    """Longer frontiers are cut into pieces of about this size."""
+    ahead_deg: float = 60.0
+    ahead_m: float = 6.0
+    """A dead end has no frontier within this angle and path length in front of the robot."""
+    border_m: float = 0.5
+    """The outermost strip of the survey area is not worth a visit."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frontier:
+    """A piece of the border between explored and unexplored water that the robot can reach."""
+
+    x: float
+    y: float
+    length_m: float
+    path_m: float
+    """Length of the known way there (m)."""
+    bearing: float
+    """Off the robot's heading (rad, left positive)."""
+    reef_m: float
+    """Distance to the nearest known oyster cluster (m); inf when none is known."""
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What is left, at one moment."""
+
+    frontiers: tuple[Frontier, ...]
+    field: CostField
+    """Geodesic distances from the robot."""
+    dead_end: bool
+
+    def path_m(self, x: float, y: float) -> float:
+        """Length of the known way from the robot to a point (m); inf when there is none."""
+        return self.field.distance_m(x, y)
+
+
+def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg) -> Survey:
+    """Look at the map as it is now.
+
+    Args:
+        belief: What the robot knows.
+        field_cfg: How obstacles are inflated for the geodesic distances.
+        forward_m: Forward projection from which a centroid counts as ahead (Alg. 2, d_min).
+        cfg: Thresholds.
+    """
+    pose = belief.pose
+    field = CostField.build(belief.map.distance(), belief.map.cfg.cell_m, (pose.x, pose.y), field_cfg)
+    frontiers = _frontiers(belief, field, cfg)
+    near_ahead = any(abs(f.bearing) <= math.radians(cfg.ahead_deg) and f.path_m <= cfg.ahead_m for f in frontiers)
+    return Survey(frontiers=tuple(frontiers), field=field, dead_end=not near_ahead and not belief.ahead(forward_m))
+
+
+def _frontiers(belief: Belief, field: CostField, cfg: SurveyCfg) -> list[Frontier]:
+    cells, cell_m = belief.map, cfg.cell_m
+    k = max(1, round(cell_m / cells.cfg.cell_m))
+    explored = _coarse(cells.explored, k).mean(axis=(1, 3)) > 0.5
+    solid = _coarse(cells.obstacle, k).any(axis=(1, 3))
+    edge = math.ceil(cfg.border_m / cell_m)
+    unknown = (~explored & ~solid).astype(np.uint8)
+    unknown[:edge], unknown[-edge:], unknown[:, :edge], unknown[:, -edge:] = 0, 0, 0, 0
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(unknown, connectivity=4)
+    for region in range(1, count):
+        if stats[region, cv2.CC_STAT_AREA] * cell_m**2 < cfg.min_region_m2:
+            unknown[labels == region] = 0
+    touching = cv2.dilate(unknown, np.ones((3, 3), np.uint8)).astype(bool)
+    ys, xs = np.nonzero(touching & explored & ~solid)
+    px, py = (xs + 0.5) * cell_m, (ys + 0.5) * cell_m
+    path = field.distances_m(px, py)
+    keep = np.isfinite(path)
+    xs, ys, px, py, path = xs[keep], ys[keep], px[keep], py[keep], path[keep]
+    edge_mask = np.zeros(explored.shape, np.uint8)
+    edge_mask[ys, xs] = 1
+    _, pieces = cv2.connectedComponents(edge_mask, connectivity=8)
+    tile = max(1, round(cfg.tile_m / cell_m))
+    key = (pieces[ys, xs].astype(np.int64) * 4096 + ys // tile) * 4096 + xs // tile
+    reef = np.array([[t.x, t.y] for t in belief.tracks]).reshape(-1, 2)
+    found = []
+    for group in np.unique(key):
+        members = np.flatnonzero(key == group)
+        if members.size * cell_m < cfg.min_frontier_m:
+            continue
+        mean = np.array([px[members].mean(), py[members].mean()])
+        best = members[np.argmin((px[members] - mean[0]) ** 2 + (py[members] - mean[1]) ** 2)]
+        x, y = float(px[best]), float(py[best])
+        if belief.failures(x, y) >= belief.cfg.max_attempts:
+            continue
+        forward, left = to_robot(belief.pose, x, y)
+        found.append(Frontier(
+            x=x, y=y, length_m=float(members.size * cell_m), path_m=float(path[best]), bearing=math.atan2(left, forward),
+            reef_m=float(np.min(np.hypot(reef[:, 0] - x, reef[:, 1] - y))) if len(reef) else math.inf))
+    return sorted(found, key=lambda f: f.path_m)
+
+
+def _coarse(mask: NDArray[np.bool_], k: int) -> NDArray[np.bool_]:
+    """View of a mask in k by k blocks, Shape=(NY // k, k, NX // k, k); a ragged border is dropped."""
+    ny, nx = mask.shape[0] // k, mask.shape[1] // k
+    return mask[: ny * k, : nx * k].reshape(ny, k, nx, k)

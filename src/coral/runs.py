@@ -1,0 +1,101 @@
+"""A run is a folder: written as it happens, readable at any moment, never overwriting anything."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+from collections.abc import Mapping
+from datetime import datetime
+from pathlib import Path
+from typing import IO, Any
+
+import yaml
+
+from coral import __version__
+from coral.errors import InputError
+
+
+class RunWriter:
+    """Opens a new run folder and appends to it; every line is flushed, so a killed run keeps what it wrote."""
+
+    def __init__(self, folder: Path, columns: tuple[str, ...]) -> None:
+        """Create `folder` (which must not hold anything yet).
+
+        Args:
+            folder: Where the run goes.
+            columns: Header of trajectory.csv.
+
+        Raises:
+            InputError: The folder holds something already, or cannot be written.
+        """
+        self.folder = folder
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            if any(folder.iterdir()):
+                raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
+            self._events: IO[str] = open(folder / "events.jsonl", "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+            self._rows: IO[str] = open(folder / "trajectory.csv", "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+        except OSError as error:
+            raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
+        self._rows.write(",".join(columns) + "\n")
+
+    def event(self, step: int, t: float, event: str, **fields: Any) -> None:
+        """Append one event."""
+        line = {"step": step, "t": round(t, 6), "event": event, **fields}
+        self._events.write(json.dumps(line, allow_nan=False, default=float) + "\n")
+
+    def row(self, *values: float | int | str) -> None:
+        """Append one row of the trajectory."""
+        self._rows.write(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values) + "\n")
+
+    def yaml(self, name: str, content: Mapping[str, Any]) -> None:
+        """Write a YAML file beside the log."""
+        self.text(name, yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True))
+
+    def json(self, name: str, content: Mapping[str, Any]) -> None:
+        """Write a JSON file beside the log."""
+        self.text(name, json.dumps(content, indent=2, allow_nan=False, default=float) + "\n")
+
+    def text(self, name: str, content: str) -> None:
+        """Write a file whole or not at all (temporary file, then rename)."""
+        self.bytes(name, content.encode())
+
+    def bytes(self, name: str, content: bytes) -> None:
+        """Write a binary file whole or not at all."""
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial = path.with_name(path.name + ".part")
+        partial.write_bytes(content)
+        os.replace(partial, path)
+
+    def close(self) -> None:
+        """Close the logs; writing a finished file after this is still allowed."""
+        self._events.close()
+        self._rows.close()
+
+
+def new_run_folder(root: Path, name: str) -> Path:
+    """First free folder `root/name-001`, `root/name-002`, ..."""
+    number = 1
+    while (folder := root / f"{name}-{number:03d}").exists():
+        number += 1
+    return folder
+
+
+def provenance() -> dict[str, Any]:
+    """Where a result comes from: version, commit, machine and date (kept out of metrics.json)."""
+    return {"coral": __version__, "commit": _commit(), "python": platform.python_version(),
+            "machine": f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}",
+            "date": datetime.now().astimezone().isoformat(timespec="seconds")}
+
+
+def _commit() -> str:
+    here = Path(__file__).resolve().parent
+    try:
+        done = subprocess.run(["git", "-C", str(here), "describe", "--always", "--dirty", "--abbrev=10"],
+                              capture_output=True, text=True, timeout=5, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+    return done.stdout.strip()
