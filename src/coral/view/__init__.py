@@ -1,0 +1,1 @@
+"""What people look at: map pictures, video, the run report, the live view."""

@@ -1,0 +1,147 @@
+"""Small drawing primitives on RGB pictures: text with a halo, outlined lines, PNG bytes."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+RGB = tuple[int, int, int]
+Image = NDArray[np.uint8]
+
+_SUBPIXEL = 4
+"""Fractional bits of the coordinates handed to OpenCV's anti-aliased drawing."""
+
+
+def png(rgb: Image) -> bytes:
+    """PNG file of a picture. Shape=(H, W, 3) RGB or (H, W) grey, uint8 or uint16."""
+    done, data = cv2.imencode(".png", rgb[..., ::-1] if rgb.ndim == 3 else rgb, [cv2.IMWRITE_PNG_COMPRESSION, 4])
+    if not done:
+        raise ValueError(f"cannot encode a picture of shape {rgb.shape} and type {rgb.dtype}")
+    return bytes(data)
+
+
+def palette_png(classes: Image, palette: NDArray[np.uint8]) -> bytes:
+    """Indexed PNG, a few kilobytes for a whole map (PNG specification, colour type 3).
+
+    Args:
+        classes: Shape=(H, W) uint8, indices into the palette; row 0 is the top of the picture.
+        palette: Shape=(C, 3) RGB, C <= 4 packs four pixels into a byte, C <= 256 uses one byte each.
+    """
+    height, width = classes.shape
+    depth = 2 if len(palette) <= 4 else 8
+    if depth == 2:
+        padded = np.zeros((height, -(-width // 4) * 4), np.uint8)
+        padded[:, :width] = classes
+        quads = padded.reshape(height, -1, 4)
+        rows = np.asarray(quads @ np.array([64, 16, 4, 1], np.uint8), np.uint8)
+    else:
+        rows = classes
+    raw = np.hstack([np.zeros((height, 1), np.uint8), rows]).tobytes()
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", width, height, depth, 3, 0, 0, 0)
+    return b"".join((b"\x89PNG\r\n\x1a\n", chunk(b"IHDR", header), chunk(b"PLTE", palette.astype(np.uint8).tobytes()),
+                     chunk(b"IDAT", zlib.compress(raw, 9)), chunk(b"IEND", b"")))
+
+
+@lru_cache(maxsize=1)
+def _font() -> cv2.FontFace:
+    return cv2.FontFace("sans")
+
+
+@lru_cache(maxsize=512)
+def _sprite(text: str, size: int, weight: int, halo: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Opacity of the letters and of the halo around them, both Shape=(h, w) in [0, 1]."""
+    canvas = np.zeros((3 * size, size * (len(text) + 3), 3), np.uint8)
+    cv2.putText(canvas, text, (size, 2 * size), (255, 255, 255), _font(), size, weight)
+    letters: Image = canvas[..., 0]
+    spread: Image = letters
+    if halo:
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * halo + 1, 2 * halo + 1))
+        spread = np.asarray(cv2.dilate(letters, disc), np.uint8)
+    rows, columns = np.nonzero(spread.any(axis=1))[0], np.nonzero(spread.any(axis=0))[0]
+    if not rows.size:
+        return np.zeros((size, 1), np.float32), np.zeros((size, 1), np.float32)
+    # Vertical extent from the font size, not from the letters, so that neighbouring words share a baseline.
+    box = slice(size, 2 * size + size // 2), slice(columns[0], columns[-1] + 1)
+    opacity = np.asarray([letters[box], spread[box]], np.float32) / np.float32(255)
+    return opacity[0].astype(np.float32), opacity[1].astype(np.float32)
+
+
+def text_size(text: str, size: int, weight: int = 500, halo: int = 0) -> tuple[int, int]:
+    """Width and height (px) that `draw_text` will cover."""
+    height, width = _sprite(text, size, weight, halo)[0].shape
+    return width, height
+
+
+def draw_text(image: Image, text: str, x: float, y: float, *, size: int = 14, color: RGB = (40, 44, 52),
+              weight: int = 500, halo: int = 0, anchor: str = "lm") -> None:
+    """Write text in place, moved where necessary so that it stays inside the picture.
+
+    Args:
+        image: Shape=(H, W, 3) RGB.
+        text: One line.
+        x: Anchor column (px).
+        y: Anchor row (px).
+        size: Letter height (px).
+        color: Of the letters; the halo is white.
+        weight: 400 regular to 800 bold.
+        halo: Width of the white edge (px), so that the text reads on any ground.
+        anchor: First letter l/m/r: text starts at, is centred on, ends at x; second t/m/b likewise for y.
+    """
+    letters, spread = _sprite(text, size, weight, halo)
+    h, w = letters.shape
+    left = round(x - {"l": 0.0, "m": 0.5, "r": 1.0}[anchor[0]] * w)
+    top = round(y - {"t": 0.0, "m": 0.5, "b": 1.0}[anchor[1]] * h)
+    left, top = max(0, min(left, image.shape[1] - w)), max(0, min(top, image.shape[0] - h))
+    patch = image[top:top + h, left:left + w]
+    letters, spread = letters[:patch.shape[0], :patch.shape[1], None], spread[:patch.shape[0], :patch.shape[1], None]
+    mixed: NDArray[np.float32] = patch * (1 - spread) + 255 * spread if halo else patch.astype(np.float32)
+    patch[:] = np.rint(mixed * (1 - letters) + np.array(color, np.float32) * letters).astype(np.uint8)
+
+
+def fixed_point(points: NDArray[np.float64]) -> NDArray[np.int32]:
+    """Pixel coordinates as the fixed-point integers of OpenCV's `shift` argument. Shape=(N, 1, 2)."""
+    return np.rint(np.asarray(points, np.float64).reshape(-1, 1, 2) * (1 << _SUBPIXEL)).astype(np.int32)
+
+
+def draw_line(image: Image, points: NDArray[np.float64], color: RGB, width: int = 2, edge: RGB | None = None) -> None:
+    """Anti-aliased polyline in place through `points`, Shape=(N, 2) px, with an optional darker or lighter edge."""
+    if len(points) < 2:
+        return
+    line = [fixed_point(points)]
+    if edge is not None:
+        cv2.polylines(image, line, False, edge, width + 2, cv2.LINE_AA, _SUBPIXEL)
+    cv2.polylines(image, line, False, color, width, cv2.LINE_AA, _SUBPIXEL)
+
+
+def draw_dot(image: Image, center: NDArray[np.float64], radius: float, color: RGB, edge: RGB = (255, 255, 255),
+             edge_width: float = 2.0) -> None:
+    """Filled disc in place with an edge; `center` (x, y) px."""
+    x, y = (int(value) for value in fixed_point(center).reshape(2))
+    scale = 1 << _SUBPIXEL
+    cv2.circle(image, (x, y), round((radius + edge_width) * scale), edge, -1, cv2.LINE_AA, _SUBPIXEL)
+    cv2.circle(image, (x, y), round(radius * scale), color, -1, cv2.LINE_AA, _SUBPIXEL)
+
+
+def draw_arrow(image: Image, start: NDArray[np.float64], end: NDArray[np.float64], color: RGB, width: int = 3) -> None:
+    """Arrow in place with a white edge; ends are (x, y) px."""
+    along = end - start
+    length = float(np.hypot(*along))
+    if length < 1e-6:
+        return
+    along = along / length
+    across = np.array([-along[1], along[0]])
+    head = min(13.0, 0.5 * length)
+    neck = end - head * along
+    tip = np.array([end, neck + 0.5 * head * across, neck - 0.5 * head * across])
+    draw_line(image, np.array([start, neck]), color, width, edge=(255, 255, 255))
+    cv2.polylines(image, [fixed_point(tip)], True, (255, 255, 255), 3, cv2.LINE_AA, _SUBPIXEL)
+    cv2.fillPoly(image, [fixed_point(tip)], color, cv2.LINE_AA, _SUBPIXEL)
