@@ -1,0 +1,56 @@
+"""Distance to obstacles on the ground plane, and the count of contacts."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef import collision_kernels
+from coral.reef.scene import Footprints
+
+
+def nearest(footprints: Footprints, x: float, y: float) -> tuple[float, int]:
+    """Nearest obstacle to a point. The world's border is none.
+
+    Returns:
+        Signed distance (m) from the point to its outline, negative inside, and its index in the world's `obstacles`;
+        (inf, -1) in a world without obstacles. Exact for circles and rectangles; within 1e-9 m for ellipses.
+    """
+    distance, index = collision_kernels.clearance(
+        float(x), float(y), footprints.kind, footprints.center, footprints.half, footprints.yaw
+    )
+    return float(distance), int(index)
+
+
+def clearance(footprints: Footprints, x: float, y: float) -> float:
+    """Signed distance (m) from a point to the nearest obstacle's outline; see `nearest`."""
+    return nearest(footprints, x, y)[0]
+
+
+class ContactCounter:
+    """Counts collisions of a disc: one for each time that it comes to touch an obstacle.
+
+    A contact lasts until the disc is more than `release_m` away again, so that sliding along a rock is one collision.
+    """
+
+    def __init__(self, footprints: Footprints, radius: float = 0.3, release_m: float = 0.05) -> None:
+        self.count = 0
+        """Contacts so far."""
+        self._footprints = footprints
+        self._radius, self._release = radius, release_m
+        self._touching: NDArray[np.bool_] = np.zeros(len(footprints), np.bool_)
+        self._fresh: NDArray[np.int64] = np.zeros(len(footprints), np.int64)
+
+    def update(self, x: float, y: float) -> tuple[int, ...]:
+        """Move the disc's centre to a world point (m).
+
+        Returns:
+            Indices of the obstacles that it has begun to touch; empty (false) when there is no new contact.
+        """
+        f = self._footprints
+        fresh = collision_kernels.contacts(
+            float(x), float(y), self._radius, self._release, f.kind, f.center, f.half, f.yaw,
+            self._touching, self._fresh,
+        )
+        self.count += fresh
+        return tuple(int(k) for k in self._fresh[:fresh])

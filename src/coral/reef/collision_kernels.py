@@ -1,0 +1,134 @@
+"""Signed distance from a point to ground outlines, and contact bookkeeping; called at every integration step."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+_ELLIPSE = 0
+
+
+@njit(cache=True)
+def ellipse_distance(x: float, y: float, a: float, b: float) -> float:
+    """Signed distance from (x, y) to the ellipse with half-axes a, b along the axes, centred at 0.
+
+    With a >= b and the point in the first quadrant, the closest point is (a^2 x / (t + a^2), b^2 y / (t + b^2)) for the
+    largest root t of g(t) = (a x / (t + a^2))^2 + (b y / (t + b^2))^2 - 1. g falls and is convex right of -b^2, so
+    Newton from a point left of the root climbs to it without overshooting.
+    """
+    if a == b:
+        return math.sqrt(x * x + y * y) - a
+    x, y = abs(x), abs(y)
+    if a < b:
+        a, b, x, y = b, a, y, x
+    if y < 1e-12 * b:
+        # On the long axis, inside the centre of curvature, two closest points lie off the axis.
+        focal = (a * a - b * b) / a
+        if x < focal:
+            cx = a * x / focal
+            return -b * math.sqrt(max(0.0, 1.0 - (cx / a) ** 2 + ((cx - x) / b) ** 2))
+        return x - a
+    # At either start one term of g is 1 (or more), so the root lies to the right.
+    t = max(-b * b + b * y, -a * a + a * x)
+    for _ in range(100):
+        u, w = a * x / (t + a * a), b * y / (t + b * b)
+        g = u * u + w * w - 1.0
+        slope = 2.0 * (u * u / (t + a * a) + w * w / (t + b * b))
+        step = g / slope
+        t += step
+        if step <= 1e-15 * (abs(t) + b * b):
+            break
+    ex, ey = a * a * x / (t + a * a), b * b * y / (t + b * b)
+    distance = math.sqrt((x - ex) ** 2 + (y - ey) ** 2)
+    return distance if t > 0.0 else -distance
+
+
+@njit(cache=True)
+def rectangle_distance(x: float, y: float, a: float, b: float) -> float:
+    """Signed distance from (x, y) to the rectangle |x| <= a, |y| <= b."""
+    dx, dy = abs(x) - a, abs(y) - b
+    if dx > 0.0 and dy > 0.0:
+        return math.sqrt(dx * dx + dy * dy)
+    return max(dx, dy)
+
+
+@njit(cache=True)
+def outline_distance(
+    x: float, y: float, k: int, kind: NDArray[np.int8], center: NDArray[np.float64], half: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+) -> float:
+    """Signed distance (m) from a world point to outline k, negative inside."""
+    dx, dy = x - center[k, 0], y - center[k, 1]
+    c, s = math.cos(yaw[k]), math.sin(yaw[k])
+    px, py = c * dx + s * dy, -s * dx + c * dy
+    if kind[k] == _ELLIPSE:
+        return ellipse_distance(px, py, half[k, 0], half[k, 1])
+    return rectangle_distance(px, py, half[k, 0], half[k, 1])
+
+
+@njit(cache=True)
+def clearance(
+    x: float, y: float, kind: NDArray[np.int8], center: NDArray[np.float64], half: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+) -> tuple[float, int]:
+    """Signed distance (m) from a world point to the nearest outline, and its index; (inf, -1) when there is none.
+
+    Args:
+        x: World x (m).
+        y: World y (m).
+        kind: Shape=(K,), as `Footprints`.
+        center: Shape=(K, 2).
+        half: Shape=(K, 2).
+        yaw: Shape=(K,).
+    """
+    best, index = np.inf, -1
+    for k in range(kind.size):
+        dx, dy = x - center[k, 0], y - center[k, 1]
+        a, b = half[k, 0], half[k, 1]
+        round_ = max(a, b) if kind[k] == _ELLIPSE else math.sqrt(a * a + b * b)
+        # No outline comes nearer than the circle about it.
+        if math.sqrt(dx * dx + dy * dy) - round_ >= best:
+            continue
+        distance = outline_distance(x, y, k, kind, center, half, yaw)
+        if distance < best:
+            best, index = distance, k
+    return best, index
+
+
+@njit(cache=True)
+def contacts(
+    x: float, y: float, radius: float, release: float, kind: NDArray[np.int8], center: NDArray[np.float64],
+    half: NDArray[np.float64], yaw: NDArray[np.float64], touching: NDArray[np.bool_], fresh: NDArray[np.int64],
+) -> int:
+    """Update which outlines a disc touches; returns how many it has begun to touch, their indices in `fresh`.
+
+    Args:
+        x: World x of the disc's centre (m).
+        y: World y (m).
+        radius: Of the disc (m).
+        release: Gap (m) beyond which a contact has ended.
+        kind: Shape=(K,), as `Footprints`.
+        center: Shape=(K, 2).
+        half: Shape=(K, 2).
+        yaw: Shape=(K,).
+        touching: Shape=(K,), updated in place.
+        fresh: Shape=(K,), written.
+    """
+    count = 0
+    for k in range(kind.size):
+        dx, dy = x - center[k, 0], y - center[k, 1]
+        reach = half[k, 0] + half[k, 1] + radius + release
+        if dx * dx + dy * dy > reach * reach:
+            touching[k] = False
+            continue
+        gap = outline_distance(x, y, k, kind, center, half, yaw) - radius
+        if touching[k]:
+            touching[k] = gap <= release
+        elif gap <= 0.0:
+            touching[k] = True
+            fresh[count] = k
+            count += 1
+    return count

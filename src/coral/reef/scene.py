@@ -1,0 +1,119 @@
+"""A reef world as flat arrays: solids for ray casting, ground outlines for collision and line of sight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.geometry import Label
+from coral.reef.world import Obstacle, Oyster, ReefWorld
+
+ELLIPSOID, BOX, CYLINDER = 0, 1, 2
+"""`Scene.kind`. A sphere is an ellipsoid; cylinders stand upright."""
+ELLIPSE, RECTANGLE = 0, 1
+"""`Footprints.kind`. A circle is an ellipse with equal half-axes."""
+_KINDS = {"sphere": ELLIPSOID, "ellipsoid": ELLIPSOID, "box": BOX, "cylinder": CYLINDER}
+
+
+@dataclass(frozen=True)
+class Footprints:
+    """Outlines on the ground plane, K of them; world frame, metres, radians.
+
+    kind: Shape=(K,) int8, ELLIPSE or RECTANGLE.
+    center: Shape=(K, 2).
+    half: Shape=(K, 2), half-axes of the ellipse or half edges of the rectangle, along its own axes.
+    yaw: Shape=(K,), of the outline's first axis, counter-clockwise from +x.
+    """
+
+    kind: NDArray[np.int8]
+    center: NDArray[np.float64]
+    half: NDArray[np.float64]
+    yaw: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Every solid of a world, N of them: the oysters cluster by cluster, then the obstacles; world frame, metres.
+
+    kind: Shape=(N,) int8, ELLIPSOID, BOX or CYLINDER.
+    center: Shape=(N, 3).
+    half: Shape=(N, 3), half-extents along the solid's own axes (cylinder: r, r, half height).
+    rotation: Shape=(N, 3, 3), object to world.
+    label: Shape=(N,) uint8 of `Label`.
+    cluster: Shape=(N,) int32, index into `cluster_names`; -1 for obstacles.
+    seabed_z: Height of the flat sea floor (m).
+    """
+
+    kind: NDArray[np.int8]
+    center: NDArray[np.float64]
+    half: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    label: NDArray[np.uint8]
+    cluster: NDArray[np.int32]
+    seabed_z: float
+    cluster_names: tuple[str, ...]
+
+    @classmethod
+    def from_world(cls, world: ReefWorld) -> Scene:
+        """Arrays of a world, in the file's order."""
+        oysters = [oyster for cluster in world.clusters for oyster in cluster.oysters]
+        cluster = [i for i, group in enumerate(world.clusters) for _ in group.oysters]
+        solids: list[Oyster | Obstacle] = [*oysters, *world.obstacles]
+        rpy = [o.rpy for o in oysters] + [(0.0, 0.0, o.yaw) for o in world.obstacles]
+        return cls(
+            kind=np.array([ELLIPSOID] * len(oysters) + [_KINDS[o.shape] for o in world.obstacles], np.int8),
+            center=np.array([(o.x, o.y, o.z) for o in solids], np.float64),
+            half=np.array([o.radii for o in oysters] + [o.size for o in world.obstacles], np.float64),
+            rotation=rotations(rpy),
+            label=np.array([Label.OYSTER] * len(oysters) + [Label.OBSTACLE] * len(world.obstacles), np.uint8),
+            cluster=np.array(cluster + [-1] * len(world.obstacles), np.int32),
+            seabed_z=world.seabed.z_m,
+            cluster_names=tuple(group.name for group in world.clusters),
+        )
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+    def footprints(self) -> Footprints:
+        """Outlines of the obstacles, in the order of the world's `obstacles`."""
+        return self.outlines(np.flatnonzero(self.label == Label.OBSTACLE))
+
+    def outlines(self, index: NDArray[np.intp]) -> Footprints:
+        """Shadows of some solids on the ground, seen from straight above.
+
+        Args:
+            index: Shape=(K,), which solids. Boxes and cylinders have to stand upright, as all of a world's do.
+        """
+        turn = self.rotation[index]
+        half = self.half[index, :2].copy()
+        yaw = np.arctan2(turn[:, 1, 0], turn[:, 0, 0])
+        # The shadow of {R diag(h) s : |s| <= 1} is the ellipse whose matrix is the upper left 2x2 of R diag(h^2) R^T.
+        shadow = np.einsum("nij,nj,nkj->nik", turn, self.half[index] ** 2, turn)[:, :2, :2]
+        squares, axes = np.linalg.eigh(shadow)
+        tilted = (self.kind[index] == ELLIPSOID) & (np.abs(turn[:, 2, 2]) < 1.0)
+        half[tilted] = np.sqrt(squares)[tilted]
+        yaw[tilted] = np.arctan2(axes[:, 1, 0], axes[:, 0, 0])[tilted]
+        kind = np.where(self.kind[index] == BOX, RECTANGLE, ELLIPSE).astype(np.int8)
+        return Footprints(kind=kind, center=np.ascontiguousarray(self.center[index, :2]), half=half, yaw=yaw)
+
+
+def rotations(rpy: Iterable[tuple[float, float, float]]) -> NDArray[np.float64]:
+    """Rotation matrices Rz(yaw) Ry(pitch) Rx(roll). Shape=(N, 3, 3).
+
+    Args:
+        rpy: N triples of roll, pitch, yaw (rad).
+    """
+    angles = np.array(list(rpy), np.float64).reshape(-1, 3)
+    (cr, cp, cy), (sr, sp, sy) = np.cos(angles).T, np.sin(angles).T
+    rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.ascontiguousarray(np.moveaxis(np.array(rows), -1, 0))
