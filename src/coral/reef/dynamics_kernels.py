@@ -1,0 +1,218 @@
+"""Fossen's equations of motion for the BlueROV2: planar and six degrees of freedom, RK4 (numba).
+
+Velocities inside this file are relative to the water. For a steady irrotational current Fossen's
+M nu' + C(nu) nu + D(nu) nu + g = tau holds with the relative velocity throughout (added mass and drag both act on
+the water-relative motion), so that only the position equation needs the current.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from coral.reef.dynamics import Planar, SixDof
+
+Array = NDArray[np.float64]
+
+
+@njit(cache=True)
+def clip(value: float, limit: float) -> float:
+    """Value limited to [-limit, limit]."""
+    return min(max(value, -limit), limit)
+
+
+@njit(cache=True)
+def limit_wrench(fx: float, fy: float, n: float, model: Planar) -> tuple[float, float, float]:
+    """Wrench (N, N, N m) the four horizontal thrusters can make of the one asked for.
+
+    Yaw is served first, then sway, then surge with what is left of each thruster: a vehicle that cannot hold its
+    heading cannot be steered away from anything.
+    """
+    n1 = clip(n / model.moment_arm, model.thrust_max)
+    left = model.thrust_max - abs(n1)
+    fy1 = clip(fy / model.force_arm, left)
+    fx1 = clip(fx / model.force_arm, left - abs(fy1))
+    return fx1 * model.force_arm, fy1 * model.force_arm, n1 * model.moment_arm
+
+
+@njit(cache=True)
+def tracking_wrench(
+    u: float, v: float, r: float, v_cmd: float, omega_cmd: float, rate: float, yaw_rate: float, model: Planar
+) -> tuple[float, float, float]:
+    """Unlimited wrench (N, N, N m) of the velocity loop: surge to v_cmd, sway to 0, yaw rate to omega_cmd.
+
+    Feedback linearisation: the model's own drag and Coriolis terms are fed forward, and the error decays with
+    `rate` (1/s) in surge and sway and `yaw_rate` (1/s) in yaw.
+    """
+    fx = model.m11 * rate * (v_cmd - u) + (model.du + model.duu * abs(u)) * u - model.m22 * v * r
+    fy = -model.m22 * rate * v + (model.dv + model.dvv * abs(v)) * v + model.m11 * u * r
+    n = model.m66 * yaw_rate * (omega_cmd - r) + (model.dr + model.drr * abs(r)) * r + (model.m22 - model.m11) * u * v
+    return fx, fy, n
+
+
+@njit(cache=True)
+def planar_acceleration(
+    u: float, v: float, r: float, fx: float, fy: float, n: float, model: Planar
+) -> tuple[float, float, float]:
+    """Acceleration (m/s^2, m/s^2, rad/s^2) of the planar model from water-relative velocities and the wrench."""
+    du = (fx + model.m22 * v * r - (model.du + model.duu * abs(u)) * u) / model.m11
+    dv = (fy - model.m11 * u * r - (model.dv + model.dvv * abs(v)) * v) / model.m22
+    dr = (n - (model.m22 - model.m11) * u * v - (model.dr + model.drr * abs(r)) * r) / model.m66
+    return du, dv, dr
+
+
+@njit(cache=True)
+def _planar_rate(s: Array, asked: Array, current: Array, lag_s: float, model: Planar, out: Array) -> None:
+    c, si = math.cos(s[2]), math.sin(s[2])
+    out[0] = c * s[3] - si * s[4] + current[0]
+    out[1] = si * s[3] + c * s[4] + current[1]
+    out[2] = s[5]
+    out[3], out[4], out[5] = planar_acceleration(s[3], s[4], s[5], s[6], s[7], s[8], model)
+    for i in range(3):
+        out[6 + i] = (asked[i] - s[6 + i]) / lag_s
+
+
+@njit(cache=True)
+def planar_rk4(s: Array, asked: Array, current: Array, lag_s: float, h: float, model: Planar) -> None:
+    """One RK4 step of the planar model, in place.
+
+    Args:
+        s: Shape=(9,): x, y, theta, water-relative u, v, r, and the wrench now produced (Fx, Fy, N).
+        asked: Shape=(3,) wrench the thrusters are asked for, within their limits, held over the step.
+        current: Shape=(2,) water velocity in the world (m/s).
+        lag_s: Time constant of the thrust (s). All thrusters share it, so the wrench lags as each thrust does.
+        h: Step (s).
+        model: Constants of the vehicle.
+    """
+    k1, k2, k3, k4 = np.empty(9), np.empty(9), np.empty(9), np.empty(9)
+    _planar_rate(s, asked, current, lag_s, model, k1)
+    _planar_rate(s + 0.5 * h * k1, asked, current, lag_s, model, k2)
+    _planar_rate(s + 0.5 * h * k2, asked, current, lag_s, model, k3)
+    _planar_rate(s + h * k3, asked, current, lag_s, model, k4)
+    s += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+
+
+@njit(cache=True)
+def limit_six(wrench: Array, model: SixDof) -> Array:
+    """Wrench Shape=(6,) that the eight thrusters can make of the one asked for.
+
+    Horizontal thrusters as in `limit_wrench`. They sit below the centre of gravity, so their forces tip the vehicle;
+    the vertical ones counter that: pitch first, then roll, then heave.
+    """
+    force, moment, z = model.horizontal[0], model.horizontal[1], model.horizontal[2]
+    n = clip(wrench[5] / moment, model.thrust_max)
+    left = model.thrust_max - abs(n)
+    fy = clip(wrench[1] / force, left)
+    fx = clip(wrench[0] / force, left - abs(fy)) * force
+    fy *= force
+    # r x F of a horizontal force at height z: (-z Fy, z Fx).
+    tip_roll, tip_pitch = -z * fy, z * fx
+    pitch = clip((wrench[4] - tip_pitch) / model.vertical[2], model.thrust_max)
+    left = model.thrust_max - abs(pitch)
+    roll = clip((wrench[3] - tip_roll) / model.vertical[1], left)
+    heave = clip(wrench[2] / model.vertical[0], left - abs(roll))
+    return np.array(
+        [
+            fx,
+            fy,
+            heave * model.vertical[0],
+            roll * model.vertical[1] + tip_roll,
+            pitch * model.vertical[2] + tip_pitch,
+            n * moment,
+        ]
+    )
+
+
+@njit(cache=True)
+def rotation(roll: float, pitch: float, yaw: float) -> Array:
+    """Body-to-world rotation, Shape=(3, 3), z-y-x angles."""
+    cr, sr, cp, sp, cy, sy = (
+        math.cos(roll),
+        math.sin(roll),
+        math.cos(pitch),
+        math.sin(pitch),
+        math.cos(yaw),
+        math.sin(yaw),
+    )
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+@njit(cache=True)
+def _cross(a: Array, b: Array) -> Array:
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+@njit(cache=True)
+def coriolis_force(nu: Array, inertia: Array) -> Array:
+    """C(nu) nu, Shape=(6,), for a diagonal mass matrix (Kirchhoff's equations); does no work on nu."""
+    v, w = nu[:3], nu[3:]
+    momentum, spin = inertia[:3] * v, inertia[3:] * w
+    out = np.empty(6)
+    out[:3] = _cross(w, momentum)
+    out[3:] = _cross(v, momentum) + _cross(w, spin)
+    return out
+
+
+@njit(cache=True)
+def restoring_force(roll: float, pitch: float, model: SixDof) -> Array:
+    """Weight and buoyancy as a body wrench, Shape=(6,); buoyancy acts `cb_above_cg_m` above the origin."""
+    up = np.array([-math.sin(pitch), math.cos(pitch) * math.sin(roll), math.cos(pitch) * math.cos(roll)])
+    out = np.empty(6)
+    out[:3] = (model.buoyancy_n - model.weight_n) * up
+    out[3:] = _cross(np.array([0.0, 0.0, model.cb_above_cg_m]), model.buoyancy_n * up)
+    return out
+
+
+@njit(cache=True)
+def six_acceleration(nu: Array, attitude: Array, wrench: Array, model: SixDof) -> Array:
+    """Acceleration, Shape=(6,), from water-relative velocity nu, attitude (roll, pitch, yaw) and wrench."""
+    drag = (model.linear_drag + model.quadratic_drag * np.abs(nu)) * nu
+    force = wrench - coriolis_force(nu, model.inertia) - drag + restoring_force(attitude[0], attitude[1], model)
+    return force / model.inertia
+
+
+@njit(cache=True)
+def _six_rate(s: Array, asked: Array, current: Array, lag_s: float, model: SixDof) -> Array:
+    out = np.empty(18)
+    turn = rotation(s[3], s[4], s[5])
+    for i in range(3):
+        out[i] = turn[i, 0] * s[6] + turn[i, 1] * s[7] + turn[i, 2] * s[8]
+    out[0] += current[0]
+    out[1] += current[1]
+    p, q, r = s[9], s[10], s[11]
+    sr, cr, tp = math.sin(s[3]), math.cos(s[3]), math.tan(s[4])
+    out[3] = p + sr * tp * q + cr * tp * r
+    out[4] = cr * q - sr * r
+    out[5] = (sr * q + cr * r) / math.cos(s[4])
+    out[6:12] = six_acceleration(s[6:12], s[3:6], s[12:18], model)
+    out[12:18] = (asked - s[12:18]) / lag_s
+    return out
+
+
+@njit(cache=True)
+def six_rk4(s: Array, asked: Array, current: Array, lag_s: float, h: float, model: SixDof) -> None:
+    """One RK4 step of the six-degree-of-freedom model, in place.
+
+    Args:
+        s: Shape=(18,): position (3), roll, pitch, yaw, water-relative body velocity (6), wrench now produced (6).
+            The z-y-x angles are singular at a pitch of 90 degrees, far from where the righting moment lets it go.
+        asked: Shape=(6,) wrench the thrusters are asked for, within their limits, held over the step.
+        current: Shape=(2,) horizontal water velocity in the world (m/s).
+        lag_s: Time constant of the thrust (s).
+        h: Step (s).
+        model: Constants of the vehicle.
+    """
+    k1 = _six_rate(s, asked, current, lag_s, model)
+    k2 = _six_rate(s + 0.5 * h * k1, asked, current, lag_s, model)
+    k3 = _six_rate(s + 0.5 * h * k2, asked, current, lag_s, model)
+    k4 = _six_rate(s + h * k3, asked, current, lag_s, model)
+    s += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
