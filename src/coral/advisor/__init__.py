@@ -1,0 +1,1 @@
+"""Asking a foundation model without trusting it."""

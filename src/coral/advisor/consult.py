@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Generic, Literal, Protocol, TypeVar
 
 from pydantic import BaseModel
 
-from coral.advisor.question import Advisor, AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
+from coral.advisor.question import Advisor, AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage, Withdrawn
 
 A = TypeVar("A", bound=BaseModel)
 T = TypeVar("T")
@@ -43,6 +44,8 @@ class Attempt:
     answer: dict[str, Any] | None = None
     rejection: Rejection | None = None
     usage: Usage = field(default_factory=lambda: Usage(requests=0))
+    final: bool = False
+    """Whether the advisor said that asking again cannot help."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +72,7 @@ class Clock(Protocol):
 
         Raises:
             TimeoutError: It did not arrive within `timeout_s` seconds of this clock.
+            Withdrawn: The question was withdrawn meanwhile.
         """
         ...
 
@@ -110,26 +114,29 @@ async def consult(
                         question=question, verdict=verdict, **fields))
 
         try:
-            reply: Reply[A] = await clock.reply(
-                lambda question=question, reasons=reasons: advisor.answer(question, reasons), end - asked_at)
+            reply: Reply[A] = await clock.reply(partial(advisor.answer, question, reasons), end - asked_at)
         except TimeoutError:
             silence = Rejection(code="deadline", reason=f"no answer within {budget.deadline_s:g} s")
             record("unavailable", rejection=silence)
             return Outcome(answer=None, question=question, attempts=attempt + 1, failure="deadline",
                            rejections=(*rejections, silence))
+        except Withdrawn:
+            record("withdrawn")
+            return Outcome(answer=None, question=question, attempts=attempt + 1, failure="withdrawn",
+                           rejections=reasons)
         except BadAnswer as bad:
             record("malformed", raw=bad.raw, rejection=bad.rejection, usage=bad.usage)
             rejections.append(bad.rejection)
             continue
         except AdvisorUnavailable as gone:
             absence = Rejection(code=gone.code, reason=gone.reason)
-            record("unavailable", rejection=absence)
+            record("unavailable", rejection=absence, final=gone.final)
             if gone.final:
                 return Outcome(answer=None, question=question, attempts=attempt + 1, failure=gone.code,
                                rejections=(*rejections, absence))
             continue
         refusal = verify(question, reply.value)
-        fields = {"raw": reply.raw, "answer": reply.value.model_dump(mode="json"), "usage": reply.usage}
+        fields: dict[str, Any] = {"raw": reply.raw, "answer": reply.value.model_dump(mode="json"), "usage": reply.usage}
         if refusal is None:
             record("accepted", **fields)
             return Outcome(answer=reply.value, question=question, attempts=attempt + 1, rejections=tuple(rejections))

@@ -69,26 +69,37 @@ class Reply(Generic[A]):
     value: A
     raw: str
     usage: Usage = Usage(requests=0)
+    latency_s: float | None = None
+    """How long the answer took, when the advisor knows better than the clock (a recording); infinite for never."""
 
 
 class BadAnswer(Exception):
     """The advisor answered, but not with anything that validates. Its reason goes back to the model."""
 
-    def __init__(self, code: str, reason: str, raw: str = "", usage: Usage | None = None) -> None:
+    def __init__(self, code: str, reason: str, raw: str = "", usage: Usage | None = None,
+                 latency_s: float | None = None) -> None:
         super().__init__(reason)
         self.rejection = Rejection(code=code, reason=reason)
         self.raw = raw
         self.usage = usage or Usage()
+        self.latency_s = latency_s
+        """As in `Reply`."""
 
 
 class AdvisorUnavailable(Exception):
     """No answer could be had (network, time-out, budget). `code` names the failure in the attempt log."""
 
-    def __init__(self, code: str, reason: str, *, final: bool = False) -> None:
+    def __init__(self, code: str, reason: str, *, final: bool = False, latency_s: float | None = None) -> None:
         super().__init__(reason)
         self.code, self.reason = code, reason
         self.final = final
         """True when asking again cannot help (budget used up, key refused)."""
+        self.latency_s = latency_s
+        """As in `Reply`."""
+
+
+class Withdrawn(Exception):
+    """The question was withdrawn while it was under way: the world no longer needs an answer."""
 
 
 class Advisor(Protocol):

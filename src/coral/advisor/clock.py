@@ -1,0 +1,294 @@
+"""The clocks on which a decision runs: simulated time, stepped by the mission, and wall time."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from collections.abc import Callable, Coroutine
+from concurrent.futures import Future, wait
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+import numpy as np
+
+from coral.advisor.latency import LatencyCfg, parse_latency
+from coral.advisor.question import AdvisorUnavailable, Withdrawn
+from coral.advisor.thread import AdvisorThread
+
+R = TypeVar("R")
+
+TINY_S = 1e-9
+"""Ticks are multiples of 0.1 s in floating point: 0.3 + 10 and 103 * 0.1 are the same tick."""
+
+MOST_STEPS = 100_000
+"""Steps of the private loop after which a coroutine is taken to wait for something that never comes in a tick."""
+
+
+@dataclass
+class _Request:
+    """One question under way."""
+
+    future: Future[Any]
+    parked: asyncio.Future[Any]
+    """Where the asking coroutine waits."""
+    asked_s: float
+    deadline_s: float
+    asked_wall_s: float
+    due_s: float | None
+    """When the reply is delivered; None while only the reply can tell."""
+    wait: bool
+    """Whether simulated time stands still until the advisor has really answered."""
+    wall_s: float = field(default=math.nan)
+    """Wall time the advisor took, once it has answered."""
+
+
+class SimulatedClock:
+    """Simulated seconds, moved on by the mission's own loop, which no advisor can stall in simulated time.
+
+    Coroutines started here run on a private event loop inside `start` and `advance`, that is in the mission's
+    thread and between two ticks: they may read the map without locks. The advisor thinks on its own thread, and its
+    reply (or its failure) is handed over at the first tick at or after `asked + latency`. With a drawn or recorded
+    latency the outcome does not depend on how fast this machine or the network is: if the real answer is not
+    there when it is due, simulated time stands still until it is. With "measured" the latency is the wall time the
+    advisor took, and `advance` keeps simulated time from running ahead of it while a reply is outstanding.
+    """
+
+    def __init__(self, latency: str | LatencyCfg, rng: np.random.Generator, *, thread: AdvisorThread | None = None,
+                 wall_timeout_s: float = 600.0) -> None:
+        """Start at time 0.
+
+        Args:
+            latency: Distribution of reply times, such as "fixed:10".
+            rng: Drawn from once per question when the latency is random.
+            thread: Where advisors think; one of its own by default.
+            wall_timeout_s: Longest wall time that simulated time may stand still for one reply (s).
+        """
+        self.latency = parse_latency(latency) if isinstance(latency, str) else latency
+        self._rng = rng
+        self._own_thread = thread is None
+        self.thread = thread or AdvisorThread()
+        self._wall_timeout_s = wall_timeout_s
+        self._now_s = 0.0
+        self._loop = asyncio.new_event_loop()
+        self._requests: list[_Request] = []
+        self._tasks: list[asyncio.Task[Any]] = []
+
+    def now(self) -> float:
+        """Simulated seconds since the start of the run."""
+        return self._now_s
+
+    @property
+    def pending(self) -> bool:
+        """Whether a question is under way."""
+        return bool(self._requests)
+
+    @property
+    def pending_measured(self) -> bool:
+        """Whether a question is under way whose latency is being measured in wall time."""
+        return any(not r.wait and r.due_s is None and not r.future.done() for r in self._requests)
+
+    def owns(self, loop: asyncio.AbstractEventLoop) -> bool:
+        """Whether `loop` is this clock's private one."""
+        return loop is self._loop
+
+    def start(self, coroutine: Coroutine[Any, Any, R]) -> asyncio.Task[R]:
+        """Run a coroutine (a `consult`) up to its first wait; with latency 0, to its end.
+
+        Raises:
+            Exception: Whatever the coroutine raised.
+        """
+        task = self._loop.create_task(coroutine)
+        self._tasks.append(task)
+        self._settle()
+        return task
+
+    def advance(self, now_s: float) -> None:
+        """Move to the next tick, deliver every reply that is due, and run what follows from it.
+
+        Raises:
+            Exception: Whatever a started coroutine raised.
+        """
+        if now_s < self._now_s - TINY_S:
+            raise ValueError(f"time runs backwards: from {self._now_s} to {now_s}")
+        self._now_s = now_s
+        if self._requests:
+            self.pace()
+            self._settle()
+
+    def pace(self) -> None:
+        """Sleep until wall time has caught up with simulated time, while a measured reply is outstanding."""
+        for request in self._requests:
+            if request.wait or request.due_s is not None or request.future.done():
+                continue
+            ahead = (self._now_s - request.asked_s) - (time.monotonic() - request.asked_wall_s)
+            if ahead > 0:
+                time.sleep(ahead)
+
+    async def reply(self, asking: Callable[[], Coroutine[Any, Any, R]], timeout_s: float) -> R:
+        """Ask on the advisor thread and return the reply when it is due on this clock.
+
+        Raises:
+            TimeoutError: It was not due within `timeout_s` simulated seconds; the request is cancelled.
+            Withdrawn: The question was withdrawn meanwhile.
+            BadAnswer, AdvisorUnavailable: As the advisor raised it, after the same latency as an answer.
+        """
+        if timeout_s <= 0:
+            raise TimeoutError
+        latency = self.latency.draw(self._rng)
+        request = _Request(
+            future=self.thread.submit(asking), parked=self._loop.create_future(), asked_s=self._now_s,
+            deadline_s=self._now_s + timeout_s, asked_wall_s=time.monotonic(),
+            due_s=None if latency is None else self._now_s + latency, wait=self.latency.kind != "measured")
+
+        def stamp(_: Future[Any]) -> None:
+            request.wall_s = time.monotonic() - request.asked_wall_s
+
+        request.future.add_done_callback(stamp)
+        self._requests.append(request)
+        try:
+            result: R = await request.parked
+        finally:
+            self._requests.remove(request)
+            request.future.cancel()
+        return result
+
+    def withdraw(self) -> None:
+        """Cancel every request under way, because its question is outdated; the asking coroutines end as withdrawn."""
+        for request in self._requests:
+            if not request.parked.done():
+                request.parked.set_exception(Withdrawn())
+        self._settle()
+
+    def close(self) -> None:
+        """End all coroutines and release the thread."""
+        if self._loop.is_closed():
+            return
+        for task in self._tasks:
+            task.cancel()
+        if self._tasks:
+            self._loop.run_until_complete(asyncio.gather(*self._tasks, return_exceptions=True))
+        self._loop.close()
+        if self._own_thread:
+            self.thread.close()
+
+    def _settle(self) -> None:
+        """Run the private loop until every coroutine has ended or waits for a reply that is not due."""
+        while True:
+            self._loop.run_until_complete(self._until_parked())
+            if not any(self._deliver(request) for request in self._requests):
+                break
+        ended = [task for task in self._tasks if task.done()]
+        self._tasks = [task for task in self._tasks if not task.done()]
+        for task in ended:
+            if not task.cancelled() and (error := task.exception()) is not None:
+                raise error
+
+    async def _until_parked(self) -> None:
+        for _ in range(MOST_STEPS):
+            running = sum(not task.done() for task in self._tasks)
+            if running <= sum(not request.parked.done() for request in self._requests):
+                return
+            await asyncio.sleep(0)
+        raise RuntimeError("a coroutine started on this clock waits for something other than its reply()")
+
+    def _deliver(self, request: _Request) -> bool:
+        """Hand over one reply if it is due now, or its time-out."""
+        future, parked = request.future, request.parked
+        if parked.done():
+            return False
+        may_be_due = request.due_s is None or min(request.due_s, request.deadline_s) <= self._now_s + TINY_S
+        if may_be_due and (request.due_s is None or request.due_s <= request.deadline_s + TINY_S):
+            if request.wait and not future.done():
+                wait([future], self._wall_timeout_s)
+                if not future.done():
+                    parked.set_exception(AdvisorUnavailable(
+                        "wall-timeout", f"no reply within {self._wall_timeout_s:g} s of wall time"))
+                    return True
+            if future.done():
+                self._learn_due(request)
+        if request.due_s is not None and request.due_s <= min(self._now_s, request.deadline_s) + TINY_S:
+            result, error = _outcome(future)
+            if error is None:
+                parked.set_result(result)
+            else:
+                parked.set_exception(error)
+            return True
+        if request.deadline_s <= self._now_s + TINY_S:
+            parked.set_exception(TimeoutError())
+            return True
+        return False
+
+    def _learn_due(self, request: _Request) -> None:
+        """Settle when a reply is due, now that it is here: it may say itself how late it is (a recording)."""
+        result, error = _outcome(request.future)
+        latency = getattr(result if error is None else error, "latency_s", None)
+        if latency is not None:
+            request.due_s = request.asked_s + latency
+        elif request.due_s is None:
+            if math.isnan(request.wall_s):
+                request.wall_s = time.monotonic() - request.asked_wall_s
+            request.due_s = request.asked_s + (0.0 if request.wait else request.wall_s)
+
+
+def _outcome(future: Future[Any]) -> tuple[Any, BaseException | None]:
+    """Result and error of a finished request; one of them is None."""
+    if future.cancelled():
+        return None, AdvisorUnavailable("closed", "the advisor was shut down", final=True)
+    error = future.exception()
+    return (None, error) if error is not None else (future.result(), None)
+
+
+class WallClock:
+    """Wall seconds since it was made: for a real vehicle, and wherever a program may simply wait.
+
+    With `start` and `advance` it is used like `SimulatedClock`, from a control loop that keeps its own period and is
+    never blocked. Its `reply` also works inside any other running event loop (`asyncio.run(consult(...))`).
+    """
+
+    def __init__(self, thread: AdvisorThread | None = None) -> None:
+        self._start_s = time.monotonic()
+        self._thread = thread
+        self._stepped: SimulatedClock | None = None
+
+    def now(self) -> float:
+        """Wall seconds since this clock was made."""
+        return time.monotonic() - self._start_s
+
+    @property
+    def pending(self) -> bool:
+        """Whether a question started from the control loop is under way."""
+        return self._stepped is not None and self._stepped.pending
+
+    def start(self, coroutine: Coroutine[Any, Any, R]) -> asyncio.Task[R]:
+        """Run a coroutine up to its first wait, in the thread of the control loop."""
+        if self._stepped is None:
+            self._stepped = SimulatedClock(LatencyCfg(kind="measured"), np.random.default_rng(0), thread=self._thread)
+        self._stepped.advance(self.now())
+        return self._stepped.start(coroutine)
+
+    def advance(self) -> None:
+        """Deliver what has arrived; never waits."""
+        if self._stepped is not None:
+            self._stepped.advance(self.now())
+
+    async def reply(self, asking: Callable[[], Coroutine[Any, Any, R]], timeout_s: float) -> R:
+        """Ask, and return the reply when it arrives.
+
+        Raises:
+            TimeoutError: It did not arrive within `timeout_s`; the request is cancelled.
+        """
+        if self._stepped is not None and self._stepped.owns(asyncio.get_running_loop()):
+            return await self._stepped.reply(asking, timeout_s)
+        async with asyncio.timeout(timeout_s):
+            return await asking()
+
+    def withdraw(self) -> None:
+        """Cancel every request started from the control loop."""
+        if self._stepped is not None:
+            self._stepped.withdraw()
+
+    def close(self) -> None:
+        """End all coroutines started here."""
+        if self._stepped is not None:
+            self._stepped.close()

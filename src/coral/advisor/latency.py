@@ -1,0 +1,78 @@
+"""How long an advisor takes to answer, in seconds of the world's clock."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from coral.errors import InputError, nearest
+
+LatencyKind = Literal["fixed", "lognormal", "measured", "recorded"]
+
+FORMS = "0, SECONDS, fixed:SECONDS, lognormal:MEDIAN:SIGMA, measured or recorded"
+
+
+@dataclass(frozen=True, kw_only=True)
+class LatencyCfg:
+    """A distribution of reply times."""
+
+    kind: LatencyKind = "fixed"
+    """fixed and lognormal are drawn when the question is asked; measured is the wall time the advisor takes;
+    recorded is whatever the reply itself says (a replayed run)."""
+    median_s: float = 10.0
+    """Median (s). 10 s is what the CORAL paper reports for its VLM, 5 s what it reports for DREAM's."""
+    sigma: float = 0.0
+    """Standard deviation of the natural logarithm of the reply time (lognormal only)."""
+
+    def draw(self, rng: np.random.Generator) -> float | None:
+        """Reply time of one question (s); None when only the reply can tell."""
+        if self.kind == "fixed":
+            return self.median_s
+        if self.kind == "lognormal":
+            return self.median_s * math.exp(self.sigma * float(rng.standard_normal()))
+        return None
+
+    def __str__(self) -> str:
+        if self.kind == "fixed":
+            return f"fixed:{self.median_s:g}"
+        return f"lognormal:{self.median_s:g}:{self.sigma:g}" if self.kind == "lognormal" else self.kind
+
+
+def parse_latency(spec: str, where: str = "--latency") -> LatencyCfg:
+    """Read a latency as written on the command line, such as "fixed:10" or "lognormal:10:0.3".
+
+    Raises:
+        InputError: The text is none of the known forms, or a number is negative or not finite.
+    """
+    kind, *rest = spec.strip().split(":")
+    if kind in ("measured", "recorded") and not rest:
+        return LatencyCfg(kind="measured" if kind == "measured" else "recorded")
+    if not rest:
+        kind, rest = ("fixed", [kind]) if _is_number(kind) else (kind, rest)
+    wanted = {"fixed": 1, "lognormal": 2}.get(kind)
+    if wanted is None:
+        raise InputError(where, "", repr(spec), FORMS + nearest(kind, ["fixed", "lognormal", "measured", "recorded"]))
+    if len(rest) != wanted or not all(_is_number(x) for x in rest):
+        raise InputError(where, "", repr(spec), FORMS)
+    numbers = [float(x) for x in rest]
+    if any(not math.isfinite(x) or x < 0 for x in numbers):
+        raise InputError(where, "", repr(spec), "finite numbers of 0 or more")
+    if kind == "fixed":
+        return LatencyCfg(kind="fixed", median_s=numbers[0])
+    return LatencyCfg(kind="lognormal", median_s=numbers[0], sigma=numbers[1])
+
+
+def default_latency(advisor: Any) -> LatencyCfg:
+    """What an advisor says of its own latency (attribute `latency`, a spec); measured when it says nothing."""
+    return parse_latency(str(getattr(advisor, "latency", "measured")), f"advisor {getattr(advisor, 'name', '?')}")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,102 @@
+"""The attempt log on disk: attempts.jsonl, one line per attempt, and each picture once by its digest."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from coral.advisor.consult import Attempt
+from coral.advisor.question import Question
+
+RAW_LIMIT = 65_536
+"""Characters of a raw reply that are kept."""
+
+
+def schema_digest(answer_type: type[BaseModel]) -> str:
+    """SHA-256 (hexadecimal) of the JSON schema of an answer, independent of key order."""
+    return _digest(json.dumps(answer_type.model_json_schema(), sort_keys=True))
+
+
+def prompt_digest(prompt: str) -> str:
+    """SHA-256 (hexadecimal) of a prompt's UTF-8 text."""
+    return _digest(prompt)
+
+
+def question_key(question: Question[Any]) -> dict[str, Any]:
+    """What makes two questions the same, as JSON: a recording is looked up by it."""
+    return {
+        "kind": question.kind,
+        "prompt_version": question.prompt_version,
+        "schema": schema_digest(question.answer_type),
+        "prompt_digest": prompt_digest(question.prompt),
+        "pictures": [picture.digest for picture in question.pictures],
+    }
+
+
+def attempt_to_json(attempt: Attempt) -> dict[str, Any]:
+    """One line of attempts.jsonl: the attempt with its pictures by digest."""
+    rejection = attempt.rejection
+    question = attempt.question
+    return {
+        "decision": attempt.decision,
+        "attempt": attempt.attempt,
+        "asked_at_s": attempt.asked_at_s,
+        "answered_at_s": attempt.answered_at_s,
+        **question_key(question),
+        "verdict": attempt.verdict,
+        "code": rejection.code if rejection else "",
+        "reason": rejection.reason if rejection else "",
+        "details": dict(rejection.details) if rejection else {},
+        "final": attempt.final,
+        "answer": attempt.answer,
+        "raw": attempt.raw[:RAW_LIMIT],
+        "raw_chars": len(attempt.raw),
+        "usage": dataclasses.asdict(attempt.usage),
+        "prompt": question.prompt,
+        "captions": [[picture.name, picture.caption] for picture in question.pictures],
+        "facts": dict(question.facts),
+    }
+
+
+class AttemptRecorder:
+    """Appends attempts to `folder/attempts.jsonl`, and new pictures to `folder/pictures/<digest>.png`.
+
+    Every line is flushed: what a killed run asked and heard can be read and replayed.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder / "pictures"
+        self._seen: set[str] = set()
+        folder.mkdir(parents=True, exist_ok=True)
+        self._file = open(folder / "attempts.jsonl", "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+
+    def __call__(self, attempt: Attempt) -> None:
+        """Append one attempt; pass the recorder itself as `consult`'s `log`."""
+        for picture in attempt.question.pictures:
+            digest = picture.digest
+            if digest not in self._seen:
+                self._folder.mkdir(exist_ok=True)
+                partial = self._folder / f"{digest}.part"
+                partial.write_bytes(picture.png)
+                os.replace(partial, self._folder / f"{digest}.png")
+                self._seen.add(digest)
+        self._file.write(json.dumps(attempt_to_json(attempt), default=_plain) + "\n")
+
+    def close(self) -> None:
+        """Close the log."""
+        self._file.close()
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _plain(value: Any) -> Any:
+    """NumPy scalars and arrays in facts, as JSON."""
+    return value.tolist() if hasattr(value, "tolist") else str(value)

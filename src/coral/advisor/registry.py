@@ -1,0 +1,80 @@
+"""From the string on the command line to the advisor that it names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.question import Advisor
+from coral.advisor.rules import Rule, RuleAdvisor
+from coral.errors import InputError, nearest
+
+PROVIDERS = {
+    "openai": ("OPENAI_API_KEY",),
+    "anthropic": ("ANTHROPIC_API_KEY",),
+    "google": ("GOOGLE_API_KEY", "GEMINI_API_KEY"),
+}
+"""Providers that can be named, and the environment variables (any one) that may hold their key."""
+
+FORMS = ("heuristic", "PROVIDER:MODEL (openai, anthropic, google)", "local:URL#MODEL", "desk", "replay:FILE",
+         "fallible:P:INNER")
+NAMES = ("heuristic", *PROVIDERS, "local", "desk", "replay", "fallible")
+
+
+def make_advisor(spec: str, *, rules: Mapping[str, Rule], rng: np.random.Generator, inbox: Path | None = None,
+                 cfg: ModelCfg | None = None, where: str = "--advisor") -> Advisor:
+    """Make the advisor that a string names.
+
+    Args:
+        spec: `heuristic`, `PROVIDER:MODEL`, `local:URL#MODEL`, `desk`, `replay:FILE` or `fallible:P:INNER`.
+        rules: The application's own rules, for `heuristic`: kind of question to function of its facts.
+        rng: Drawn from by `fallible` only.
+        inbox: Folder in which `desk` puts its questions.
+        cfg: Time-outs, budget and output mode of real models.
+        where: What to name in an error message.
+
+    Raises:
+        InputError: The string names no advisor, a file is missing or unreadable, or the environment lacks a key.
+    """
+    spec = spec.strip()
+    name, _, rest = spec.partition(":")
+    if spec == "heuristic":
+        return RuleAdvisor(rules)
+    if spec == "desk":
+        from coral.advisor.desk import DeskAdvisor
+
+        if inbox is None:
+            raise InputError(where, "", "desk without an inbox", "a folder for its questions (--inbox DIR)")
+        return DeskAdvisor(inbox)
+    if name == "replay" and rest:
+        from coral.advisor.replay import ReplayAdvisor
+
+        return ReplayAdvisor(Path(rest), where=where)
+    if name == "fallible" and rest:
+        from coral.advisor.fallible import FallibleAdvisor, FallibleCfg
+
+        rate, _, inner = rest.partition(":")
+        if not inner:
+            raise InputError(where, "", repr(spec), "fallible:P:INNER, such as fallible:0.3:heuristic")
+        try:
+            errors = FallibleCfg.total(float(rate))
+        except ValueError:
+            raise InputError(where, "P", repr(rate), "a probability from 0 to 1") from None
+        wrapped = make_advisor(inner, rules=rules, rng=rng, inbox=inbox, cfg=cfg, where=where)
+        return FallibleAdvisor(wrapped, errors, rng)
+    if name == "local" and rest:
+        if not re.match(r"https?://[^#\s]+#\S", rest):
+            raise InputError(where, "", repr(spec), "local:URL#MODEL, such as local:http://127.0.0.1:8080/v1#my-model")
+        url, _, model = rest.partition("#")
+        from coral.advisor.models import ModelAdvisor
+
+        return ModelAdvisor.local(url, model, cfg or ModelCfg())
+    if name in PROVIDERS and rest:
+        from coral.advisor.models import ModelAdvisor
+
+        return ModelAdvisor.provider(name, rest, cfg or ModelCfg(), where=where)
+    raise InputError(where, "", repr(spec), f"one of {', '.join(FORMS)}{nearest(name, NAMES)}")

@@ -1,0 +1,41 @@
+"""The embedded default advisor: rules of the application, read from facts alone. Not a VLM, not an LLM."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply
+
+A = TypeVar("A", bound=BaseModel)
+
+Rule = Callable[[Mapping[str, Any], Sequence[Rejection]], BaseModel]
+"""Answers one kind of question from its facts and the reasons why earlier answers were refused."""
+
+
+class RuleAdvisor:
+    """Answers each kind of question with a function of the application's own."""
+
+    latency = "0"
+
+    def __init__(self, rules: Mapping[str, Rule], name: str = "heuristic") -> None:
+        self.name = name
+        self._rules = dict(rules)
+
+    async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:
+        """Apply the rule for this kind of question.
+
+        Raises:
+            AdvisorUnavailable: There is no rule for it.
+        """
+        rule = self._rules.get(question.kind)
+        if rule is None:
+            raise AdvisorUnavailable("no-rule", f"{self.name} has no rule for {question.kind!r}, only for "
+                                     f"{', '.join(sorted(self._rules)) or 'nothing'}", final=True)
+        value = rule(question.facts, rejections)
+        if not isinstance(value, question.answer_type):
+            # Another model of the same shape is fine: its fields decide.
+            value = question.answer_type.model_validate(value.model_dump())
+        return Reply(value=value, raw=value.model_dump_json())

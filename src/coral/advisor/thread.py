@@ -1,0 +1,67 @@
+"""The one thread on which advisors think, so that the control loop never waits for a network."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable, Coroutine
+from concurrent.futures import Future
+from typing import Any
+
+
+class AdvisorThread:
+    """A daemon thread with its own event loop. Connections opened by an advisor live and die with it."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._run, name="coral-advisor", daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        try:
+            self._loop.run_forever()
+        finally:
+            left = asyncio.all_tasks(self._loop)
+            for task in left:
+                task.cancel()
+            if left:
+                self._loop.run_until_complete(asyncio.gather(*left, return_exceptions=True))
+            self._loop.run_until_complete(self._loop.shutdown_asyncgens())
+            self._loop.close()
+
+    def submit(self, asking: Callable[[], Coroutine[Any, Any, Any]]) -> Future[Any]:
+        """Run a coroutine on the thread; cancelling the returned future cancels the coroutine.
+
+        `asking` itself is called here, in the caller's thread: what an advisor decides before its first await
+        (a seeded draw, the next line of a recording) happens in the order of the questions, whatever the
+        thread has time for.
+        """
+        return asyncio.run_coroutine_threadsafe(asking(), self._loop)
+
+    def warm_up(self, advisor: Any, timeout_s: float = 60.0) -> None:
+        """Let an advisor import and connect before the control loop starts (its `warm_up` coroutine, if any).
+
+        The first call of a client library stalls for some 0.1 s and its import for seconds; neither belongs in a
+        control loop.
+
+        Raises:
+            TimeoutError: It took longer than `timeout_s` of wall time.
+        """
+        warm = getattr(advisor, "warm_up", None)
+        future = self.submit(warm if warm is not None else _nothing)
+        try:
+            future.result(timeout_s)
+        except TimeoutError:
+            future.cancel()
+            raise
+
+    def close(self) -> None:
+        """Cancel what is under way and stop the thread."""
+        if self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._loop.stop)
+            self._thread.join(timeout=5.0)
+
+
+async def _nothing() -> None:
+    """Proves that the loop runs."""
