@@ -52,7 +52,7 @@ class CameraCfg:
         return focal, focal, (self.width - 1) / 2, (self.height - 1) / 2
 
 
-def T_world_camera(  # noqa: N802 - the field's name for the transform
+def T_world_camera(
     pose: Pose,
     cfg: CameraCfg,
     *,
@@ -87,8 +87,8 @@ class Camera:
         self.scene = scene
         self.cfg = cfg = cfg or CameraCfg()
         fx, fy, cx, cy = cfg.intrinsics
-        self._p = (np.arange(cfg.width) - cx) / fx
-        self._q = (np.arange(cfg.height) - cy) / fy
+        self._p = (np.arange(cfg.width, dtype=np.float64) - cx) / fx
+        self._q = (np.arange(cfg.height, dtype=np.float64) - cy) / fy
         lengths = np.sqrt(1.0 + self._p[None, :] ** 2 + self._q[:, None] ** 2)
         self._reach = (cfg.range_m / lengths).astype(np.float32)
         diagonal = np.linalg.norm(scene.half, axis=1)
@@ -96,14 +96,10 @@ class Camera:
         widest = scene.half.max(axis=1, initial=0.0)
         self._radius = np.select([scene.kind == ELLIPSOID, scene.kind == CYLINDER], [widest, upright], diagonal)
 
-    def render(
-        self, pose: Pose, altitude: float | None = None, *, roll: float = 0.0, pitch: float = 0.0
-    ) -> Frame:
+    def render(self, pose: Pose, altitude: float | None = None, *, roll: float = 0.0, pitch: float = 0.0) -> Frame:
         """Picture from a body pose; the arguments are those of `T_world_camera`."""
         cfg, scene = self.cfg, self.scene
-        transform = T_world_camera(
-            pose, cfg, seabed_z=scene.seabed_z, altitude=altitude, roll=roll, pitch=pitch
-        )
+        transform = T_world_camera(pose, cfg, seabed_z=scene.seabed_z, altitude=altitude, roll=roll, pitch=pitch)
         shape = (cfg.height, cfg.width)
         frame = Frame(np.empty(shape, np.float32), np.empty(shape, np.uint8), np.empty(shape, np.int32))
         camera_kernels.render(

@@ -136,7 +136,7 @@ def _ellipsoid(
     q: NDArray[np.float64], fx: float, fy: float, cx: float, cy: float, depth: NDArray[np.float32],
     ids: NDArray[np.int32],
 ) -> None:
-    """Unit ball: |o + t d'|^2 = 1. The silhouette is the conic |d'|^2 - |o x d'|^2 = 0, which bounds rows and columns."""
+    """Unit ball: |o + t d'|^2 = 1. The silhouette, |d'|^2 = |o x d'|^2, is a conic; it bounds rows and columns."""
     width, height = p.size, q.size
     o0, o1, o2 = o[0], o[1], o[2]
     b0, b1, b2 = m[0, 0], m[1, 0], m[2, 0]
