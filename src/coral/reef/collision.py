@@ -41,6 +41,10 @@ class ContactCounter:
         self._touching: NDArray[np.bool_] = np.zeros(len(footprints), np.bool_)
         self._fresh: NDArray[np.int64] = np.zeros(len(footprints), np.int64)
 
+    def clearance(self, x: float, y: float) -> float:
+        """Distance (m) from the disc, its centre at a world point (m), to the nearest obstacle; negative in contact."""
+        return clearance(self._footprints, x, y) - self._radius
+
     def update(self, x: float, y: float) -> tuple[int, ...]:
         """Move the disc's centre to a world point (m).
 
