@@ -1,0 +1,1 @@
+"""Sampling-based optimal control shared by both systems."""

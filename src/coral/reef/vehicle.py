@@ -159,7 +159,7 @@ class Vehicle:
             relative = self._integrate_six(asked, relative, water, h)
         c, s = math.cos(self._pose[2]), math.sin(self._pose[2])
         self._pose[2] = math.pi - (math.pi - self._pose[2]) % (2 * math.pi)
-        self._ground = relative + (c * water[0] + s * water[1], -s * water[0] + c * water[1], 0.0)
+        self._ground = relative + np.array([c * water[0] + s * water[1], -s * water[0] + c * water[1], 0.0])
 
     def _integrate_six(
         self, asked: NDArray[np.float64], relative: NDArray[np.float64], water: NDArray[np.float64], h: float

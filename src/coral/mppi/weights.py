@@ -1,0 +1,41 @@
+"""The update law of model predictive path integral control: weights of rollouts and their mean."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def softmax_weights(costs: Array, temperature: float, elites: int = 0) -> Array:
+    """Information-theoretic weights exp(-(J - min J) / lambda), normalised.
+
+    Args:
+        costs: Shape=(K,) cost of each rollout; inf for a rollout that must not count.
+        temperature: lambda > 0, in units of the cost.
+        elites: When positive, only so many of the cheapest rollouts count.
+
+    Returns:
+        Shape=(K,) weights that sum to 1, or all zero when no cost is finite.
+    """
+    weights = np.zeros_like(costs)
+    finite = np.flatnonzero(np.isfinite(costs))
+    if finite.size == 0:
+        return weights
+    if 0 < elites < finite.size:
+        finite = finite[np.argsort(costs[finite], kind="stable")[:elites]]
+    chosen = np.exp(-(costs[finite] - costs[finite].min()) / temperature)
+    weights[finite] = chosen / chosen.sum()
+    return weights
+
+
+def effective_sample_size(weights: Array) -> float:
+    """1 / sum of squared weights: 1 when one rollout decides, K when all count alike, 0 when none does."""
+    squares = float(np.square(weights).sum())
+    return 1.0 / squares if squares > 0.0 else 0.0
+
+
+def weighted_mean(weights: Array, sequences: Array) -> Array:
+    """Mean control sequence, Shape=(T, nu), of sequences Shape=(K, T, nu) under weights Shape=(K,)."""
+    return np.asarray(np.tensordot(weights, sequences, axes=1))

@@ -1,0 +1,336 @@
+"""DDP-MPPI: sampling-based control with dynamics that get coarser along the rollout (paper III-E, Alg. 3)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.mppi.weights import effective_sample_size, softmax_weights, weighted_mean
+from coral.reef.controller_kernels import N_COSTS, Scene, Schedule, clearance_at, rollout
+from coral.reef.costfield import CostField
+from coral.reef.dynamics import parameter_set, planar
+from coral.reef.vehicle import VehicleCfg, VehicleState
+
+Array = NDArray[np.float64]
+
+COSTS = ("goal", "obstacle", "speed", "path", "heading", "smooth")
+NO_FEASIBLE = "no feasible rollout"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CostCfg:
+    """Weights of the cost terms. Each term is normalised by a fixed scale, so that lambda means the same at every tick.
+
+    goal: mean of the cost-to-go at the end and along the rollout, less the one now, over the farthest a rollout can
+        get (-1 full progress, 0 none).
+    obstacle: mean over time of ((1 - clearance / soft_m)+)^2.
+    speed: mean of 1 - u / v_max.
+    path: (metres driven + cost-to-go at the end - cost-to-go now) / farthest: metres that did not shorten the way.
+    heading: mean of (1 - cos) / 2 of the angle between heading and the cost-to-go's descent.
+    smooth: mean squared change of the command, in units of its limits.
+    """
+
+    goal: float = 0.6
+    """Paper IV-F."""
+    obstacle: float = 0.5
+    """Paper IV-F."""
+    speed: float = 0.3
+    """Paper IV-F."""
+    path: float = 0.0
+    """Alg. 3 names it and the paper gives no value; the cost-to-go already prices detours."""
+    heading: float = 0.2
+    """Ours: the camera looks forward and the vehicle only drives forward, so that a goal behind needs a turn first."""
+    smooth: float = 0.05
+    """Ours; the paper names smoothness in the text (III-E) and not in Alg. 3."""
+    soft_m: float = 0.4
+
+
+@dataclass(frozen=True, kw_only=True)
+class MppiCfg:
+    """DDP-MPPI; values from the paper IV-F unless said otherwise."""
+
+    n_rollouts: int = 400
+    n_steps: int = 10
+    horizon_s: float = 5.0
+    """T. The paper gives none; with p = 1.7 the first interval of Eq. 10 is then the control period, 0.1 s."""
+    p: float = 1.7
+    """Eq. 10 and 11. The paper gives none; 1.7 is what the published DDP planner's intervals obey."""
+    uniform: bool = False
+    """No-DDP ablation: equal intervals, every boundary point at every step."""
+    n_points: int = 32
+    """n of Eq. 11: 5.9 cm apart on the hull, about one map cell."""
+    margin_m: float = 0.08
+    """Clearance of the hull a rollout must keep: one map cell of position error and the lag left out of the rollout."""
+    substep_near_s: float = 0.05
+    substep_far_s: float = 0.2
+    """Integration steps of the first interval and of the last; between them they grow with the interval."""
+    sensing_m: float = 4.0
+    sigma_v: float = 0.05
+    sigma_omega: float = 0.05
+    temperature: float = 0.1
+    elites: int = 0
+    """0: all feasible rollouts are averaged. 10 with a temperature of 1 is what the published DDP planner does."""
+    warm_fraction: float = 0.35
+    """Share of rollouts around the previous solution."""
+    guided_fraction: float = 0.15
+    """Share that steers down the cost-to-go. sigma = 0.05 alone cannot leave its nominal within a second; the rest of
+    the rollouts hold a constant drawn from the dynamic window, half of them braking part of the way."""
+    recovery_speed_m_s: float = 0.2
+    """Reverse speed tried when nothing else is feasible; the camera looks forward, so never otherwise."""
+    hold_m: float = 0.3
+    """Within this of the goal the vehicle holds still."""
+    costs: CostCfg = field(default_factory=CostCfg)
+    keep_rollouts: bool = False
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the controller decided at one tick.
+
+    command: Forward speed (m/s) and yaw rate (rad/s) to execute now.
+    ok: Whether a feasible way was found; otherwise `failure` says why and the command is safe.
+    path: Shape=(T + 1, 3) poses of the plan in the world.
+    controls: Shape=(T, 2) the plan's commands; the first is `command`.
+    times: Shape=(T + 1,) seconds from now at which the poses hold.
+    costs: Weighted cost terms of the plan by name.
+    n_feasible: Rollouts without a collision.
+    effective_samples: 1 / sum of squared weights.
+    mean_feasible: Whether the weighted mean itself was free; if not, the plan is the best rollout.
+    rollouts: Shape=(K, T + 1, 3) when asked for, and `feasible` Shape=(K,).
+    """
+
+    command: tuple[float, float]
+    ok: bool
+    failure: str
+    path: Array
+    controls: Array
+    times: Array
+    costs: dict[str, float] = field(default_factory=dict)
+    n_feasible: int = 0
+    effective_samples: float = 0.0
+    mean_feasible: bool = True
+    rollouts: Array | None = None
+    feasible: NDArray[np.bool_] | None = None
+
+
+def intervals(horizon_s: float, n_steps: int, p: float) -> Array:
+    """Eq. 10: Delta_t = T [((t+1)/n)^p - (t/n)^p], Shape=(n,), sums to T (s)."""
+    edges = horizon_s * (np.arange(n_steps + 1) / n_steps) ** p
+    return np.asarray(np.diff(edges))
+
+
+def boundary_points(n: int, n_steps: int, p: float) -> NDArray[np.int64]:
+    """Eq. 11: N_t = n (1 - (t/T)^p), Shape=(n_steps,), rounded up."""
+    return np.asarray(np.ceil(n * (1.0 - (np.arange(n_steps) / n_steps) ** p)), dtype=np.int64)
+
+
+def schedule(cfg: MppiCfg, vehicle: VehicleCfg) -> Schedule:
+    """Tables of a configuration: intervals, integration steps and boundary points of every step."""
+    n = cfg.n_steps
+    dt = intervals(cfg.horizon_s, n, 1.0 if cfg.uniform else cfg.p)
+    points = np.full(n, cfg.n_points) if cfg.uniform else boundary_points(cfg.n_points, n, cfg.p)
+    h_max = np.linspace(cfg.substep_near_s, cfg.substep_near_s if cfg.uniform else cfg.substep_far_s, n)
+    substeps = np.maximum(1, np.ceil(dt / h_max - 1e-9)).astype(np.int64)
+    h = dt / substeps
+    rate = -np.expm1(-vehicle.tracking_rate_1_s * h) / h
+    yaw_rate = -np.expm1(-vehicle.yaw_tracking_rate_1_s * h) / h
+    circle = np.zeros((n, cfg.n_points, 2))
+    for t in range(n):
+        angle = 2.0 * math.pi * np.arange(points[t]) / points[t]
+        circle[t, : points[t]] = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return Schedule(dt, substeps, rate, yaw_rate, points, circle)
+
+
+def shift_matrix(dt: Array, by_s: float) -> Array:
+    """Shape=(T, T) matrix that moves a piecewise-constant sequence on the intervals `dt` forward by `by_s` seconds.
+
+    Row t holds the shares of the old intervals in the new interval t; beyond the old end the last value is held.
+    """
+    edges = np.concatenate([[0.0], np.cumsum(dt)])
+    n = len(dt)
+    shares = np.zeros((n, n))
+    old_end = edges[1:].copy()
+    old_end[-1] = np.inf
+    for t in range(n):
+        low, high = edges[t] + by_s, edges[t + 1] + by_s
+        overlap = np.minimum(high, old_end) - np.maximum(low, edges[:-1])
+        shares[t] = np.maximum(overlap, 0.0) / (high - low)
+    return shares
+
+
+class DdpMppi:
+    """The controller; keeps the previous solution and its random numbers, nothing else."""
+
+    def __init__(
+        self, cfg: MppiCfg | None = None, vehicle: VehicleCfg | None = None, rng: np.random.Generator | None = None
+    ) -> None:
+        self.cfg = cfg = cfg or MppiCfg()
+        self.vehicle = vehicle = vehicle or VehicleCfg()
+        self._rng = rng or np.random.default_rng(0)
+        self._model = planar(parameter_set(vehicle.parameters), vehicle.thrusters, vehicle.thrust_max_n)
+        self.schedule = schedule(cfg, vehicle)
+        self._times = np.concatenate([[0.0], np.cumsum(self.schedule.dt)])
+        self._shift = shift_matrix(self.schedule.dt, 0.1)
+        c = cfg.costs
+        self._weights = np.array([c.goal, c.obstacle, c.speed, c.path, c.heading, c.smooth])
+        self._nominal = np.zeros((cfg.n_steps, 2))
+        self._executed = np.zeros(2)
+        k = cfg.n_rollouts
+        self._path = np.empty((k, cfg.n_steps + 1, 3))
+        self._costs = np.empty((k, N_COSTS))
+        self._feasible = np.empty(k, np.bool_)
+        self._n_guided = round(cfg.guided_fraction * k)
+        self._n_warm = round(cfg.warm_fraction * k)
+        self._guide = np.zeros(k)
+        self._guide[2 : 2 + self._n_guided] = np.resize(
+            np.linspace(1.0, 0.25, 5) * vehicle.max_speed_m_s, self._n_guided
+        )
+        self._free = np.zeros(k)
+
+    def reset(self) -> None:
+        """Forget the previous solution, as after a new goal in another direction."""
+        self._nominal[:] = 0.0
+        self._executed[:] = 0.0
+
+    def plan(
+        self,
+        state: VehicleState,
+        cost_field: CostField,
+        distance_map: NDArray[np.float32],
+        *,
+        cell_m: float = 0.05,
+    ) -> Plan:
+        """Decide the command of this tick.
+
+        Args:
+            state: Pose and ground-relative velocity, as estimated.
+            cost_field: Cost-to-go to the goal; one that failed makes the plan fail with its reason.
+            distance_map: Shape=(H, W) float32 distance (m) to the nearest known obstacle, inf when there is none.
+            cell_m: Edge of its cells (m); cell (0, 0) at the world's origin.
+        """
+        if not cost_field.ok:
+            return self._stop(state, cost_field.failure, ok=False)
+        if math.hypot(cost_field.target[0] - state.x, cost_field.target[1] - state.y) < self.cfg.hold_m:
+            return self._stop(state, "", ok=True)
+        start = np.array(state, dtype=np.float64)
+        scene = self._scene(start, cost_field, distance_map, cell_m)
+        controls = self._sample(start)
+        total = self._evaluate(start, controls, self._guide, scene)
+        n_feasible = int(self._feasible.sum())
+        kept = (self._path.copy(), self._feasible.copy()) if self.cfg.keep_rollouts else (None, None)
+        failure = ""
+        if n_feasible == 0:
+            failure = NO_FEASIBLE
+            controls = self._sample_recovery()
+            total = self._evaluate(start, controls, self._free, scene)
+            if not self._feasible.any():
+                return self._stop(state, failure, ok=False)
+        weights = softmax_weights(total, self.cfg.temperature, self.cfg.elites)
+        mean = weighted_mean(weights, controls)
+        path, costs, free = self._one(start, mean, scene)
+        if not free:
+            best = int(np.argmin(total))
+            mean, path, costs = controls[best].copy(), self._path[best].copy(), self._costs[best].copy()
+        self._nominal = mean
+        self._executed = mean[0].copy()
+        return Plan(
+            command=(float(mean[0, 0]), float(mean[0, 1])),
+            ok=not failure,
+            failure=failure,
+            path=path,
+            controls=mean.copy(),
+            times=self._times,
+            costs=dict(zip(COSTS, map(float, self._weights * costs), strict=True)),
+            n_feasible=n_feasible,
+            effective_samples=effective_sample_size(weights),
+            mean_feasible=free,
+            rollouts=kept[0],
+            feasible=kept[1],
+        )
+
+    def _scene(self, start: Array, field: CostField, distance: NDArray[np.float32], cell_m: float) -> Scene:
+        cfg, hull, margin = self.cfg, self.vehicle.hull_radius_m, self.cfg.margin_m
+        scene = Scene(
+            distance,
+            cell_m,
+            field.value,
+            field.cell_m,
+            hull,
+            margin,
+            cfg.sensing_m,
+            cfg.costs.soft_m,
+            self.vehicle.max_speed_m_s * cfg.horizon_s,
+            self.vehicle.max_speed_m_s,
+            self.vehicle.max_yaw_rate_rad_s,
+        )
+        # A robot that is closer than the margin already (a new obstacle, drift) must be allowed to leave: it may go
+        # anywhere that is not closer still.
+        spare = clearance_at(scene, float(start[0]), float(start[1])) - hull - 1.5 * cell_m
+        if spare < margin:
+            if spare >= 0.0:
+                return scene._replace(margin_m=spare)
+            return scene._replace(margin_m=0.0, hull_m=max(hull + spare, 0.05))
+        return scene
+
+    def _sample(self, start: Array) -> Array:
+        """Shape=(K, T, 2) control sequences: stop, previous plan, guided, warm-started, dynamic window."""
+        cfg, v_max, w_max = self.cfg, self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s
+        k, n = cfg.n_rollouts, cfg.n_steps
+        controls = self._rng.standard_normal((k, n, 2))
+        controls *= (cfg.sigma_v, cfg.sigma_omega)
+        warm = self._shift @ self._nominal
+        controls[0] = 0.0
+        controls[1] = warm
+        first = 2 + self._n_guided
+        controls[2 : 2 + min(5, self._n_guided)] = 0.0
+        controls[first : first + self._n_warm] += warm
+        first += self._n_warm
+        n_window = k - first
+        window = np.stack([self._rng.uniform(0.0, v_max, n_window), self._rng.uniform(-w_max, w_max, n_window)], axis=1)
+        controls[first:] += window[:, None, :]
+        # Half of them brake from a random step on: in clutter few constants stay free for the whole horizon.
+        brake = self._rng.integers(1, n, n_window)
+        brake[::2] = n
+        controls[first:][np.arange(n)[None, :] >= brake[:, None]] = 0.0
+        free = self._guide <= 0.0
+        controls[free, :, 0] = np.clip(controls[free, :, 0], 0.0, v_max)
+        controls[free, :, 1] = np.clip(controls[free, :, 1], -w_max, w_max)
+        return controls
+
+    def _sample_recovery(self) -> Array:
+        """Shape=(K, T, 2) slow constants, reverse included, half of them braking at once; the first one stops."""
+        cfg, slow, w_max = self.cfg, self.cfg.recovery_speed_m_s, self.vehicle.max_yaw_rate_rad_s
+        k, n = cfg.n_rollouts, cfg.n_steps
+        constants = np.stack([self._rng.uniform(-slow, slow, k), self._rng.uniform(-w_max, w_max, k)], axis=1)
+        controls = np.repeat(constants[:, None, :], n, axis=1)
+        brake = self._rng.integers(1, n + 1, k)
+        controls[np.arange(n)[None, :] >= brake[:, None]] = 0.0
+        controls[0] = 0.0
+        return controls
+
+    def _evaluate(self, start: Array, controls: Array, guide: Array, scene: Scene) -> Array:
+        """Shape=(K,) total costs, inf for rollouts that collide."""
+        rollout(
+            start, self._executed, controls, guide, self.schedule, scene, self._model,
+            self._path, self._costs, self._feasible,
+        )  # fmt: skip
+        return np.asarray(np.where(self._feasible, self._costs @ self._weights, np.inf))
+
+    def _one(self, start: Array, controls: Array, scene: Scene) -> tuple[Array, Array, bool]:
+        """Path, cost terms and feasibility of a single sequence."""
+        path, costs, free = np.empty((1, len(controls) + 1, 3)), np.empty((1, N_COSTS)), np.empty(1, np.bool_)
+        rollout(
+            start, self._executed, controls[None].copy(), np.zeros(1), self.schedule, scene, self._model,
+            path, costs, free,
+        )  # fmt: skip
+        return path[0], costs[0], bool(free[0])
+
+    def _stop(self, state: VehicleState, failure: str, *, ok: bool) -> Plan:
+        """Brake and stay."""
+        self.reset()
+        n = self.cfg.n_steps
+        path = np.tile(np.array(state[:3], dtype=np.float64), (n + 1, 1))
+        return Plan((0.0, 0.0), ok, failure, path, np.zeros((n, 2)), self._times)

@@ -1,0 +1,209 @@
+"""Rollouts of DDP-MPPI: variable-fidelity propagation, collision checks and cost terms in one pass (numba).
+
+Paper Eq. 9 to 11 and Alg. 3. Everything a rollout needs is a table made once (`Schedule`), so that the no-DDP ablation
+is the same code with other numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from coral.reef.costfield_kernels import lookup
+from coral.reef.dynamics import Planar
+from coral.reef.dynamics_kernels import limit_wrench
+
+Array = NDArray[np.float64]
+
+GOAL, OBSTACLE, SPEED, PATH, HEADING, SMOOTH, N_COSTS = 0, 1, 2, 3, 4, 5, 6
+
+
+class Schedule(NamedTuple):
+    """How finely each step of a rollout is computed; arrays Shape=(T,)."""
+
+    dt: Array
+    """Interval of each step, Eq. 10 (s)."""
+    substeps: NDArray[np.int64]
+    """Integration steps in each interval."""
+    rate: Array
+    """(1 - exp(-k h)) / h: mean acceleration per unit of velocity error over one integration step h (1/s)."""
+    yaw_rate: Array
+    points: NDArray[np.int64]
+    """Boundary points checked at each step, Eq. 11."""
+    circle: Array
+    """Shape=(T, n, 2): unit vectors to those points."""
+
+
+class Scene(NamedTuple):
+    """What the rollouts move through."""
+
+    distance: NDArray[np.float32]
+    """Shape=(H, W) distance to the nearest known obstacle (m)."""
+    cell_m: float
+    value: NDArray[np.float32]
+    """Shape=(h, w) cost-to-go (m)."""
+    value_cell_m: float
+    hull_m: float
+    """Radius of the hull that is checked."""
+    margin_m: float
+    """Clearance every boundary point must keep."""
+    range_m: float
+    """Obstacles farther from the robot than this do not count."""
+    soft_m: float
+    """Clearance of the hull below which proximity costs."""
+    reach_m: float
+    """Farthest a rollout can get: the scale of the goal cost."""
+    speed_m_s: float
+    yaw_rate_rad_s: float
+
+
+@njit(cache=True)
+def clearance_at(scene: Scene, x: float, y: float) -> float:
+    """Distance (m) from a point to the nearest known obstacle or to the edge of the map (negative outside)."""
+    h, w = scene.distance.shape
+    edge = min(min(x, w * scene.cell_m - x), min(y, h * scene.cell_m - y))
+    if edge <= 0.0:
+        return edge
+    return min(edge, scene.distance[int(y / scene.cell_m), int(x / scene.cell_m)])
+
+
+@njit(cache=True)
+def hull_is_free(scene: Scene, x: float, y: float, centre: float, circle: Array, n: int) -> bool:
+    """Whether n points of the hull's boundary all keep the margin.
+
+    Args:
+        scene: Map and hull.
+        x: Centre of the hull (m).
+        y: Centre of the hull (m).
+        centre: `clearance_at` the centre; where it is large the points cannot fail (the distance is 1-Lipschitz up to
+            the two half diagonals of the cells looked at) and are skipped.
+        circle: Shape=(>=n, 2) unit vectors.
+        n: N_t of Eq. 11.
+    """
+    if centre > scene.hull_m + scene.margin_m + 1.5 * scene.cell_m:
+        return True
+    if centre <= scene.margin_m:
+        return False
+    for k in range(n):
+        px, py = x + scene.hull_m * circle[k, 0], y + scene.hull_m * circle[k, 1]
+        if clearance_at(scene, px, py) <= scene.margin_m:
+            return False
+    return True
+
+
+@njit(cache=True)
+def rollout(
+    start: Array,
+    previous: Array,
+    controls: Array,
+    guide_speed: Array,
+    schedule: Schedule,
+    scene: Scene,
+    model: Planar,
+    path: NDArray[np.float64],
+    costs: Array,
+    feasible: NDArray[np.bool_],
+) -> None:
+    """Propagate K control sequences (Eq. 9) and score them.
+
+    The model is the vehicle's own: velocity loop, thruster limits, drag and Coriolis. Within an integration step the
+    loop's response is exact (exponential) as long as no thruster saturates, which keeps steps of 0.2 s stable; the
+    thrust lag (0.03 s) is left out.
+
+    Args:
+        start: Shape=(6,) x, y, theta, u, v, r.
+        previous: Shape=(2,) command being executed, for the smoothness term.
+        controls: Shape=(K, T, 2) speed and yaw rate; a guided rollout writes what it chose into it.
+        guide_speed: Shape=(K,) when positive, the rollout steers itself down the cost-to-go at about this speed and
+            its row of `controls` is read as a perturbation of that.
+        schedule: Fidelity of each step.
+        scene: Map, cost-to-go and scales.
+        model: Constants of the vehicle.
+        path: Shape=(K, T + 1, 3) poses at the ends of the steps, written.
+        costs: Shape=(K, N_COSTS) normalised cost terms, written.
+        feasible: Shape=(K,) whether the rollout stays clear of obstacles, written.
+    """
+    n_rollouts, n_steps = controls.shape[0], controls.shape[1]
+    x0, y0 = start[0], start[1]
+    v0 = lookup(scene.value, scene.value_cell_m, x0, y0)[0]
+    horizon = schedule.dt.sum()
+    for k in range(n_rollouts):
+        x, y, th, u, v, r = start[0], start[1], start[2], start[3], start[4], start[5]
+        path[k, 0, 0], path[k, 0, 1], path[k, 0, 2] = x, y, th
+        ok = True
+        goal = near = speed = heading = smooth = driven = 0.0
+        value, gx, gy = lookup(scene.value, scene.value_cell_m, x, y)
+        pv, pw = previous[0], previous[1]
+        for t in range(n_steps):
+            dt = schedule.dt[t]
+            if guide_speed[k] > 0.0:
+                error = math.atan2(-gy, -gx) - th
+                error -= 2.0 * math.pi * math.floor((error + math.pi) / (2.0 * math.pi))
+                wanted = error / max(dt, 0.4)
+                limit = scene.yaw_rate_rad_s
+                controls[k, t, 1] = min(max(wanted + controls[k, t, 1], -limit), limit)
+                forward = guide_speed[k] * max(0.0, math.cos(error)) ** 2
+                controls[k, t, 0] = min(max(forward + controls[k, t, 0], 0.0), scene.speed_m_s)
+            cv, cw = controls[k, t, 0], controls[k, t, 1]
+            smooth += ((cv - pv) / scene.speed_m_s) ** 2 + ((cw - pw) / scene.yaw_rate_rad_s) ** 2
+            pv, pw = cv, cw
+            h = dt / schedule.substeps[t]
+            rate, yaw_rate, n_points = schedule.rate[t], schedule.yaw_rate[t], schedule.points[t]
+            nearest = 1e9
+            for _ in range(schedule.substeps[t]):
+                cor_u = model.m22 * v * r - (model.du + model.duu * abs(u)) * u
+                cor_v = -model.m11 * u * r - (model.dv + model.dvv * abs(v)) * v
+                cor_r = (model.m11 - model.m22) * u * v - (model.dr + model.drr * abs(r)) * r
+                fx, fy, n = limit_wrench(
+                    model.m11 * rate * (cv - u) - cor_u,
+                    -model.m22 * rate * v - cor_v,
+                    model.m66 * yaw_rate * (cw - r) - cor_r,
+                    model,
+                )
+                u1 = u + h * (fx + cor_u) / model.m11
+                v1 = v + h * (fy + cor_v) / model.m22
+                r1 = r + h * (n + cor_r) / model.m66
+                um, vm = 0.5 * (u + u1), 0.5 * (v + v1)
+                mid = th + 0.25 * h * (r + r1)
+                c, s = math.cos(mid), math.sin(mid)
+                dx, dy = h * (c * um - s * vm), h * (s * um + c * vm)
+                step = math.hypot(dx, dy)
+                if (x + dx - x0) ** 2 + (y + dy - y0) ** 2 < scene.range_m * scene.range_m:
+                    # Swept midpoint: a coarse step may be longer than an obstacle is wide.
+                    if step > scene.cell_m:
+                        mx, my = x + 0.5 * dx, y + 0.5 * dy
+                        d = clearance_at(scene, mx, my)
+                        ok = hull_is_free(scene, mx, my, d, schedule.circle[t], n_points)
+                        nearest = min(nearest, d)
+                    d = clearance_at(scene, x + dx, y + dy)
+                    ok = ok and hull_is_free(scene, x + dx, y + dy, d, schedule.circle[t], n_points)
+                    nearest = min(nearest, d)
+                x, y, th = x + dx, y + dy, th + 0.5 * h * (r + r1)
+                u, v, r = u1, v1, r1
+                driven += step
+                if not ok:
+                    break
+            path[k, t + 1, 0], path[k, t + 1, 1], path[k, t + 1, 2] = x, y, th
+            if not ok:
+                for rest in range(t + 1, n_steps):
+                    path[k, rest + 1, 0], path[k, rest + 1, 1], path[k, rest + 1, 2] = x, y, th
+                break
+            value, gx, gy = lookup(scene.value, scene.value_cell_m, x, y)
+            goal += value * dt
+            tight = max(0.0, 1.0 - max(0.0, nearest - scene.hull_m) / scene.soft_m)
+            near += tight * tight * dt
+            speed += max(0.0, 1.0 - max(u, 0.0) / scene.speed_m_s) * dt
+            size = math.hypot(gx, gy)
+            if size > 1e-9:
+                heading += 0.5 * (1.0 + (gx * math.cos(th) + gy * math.sin(th)) / size) * dt
+        feasible[k] = ok
+        costs[k, GOAL] = (0.5 * (value + goal / horizon) - v0) / scene.reach_m
+        costs[k, OBSTACLE] = near / horizon
+        costs[k, SPEED] = speed / horizon
+        costs[k, PATH] = (driven + value - v0) / scene.reach_m
+        costs[k, HEADING] = heading / horizon
+        costs[k, SMOOTH] = smooth / n_steps

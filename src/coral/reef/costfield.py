@@ -1,0 +1,130 @@
+"""Geodesic cost-to-go: how far it is to the goal around the known obstacles, from every point of the map."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.costfield_kernels import descend, extend, lookup, march, nearest_free, slowness_grid
+
+UNREACHABLE = "goal unreachable"
+NO_FREE_CELL = "no free cell in the map"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CostFieldCfg:
+    """Grid and clearance of the cost-to-go. The paper describes none; `CostField.straight` ignores the map."""
+
+    ratio: int = 2
+    """Map cells per field cell: 0.1 m at the 0.05 m map, three field cells across the narrowest passage."""
+    radius_m: float = 0.35
+    """Clearance of the robot's centre: hull 0.3 m and one map cell."""
+    band_m: float = 0.5
+    penalty: float = 3.0
+    """Water at contact costs 1 + penalty times open water, so that paths keep off obstacles where they can."""
+    steepness: float = 10.0
+    """Cost per metre inside the blocked band: always dearer than any way around."""
+
+
+@dataclass(frozen=True)
+class CostField:
+    """Cost-to-go to one goal.
+
+    value: Shape=(h, w) float32, metres of open water to go; finite everywhere.
+    cell_m: Edge of a field cell (m); cell (0, 0) at the world's origin.
+    goal: (x, y) that was asked for.
+    target: (x, y) the field leads to: the goal, or the free cell nearest to it.
+    reached: Shape=(h, w), cells with a way to the goal; None for a straight field.
+    failure: "" or why there is no field.
+    """
+
+    value: NDArray[np.float32]
+    cell_m: float
+    goal: tuple[float, float]
+    target: tuple[float, float]
+    reached: NDArray[np.bool_] | None = None
+    failure: str = ""
+
+    @classmethod
+    def compute(
+        cls,
+        distance: NDArray[np.float32],
+        goal: tuple[float, float],
+        *,
+        start: tuple[float, float] | None = None,
+        cell_m: float = 0.05,
+        cfg: CostFieldCfg | None = None,
+    ) -> CostField:
+        """Cost-to-go over a map; unknown water is traversable and the map's edge is not.
+
+        Args:
+            distance: Shape=(H, W) float32 distance (m) of the map's cells to the nearest known obstacle, inf for none.
+            goal: World point (m).
+            start: Where the robot is; when given, a goal without a way from there is reported in `failure`.
+            cell_m: Edge of a map cell (m).
+            cfg: Grid and clearance.
+        """
+        cfg = cfg or CostFieldCfg()
+        slowness = slowness_grid(
+            np.ascontiguousarray(distance, np.float32), cell_m, cfg.ratio, cfg.radius_m, cfg.band_m, cfg.penalty
+        )
+        cell = cell_m * cfg.ratio
+        h, w = slowness.shape
+        j0 = min(max(math.floor(goal[1] / cell), 0), h - 1)
+        i0 = min(max(math.floor(goal[0] / cell), 0), w - 1)
+        j, i = nearest_free(slowness, j0, i0)
+        if j < 0:
+            return cls(np.zeros_like(slowness), cell, goal, goal, failure=NO_FREE_CELL)
+        target = goal if (j, i) == (j0, i0) else ((i + 0.5) * cell, (j + 0.5) * cell)
+        value = march(slowness, cell, j, i, target[0], target[1], 1.0 + cfg.penalty)
+        reached = np.isfinite(value)
+        extend(value, cell, cfg.steepness)
+        field = cls(value, cell, goal, target, reached)
+        if start is not None and not field.reaches(*start, within_m=2.0 * cfg.radius_m):
+            return cls(value, cell, goal, target, reached, failure=UNREACHABLE)
+        return field
+
+    @classmethod
+    def straight(cls, shape: tuple[int, int], goal: tuple[float, float], *, cell_m: float = 0.05) -> CostField:
+        """Euclidean distance to the goal as a field over a map of `shape`: what a planner without a map would use."""
+        cell = 2.0 * cell_m
+        h, w = (shape[0] + 1) // 2, (shape[1] + 1) // 2
+        x, y = (np.arange(w) + 0.5) * cell - goal[0], (np.arange(h) + 0.5) * cell - goal[1]
+        return cls(np.hypot(x[None, :], y[:, None]).astype(np.float32), cell, goal, goal)
+
+    @property
+    def ok(self) -> bool:
+        """Whether there is a way to the goal."""
+        return not self.failure
+
+    def lookup(self, x: float, y: float) -> float:
+        """Cost-to-go (m) at a world point."""
+        return float(lookup(self.value, self.cell_m, x, y)[0])
+
+    def descent(self, x: float, y: float) -> float:
+        """World direction (rad) in which the cost-to-go falls fastest."""
+        _, gx, gy = lookup(self.value, self.cell_m, x, y)
+        return math.atan2(-gy, -gx)
+
+    def reaches(self, x: float, y: float, within_m: float = 0.0) -> bool:
+        """Whether a way leads from a cell within `within_m` of the point to the goal."""
+        if self.reached is None:
+            return True
+        h, w = self.reached.shape
+        n = math.ceil(within_m / self.cell_m)
+        j, i = min(max(int(y / self.cell_m), 0), h - 1), min(max(int(x / self.cell_m), 0), w - 1)
+        return bool(self.reached[max(j - n, 0) : j + n + 1, max(i - n, 0) : i + n + 1].any())
+
+    def path_from(self, x: float, y: float, step_m: float = 0.1, length_m: float = 100.0) -> NDArray[np.float64]:
+        """Way of steepest descent to the goal: the reference a robot's path is compared with.
+
+        Returns:
+            Shape=(n, 2) world points about `step_m` apart, the first at (x, y), the last at `target` when it is
+            reached within `length_m`.
+        """
+        n_max = math.ceil(length_m / step_m)
+        path = descend(self.value, self.cell_m, x, y, self.target[0], self.target[1], step_m, n_max)
+        return np.asarray(path, dtype=np.float64)

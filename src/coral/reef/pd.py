@@ -1,0 +1,67 @@
+"""The proportional-derivative controller of the ablation without a low-level planner: no map, no obstacles."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.controller import Plan
+from coral.reef.costfield import CostField
+from coral.reef.geometry import wrap
+from coral.reef.vehicle import VehicleCfg, VehicleState
+
+
+@dataclass(frozen=True, kw_only=True)
+class PdCfg:
+    """Gains (the papers give none): critically damped with the planar masses at 1 rad/s in surge and 2 rad/s in yaw."""
+
+    surge_kp_n_m: float = 20.0
+    surge_kd_ns_m: float = 26.0
+    yaw_kp_nm_rad: float = 2.4
+    yaw_kd_nms_rad: float = 2.4
+    hold_m: float = 0.3
+    horizon_s: float = 5.0
+    """Length of the straight line that `Plan.path` shows; the law itself does not look ahead."""
+
+
+class PdController:
+    """Drives at the goal in a straight line; same call and answer as `DdpMppi`.
+
+    The law Kp e - Kd nu is given in its cascade form Kd (Kp/Kd e - nu): the set point Kp/Kd e goes to the vehicle's
+    velocity loop, so that both controllers share the same thrusters, limits and drag compensation.
+    """
+
+    def __init__(self, cfg: PdCfg | None = None, vehicle: VehicleCfg | None = None) -> None:
+        self.cfg = cfg or PdCfg()
+        self.vehicle = vehicle or VehicleCfg()
+
+    def reset(self) -> None:
+        """Nothing to forget."""
+
+    def plan(
+        self,
+        state: VehicleState,
+        cost_field: CostField,
+        distance_map: NDArray[np.float32] | None = None,
+        *,
+        cell_m: float = 0.05,
+    ) -> Plan:
+        """Command towards `cost_field.goal`; the field's values and the map are not looked at."""
+        cfg = self.cfg
+        dx, dy = cost_field.goal[0] - state.x, cost_field.goal[1] - state.y
+        distance = math.hypot(dx, dy)
+        bearing = wrap(math.atan2(dy, dx) - state.theta)
+        v = omega = 0.0
+        if distance > cfg.hold_m:
+            v_max, w_max = self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s
+            # The error along the body's x axis; a goal behind is turned to, not reversed to.
+            v = min(max(cfg.surge_kp_n_m / cfg.surge_kd_ns_m * distance * math.cos(bearing), 0.0), v_max)
+            omega = min(max(cfg.yaw_kp_nm_rad / cfg.yaw_kd_nms_rad * bearing, -w_max), w_max)
+        times = np.linspace(0.0, cfg.horizon_s, 11)
+        along = np.minimum(v * times, distance)[:, None] / max(distance, 1e-9)
+        heading = np.full((11, 1), math.atan2(dy, dx))
+        path = np.hstack([(state.x, state.y) + along * (dx, dy), heading])
+        return Plan((v, omega), True, "", path, np.tile((v, omega), (10, 1)), times)
