@@ -83,7 +83,8 @@ def draw_axes(view: MapPicture, left: int, top: int, width: int, height: int) ->
     for k in range(math.ceil(y0 / step - 1e-6), math.floor(y1 / step + 1e-6) + 1):
         row = view.bottom_px - view.scale * k * step
         draw_line(rgb, np.array([(left - 6, row), (left - 1, row)]), (110, 114, 122), 1)
-        draw_text(rgb, f"{k * step:g}", left - 9, row, size=14, anchor="rm")
+        if row > top + 6 or top > 22:
+            draw_text(rgb, f"{k * step:g}", left - 9, row, size=14, anchor="rm")
     draw_text(rgb, "y (m)", 2, 9, size=14, weight=400, anchor="lm")
     draw_text(rgb, "x (m)", left + width, top + height + 15, size=14, weight=400, anchor="rm")
 

@@ -170,12 +170,11 @@ def _ground(scene: MapScene, window: tuple[float, float, float, float], width: i
     rows, columns = scene.cells.shape
     have = scene.cells[max(r0, 0):min(r1, rows), max(c0, 0):min(c1, columns)]
     cells[max(-r0, 0):max(-r0, 0) + have.shape[0], max(-c0, 0):max(-c0, 0) + have.shape[1]] = have
-    colored: Image = CELL_COLORS[cells[::-1]]
-    # Whole-number enlargement first keeps cell edges straight; the area filter then anti-aliases them.
-    zoom = math.ceil(max(width / cells.shape[1], height / cells.shape[0], 1))
-    if zoom > 1:
-        colored = np.repeat(np.repeat(colored, zoom, axis=0), zoom, axis=1)
-    return np.asarray(cv2.resize(colored, (width, height), interpolation=cv2.INTER_AREA), np.uint8)
+    zoom = min(width / cells.shape[1], height / cells.shape[0])
+    if zoom >= 2:  # whole-number enlargement first keeps the edges of cells crisp; interpolation smooths the rest
+        cells = np.repeat(np.repeat(cells, int(zoom), axis=0), int(zoom), axis=1)
+    filter_ = cv2.INTER_LINEAR if zoom >= 1 else cv2.INTER_AREA
+    return np.asarray(cv2.resize(CELL_COLORS[cells[::-1]], (width, height), interpolation=filter_), np.uint8)
 
 
 def _overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:

@@ -1,0 +1,146 @@
+"""The decisions of a run: what was asked and why, what came back, what became of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from coral.view.run import Record, RunFolder
+
+
+@dataclass(frozen=True, kw_only=True)
+class Try:
+    """One question and its verdict."""
+
+    attempt: int
+    asked_at_s: float
+    answered_at_s: float | None
+    """None when no verdict was recorded."""
+    verdict: str
+    """"open" when no verdict was recorded."""
+    code: str = ""
+    reason: str = ""
+    """Why it was rejected."""
+    answer: Mapping[str, Any] = field(default_factory=dict)
+    raw: str = ""
+    pictures: tuple[tuple[str, str], ...] = ()
+    """(name, digest)."""
+
+    @property
+    def latency_s(self) -> float | None:
+        """Simulated seconds from question to verdict."""
+        return None if self.answered_at_s is None else self.answered_at_s - self.asked_at_s
+
+    @property
+    def said(self) -> str:
+        """The answer in words, without its reasoning."""
+        if "selected_centroid_index" in self.answer:
+            index = self.answer["selected_centroid_index"]
+            return "no centroid" if index is None else f"centroid {index}"
+        parts = [f"{key.replace('_', ' ')} {value}" for key, value in self.answer.items()
+                 if key not in ("reason", "reasoning") and not isinstance(value, dict | list)]
+        return ", ".join(parts) or (self.raw.strip()[:120] if self.raw else "no answer")
+
+    @property
+    def why(self) -> str:
+        """The advisor's own reasoning."""
+        return str(self.answer.get("reason") or self.answer.get("reasoning") or "")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Decision:
+    """One decision, from its trigger to its goal."""
+
+    number: int
+    t: float
+    cause: str
+    """Of the trigger that fired last before the question."""
+    mode: str
+    tries: tuple[Try, ...]
+    centroids: tuple[Record, ...]
+    """As offered in the last question: index, x, y, visited."""
+    x: float
+    y: float
+    """Where the robot was when it was asked (m); nan when not recorded."""
+    goal: tuple[float, float] | None = None
+    source: str = ""
+    reason: str = ""
+    fallback: str = ""
+
+    @property
+    def outcome(self) -> str:
+        """Verdict of the last attempt."""
+        return self.tries[-1].verdict
+
+    @property
+    def end_s(self) -> float:
+        """Time of the last thing that happened to it (s)."""
+        last = self.tries[-1]
+        return last.asked_at_s if last.answered_at_s is None else last.answered_at_s
+
+
+def decisions(run: RunFolder) -> list[Decision]:
+    """All decisions of a run in order of their first question."""
+    logged = {(a.get("decision"), a.get("attempt")): a for a in run.attempts}
+    verdicts = {(e.get("decision"), e.get("attempt")): e for e in run.select("verdict")}
+    questions: dict[Any, list[Record]] = {}
+    causes: dict[Any, str] = {}
+    cause = ""
+    for event in run.events:
+        if event["event"] == "trigger" and event.get("fired"):
+            cause = str(event.get("cause", ""))
+        elif event["event"] == "question":
+            questions.setdefault(event.get("decision"), []).append(event)
+            causes.setdefault(event.get("decision"), cause)
+    goals = {e["decision"]: e for e in run.select("goal") if e.get("decision") is not None}
+    fallbacks = run.select("fallback")
+    times, xs, ys = run.column("t"), run.column("x"), run.column("y")
+    found = []
+    for key, asked in questions.items():
+        tries = tuple(_try(q, verdicts.get((key, q.get("attempt"))), logged.get((key, q.get("attempt")), {}))
+                      for q in asked)
+        t = float(asked[0]["t"])
+        nearest = int(np.clip(np.searchsorted(times, t), 0, len(times) - 1)) if len(times) else -1
+        goal = goals.get(key)
+        ended = max(float(q["t"]) for q in asked)
+        after = next((e for e in fallbacks if e.get("decision", key) == key and float(e["t"]) >= ended), None)
+        failed = tries[-1].verdict != "accepted"
+        found.append(Decision(
+            number=int(key) if isinstance(key, int) else len(found), t=t, cause=causes.get(key, ""),
+            mode=str(asked[-1].get("mode", "")), tries=tries,
+            centroids=tuple(c for c in asked[-1].get("centroids") or () if {"index", "x", "y"} <= set(c)),
+            x=float(xs[nearest]) if nearest >= 0 else float("nan"),
+            y=float(ys[nearest]) if nearest >= 0 else float("nan"),
+            goal=(float(goal["x"]), float(goal["y"])) if goal and _has(goal, "x", "y") else None,
+            source=str(goal.get("source", "")) if goal else "", reason=str(goal.get("reason") or "") if goal else "",
+            fallback=f"{after.get('policy', '')} ({after.get('failure', '')})" if after and failed else ""))
+    return found
+
+
+def _has(record: Record, *names: str) -> bool:
+    return all(isinstance(record.get(name), int | float) for name in names)
+
+
+def _try(question: Record, verdict: Record | None, logged: Record) -> Try:
+    verdict = verdict or {}
+    rejection = logged.get("rejection") or {}
+    asked = logged.get("question") or {}
+    names = {p.get("digest"): p.get("name", "") for p in asked.get("pictures") or logged.get("pictures") or ()
+             if isinstance(p, dict)}
+    order = ("map", "segmentation", "depth")
+    digests = [str(d) for d in question.get("pictures") or ()]
+    pictures = tuple((names.get(d) or (order[k] if k < len(order) else f"picture {k}"), d)
+                     for k, d in enumerate(digests))
+    answer = verdict.get("answer") or logged.get("answer") or {}
+    at = verdict.get("asked_at")
+    return Try(
+        attempt=int(question.get("attempt") or 0), asked_at_s=float(at if at is not None else question["t"]),
+        answered_at_s=float(verdict["t"]) if "t" in verdict else logged.get("answered_at_s"),
+        verdict=str(verdict.get("verdict") or logged.get("verdict") or "open"),
+        code=str(verdict.get("code") or rejection.get("code") or ""),
+        reason=str(verdict.get("reason") or rejection.get("reason") or ""),
+        answer=answer if isinstance(answer, dict) else {"answer": answer}, raw=str(logged.get("raw") or ""),
+        pictures=pictures)

@@ -1,0 +1,186 @@
+"""Reading a run folder back, finished or cut off at any moment."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from coral.errors import InputError
+
+Record = Mapping[str, Any]
+_MARKS = ("events.jsonl", "trajectory.csv", "config.yaml", "metrics.json")
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """Everything in a run folder, as far as it was written."""
+
+    path: Path
+    events: tuple[Record, ...]
+    trajectory: Mapping[str, NDArray[np.float64]]
+    """Columns of trajectory.csv by name, Shape=(N,) each; an empty field is nan. All columns have one length."""
+    attempts: tuple[Record, ...]
+    metrics: Record
+    timing: Record
+    config: Record
+    world: Record
+    frame_steps: tuple[int, ...]
+    """Steps at which `frames/` holds a map, ascending."""
+    notes: tuple[str, ...]
+    """What was missing or unreadable, one sentence each."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run reached its own end: its metrics were written."""
+        return bool(self.metrics)
+
+    @property
+    def duration_s(self) -> float:
+        """Simulated time of the last thing that was recorded (s)."""
+        times = self.column("t")
+        last = [float(times[-1])] if len(times) else [0.0]
+        return max(last + [float(event["t"]) for event in self.events[-1:]])
+
+    def column(self, name: str) -> NDArray[np.float64]:
+        """A column of the trajectory, Shape=(N,); all nan when the file has no such column."""
+        if name in self.trajectory:
+            return self.trajectory[name]
+        length = len(next(iter(self.trajectory.values()), np.zeros(0)))
+        return np.full(length, np.nan)
+
+    def select(self, *names: str) -> list[Record]:
+        """Events of these kinds, in order."""
+        return [event for event in self.events if event["event"] in names]
+
+    def frame(self, step: int, kind: str) -> NDArray[Any] | None:
+        """One picture of `frames/` as stored ("map", "depth" or "labels"), Shape=(H, W); None if unreadable."""
+        path = self.path / "frames" / f"{step:06d}_{kind}.png"
+        if not path.is_file():
+            return None
+        return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+
+    def picture(self, digest: str) -> Path | None:
+        """A picture that an advisor was shown, by digest."""
+        path = self.path / "pictures" / f"{digest}.png"
+        return path if digest.isalnum() and path.is_file() else None
+
+    @classmethod
+    def read(cls, path: str | Path) -> RunFolder:
+        """Read a run folder.
+
+        A run may have been killed while it wrote: a cut last line is left out, a missing file is empty, and
+        `notes` says so.
+
+        Raises:
+            InputError: There is no such folder, or it does not hold a run.
+        """
+        folder = Path(path)
+        if not folder.is_dir():
+            found = "a file" if folder.is_file() else "nothing"
+            raise InputError(str(folder), "", found, "the folder of a run")
+        if not any((folder / name).is_file() for name in _MARKS):
+            raise InputError(str(folder), "", "no run in it", f"at least one of {', '.join(_MARKS)}")
+        notes: list[str] = []
+        events = _lines(folder / "events.jsonl", notes)
+        whole = tuple(event for event in events if isinstance(event.get("event"), str) and _is_number(event.get("t")))
+        if len(whole) < len(events):
+            notes.append(f"events.jsonl: {len(events) - len(whole)} lines have no event name or time and were left out.")
+        return cls(
+            path=folder,
+            events=whole,
+            trajectory=_table(folder / "trajectory.csv", notes),
+            attempts=_lines(folder / "attempts.jsonl", notes),
+            metrics=_document(folder / "metrics.json", json.loads, notes),
+            timing=_document(folder / "timing.json", json.loads, notes),
+            config=_document(folder / "config.yaml", yaml.safe_load, notes),
+            world=_document(folder / "world.yaml", yaml.safe_load, notes),
+            frame_steps=tuple(sorted(int(file.name[:-8]) for file in (folder / "frames").glob("*_map.png")
+                                     if file.name[:-8].isdigit())),
+            notes=tuple(notes),
+        )
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _text(path: Path, notes: list[str]) -> str:
+    try:
+        return path.read_text(encoding="utf-8", errors="replace")
+    except FileNotFoundError:
+        notes.append(f"{path.name} is missing.")
+    except OSError as error:
+        notes.append(f"{path.name} cannot be read: {error.strerror}.")
+    return ""
+
+
+def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
+    """Objects of a JSON-lines file; lines that are not one are left out and noted."""
+    records: list[Record] = []
+    lines = _text(path, notes).splitlines()
+    for number, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        try:
+            record = json.loads(line)
+        except ValueError:
+            record = None
+        if isinstance(record, dict):
+            records.append(record)
+        else:
+            cut = "was cut off while it was written" if number == len(lines) else "is not a JSON object"
+            notes.append(f"{path.name}: line {number} {cut} and was left out.")
+    return tuple(records)
+
+
+def _table(path: Path, notes: list[str]) -> dict[str, NDArray[np.float64]]:
+    """Columns of a CSV file of numbers with a header line."""
+    text = _text(path, notes)
+    rows = list(csv.reader(io.StringIO(text)))
+    if not rows:
+        return {}
+    header, body = rows[0], rows[1:]
+    # Without a final newline the last number may lack digits, even when every field is there.
+    if body and not text.endswith("\n"):
+        body.pop()
+        notes.append(f"{path.name}: the last line was cut off while it was written and was left out.")
+    values = [numbers for row in body if (numbers := _numbers(row, len(header))) is not None]
+    if len(values) < len(body):
+        notes.append(f"{path.name}: {len(body) - len(values)} lines are not {len(header)} numbers and were left out.")
+    table = np.array(values, np.float64).reshape(-1, len(header))
+    return {name: table[:, k].copy() for k, name in enumerate(header)}
+
+
+def _numbers(row: Sequence[str], count: int) -> list[float] | None:
+    if len(row) != count:
+        return None
+    words = {"": float("nan"), "true": 1.0, "false": 0.0}
+    try:
+        return [words[field.lower()] if field.lower() in words else float(field) for field in row]
+    except ValueError:
+        return None
+
+
+def _document(path: Path, parse: Callable[[str], Any], notes: list[str]) -> Record:
+    """A JSON or YAML file that holds one mapping; empty when missing or cut off."""
+    text = _text(path, notes)
+    if not text:
+        return {}
+    try:
+        document = parse(text)
+    except (ValueError, yaml.YAMLError):
+        document = None
+    if isinstance(document, dict):
+        return document
+    notes.append(f"{path.name} is incomplete and was left out.")
+    return {}
