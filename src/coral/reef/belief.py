@@ -38,7 +38,6 @@ class Belief:
         self.pose = Pose(0.0, 0.0, 0.0)
         self.frame: Frame | None = None
         self.goal: tuple[float, float] | None = None
-        self.previous_goal: tuple[float, float] | None = None
         self._trail: list[tuple[float, float]] = []
         self._failed: list[tuple[float, float]] = []
         self._ticks = 0

@@ -55,6 +55,7 @@ class OccupancyMap:
         """Cells that were in view. Shape=(NY, NX)."""
         self.version = 0
         """Grows whenever an obstacle cell appears or goes."""
+        self._near = np.full(shape, np.inf, np.float32)
         self._rays, self._lever = _pixel_rays(camera)
         self._hfov = math.radians(camera.hfov_deg)
         self._reach = np.zeros(camera.width)
@@ -82,6 +83,12 @@ class OccupancyMap:
     def distance(self) -> NDArray[np.float32]:
         """Distance of every cell's centre to the nearest obstacle cell's centre (m). Shape=(NY, NX)."""
         return distance_to(self.obstacle, self.cfg.cell_m)
+
+    def distance_near(self, x: float, y: float, radius_m: float) -> NDArray[np.float32]:
+        """Like `distance`, brought up to date only within `radius_m` of a point: what the controller needs each tick."""
+        y0, y1, x0, x1 = self._window(Pose(x, y, 0.0), radius_m)
+        self._near[y0:y1, x0:x1] = distance_to(np.ascontiguousarray(self.obstacle[y0:y1, x0:x1]), self.cfg.cell_m)
+        return self._near
 
     def index(self, x: float, y: float) -> tuple[int, int]:
         """(iy, ix) of the cell that holds a world point, clipped to the map."""

@@ -64,8 +64,6 @@ class HighLevelPlanner:
         self.mode: Mode = "centroid"
         self.finished = False
         """Nothing is left that the robot could visit or explore."""
-        self.violations = 0
-        """Adopted goals that violated a predicate of Eqs. 4-8 without an exemption (the deviation count)."""
 
     def observe(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
         """Make the question from the map as it is now; None when nothing is left to choose."""
@@ -133,13 +131,12 @@ class HighLevelPlanner:
         around = self._surroundings(left)
         return verify_waypoint((goal.x, goal.y), around, cfg.verify) if cfg.verify.enabled else None
 
-    def adopt(self, goal: Goal) -> None:
-        """Make a goal the active one; count it if it violates Eqs. 4-8 and no exemption applies."""
+    def adopt(self, goal: Goal) -> bool:
+        """Make a goal the active one; True if it violates Eqs. 4-8 and no exemption applies (a "deviation")."""
         left = survey(self.belief, self.fields, self.cfg.forward_m, self.cfg.survey)
         around = self._surroundings(left)
-        if not around.dead_end and violation((goal.x, goal.y), around, self.cfg.verify) is not None:
-            self.violations += 1
-        self.belief.previous_goal, self.belief.goal = self.belief.goal, (goal.x, goal.y)
+        self.belief.goal = (goal.x, goal.y)
+        return not around.dead_end and violation((goal.x, goal.y), around, self.cfg.verify) is not None
 
     def _surroundings(self, left: Survey) -> Surroundings:
         belief = self.belief
@@ -178,7 +175,7 @@ class HighLevelPlanner:
         belief, n = self.belief, self.cfg.step_m
         steps = [(f, s) for f in range(-n, n + 1) for s in range(-n, n + 1) if math.hypot(f, s) >= self.cfg.separation_m]
         points = [to_world(belief.pose, f, s) for f, s in steps]
-        paths = left.field.distances_m(np.array([p[0] for p in points]), np.array([p[1] for p in points]))
+        paths = left.paths_m(np.array([p[0] for p in points]), np.array([p[1] for p in points]))
         return [{"forward_m": f, "left_m": s, "path_m": round(float(path), 2),
                  "unexplored": round(1.0 - belief.map.explored_fraction(x, y, self.cfg.gain_radius_m), 3)}
                 for (f, s), (x, y), path in zip(steps, points, paths, strict=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -57,9 +57,13 @@ class Survey:
     """Geodesic distances from the robot."""
     dead_end: bool
 
-    def path_m(self, x: float, y: float) -> float:
-        """Length of the known way from the robot to a point (m); inf when there is none."""
-        return self.field.distance_m(x, y)
+    def path_m(self, x: float, y: float, within_m: float = 0.7) -> float:
+        """Length of the known way from the robot to within `within_m` of a point (m); inf when there is none."""
+        return self.field.lookup(x, y) if self.field.reaches(x, y, within_m) else math.inf
+
+    def paths_m(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
+        """`path_m` of many points, each in free water itself. Shape=(N,)."""
+        return np.array([self.path_m(x, y, 0.0) for x, y in zip(xs, ys, strict=True)])
 
 
 def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg) -> Survey:
@@ -72,13 +76,15 @@ def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: Surve
         cfg: Thresholds.
     """
     pose = belief.pose
-    field = CostField.build(belief.map.distance(), belief.map.cfg.cell_m, (pose.x, pose.y), field_cfg)
-    frontiers = _frontiers(belief, field, cfg)
+    field = CostField.compute(belief.map.distance(), (pose.x, pose.y), cell_m=belief.map.cfg.cell_m, cfg=field_cfg)
+    left = Survey(frontiers=(), field=field, dead_end=False)
+    frontiers = _frontiers(belief, left, cfg)
     near_ahead = any(abs(f.bearing) <= math.radians(cfg.ahead_deg) and f.path_m <= cfg.ahead_m for f in frontiers)
-    return Survey(frontiers=tuple(frontiers), field=field, dead_end=not near_ahead and not belief.ahead(forward_m))
+    dead_end = not near_ahead and not belief.ahead(forward_m)
+    return replace(left, frontiers=tuple(frontiers), dead_end=dead_end)
 
 
-def _frontiers(belief: Belief, field: CostField, cfg: SurveyCfg) -> list[Frontier]:
+def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
     cells, cell_m = belief.map, cfg.cell_m
     k = max(1, round(cell_m / cells.cfg.cell_m))
     explored = _coarse(cells.explored, k).mean(axis=(1, 3)) > 0.5
@@ -93,7 +99,7 @@ def _frontiers(belief: Belief, field: CostField, cfg: SurveyCfg) -> list[Frontie
     touching = cv2.dilate(unknown, np.ones((3, 3), np.uint8)).astype(bool)
     ys, xs = np.nonzero(touching & explored & ~solid)
     px, py = (xs + 0.5) * cell_m, (ys + 0.5) * cell_m
-    path = field.distances_m(px, py)
+    path = left.paths_m(px, py)
     keep = np.isfinite(path)
     xs, ys, px, py, path = xs[keep], ys[keep], px[keep], py[keep], path[keep]
     edge_mask = np.zeros(explored.shape, np.uint8)
@@ -112,9 +118,9 @@ def _frontiers(belief: Belief, field: CostField, cfg: SurveyCfg) -> list[Frontie
         x, y = float(px[best]), float(py[best])
         if belief.failures(x, y) >= belief.cfg.max_attempts:
             continue
-        forward, left = to_robot(belief.pose, x, y)
+        forward, to_left = to_robot(belief.pose, x, y)
         found.append(Frontier(
-            x=x, y=y, length_m=float(members.size * cell_m), path_m=float(path[best]), bearing=math.atan2(left, forward),
+            x=x, y=y, length_m=float(members.size * cell_m), path_m=float(path[best]), bearing=math.atan2(to_left, forward),
             reef_m=float(np.min(np.hypot(reef[:, 0] - x, reef[:, 1] - y))) if len(reef) else math.inf))
     return sorted(found, key=lambda f: f.path_m)
 

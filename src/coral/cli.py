@@ -1,0 +1,112 @@
+"""The `coral` command: words pick a command, its dataclass is its flags, its result is printed."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import json
+import os
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+from coral.errors import InputError, RunError, nearest  # noqa: E402
+
+COMMANDS = {
+    "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
+    "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),
+    "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),
+    "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),
+    "doctor": ("coral.commands.doctor:Doctor", "check this installation"),
+    "version": ("coral.commands.version:Version", "print the version"),
+}
+
+
+class Command(Protocol):
+    """What a command's dataclass offers besides its fields."""
+
+    json: bool
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Do the work; the result is what `--json` prints."""
+        ...
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """The result in words, for people."""
+        ...
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command. Exit code 0 done, 1 failed with a message, 2 bad usage or input."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        if not words or words[0] in ("-h", "--help"):
+            print(_overview(""))
+            return 0
+        name = _command(words)
+        if name is None:
+            print(_overview(" ".join(w for w in words if not w.startswith("-"))))
+            return 0
+        command = _parse(name, words[len(name.split()):])
+        result = command()
+        print(json.dumps(result, allow_nan=False, default=str) if command.json else command.describe(result))
+    except InputError as error:
+        print(f"coral: {error}", file=sys.stderr)
+        return 2
+    except RunError as error:
+        print(f"coral: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("coral: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()
+        return 1
+    return 0
+
+
+def _command(words: Sequence[str]) -> str | None:
+    """Name of the command that the words begin with; None asks for the overview of a group of commands."""
+    for n in (2, 1):
+        name = " ".join(words[:n])
+        if name in COMMANDS:
+            return name
+    group = [name for name in COMMANDS if name.split()[0] == words[0] and " " in name]
+    if group and (len(words) == 1 or words[1] in ("-h", "--help")):
+        return None
+    tried = " ".join(words[:2]) if group else words[0]
+    known = group or [*COMMANDS, *{name.split()[0] for name in COMMANDS}]
+    raise InputError("coral", "", repr(tried), f"one of: {', '.join(group or COMMANDS)}{nearest(tried, known)}")
+
+
+def _parse(name: str, words: Sequence[str]) -> Command:
+    """Flags into the command's dataclass; tyro's complaint becomes one line."""
+    import tyro
+
+    module, _, kind = COMMANDS[name][0].partition(":")
+    command_type = getattr(importlib.import_module(module), kind)
+    default = command_type.from_file(words) if hasattr(command_type, "from_file") else None
+    complaint = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(complaint):
+            parsed: Command = tyro.cli(command_type, args=list(words), prog=f"coral {name}", default=default)
+    except SystemExit as end:
+        if end.code in (0, None):
+            raise
+        text = re.sub(r"[╭╮╰╯│─]+", " ", complaint.getvalue())
+        raise InputError(f"coral {name}", "", " ".join(text.split()), f"flags as in: coral {name} --help") from None
+    return parsed
+
+
+def _overview(group: str) -> str:
+    lines = [f"  coral {name:<15} {text}" for name, (_, text) in COMMANDS.items() if name.startswith(group)]
+    return "\n".join(["usage: coral COMMAND [flags]; every command has --help and --json", "", *lines])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

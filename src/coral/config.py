@@ -1,0 +1,108 @@
+"""Configuration: frozen dataclasses, read from YAML with errors that name the field, written back complete."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, get_type_hints
+
+import yaml
+from pydantic import Field, TypeAdapter, ValidationError
+
+from coral.errors import InputError, nearest
+
+C = TypeVar("C")
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+Count = Annotated[int, Field(ge=1)]
+
+
+def read_config(path: Path, default: C) -> C:
+    """A configuration from a YAML file that may name only some of the fields; the rest come from `default`.
+
+    Raises:
+        InputError: The file is missing or broken, or a key or value in it is wrong.
+    """
+    return merge(default, read_yaml(path), str(path))
+
+
+def read_yaml(path: Path) -> dict[str, Any]:
+    """A YAML file that holds a mapping.
+
+    Raises:
+        InputError: It is missing, unreadable, not YAML, or not a mapping.
+    """
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "unreadable text"
+        raise InputError(str(path), "", reason.lower(), "a readable YAML file") from None
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = f"line {mark.line + 1}" if mark else ""
+        raise InputError(str(path), line, getattr(error, "problem", None) or "broken YAML", "valid YAML") from None
+    if content is None:
+        return {}
+    if not isinstance(content, dict):
+        raise InputError(str(path), "", type(content).__name__, "a mapping of keys to values")
+    return content
+
+
+def merge(default: C, changes: Mapping[str, Any], where: str) -> C:
+    """`default` with some fields replaced, checked.
+
+    Raises:
+        InputError: An unknown key (with the nearest known one) or a value of the wrong type or range.
+    """
+    return checked(_replace(default, changes, where, ""), where)
+
+
+def checked(cfg: C, where: str) -> C:
+    """The configuration itself, once all of its values have been found in range.
+
+    Raises:
+        InputError: A value is not.
+    """
+    try:
+        _adapter(type(cfg)).validate_python(dataclasses.asdict(cfg))  # type: ignore[call-overload]
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise InputError(where, ".".join(str(part) for part in first["loc"]), repr(first["input"]),
+                         first["msg"].replace("Input should be ", "")) from None
+    return cfg
+
+
+def to_mapping(cfg: Any) -> dict[str, Any]:
+    """Plain nested mapping of every field, as written to config.yaml."""
+    plain: dict[str, Any] = _adapter(type(cfg)).dump_python(cfg, mode="json")
+    return plain
+
+
+@cache
+def _adapter(kind: type[Any]) -> TypeAdapter[Any]:
+    return TypeAdapter(kind)
+
+
+def _replace(default: Any, changes: Mapping[str, Any], where: str, prefix: str) -> Any:
+    hints = get_type_hints(type(default), include_extras=True)
+    values: dict[str, Any] = {}
+    for key, value in changes.items():
+        name = f"{prefix}{key}"
+        if key not in hints:
+            raise InputError(where, name, "an unknown key", f"one of {', '.join(hints)}{nearest(str(key), hints)}")
+        old = getattr(default, key)
+        if dataclasses.is_dataclass(old):
+            if not isinstance(value, Mapping):
+                raise InputError(where, name, repr(value), "a mapping")
+            values[key] = _replace(old, value, where, f"{name}.")
+            continue
+        try:
+            values[key] = TypeAdapter(hints[key]).validate_python(value)
+        except ValidationError as error:
+            raise InputError(where, name, repr(value), error.errors()[0]["msg"].replace("Input should be ", "")) \
+                from None
+    return dataclasses.replace(default, **values)

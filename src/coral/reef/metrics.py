@@ -1,0 +1,105 @@
+"""The paper's metrics (IV-E), computed from a run folder alone, so that anyone can compute them again."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from coral.errors import InputError
+
+DEFINITIONS = {
+    "coverage": "Share of the true oyster clusters of which at least 60 % of the area was inside the 120° field of "
+                "view, within sensing range and not hidden by an obstacle, at some moment of the mission (paper IV-E).",
+    "clusters_covered": "The number of those clusters.",
+    "clusters_total": "The number of true clusters in the world.",
+    "collisions": "Contacts of the 0.3 m robot disc with a true obstacle, checked at every integration step, counted "
+                  "once per contact (paper IV-E).",
+    "advisor_calls": "Questions put to the advisor, re-queries after a rejection included (paper: VLM invocations).",
+    "requeries": "Those of the calls that repeated a question after a rejected, malformed or missing answer.",
+    "rejections": "Answers refused by a verifier.",
+    "fallbacks": "Decisions that were not reached within their budget, so that the fallback policy chose.",
+    "deviations": "Adopted waypoints that violate the backward or off-trend predicates (Eqs. 4-8) without an "
+                  "exemption (paper IV-E).",
+    "steps": "Control ticks of 0.1 s.",
+    "sim_time_s": "Simulated mission time (s): steps x 0.1 s; the controller never idles, so the paper's T_idle is 0.",
+    "coverage_time_s": "Simulated time (s) at which the last cluster of this run was covered.",
+    "steps_per_percent": "Steps for each percentage point of coverage (paper: coverage efficiency); none without any.",
+    "distance_m": "Length of the true trajectory (m).",
+    "mean_speed_m_s": "Distance over time (m/s).",
+    "min_clearance_m": "Smallest true distance between the robot disc and an obstacle (m).",
+    "planner_failures": "Control ticks at which no rollout was feasible and the vehicle braked.",
+    "path_replans": "Reference paths planned anew because the vehicle had left the old one.",
+    "end_reason": "Why the mission ended.",
+}
+
+
+def compute_metrics(folder: Path) -> dict[str, Any]:
+    """Metrics of a finished or killed run, from events.jsonl and trajectory.csv.
+
+    Raises:
+        InputError: The folder is not a run.
+    """
+    for name in ("events.jsonl", "trajectory.csv"):
+        if not (folder / name).is_file():
+            raise InputError(str(folder), name, "no such file", "a run folder")
+    return metrics_of(_events(folder / "events.jsonl"), _rows(folder / "trajectory.csv"))
+
+
+def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
+    """Metrics from the events and the rows of the trajectory, in order."""
+    counts = dict.fromkeys(("collision", "question", "fallback", "planner_failure"), 0)
+    requeries = rejections = deviations = replans = 0
+    clusters_total, covered_at, end = 0, 0.0, "killed"
+    for event in events:
+        kind = event["event"]
+        if kind in counts:
+            counts[kind] += 1
+        if kind == "start":
+            clusters_total = int(event["clusters_total"])
+        elif kind == "question":
+            requeries += event["attempt"] > 0
+        elif kind == "verdict":
+            rejections += event["verdict"] == "rejected"
+        elif kind == "goal":
+            deviations += bool(event.get("violates"))
+        elif kind == "monitor":
+            replans += 1
+        elif kind == "cluster_covered":
+            covered_at = float(event["t"])
+        elif kind == "end":
+            end = event["reason"]
+    steps, distance, clearance, covered, coverage, t, last = 0, 0.0, math.inf, 0, 0.0, 0.0, None
+    for row in rows:
+        here = (float(row["x"]), float(row["y"]))
+        distance += math.dist(last, here) if last else 0.0
+        last, steps, t = here, int(float(row["step"])), float(row["t"])
+        clearance = min(clearance, float(row["clearance"]))
+        covered, coverage = int(float(row["clusters_covered"])), float(row["coverage"])
+    return {
+        "coverage": coverage, "clusters_covered": covered, "clusters_total": clusters_total,
+        "collisions": counts["collision"], "advisor_calls": counts["question"], "requeries": requeries,
+        "rejections": rejections, "fallbacks": counts["fallback"], "deviations": deviations, "steps": steps,
+        "sim_time_s": round(t, 3), "coverage_time_s": round(covered_at, 3),
+        "steps_per_percent": round(steps / (100.0 * coverage), 3) if coverage else None,
+        "distance_m": round(distance, 3), "mean_speed_m_s": round(distance / t, 4) if t else 0.0,
+        "min_clearance_m": round(clearance, 4) if math.isfinite(clearance) else None,
+        "planner_failures": counts["planner_failure"], "path_replans": replans, "end_reason": end}
+
+
+def _events(path: Path) -> Iterable[dict[str, Any]]:
+    with open(path, encoding="utf-8") as lines:
+        for line in lines:
+            try:
+                yield json.loads(line)
+            except json.JSONDecodeError:
+                return  # a killed run may end in half a line
+
+
+def _rows(path: Path) -> Iterable[dict[str, str]]:
+    with open(path, encoding="utf-8", newline="") as lines:
+        for row in csv.DictReader(line for line in lines if line.endswith("\n")):
+            yield row

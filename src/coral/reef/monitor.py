@@ -1,0 +1,59 @@
+"""The path feasibility monitor: planned against executed trajectory (paper contribution 3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class MonitorCfg:
+    """When an executed trajectory has left its plan. The paper names the monitor but gives no thresholds."""
+
+    deviation_m: float = 1.0
+    """Cross-track distance that counts as having left the reference path; twice the widest detour seen round
+    an obstacle that was known when the path was planned."""
+    max_replans: int = 3
+    """New reference paths towards one goal before the advisor is asked for another goal."""
+
+
+class PathMonitor:
+    """Compares the vehicle's position with the reference path to its goal."""
+
+    def __init__(self, cfg: MonitorCfg | None = None) -> None:
+        self.cfg = cfg or MonitorCfg()
+        self.path: NDArray[np.float64] = np.empty((0, 2))
+        """Reference path. Shape=(N, 2), metres, from where it was planned to the goal."""
+        self.replans = 0
+
+    def follow(self, path: NDArray[np.float64], *, new_goal: bool) -> None:
+        """Take a newly planned reference path."""
+        self.path = path
+        self.replans = 0 if new_goal else self.replans + 1
+
+    def deviation(self, x: float, y: float) -> float:
+        """Distance from a point to the reference path (m); 0 without a path."""
+        return distance_to_path(self.path, x, y)
+
+    def left_path(self, x: float, y: float) -> bool:
+        """Whether the vehicle has left its path by more than the threshold."""
+        return self.deviation(x, y) > self.cfg.deviation_m
+
+    @property
+    def exhausted(self) -> bool:
+        """The goal has been replanned for too often."""
+        return self.replans >= self.cfg.max_replans
+
+
+def distance_to_path(path: NDArray[np.float64], x: float, y: float) -> float:
+    """Distance from a point to a polyline (m). `path`: Shape=(N, 2); 0 when it is empty."""
+    if len(path) == 0:
+        return 0.0
+    p = np.array([x, y])
+    if len(path) == 1:
+        return float(np.linalg.norm(p - path[0]))
+    a, d = path[:-1], np.diff(path, axis=0)
+    s = np.clip(np.einsum("ij,ij->i", p - a, d) / np.maximum(np.einsum("ij,ij->i", d, d), 1e-12), 0.0, 1.0)
+    return float(np.min(np.linalg.norm(p - (a + s[:, None] * d), axis=1)))

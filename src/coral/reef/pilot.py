@@ -1,0 +1,202 @@
+"""The robot's side of a mission, tick by tick: perceive, decide when it matters, drive always (paper Alg. 1)."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.advisor.clock import SimulatedClock, WallClock
+from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
+from coral.advisor.question import Advisor, Question, Rejection
+from coral.reef.belief import Belief
+from coral.reef.controller import Plan
+from coral.reef.costfield import CostField, CostFieldCfg
+from coral.reef.geometry import Frame, Pose, to_world
+from coral.reef.monitor import MonitorCfg, PathMonitor
+from coral.reef.planner import Goal, HighLevelPlanner
+from coral.reef.trigger import Firing, SmartTrigger, TriggerCfg
+from coral.reef.vehicle import VehicleState
+
+Fallback = Literal["heuristic", "hold", "abort"]
+Command = tuple[float, float]
+"""Forward speed (m/s) and yaw rate (rad/s)."""
+Emit = Callable[..., None]
+"""emit(event, **fields) appends to the run's events."""
+
+
+class LocalPlanner(Protocol):
+    """Drives towards a goal: DDP-MPPI, or a baseline in its place."""
+
+    def plan(self, state: VehicleState, cost_field: CostField, distance_map: NDArray[np.float32], *,
+             cell_m: float = 0.05) -> Plan:
+        """Command for the next tick, from the cost-to-go and the distances (m) to known obstacles."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class PilotCfg:
+    """How decisions are asked for and what happens without them."""
+
+    trigger: TriggerCfg = field(default_factory=TriggerCfg)
+    monitor: MonitorCfg = field(default_factory=MonitorCfg)
+    fields: CostFieldCfg = field(default_factory=CostFieldCfg)
+    budget: BudgetCfg = field(default_factory=BudgetCfg)
+    fallback: Fallback = "heuristic"
+    """Who decides when a decision was not reached within its budget: the rules, nobody (keep the goal), or abort."""
+    initial_m: float = 2.0
+    """The initial waypoint lies this far ahead of the start (Alg. 1)."""
+    local_m: float = 5.0
+    """How far about itself the robot keeps its distances to obstacles up to date; beyond the sensing range."""
+    field_period_s: float = 1.0
+    """Shortest time between updates of the cost-to-go when only the map has changed."""
+
+
+class Pilot:
+    """Belief in, command out; the advisor is consulted on the side and never waited for."""
+
+    def __init__(self, belief: Belief, planner: HighLevelPlanner, driver: LocalPlanner, advisor: Advisor,
+                 fallback: Advisor, clock: SimulatedClock | WallClock, emit: Emit, log: Callable[[Attempt], None],
+                 cfg: PilotCfg | None = None) -> None:
+        self.cfg = cfg or PilotCfg()
+        self.belief, self.planner, self.driver = belief, planner, driver
+        self.advisor, self.fallback, self.clock = advisor, fallback, clock
+        self.trigger = SmartTrigger(self.cfg.trigger)
+        self.monitor = PathMonitor(self.cfg.monitor)
+        self.plan: Plan | None = None
+        self.field: CostField | None = None
+        self.open_question: Question[Any] | None = None
+        self.end_reason = ""
+        self._emit, self._log = emit, log
+        self._decision = 0
+        self._task: asyncio.Task[Outcome[Any]] | None = None
+        self._asked: dict[int, tuple[float, float]] = {}
+        self._last_firing: Firing | None = None
+        self._mode = ""
+        self._field_key: tuple[Any, ...] = ()
+        self._field_at = -math.inf
+
+    def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
+        """One control period: take in what was sensed at time `t` (s), return what to do until the next."""
+        self.belief.update(frame, pose)
+        if self.belief.goal is None:
+            self.belief.goal = to_world(pose, self.cfg.initial_m, 0.0)
+            self._emit("goal", x=self.belief.goal[0], y=self.belief.goal[1], source="initial", decision=None,
+                       index=None, reason="initial waypoint", violates=False)
+        self.clock.advance(t) if isinstance(self.clock, SimulatedClock) else self.clock.advance()
+        self._collect()
+        self._watch(t, math.hypot(velocity[0], velocity[1]))
+        self._route(t)
+        assert self.field is not None
+        cells = self.belief.map
+        self.plan = self.driver.plan(VehicleState(*pose, *velocity), self.field,
+                                     cells.distance_near(pose.x, pose.y, self.cfg.local_m), cell_m=cells.cfg.cell_m)
+        self.trigger.planner(self.plan.ok)
+        if not self.plan.ok:
+            self._emit("planner_failure", reason=self.plan.failure)
+        return self.plan.command
+
+    @property
+    def pending(self) -> bool:
+        """Whether a decision is being made."""
+        return self._task is not None
+
+    def _watch(self, t: float, speed: float) -> None:
+        """Ask the advisor when Eq. 12 says so; log every change of its verdict."""
+        target = self.belief.goal if self._decision else None
+        firing = self.trigger.update(t, self.belief.pose.x, self.belief.pose.y, speed, target, self.pending)
+        if firing is not None and firing != self._last_firing:
+            self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
+        self._last_firing = firing
+        if firing is None or not firing.fired:
+            return
+        if firing.cause in ("stuck", "failure", "deviation"):
+            self.belief.goal_failed()
+        self.trigger.asked(t)
+        self._task = self.clock.start(consult(self.advisor, self._observe, self.planner.verify, self.cfg.budget,
+                                              self.clock, self._attempted, self._decision))
+        self._collect()
+
+    def _observe(self, rejections: Any) -> Question[Any] | None:
+        question = self.open_question = self.planner.observe(rejections)
+        if question is None:
+            return None
+        if self.planner.mode != self._mode:
+            self._mode = self.planner.mode
+            self._emit("mode", mode=self._mode)
+        self._emit("question", decision=self._decision, attempt=len(rejections), mode=self._mode,
+                   pictures=[p.digest for p in question.pictures],
+                   centroids=[{"index": k.index, "x": round(k.x, 3), "y": round(k.y, 3), "visited": k.visited}
+                              for k in self.belief.tracker.chain()])
+        return question
+
+    def _attempted(self, attempt: Attempt) -> None:
+        refusal = attempt.rejection
+        self._emit("verdict", decision=attempt.decision, attempt=attempt.attempt, verdict=attempt.verdict,
+                   code=refusal.code if refusal else "", reason=refusal.reason if refusal else "",
+                   answer=attempt.answer, asked_at=round(attempt.asked_at_s, 3))
+        self._log(attempt)
+
+    def _collect(self) -> None:
+        """Take over a finished decision."""
+        if self._task is None or not self._task.done():
+            return
+        outcome, self._task, self.open_question = self._task.result(), None, None
+        if self.planner.finished:
+            self.end_reason = "nothing left to explore"
+        elif outcome.failure and outcome.failure != "withdrawn":
+            self._fall_back(outcome)
+        elif outcome.answer is not None and outcome.question is not None:
+            self._adopt(self.planner.locate(outcome.question, outcome.answer), "advisor",
+                        getattr(outcome.answer, "reason", ""))
+        self._decision += 1
+
+    def _fall_back(self, outcome: Outcome[Any]) -> None:
+        """The advisor stayed silent or wrong past its budget: the named policy decides."""
+        self._emit("fallback", policy=self.cfg.fallback, failure=outcome.failure, decision=self._decision)
+        if self.cfg.fallback == "abort":
+            self.end_reason = f"advisor failed: {outcome.failure}"
+        if self.cfg.fallback != "heuristic":
+            return
+        rejections: list[Rejection] = []
+        for _ in range(8):
+            question = self.planner.observe(rejections)
+            if question is None:
+                return
+            answer = asyncio.run(self.fallback.answer(question, rejections)).value
+            refusal = self.planner.verify(question, answer)
+            if refusal is None:
+                self._adopt(self.planner.locate(question, answer), "fallback", getattr(answer, "reason", ""))
+                return
+            rejections.append(refusal)
+
+    def _adopt(self, goal: Goal | Rejection, source: str, reason: str) -> None:
+        if isinstance(goal, Rejection):
+            return  # the cluster merged into another between two ticks; the trigger asks again
+        violates = self.planner.adopt(goal)
+        self._emit("goal", x=round(goal.x, 3), y=round(goal.y, 3), source=source, decision=self._decision,
+                   index=goal.index, reason=reason, violates=violates)
+
+    def _route(self, t: float) -> None:
+        """Keep the cost-to-go and the reference path up to date; notice when the path was left."""
+        belief, monitor, goal = self.belief, self.monitor, self.belief.goal
+        assert goal is not None
+        new_goal = not self._field_key or self._field_key[0] != goal
+        key = (goal, belief.map.version)
+        if new_goal or (key != self._field_key and t - self._field_at >= self.cfg.field_period_s - 1e-9):
+            self.field = CostField.compute(belief.map.distance(), goal, start=belief.pose[:2],
+                                           cell_m=belief.map.cfg.cell_m, cfg=self.cfg.fields)
+            self._field_key, self._field_at = key, t
+            if new_goal:
+                monitor.follow(self.field.path_from(belief.pose.x, belief.pose.y), new_goal=True)
+        if self.field is not None and monitor.left_path(belief.pose.x, belief.pose.y):
+            if monitor.exhausted:
+                self.trigger.deviation()
+                return
+            self._emit("monitor", deviation_m=round(monitor.deviation(belief.pose.x, belief.pose.y), 3))
+            monitor.follow(self.field.path_from(belief.pose.x, belief.pose.y), new_goal=False)

@@ -1,0 +1,56 @@
+"""Writes a reef mission into its run folder while it runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.geometry import Frame
+from coral.runs import RunWriter
+
+COLUMNS = ("step", "t", "x", "y", "theta", "u", "v", "r", "est_x", "est_y", "est_theta", "v_cmd", "omega_cmd",
+           "goal_x", "goal_y", "clearance", "planner_ok", "coverage", "clusters_covered")
+"""trajectory.csv: SI units, world frame for poses, body frame for velocities; goal empty when there is none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordCfg:
+    """What a run folder holds beyond its logs."""
+
+    pictures: bool = True
+    """Draw and keep the pictures of every question (an advisor with eyes gets them in any case)."""
+    frames: bool = True
+    """Keep the map and the camera pictures at intervals; the report's time slider and the video need them."""
+    frame_period_s: float = 2.0
+    report: bool = True
+    """Write map.png and report.html at the end."""
+    video: bool = False
+    """Write mission.mp4 at the end."""
+
+
+class FrameRecorder:
+    """Keeps the map as known and the camera pictures, every few seconds of simulated time."""
+
+    def __init__(self, writer: RunWriter, cfg: RecordCfg) -> None:
+        self._writer, self._cfg = writer, cfg
+        self._due = 0.0
+
+    def offer(self, step: int, t: float, cells: Any, frame: Frame) -> None:
+        """Write one set of pictures when it is time; `cells()` returns the map's classes, Shape=(NY, NX)."""
+        if not self._cfg.frames or t < self._due - 1e-9:
+            return
+        self._due = t + self._cfg.frame_period_s
+        millimetres = np.where(np.isfinite(frame.depth), np.minimum(frame.depth * 1000.0, 65535.0), 0.0)
+        for name, image in (("map", cells()), ("depth", millimetres.astype(np.uint16)), ("labels", frame.labels)):
+            self._writer.bytes(f"frames/{step:06d}_{name}.png", _png(image))
+
+
+def _png(image: NDArray[Any]) -> bytes:
+    ok, encoded = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 3])
+    if not ok:
+        raise RuntimeError("a picture could not be encoded as PNG")
+    return encoded.tobytes()

@@ -1,0 +1,83 @@
+"""The simulated reef: the only place that knows the truth. It moves the vehicle, takes pictures, counts contacts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from coral.reef.camera import Camera, CameraCfg
+from coral.reef.collision import ContactCounter, clearance
+from coral.reef.coverage import CoverageCfg, CoverageMeter
+from coral.reef.geometry import Frame, Pose
+from coral.reef.noise import PoseDrift, SensorNoise, SensorNoiseCfg
+from coral.reef.scene import Scene
+from coral.reef.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.world import ReefWorld
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulatorCfg:
+    """The simulated vehicle and its sensors."""
+
+    vehicle: VehicleCfg = field(default_factory=VehicleCfg)
+    camera: CameraCfg = field(default_factory=CameraCfg)
+    noise: SensorNoiseCfg = field(default_factory=SensorNoiseCfg)
+    coverage: CoverageCfg = field(default_factory=CoverageCfg)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensed:
+    """What the robot's sensors say at one moment."""
+
+    frame: Frame
+    pose: Pose
+    """The robot's estimate; equals the truth unless drift is on."""
+    velocity: tuple[float, float, float]
+    """Surge, sway (m/s) and yaw rate (rad/s), ground-relative, body frame."""
+
+
+class ReefSimulator:
+    """Truth about one mission."""
+
+    def __init__(self, world: ReefWorld, cfg: SimulatorCfg, rng: np.random.Generator) -> None:
+        self.world, self.cfg = world, cfg
+        self.scene = Scene.from_world(world)
+        self._camera = Camera(self.scene, cfg.camera)
+        self._noise = SensorNoise(cfg.noise, rng, cfg.camera)
+        self._drift = PoseDrift(cfg.noise, rng)
+        self._footprints = self.scene.footprints()
+        self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
+        self.coverage = CoverageMeter(self.scene, cfg.coverage)
+        self.vehicle = Vehicle(cfg.vehicle, VehicleState(world.start.x, world.start.y, world.start.theta))
+        self.distance_m = 0.0
+        self.coverage.update(self.pose)
+
+    @property
+    def pose(self) -> Pose:
+        """True pose."""
+        return Pose(*(float(v) for v in self.vehicle.state[:3]))
+
+    @property
+    def clearance_m(self) -> float:
+        """True distance from the hull to the nearest obstacle (m); negative in contact."""
+        return self._contacts.clearance(*self.pose[:2])
+
+    def sense(self, dt: float) -> Sensed:
+        """Take a picture and read the navigation sensors, `dt` seconds after the last time."""
+        frame = self._noise.apply(self._camera.render(self.pose))
+        u, v, r = (float(x) for x in self.vehicle.state[3:6])
+        return Sensed(frame=frame, pose=self._drift.step(self.pose, dt), velocity=(u, v, r))
+
+    def act(self, command: tuple[float, float], dt: float) -> list[tuple[float, float, int]]:
+        """Drive for `dt` seconds; returns new contacts as (x, y, obstacle index)."""
+        before = self.pose
+        current = (self.world.current.x_m_s, self.world.current.y_m_s)
+        track = self.vehicle.step(command, dt, current, lambda x, y: clearance(self._footprints, x, y))
+        self.distance_m += math.dist(before[:2], self.pose[:2])
+        contacts = []
+        for x, y in track:
+            contacts.extend((float(x), float(y), hit) for hit in self._contacts.update(float(x), float(y)))
+        self.coverage.update(self.pose)
+        return contacts
