@@ -65,10 +65,10 @@ class Scene(NamedTuple):
 def clearance_at(scene: Scene, x: float, y: float) -> float:
     """Distance (m) from a point to the nearest known obstacle or to the edge of the map (negative outside)."""
     h, w = scene.distance.shape
-    edge = min(min(x, w * scene.cell_m - x), min(y, h * scene.cell_m - y))
-    if edge <= 0.0:
-        return edge
-    return min(edge, scene.distance[int(y / scene.cell_m), int(x / scene.cell_m)])
+    edge: float = min(min(x, w * scene.cell_m - x), min(y, h * scene.cell_m - y))
+    if edge > 0.0:
+        edge = min(edge, scene.distance[int(y / scene.cell_m), int(x / scene.cell_m)])
+    return edge
 
 
 @njit(cache=True)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from coral.errors import InputError
 from coral.reef.dynamics import THRUST_MAX_N, Thrusters, parameter_set, planar, six_dof
 from coral.reef.dynamics_kernels import limit_six, limit_wrench, planar_rk4, rotation, six_rk4, tracking_wrench
+from coral.reef.geometry import Pose
 
 Clearance = Callable[[float, float], float]
 
@@ -60,7 +61,7 @@ class Vehicle:
     disturbance it learns is kept in the world frame, because that is where a current stays put while the vehicle turns.
     """
 
-    def __init__(self, cfg: VehicleCfg | None = None, state: VehicleState | None = None) -> None:
+    def __init__(self, cfg: VehicleCfg | None = None, state: VehicleState | Pose | None = None) -> None:
         self.cfg = cfg = cfg or VehicleCfg()
         parameters = parameter_set(cfg.parameters)
         self.model = planar(parameters, cfg.thrusters, cfg.thrust_max_n)
@@ -71,10 +72,10 @@ class Vehicle:
         self._depth_integral = 0.0
         self.reset(state or VehicleState(0.0, 0.0, 0.0))
 
-    def reset(self, state: VehicleState) -> None:
-        """Put the vehicle somewhere, thrusters at rest."""
+    def reset(self, state: VehicleState | Pose) -> None:
+        """Put the vehicle somewhere, thrusters at rest; a bare pose means at rest too."""
         self._pose = np.array(state[:3], dtype=np.float64)
-        self._ground = np.array(state[3:], dtype=np.float64)
+        self._ground = np.array(state[3:] or (0.0, 0.0, 0.0), dtype=np.float64)
         self._wrench = np.zeros(3)
         self._disturbance[:] = 0.0
         self._depth_integral = 0.0
