@@ -20,8 +20,9 @@ class BeliefCfg:
     chain: ChainCfg = field(default_factory=ChainCfg)
     chain_period: int = 5
     """Ticks between updates of the centroid chain."""
-    visit_radius_m: float = 2.5
-    """A centroid counts as visited once the robot has been this close; D_trig, where its next goal is asked for."""
+    visit_radius_m: float = 3.0
+    """A centroid counts as visited once the robot has been this close: D_trig, where its next goal is asked for, and
+    0.5 m for what its centroid may still move."""
     max_attempts: int = 2
     """Goals towards one centroid that may fail before it is given up."""
     trail_step_m: float = 0.1

@@ -61,7 +61,7 @@ class Scene(NamedTuple):
     yaw_rate_rad_s: float
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def clearance_at(scene: Scene, x: float, y: float) -> float:
     """Distance (m) from a point to the nearest known obstacle or to the edge of the map (negative outside)."""
     h, w = scene.distance.shape
@@ -71,7 +71,15 @@ def clearance_at(scene: Scene, x: float, y: float) -> float:
     return edge
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def turn(c: float, s: float, angle: float) -> tuple[float, float]:
+    """(cos, sin) turned by an angle of at most 0.3 rad, by Taylor series: 2e-7 per turn at worst, without libm's cost."""
+    a2 = angle * angle
+    ca, sa = 1.0 - a2 * (0.5 - a2 / 24.0), angle * (1.0 - a2 * (1.0 / 6.0 - a2 / 120.0))
+    return c * ca - s * sa, s * ca + c * sa
+
+
+@njit(cache=True, error_model="numpy")
 def hull_is_free(scene: Scene, x: float, y: float, centre: float, circle: Array, n: int) -> bool:
     """Whether n points of the hull's boundary all keep the margin.
 
@@ -95,7 +103,7 @@ def hull_is_free(scene: Scene, x: float, y: float, centre: float, circle: Array,
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def rollout(
     start: Array,
     previous: Array,
@@ -130,9 +138,13 @@ def rollout(
     n_rollouts, n_steps = controls.shape[0], controls.shape[1]
     x0, y0 = start[0], start[1]
     v0 = lookup(scene.value, scene.value_cell_m, x0, y0)[0]
+    c0, s0 = math.cos(start[2]), math.sin(start[2])
     horizon = schedule.dt.sum()
+    inv_m11, inv_m22, inv_m66 = 1.0 / model.m11, 1.0 / model.m22, 1.0 / model.m66
+    range2, cell2 = scene.range_m * scene.range_m, scene.cell_m * scene.cell_m
     for k in range(n_rollouts):
         x, y, th, u, v, r = start[0], start[1], start[2], start[3], start[4], start[5]
+        c, s = c0, s0
         path[k, 0, 0], path[k, 0, 1], path[k, 0, 2] = x, y, th
         ok = True
         goal = near = speed = heading = smooth = driven = 0.0
@@ -155,6 +167,7 @@ def rollout(
             rate, yaw_rate, n_points = schedule.rate[t], schedule.yaw_rate[t], schedule.points[t]
             nearest = 1e9
             for _ in range(schedule.substeps[t]):
+                # Drag and Coriolis forces, then the velocity loop's request within the thrusters' limits.
                 cor_u = model.m22 * v * r - (model.du + model.duu * abs(u)) * u
                 cor_v = -model.m11 * u * r - (model.dv + model.dvv * abs(v)) * v
                 cor_r = (model.m11 - model.m22) * u * v - (model.dr + model.drr * abs(r)) * r
@@ -164,17 +177,17 @@ def rollout(
                     model.m66 * yaw_rate * (cw - r) - cor_r,
                     model,
                 )
-                u1 = u + h * (fx + cor_u) / model.m11
-                v1 = v + h * (fy + cor_v) / model.m22
-                r1 = r + h * (n + cor_r) / model.m66
+                u1 = u + h * (fx + cor_u) * inv_m11
+                v1 = v + h * (fy + cor_v) * inv_m22
+                r1 = r + h * (n + cor_r) * inv_m66
                 um, vm = 0.5 * (u + u1), 0.5 * (v + v1)
-                mid = th + 0.25 * h * (r + r1)
-                c, s = math.cos(mid), math.sin(mid)
-                dx, dy = h * (c * um - s * vm), h * (s * um + c * vm)
-                step = math.hypot(dx, dy)
-                if (x + dx - x0) ** 2 + (y + dy - y0) ** 2 < scene.range_m * scene.range_m:
+                half = 0.25 * h * (r + r1)
+                cm, sm = turn(c, s, half)
+                dx, dy = h * (cm * um - sm * vm), h * (sm * um + cm * vm)
+                step2 = dx * dx + dy * dy
+                if (x + dx - x0) ** 2 + (y + dy - y0) ** 2 < range2:
                     # Swept midpoint: a coarse step may be longer than an obstacle is wide.
-                    if step > scene.cell_m:
+                    if step2 > cell2:
                         mx, my = x + 0.5 * dx, y + 0.5 * dy
                         d = clearance_at(scene, mx, my)
                         ok = hull_is_free(scene, mx, my, d, schedule.circle[t], n_points)
@@ -182,9 +195,10 @@ def rollout(
                     d = clearance_at(scene, x + dx, y + dy)
                     ok = ok and hull_is_free(scene, x + dx, y + dy, d, schedule.circle[t], n_points)
                     nearest = min(nearest, d)
-                x, y, th = x + dx, y + dy, th + 0.5 * h * (r + r1)
+                x, y, th = x + dx, y + dy, th + 2.0 * half
+                c, s = turn(cm, sm, half)
                 u, v, r = u1, v1, r1
-                driven += step
+                driven += math.sqrt(step2)
                 if not ok:
                     break
             path[k, t + 1, 0], path[k, t + 1, 1], path[k, t + 1, 2] = x, y, th
@@ -197,9 +211,9 @@ def rollout(
             tight = max(0.0, 1.0 - max(0.0, nearest - scene.hull_m) / scene.soft_m)
             near += tight * tight * dt
             speed += max(0.0, 1.0 - max(u, 0.0) / scene.speed_m_s) * dt
-            size = math.hypot(gx, gy)
+            size = math.sqrt(gx * gx + gy * gy)
             if size > 1e-9:
-                heading += 0.5 * (1.0 + (gx * math.cos(th) + gy * math.sin(th)) / size) * dt
+                heading += 0.5 * (1.0 + (gx * c + gy * s) / size) * dt
         feasible[k] = ok
         costs[k, GOAL] = (0.5 * (value + goal / horizon) - v0) / scene.reach_m
         costs[k, OBSTACLE] = near / horizon

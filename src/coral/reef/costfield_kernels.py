@@ -178,7 +178,7 @@ def nearest_free(slowness: Grid, j0: int, i0: int) -> tuple[int, int]:
     return bj, bi
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def lookup(value: Grid, cell_m: float, x: float, y: float) -> tuple[float, float, float]:
     """Bilinear value and its gradient (dV/dx, dV/dy) at a world point; points outside take the edge's value."""
     h, w = value.shape

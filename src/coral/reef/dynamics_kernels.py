@@ -18,13 +18,13 @@ from coral.reef.dynamics import Planar, SixDof
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def clip(value: float, limit: float) -> float:
     """Value limited to [-limit, limit]."""
     return min(max(value, -limit), limit)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def limit_wrench(fx: float, fy: float, n: float, model: Planar) -> tuple[float, float, float]:
     """Wrench (N, N, N m) the four horizontal thrusters can make of the one asked for.
 

@@ -17,6 +17,8 @@ TURN_M = 1.0
 """A radian of turning is worth this much way (m)."""
 UNEXPLORED_M = 3.0
 """Fully unexplored surroundings are worth this much way (m)."""
+NEAR_M = 2.0
+"""Waypoints nearer than this are reached before the next answer comes."""
 REEF_M = 4.0
 """Oysters settle near oysters: frontiers farther than this from the reef pay for the excess."""
 
@@ -65,7 +67,7 @@ def choose_waypoint(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -
         rest = math.hypot(o["forward_m"] - aim["forward_m"], o["left_m"] - aim["left_m"])
         return float(o["path_m"] + 1.5 * rest - 0.5 * o["unexplored"])
 
-    best = min(options, key=detour)
+    best = min([o for o in options if o["path_m"] >= NEAR_M] or options, key=detour)
     return WaypointChoice(
         forward_m=best["forward_m"], left_m=best["left_m"],
         reason=f"Towards {name}, {aim['path_m']:.1f} m away at a bearing of {aim['bearing_deg']:+.0f}°.")
@@ -73,7 +75,8 @@ def choose_waypoint(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -
 
 def _frontier_cost(f: Mapping[str, Any]) -> float:
     reef = max(0.0, f["reef_m"] - REEF_M) if f["reef_m"] is not None else 0.0
-    return float(f["path_m"] + TURN_M * abs(math.radians(f["bearing_deg"])) + 1.5 * reef - 0.5 * min(f["length_m"], 3.0))
+    turn = 2.0 * TURN_M * abs(math.radians(f["bearing_deg"]))
+    return float(f["path_m"] + turn + reef - 2.0 * UNEXPLORED_M * f["unexplored"])
 
 
 REEF_RULES = {"reef-centroid": choose_centroid, "reef-waypoint": choose_waypoint}

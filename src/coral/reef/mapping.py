@@ -16,6 +16,9 @@ from coral.reef.mapping_kernels import classify, explore, project
 UNEXPLORED, FREE, OBSTACLE, TARGET = 0, 1, 2, 3
 """Cell classes, in the paper's colours: white, gray, black, green."""
 
+NEAR_SLACK_M = 1.0
+"""The robot may move this far before its local distances are computed again though nothing has changed."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class MapCfg:
@@ -56,6 +59,7 @@ class OccupancyMap:
         self.version = 0
         """Grows whenever an obstacle cell appears or goes."""
         self._near = np.full(shape, np.inf, np.float32)
+        self._near_key: tuple[int, float, float] | None = None
         self._rays, self._lever = _pixel_rays(camera)
         self._hfov = math.radians(camera.hfov_deg)
         self._reach = np.zeros(camera.width)
@@ -86,7 +90,11 @@ class OccupancyMap:
 
     def distance_near(self, x: float, y: float, radius_m: float) -> NDArray[np.float32]:
         """Like `distance`, brought up to date only within `radius_m` of a point: what the controller needs each tick."""
-        y0, y1, x0, x1 = self._window(Pose(x, y, 0.0), radius_m)
+        key = self._near_key
+        if key is not None and key[0] == self.version and math.hypot(x - key[1], y - key[2]) < NEAR_SLACK_M:
+            return self._near
+        self._near_key = (self.version, x, y)
+        y0, y1, x0, x1 = self._window(Pose(x, y, 0.0), radius_m + NEAR_SLACK_M)
         self._near[y0:y1, x0:x1] = distance_to(np.ascontiguousarray(self.obstacle[y0:y1, x0:x1]), self.cfg.cell_m)
         return self._near
 

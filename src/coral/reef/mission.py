@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from coral.reef.controller import DdpMppi, MppiCfg
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mapping import MapCfg, OccupancyMap
 from coral.reef.metrics import compute_metrics
+from coral.reef.pd import PdController
 from coral.reef.pilot import LocalPlanner, Pilot, PilotCfg
 from coral.reef.planner import HighLevelPlanner, PlannerCfg
 from coral.reef.record import COLUMNS, FrameRecorder, RecordCfg
@@ -42,6 +43,8 @@ class MissionCfg:
     stop_when_covered: bool = True
     """End once every true cluster is covered. This is the experimenter's stop, as in the paper's coverage-time
     metric; the robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
+    driver: Literal["ddp-mppi", "pd"] = "ddp-mppi"
+    """The low-level planner."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
     map: MapCfg = field(default_factory=MapCfg)
     belief: BeliefCfg = field(default_factory=BeliefCfg)
@@ -81,7 +84,9 @@ class Mission:
         planner = HighLevelPlanner(self.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()),
                                    cfg.planner)
         self.clock = SimulatedClock(cfg.latency, clock_rng)
-        self.driver: LocalPlanner = DdpMppi(cfg.controller, cfg.simulator.vehicle, control_rng)
+        self.driver: LocalPlanner = (
+            PdController(vehicle=cfg.simulator.vehicle) if cfg.driver == "pd"
+            else DdpMppi(cfg.controller, cfg.simulator.vehicle, control_rng))
         self.pilot = Pilot(self.belief, planner, self.driver, advisor, RuleAdvisor(REEF_RULES), self.clock, self.emit,
                            self.attempts, cfg.pilot)
         self.sensed: Sensed | None = None

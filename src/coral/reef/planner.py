@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -36,8 +36,6 @@ class PlannerCfg:
     """Longest waypoint step per axis (paper III-C.2: whole metres, 0 to 6)."""
     separation_m: float = 1.0
     """Delta d_min: a new goal lies at least this far from the previous one (paper IV-F)."""
-    gain_radius_m: float = 3.0
-    """How far about a waypoint option unexplored water counts as its gain."""
     centroid_selection: bool = True
     """False is the ablation "w/o centroid selection": the chain is shown, but only waypoints are asked for."""
     survey: SurveyCfg = field(default_factory=SurveyCfg)
@@ -139,10 +137,16 @@ class HighLevelPlanner:
         return not around.dead_end and violation((goal.x, goal.y), around, self.cfg.verify) is not None
 
     def _surroundings(self, left: Survey) -> Surroundings:
-        belief = self.belief
-        return Surroundings(pose=belief.pose, previous=belief.goal, dead_end=left.dead_end,
-                            ahead=[(t.x, t.y) for t in belief.ahead(self.cfg.verify.forward_m)],
-                            chain=[(t.x, t.y) for t in belief.tracks])
+        """What the verifiers judge by now. Where nothing that is left would pass, turning round is allowed."""
+        belief, cfg = self.belief, self.cfg.verify
+        around = Surroundings(pose=belief.pose, previous=belief.goal, dead_end=False,
+                              ahead=[(t.x, t.y) for t in belief.ahead(cfg.forward_m)],
+                              chain=[(t.x, t.y) for t in belief.tracks])
+        aims = [(t.x, t.y) for t in belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
+        if self.mode == "waypoint":
+            aims += [(f.x, f.y) for f in left.frontiers]
+        open_ = any(violation(p, around, cfg) is None for p in aims if separated(p, belief.pose[:2], 1.5))
+        return replace(around, dead_end=left.dead_end or not open_)
 
     def _facts(self, left: Survey) -> dict[str, Any]:
         belief, pose = self.belief, self.belief.pose
@@ -156,13 +160,13 @@ class HighLevelPlanner:
                 "path_m": _finite(left.path_m(t.x, t.y)), "visited": t.visited, "chain_position": position,
                 "failed_attempts": belief.failures(t.x, t.y), "area_m2": round(t.area_px * belief.map.cfg.cell_m**2, 2),
                 "trajectory_m": _finite(float(np.min(np.hypot(trail[:, 0] - t.x, trail[:, 1] - t.y)))),
-                "unexplored": round(1.0 - belief.map.explored_fraction(t.x, t.y, self.cfg.gain_radius_m), 3)})
+                "unexplored": round(1.0 - belief.map.explored_fraction(t.x, t.y, self.cfg.survey.gain_radius_m), 3)})
         frontiers = []
         for f in left.frontiers[:40]:
             forward, to_left = to_robot(pose, f.x, f.y)
             frontiers.append({"forward_m": round(forward, 2), "left_m": round(to_left, 2), "path_m": round(f.path_m, 2),
                               "bearing_deg": round(math.degrees(f.bearing), 1), "length_m": round(f.length_m, 2),
-                              "reef_m": _finite(f.reef_m)})
+                              "unexplored": round(f.unexplored, 3), "reef_m": _finite(f.reef_m)})
         facts: dict[str, Any] = {
             "robot": {"x": pose.x, "y": pose.y, "theta": pose.theta}, "dead_end": left.dead_end,
             "centroids": centroids, "frontiers": frontiers}
@@ -177,7 +181,7 @@ class HighLevelPlanner:
         points = [to_world(belief.pose, f, s) for f, s in steps]
         paths = left.paths_m(np.array([p[0] for p in points]), np.array([p[1] for p in points]))
         return [{"forward_m": f, "left_m": s, "path_m": round(float(path), 2),
-                 "unexplored": round(1.0 - belief.map.explored_fraction(x, y, self.cfg.gain_radius_m), 3)}
+                 "unexplored": round(1.0 - belief.map.explored_fraction(x, y, self.cfg.survey.gain_radius_m), 3)}
                 for (f, s), (x, y), path in zip(steps, points, paths, strict=True)
                 if math.isfinite(path) and belief.map.contains(x, y)]
 

@@ -26,6 +26,8 @@ class SurveyCfg:
     """Shorter frontiers are ignored."""
     tile_m: float = 3.0
     """Longer frontiers are cut into pieces of about this size."""
+    gain_radius_m: float = 3.0
+    """How far about a point unexplored water counts as what a visit would show."""
     ahead_deg: float = 60.0
     ahead_m: float = 6.0
     """A dead end has no frontier within this angle and path length in front of the robot."""
@@ -44,6 +46,8 @@ class Frontier:
     """Length of the known way there (m)."""
     bearing: float
     """Off the robot's heading (rad, left positive)."""
+    unexplored: float
+    """Unexplored share of its surroundings (within the gain radius)."""
     reef_m: float
     """Distance to the nearest known oyster cluster (m); inf when none is known."""
 
@@ -121,6 +125,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
         forward, to_left = to_robot(belief.pose, x, y)
         found.append(Frontier(
             x=x, y=y, length_m=float(members.size * cell_m), path_m=float(path[best]), bearing=math.atan2(to_left, forward),
+            unexplored=1.0 - belief.map.explored_fraction(x, y, cfg.gain_radius_m),
             reef_m=float(np.min(np.hypot(reef[:, 0] - x, reef[:, 1] - y))) if len(reef) else math.inf))
     return sorted(found, key=lambda f: f.path_m)
 

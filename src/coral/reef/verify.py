@@ -48,7 +48,7 @@ class Surroundings:
     chain: Sequence[Point]
     """All centroids, visited or not."""
     dead_end: bool
-    """No unvisited centroid in front and nothing unexplored in front either: turning round is allowed."""
+    """Nothing that is left satisfies Eqs. 4-8, so that turning round is allowed (the paper's exemption)."""
 
 
 def angle_between(a: Point, b: Point) -> float:
@@ -77,14 +77,17 @@ def behind_previous(p: Point, pose: Pose, previous: Point | None, cfg: VerifyCfg
 def reference(around: Surroundings, cfg: VerifyCfg) -> tuple[Point, Point | None] | None:
     """Eq. 7: reference direction and the forward centroid it points to.
 
-    The farthest unvisited centroid ahead within d_lat; if there is none, the direction from the farthest centroid
-    behind to the robot, with no centroid to coincide with; None when the chain says nothing.
+    The farthest unvisited centroid ahead within d_lat. If all that are ahead lie farther aside, the one nearest to
+    the heading: the paper would fall back on the chain behind, which refuses the only way on where a reef turns. If
+    none is ahead, the direction from the farthest centroid behind to the robot, with no centroid to coincide with;
+    None when the chain says nothing.
     """
     pose = around.pose
-    forward = [(to_robot(pose, *c)[0], c) for c in around.ahead if abs(to_robot(pose, *c)[1]) < cfg.lateral_m]
-    forward = [item for item in forward if item[0] >= cfg.forward_m]
-    if forward:
-        best = max(forward)[1]
+    ahead = [(to_robot(pose, *c), c) for c in around.ahead]
+    ahead = [(rel, c) for rel, c in ahead if rel[0] >= cfg.forward_m]
+    straight = [(rel[0], c) for rel, c in ahead if abs(rel[1]) < cfg.lateral_m]
+    if ahead:
+        best = max(straight)[1] if straight else min(ahead, key=lambda item: abs(math.atan2(item[0][1], item[0][0])))[1]
         return (best[0] - pose.x, best[1] - pose.y), best
     behind = [(to_robot(pose, *c), c) for c in around.chain]
     behind = [(rel, c) for rel, c in behind if rel[0] <= -cfg.forward_m and abs(rel[1]) < cfg.lateral_m]

@@ -1,0 +1,72 @@
+"""`coral doctor`: does this installation have what it needs, and what would each extra add?"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import shutil
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+CORE = ("numpy", "numba", "mujoco", "opencv-python-headless", "pydantic", "pydantic-ai-slim", "tyro", "rich", "viser",
+        "matplotlib", "imageio-ffmpeg", "pyarrow")
+EXTRAS = {
+    "contact": ("robosuite", "manipulation on a Panda arm"),
+    "ray": ("ray", "campaigns on a cluster"),
+    "local": ("llama_cpp", "a small local language model for testing the wire"),
+    "bluerov": ("pymavlink", "a real BlueROV2"),
+}
+KEYS = ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Doctor:
+    """Check Python, packages, the video encoder, write access, extras and model keys."""
+
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Everything that was looked at."""
+        packages: dict[str, str | None] = {}
+        for name in CORE:
+            try:
+                packages[name] = version(name)
+            except PackageNotFoundError:
+                packages[name] = None
+        checks = {
+            "python": sys.version_info >= (3, 11),
+            "packages": all(packages.values()),
+            "video encoder": _encoder(),
+            "temporary folder": os.access(tempfile.gettempdir(), os.W_OK),
+        }
+        return {
+            "ok": all(checks.values()), "checks": checks, "python": platform.python_version(), "packages": packages,
+            "cores": os.cpu_count(), "browser": shutil.which("chromium") or shutil.which("google-chrome"),
+            "extras": {name: importlib.util.find_spec(module) is not None for name, (module, _) in EXTRAS.items()},
+            "keys": {key: key in os.environ for key in KEYS}}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """A line each."""
+        lines = [f"{'ok     ' if good else 'MISSING'}  {name}" for name, good in result["checks"].items()]
+        lines += [f"MISSING  package {name}" for name, found in result["packages"].items() if not found]
+        lines += [f"{'extra  ' if there else 'without'}  {name}: {EXTRAS[name][1]}"
+                  for name, there in result["extras"].items()]
+        keys = [key for key, there in result["keys"].items() if there]
+        lines.append(f"model keys in the environment: {', '.join(keys) or 'none (the heuristic advisor needs none)'}")
+        lines.append("ready" if result["ok"] else "not ready: run make setup")
+        return "\n".join(lines)
+
+
+def _encoder() -> bool:
+    try:
+        import imageio_ffmpeg
+
+        return bool(imageio_ffmpeg.get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        return False

@@ -1,0 +1,105 @@
+"""`coral reef run`: one mission, its run folder and its report."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import tyro
+
+from coral.advisor.registry import make_advisor
+from coral.commands.progress import MissionProgress
+from coral.config import checked, read_config
+from coral.errors import InputError
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.mission import Mission, MissionCfg
+from coral.reef.variants import apply_variant
+from coral.reef.world import load_world
+from coral.runs import new_run_folder
+from coral.view.questions import question_pictures
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReefRun:
+    """Survey a reef with CORAL and write a run folder with logs, metrics, map and report."""
+
+    world: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="WORLD")]
+    """A shipped reef (l1 l2 s1 s2 k1 k2 e1 e2 o1 o2) or a world file."""
+    advisor: str = "heuristic"
+    """Who decides: heuristic, PROVIDER:MODEL, local:URL#MODEL, desk, replay:FILE, fallible:P:INNER."""
+    variant: str = "full"
+    """Configuration of the pipeline: full, or an ablation or baseline."""
+    seed: int = 0
+    """Seed of everything random."""
+    out: Path | None = None
+    """Run folder, new or empty; by default the next free runs/WORLD-NNN."""
+    config: Path | None = None
+    """YAML file with configuration values; flags override it."""
+    inbox: Path | None = None
+    """Where `--advisor desk` puts its questions; by default inbox/ in the run folder."""
+    json: bool = False
+    """Print one JSON object on standard output; progress stays on standard error."""
+    quiet: bool = False
+    """No progress bar."""
+    video: bool = False
+    """Also write mission.mp4."""
+    cfg: MissionCfg = field(default_factory=MissionCfg)
+    """The mission."""
+
+    @classmethod
+    def from_file(cls, words: Sequence[str]) -> ReefRun | None:
+        """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
+        for flag, value in zip(words, words[1:], strict=False):
+            if flag == "--config":
+                cfg = read_config(Path(value), MissionCfg())
+                return cls(world=tyro.MISSING, cfg=cfg)
+        return None
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Run the mission."""
+        world = load_world(self.world)
+        if self.seed < 0:
+            raise InputError("--seed", "", self.seed, "a number from 0 on")
+        cfg = checked(apply_variant(self.variant, self.cfg), "--cfg")
+        cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
+        folder = self.out or new_run_folder(Path("runs"), world.name)
+        rng = np.random.default_rng([self.seed, 7])
+        advisor = make_advisor(self.advisor, rules=REEF_RULES, rng=rng, inbox=self.inbox or folder / "inbox")
+        mission = Mission(world, cfg, advisor, folder, seed=self.seed, variant=self.variant,
+                          draw=question_pictures if cfg.record.pictures else None)
+        progress = MissionProgress(quiet=self.quiet)
+        try:
+            result = mission.run([progress])
+        finally:
+            progress.close()
+        return {**result, "run": str(folder), **render(folder, cfg)}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """The outcome in a few lines, and where to look."""
+        lines = [
+            f"{self.world}: {result['clusters_covered']} of {result['clusters_total']} oyster clusters covered "
+            f"({100 * result['coverage']:.0f} %), {result['collisions']} collisions, {result['advisor_calls']} advisor "
+            f"calls ({result['requeries']} re-queries), {result['sim_time_s']:.0f} s simulated in "
+            f"{result['wall_time_s']:.0f} s; ended: {result['end_reason']}",
+            f"run folder: {result['run']}"]
+        lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
+        return "\n".join(lines)
+
+
+def render(folder: Path, cfg: MissionCfg) -> dict[str, str]:
+    """Map, report and video of a finished run, as configured."""
+    made: dict[str, str] = {}
+    if cfg.record.report:
+        from coral.view.report import write_map, write_report
+
+        write_map(folder)
+        made["report"] = str(write_report(folder))
+    if cfg.record.video:
+        from coral.view.video import write_video
+
+        made["video"] = str(write_video(folder))
+    return made

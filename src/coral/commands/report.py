@@ -1,0 +1,37 @@
+"""`coral report`: the report of a run folder, made again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """Write map.png and report.html of a run folder again, also of one that was killed."""
+
+    run: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN")]
+    """Run folder."""
+    video: bool = False
+    """Also write mission.mp4."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Write the files."""
+        from coral.view.report import write_map, write_report
+
+        made = {"report": str(write_report(self.run)), "map": str(write_map(self.run))}
+        if self.video:
+            from coral.view.video import write_video
+
+            made["video"] = str(write_video(self.run))
+        return made
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """Where the files are."""
+        return "\n".join(f"{name}: {path}" for name, path in result.items())

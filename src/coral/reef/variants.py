@@ -1,0 +1,58 @@
+"""Baselines and ablations as configurations of the one pipeline (paper IV-C, IV-D)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from coral.errors import InputError, nearest
+from coral.reef.mission import MissionCfg
+
+Change = Callable[[MissionCfg], MissionCfg]
+
+
+def _no_verification(cfg: MissionCfg) -> MissionCfg:
+    """Chosen points go to the controller unchecked; violations are counted."""
+    planner = replace(cfg.planner, verify=replace(cfg.planner.verify, enabled=False))
+    return replace(cfg, planner=planner)
+
+
+def _no_centroid_selection(cfg: MissionCfg) -> MissionCfg:
+    """The chain is shown, but only free waypoints are asked for."""
+    return replace(cfg, planner=replace(cfg.planner, centroid_selection=False))
+
+
+def _no_trigger(cfg: MissionCfg) -> MissionCfg:
+    """The advisor is asked again at every cooldown."""
+    return replace(cfg, pilot=replace(cfg.pilot, trigger=replace(cfg.pilot.trigger, always=True)))
+
+
+def _no_ddp(cfg: MissionCfg) -> MissionCfg:
+    """Uniform intervals, every boundary point at every step."""
+    return replace(cfg, controller=replace(cfg.controller, uniform=True))
+
+
+def _pd(cfg: MissionCfg) -> MissionCfg:
+    """A PD controller in place of DDP-MPPI ("w/o low-level planner")."""
+    return replace(cfg, driver="pd")
+
+
+VARIANTS: dict[str, Change] = {
+    "full": lambda cfg: cfg,
+    "pd": _pd,
+    "no-verification": _no_verification,
+    "no-centroid-selection": _no_centroid_selection,
+    "no-trigger": _no_trigger,
+    "no-ddp": _no_ddp,
+}
+
+
+def apply_variant(name: str, cfg: MissionCfg) -> MissionCfg:
+    """The configuration of a named variant, on top of `cfg`.
+
+    Raises:
+        InputError: There is no such variant.
+    """
+    if name not in VARIANTS:
+        raise InputError("--variant", "", repr(name), f"one of {', '.join(VARIANTS)}{nearest(name, VARIANTS)}")
+    return VARIANTS[name](cfg)

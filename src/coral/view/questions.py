@@ -1,0 +1,31 @@
+"""The pictures that go with a reef question: what a person would need to answer it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coral.advisor.question import Picture
+from coral.reef.belief import Belief
+from coral.view.cameraview import camera_picture
+from coral.view.mapview import MapScene, draw_map, png
+
+
+def map_scene(belief: Belief) -> MapScene:
+    """The robot's own map, chain, trajectory and goal as a scene to draw."""
+    chain = belief.tracker.chain()
+    return MapScene(
+        cells=belief.map.cells(), cell_m=belief.map.cfg.cell_m, pose=belief.pose, trajectory=belief.trajectory,
+        centroids=np.array([[t.x, t.y] for t in chain]).reshape(-1, 2), indices=[t.index for t in chain],
+        visited=[t.visited for t in chain], goal=belief.goal)
+
+
+def question_pictures(belief: Belief) -> tuple[Picture, ...]:
+    """Map, segmentation and depth, as PNG."""
+    pictures = [Picture(name="map", png=png(draw_map(map_scene(belief)).rgb),
+                        caption="occupancy map with the centroid chain, the robot and its trajectory")]
+    if belief.frame is not None:
+        pictures += [
+            Picture(name="segmentation", png=png(camera_picture(belief.frame, "segmentation")),
+                    caption="front camera, segmented"),
+            Picture(name="depth", png=png(camera_picture(belief.frame, "depth")), caption="front camera, depth in metres")]
+    return tuple(pictures)

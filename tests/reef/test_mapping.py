@@ -1,0 +1,119 @@
+import math
+
+import numpy as np
+import pytest
+
+from coral.reef.camera import CameraCfg, T_world_camera
+from coral.reef.geometry import Frame, Label, Pose
+from coral.reef.mapping import FREE, OBSTACLE, TARGET, UNEXPLORED, MapCfg, OccupancyMap, distance_to
+
+CAMERA = CameraCfg(width=40, height=30)
+
+
+def frame(depth, labels):
+    return Frame(depth.astype(np.float32), labels.astype(np.uint8), np.full(depth.shape, -1, np.int32))
+
+
+def empty_frame():
+    shape = (CAMERA.height, CAMERA.width)
+    return frame(np.full(shape, np.inf), np.zeros(shape))
+
+
+def project_by_hand(u, v, z, pose):
+    """Eq. 1, written out with homogeneous coordinates."""
+    fx, fy, cx, cy = CAMERA.intrinsics
+    p = T_world_camera(pose, CAMERA) @ np.array([(u - cx) / fx * z, (v - cy) / fy * z, z, 1.0])
+    return p[:3] / p[3]
+
+
+@pytest.mark.parametrize(("label", "cell"), [(Label.OYSTER, TARGET), (Label.OBSTACLE, OBSTACLE)])
+def test_a_pixel_lands_in_the_cell_of_equation_1(label, cell):
+    pose = Pose(4.0, 5.0, 0.7)
+    view = empty_frame()
+    view.depth[20, 25], view.labels[20, 25] = 2.0, label
+    grid = OccupancyMap((10.0, 10.0), CAMERA, MapCfg(target_hits=1, obstacle_hits=1))
+    grid.integrate(view, pose)
+    x, y, _ = project_by_hand(25, 20, 2.0, pose)
+    expected = np.full(grid.target.shape, UNEXPLORED)
+    expected[int(y / 0.05), int(x / 0.05)] = cell
+    marked = grid.cells()
+    assert np.array_equal(np.where(marked == FREE, UNEXPLORED, marked), expected)
+
+
+def test_one_pixel_alone_is_not_believed_by_default():
+    view = empty_frame()
+    view.depth[20, 25], view.labels[20, 25] = 2.0, Label.OBSTACLE
+    grid = OccupancyMap((10.0, 10.0), CAMERA)
+    grid.integrate(view, Pose(4.0, 5.0, 0.0))
+    assert not grid.obstacle.any()
+    grid.integrate(view, Pose(4.0, 5.0, 0.0))
+    assert grid.obstacle.sum() == 1
+
+
+def test_obstacles_beyond_the_sensing_range_are_left_out():
+    view = empty_frame()
+    view.depth[15, 20], view.labels[15, 20] = 5.0, Label.OBSTACLE
+    grid = OccupancyMap((20.0, 20.0), CAMERA, MapCfg(obstacle_hits=1))
+    grid.integrate(view, Pose(4.0, 10.0, 0.0))
+    assert not grid.obstacle.any()
+
+
+def test_explored_is_the_visible_sector_and_stops_at_an_obstacle():
+    view = frame(np.full((CAMERA.height, CAMERA.width), 10.0), np.zeros((CAMERA.height, CAMERA.width)))
+    grid = OccupancyMap((20.0, 20.0), CAMERA)
+    wall = int(7.0 / 0.05)
+    grid.obstacle[int(9.0 / 0.05):int(11.0 / 0.05), wall] = True
+    grid._obstacles[grid.obstacle] = 10
+    grid.integrate(view, Pose(5.0, 10.0, 0.0))
+    ys, xs = np.nonzero(grid.explored)
+    forward, left = (xs + 0.5) * 0.05 - 5.0, (ys + 0.5) * 0.05 - 10.0
+    assert np.all(np.hypot(forward, left) <= 6.0 + 0.08)
+    assert np.all(np.abs(np.degrees(np.arctan2(left, forward)))[np.hypot(forward, left) > 1.0] <= 62.5)
+    straight = grid.explored[int(10.0 / 0.05)]
+    assert straight[wall]
+    assert not straight[wall + 1:].any()
+    sector = math.pi * 36 / 3
+    assert 0.6 * sector < grid.explored.sum() * 0.05**2 < sector
+
+
+def test_nothing_is_explored_where_the_camera_had_no_return():
+    grid = OccupancyMap((20.0, 20.0), CAMERA)
+    grid.integrate(empty_frame(), Pose(5.0, 10.0, 0.0))
+    assert not grid.explored.any()
+
+
+def test_wrong_obstacle_pixels_are_outvoted_by_the_seabed():
+    pose, grid = Pose(4.0, 5.0, 0.0), OccupancyMap((10.0, 10.0), CAMERA)
+    view = empty_frame()
+    view.depth[25, 20], view.labels[25, 20] = 1.0, Label.OBSTACLE
+    grid.integrate(view, pose)
+    grid.integrate(view, pose)
+    assert grid.obstacle.sum() == 1
+    version = grid.version
+    view.labels[25, 20] = Label.SEABED
+    for _ in range(60):
+        grid.integrate(view, pose)
+    assert not grid.obstacle.any()
+    assert grid.version > version
+
+
+def test_local_distances_agree_with_the_whole_map():
+    rng = np.random.default_rng(0)
+    grid = OccupancyMap((20.0, 20.0), CAMERA)
+    grid.obstacle[:] = rng.random(grid.obstacle.shape) < 0.002
+    near, full = grid.distance_near(10.0, 10.0, 5.0), grid.distance()
+    window = slice(int(8 / 0.05), int(12 / 0.05))
+    assert np.allclose(near[window, window], full[window, window], atol=1e-6)
+
+
+def test_local_distances_follow_a_new_obstacle():
+    grid = OccupancyMap((20.0, 20.0), CAMERA, MapCfg(obstacle_hits=1))
+    assert np.isinf(grid.distance_near(10.0, 10.0, 5.0)).all()
+    view = empty_frame()
+    view.depth[15, 20], view.labels[15, 20] = 2.0, Label.OBSTACLE
+    grid.integrate(view, Pose(10.0, 10.0, 0.0))
+    assert grid.distance_near(10.0, 10.0, 5.0).min() == 0.0
+
+
+def test_distance_without_obstacles_is_infinite():
+    assert np.isinf(distance_to(np.zeros((4, 4), bool), 0.05)).all()
