@@ -130,7 +130,7 @@ async def consult(
             continue
         except AdvisorUnavailable as gone:
             absence = Rejection(code=gone.code, reason=gone.reason)
-            record("unavailable", rejection=absence, final=gone.final)
+            record("unavailable", rejection=absence, usage=gone.usage, final=gone.final)
             if gone.final:
                 return Outcome(answer=None, question=question, attempts=attempt + 1, failure=gone.code,
                                rejections=(*rejections, absence))

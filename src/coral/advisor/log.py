@@ -5,10 +5,13 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import math
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel
 
 from coral.advisor.consult import Attempt
@@ -86,7 +89,7 @@ class AttemptRecorder:
                 partial.write_bytes(picture.png)
                 os.replace(partial, self._folder / f"{digest}.png")
                 self._seen.add(digest)
-        self._file.write(json.dumps(attempt_to_json(attempt), default=_plain) + "\n")
+        self._file.write(plain_json(attempt_to_json(attempt)) + "\n")
 
     def close(self) -> None:
         """Close the log."""
@@ -97,6 +100,18 @@ def _digest(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def plain_json(value: Any, indent: int | None = None) -> str:
+    """JSON text of a value whose numbers may be NumPy's; what is not finite becomes null."""
+    return json.dumps(_plain(value), allow_nan=False, indent=indent)
+
+
 def _plain(value: Any) -> Any:
-    """NumPy scalars and arrays in facts, as JSON."""
-    return value.tolist() if hasattr(value, "tolist") else str(value)
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, str | int | bool) else str(value)

@@ -44,6 +44,8 @@ class ModelCfg:
     max_output_tokens: int = 4096
     temperature: float | None = None
     """None leaves it to the provider; some models refuse any value."""
+    pictures: bool = True
+    """False for a model without eyes, which answers HTTP 400 or 500 to a picture."""
     facts: bool = False
     """Whether the numbers of `Question.facts` are added to the prompt (an experiment of its own)."""
     spend: SpendCfg = field(default_factory=SpendCfg)

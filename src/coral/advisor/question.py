@@ -60,6 +60,8 @@ class Usage:
     output_tokens: int = 0
     cost_usd: float = 0.0
     requests: int = 1
+    faults: tuple[str, ...] = ()
+    """What went wrong on the way to this reply and was repaired or retried, in order, such as "http-429"."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,13 +91,15 @@ class BadAnswer(Exception):
 class AdvisorUnavailable(Exception):
     """No answer could be had (network, time-out, budget). `code` names the failure in the attempt log."""
 
-    def __init__(self, code: str, reason: str, *, final: bool = False, latency_s: float | None = None) -> None:
+    def __init__(self, code: str, reason: str, *, final: bool = False, latency_s: float | None = None,
+                 usage: Usage | None = None) -> None:
         super().__init__(reason)
         self.code, self.reason = code, reason
         self.final = final
         """True when asking again cannot help (budget used up, key refused)."""
         self.latency_s = latency_s
         """As in `Reply`."""
+        self.usage = usage or Usage(requests=0)
 
 
 class Withdrawn(Exception):

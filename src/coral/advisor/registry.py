@@ -8,21 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
+from coral.advisor.connect import KEYS
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.rules import Rule, RuleAdvisor
 from coral.errors import InputError, nearest
 
-PROVIDERS = {
-    "openai": ("OPENAI_API_KEY",),
-    "anthropic": ("ANTHROPIC_API_KEY",),
-    "google": ("GOOGLE_API_KEY", "GEMINI_API_KEY"),
-}
-"""Providers that can be named, and the environment variables (any one) that may hold their key."""
-
 FORMS = ("heuristic", "PROVIDER:MODEL (openai, anthropic, google)", "local:URL#MODEL", "desk", "replay:FILE",
          "fallible:P:INNER")
-NAMES = ("heuristic", *PROVIDERS, "local", "desk", "replay", "fallible")
+NAMES = ("heuristic", *KEYS, "local", "desk", "replay", "fallible")
 
 
 def make_advisor(spec: str, *, rules: Mapping[str, Rule], rng: np.random.Generator, inbox: Path | None = None,
@@ -73,7 +67,7 @@ def make_advisor(spec: str, *, rules: Mapping[str, Rule], rng: np.random.Generat
         from coral.advisor.models import ModelAdvisor
 
         return ModelAdvisor.local(url, model, cfg or ModelCfg())
-    if name in PROVIDERS and rest:
+    if name in KEYS and rest:
         from coral.advisor.models import ModelAdvisor
 
         return ModelAdvisor.provider(name, rest, cfg or ModelCfg(), where=where)

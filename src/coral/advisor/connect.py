@@ -1,0 +1,72 @@
+"""Connections to the providers: one pydantic-ai model each, silent retries off, keys from the environment only."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from pydantic_ai.models import Model
+
+KEYS = {
+    "openai": ("OPENAI_API_KEY",),
+    "anthropic": ("ANTHROPIC_API_KEY",),
+    "google": ("GOOGLE_API_KEY", "GEMINI_API_KEY"),
+}
+"""Providers that can be named, and the environment variables (any one) that may hold their key."""
+
+LOCAL_KEY = "CORAL_LOCAL_API_KEY"
+"""Environment variable with the key of an OpenAI-compatible server, for those that want one."""
+
+
+def require_key(provider: str, where: str) -> None:
+    """Check that the environment holds a provider's key.
+
+    Raises:
+        InputError: It does not; the message names the variable.
+    """
+    if not any(os.environ.get(name) for name in KEYS[provider]):
+        raise InputError(where, "", f"no key for {provider}", f"the environment variable {' or '.join(KEYS[provider])}")
+
+
+def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> Model:
+    """Make the client of one model; nothing is sent yet. Call it on the event loop that will use it.
+
+    Args:
+        provider: "openai", "anthropic", "google", or "local" (an OpenAI-compatible server).
+        model: Name of the model there.
+        url: Base URL of a local server; "" otherwise.
+        cfg: Time-outs and size bound.
+    """
+    from coral.advisor.wire import http_client
+
+    client = http_client(cfg.max_reply_bytes, cfg.attempt_timeout_s)
+    key = next((os.environ[name] for name in KEYS.get(provider, (LOCAL_KEY,)) if os.environ.get(name)), "none")
+    if provider == "anthropic":
+        from anthropic import AsyncAnthropic
+        from pydantic_ai.models.anthropic import AnthropicModel
+        from pydantic_ai.providers.anthropic import AnthropicProvider
+
+        return AnthropicModel(model, provider=AnthropicProvider(
+            anthropic_client=AsyncAnthropic(api_key=key, max_retries=0, http_client=client)))
+    if provider == "google":
+        from pydantic_ai.models.google import GoogleModel
+        from pydantic_ai.providers.google import GoogleProvider
+
+        return GoogleModel(model, provider=GoogleProvider(api_key=key, http_client=client))
+    from openai import AsyncOpenAI
+    from pydantic_ai.models.openai import OpenAIChatModel
+    from pydantic_ai.profiles.openai import OpenAIModelProfile
+    from pydantic_ai.providers.openai import OpenAIProvider
+
+    if provider == "openai":
+        return OpenAIChatModel(model, provider=OpenAIProvider(
+            openai_client=AsyncOpenAI(api_key=key, max_retries=0, http_client=client)))
+    # What a local server can do does not follow from its model's name: the output mode asked for is tried.
+    profile = OpenAIModelProfile(supports_json_schema_output=True, supports_json_object_output=True,
+                                 supports_tools=True, openai_chat_supports_max_completion_tokens=False)
+    return OpenAIChatModel(model, profile=profile, provider=OpenAIProvider(
+        openai_client=AsyncOpenAI(api_key=key, base_url=url, max_retries=0, http_client=client)))

@@ -1,0 +1,110 @@
+"""A person, or any program, answers: every open question is a folder in an inbox."""
+
+from __future__ import annotations
+
+import asyncio
+import dataclasses
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from coral.advisor.log import plain_json
+from coral.advisor.parse import parse_answer
+from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply, Usage
+from coral.errors import InputError
+
+A = TypeVar("A", bound=BaseModel)
+
+
+class DeskAdvisor:
+    """Puts each question into `INBOX/<id>/question.json` with its PNGs, and waits for `answer.json` beside it.
+
+    A folder appears whole (written aside, then renamed) and gets a `closed.json` when its question is no longer open:
+    answered, or withdrawn because the world moved on. `answer.json` must be written aside and renamed too.
+    """
+
+    latency = "measured"
+    name = "desk"
+
+    def __init__(self, inbox: Path, poll_s: float = 0.1) -> None:
+        """Open an inbox.
+
+        Args:
+            inbox: Folder of questions; made if it is not there.
+            poll_s: How often to look for an answer (s, wall).
+
+        Raises:
+            InputError: The folder cannot be written.
+        """
+        self._inbox, self._poll_s = inbox, poll_s
+        try:
+            inbox.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(str(inbox), "--inbox", error.strerror or error, "a folder that can be written") from None
+
+    async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:
+        """Post the question and wait until it is answered.
+
+        Raises:
+            BadAnswer: The answer does not validate.
+            AdvisorUnavailable: The inbox cannot be written.
+        """
+        try:
+            folder = self._post(question, rejections)
+        except OSError as error:
+            raise AdvisorUnavailable("desk", f"the inbox cannot be written: {error.strerror}", final=True) from None
+        state = "withdrawn"
+        try:
+            file = folder / "answer.json"
+            while not file.exists():
+                await asyncio.sleep(self._poll_s)
+            state = "answered"
+            text = file.read_text(encoding="utf-8", errors="replace")
+        finally:
+            _write(folder / "closed.json", json.dumps({"state": state}).encode())
+        usage = Usage(requests=1)
+        return Reply(value=parse_answer(text, question.answer_type, usage), raw=text, usage=usage)
+
+    def _post(self, question: Question[Any], rejections: Sequence[Rejection]) -> Path:
+        """Write a question folder; its number is the first free one."""
+        numbers = [int(p.name.partition("-")[0]) for p in self._inbox.iterdir() if p.name.partition("-")[0].isdigit()]
+        number = max(numbers, default=0) + 1
+        name = f"{number:06d}-{question.kind}"
+        aside = self._inbox / f".{name}.{os.getpid()}"
+        aside.mkdir()
+        for picture in question.pictures:
+            (aside / f"{picture.name}.png").write_bytes(picture.png)
+        content = {
+            "id": name,
+            "kind": question.kind,
+            "prompt": question.prompt,
+            "prompt_version": question.prompt_version,
+            "answer_schema": question.answer_type.model_json_schema(),
+            "images": [f"{picture.name}.png" for picture in question.pictures],
+            "captions": [picture.caption for picture in question.pictures],
+            "facts": question.facts,
+            "rejections": [dataclasses.asdict(r) for r in rejections],
+        }
+        (aside / "question.json").write_text(plain_json(content, indent=2), encoding="utf-8")
+        while True:
+            try:
+                # A rename onto a folder that holds files fails: two missions may share an inbox.
+                os.rename(aside, self._inbox / name)
+                return self._inbox / name
+            except OSError:
+                if not (self._inbox / name).exists():
+                    raise
+                number += 1
+                name = f"{number:06d}-{question.kind}"
+                content["id"] = name
+                (aside / "question.json").write_text(plain_json(content, indent=2), encoding="utf-8")
+
+
+def _write(path: Path, content: bytes) -> None:
+    partial = path.with_name(path.name + ".part")
+    partial.write_bytes(content)
+    os.replace(partial, path)

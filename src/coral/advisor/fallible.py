@@ -1,0 +1,128 @@
+"""An advisor that errs as real models do, at known rates, for the verification experiments."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import BaseModel
+
+from coral.advisor.corrupt import corrupt
+from coral.advisor.parse import parse_answer
+from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply
+
+A = TypeVar("A", bound=BaseModel)
+
+Corrupt = Callable[[str, Question[Any], dict[str, Any], np.random.Generator], dict[str, Any]]
+"""Spoils an answer: (error kind, question, answer as JSON, random numbers) to another answer."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FallibleCfg:
+    """Probability of each kind of error, per answer; at most one happens."""
+
+    malformed: float = 0.0
+    """JSON that breaks off."""
+    empty: float = 0.0
+    """No text at all."""
+    wrong_type: float = 0.0
+    """Words where a number belongs."""
+    out_of_range: float = 0.0
+    """An index or a number beyond what exists."""
+    backward: float = 0.0
+    """A point behind the robot."""
+    stale: float = 0.0
+    """The choice of the previous question once more."""
+    refusal: float = 0.0
+    """A polite refusal."""
+    silence: float = 0.0
+    """No reply before the deadline."""
+
+    def __post_init__(self) -> None:
+        rates = dataclasses.astuple(self)
+        if any(not 0 <= rate <= 1 for rate in rates) or sum(rates) > 1 + 1e-9:
+            raise ValueError(f"error rates {rates} are not probabilities that sum to at most 1")
+
+    @classmethod
+    def total(cls, probability: float) -> FallibleCfg:
+        """All kinds equally often, `probability` together.
+
+        Raises:
+            ValueError: It is not from 0 to 1.
+        """
+        kinds = [field.name for field in dataclasses.fields(cls)]
+        return cls(**{kind: probability / len(kinds) for kind in kinds})
+
+
+class FallibleAdvisor:
+    """Passes on another advisor's answers and spoils some of them.
+
+    Spoilt answers go through the same parser as the text of a real model.
+    """
+
+    def __init__(self, inner: Advisor, cfg: FallibleCfg, rng: np.random.Generator,
+                 hooks: Mapping[str, Corrupt] | None = None) -> None:
+        """Wrap an advisor.
+
+        Args:
+            inner: Who really answers.
+            cfg: Error rates.
+            rng: Decides which answers are spoilt, and how. Same seed, same errors.
+            hooks: How to spoil answers to a kind of question, where the general way (by the answer's schema and the
+                question's facts) does not know enough.
+        """
+        self._inner, self._cfg, self._rng = inner, cfg, rng
+        self._hooks = dict(hooks or {})
+        self._previous: dict[str, dict[str, Any]] = {}
+        self.name = f"fallible:{sum(dataclasses.astuple(cfg)):g}:{inner.name}"
+        self.latency = getattr(inner, "latency", "measured")
+
+    def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
+        """Answer, perhaps wrongly.
+
+        The draw is made here, before the first await: whether a request is cancelled early does not shift the errors
+        of the next one.
+
+        Raises:
+            BadAnswer: A spoilt answer that does not validate, or the inner advisor's own.
+            AdvisorUnavailable: Silence, which a simulated clock lets last until the deadline.
+        """
+        rates = np.cumsum(dataclasses.astuple(self._cfg))
+        hit = int(np.searchsorted(rates, self._rng.random(), side="right"))
+        seed = int(self._rng.integers(2**63))
+        kinds = [field.name for field in dataclasses.fields(self._cfg)]
+        error = kinds[hit] if hit < len(kinds) else ""
+        return self._answer(question, rejections, error, np.random.default_rng(seed))
+
+    async def _answer(self, question: Question[A], rejections: Sequence[Rejection], error: str,
+                      rng: np.random.Generator) -> Reply[A]:
+        if error == "silence":
+            raise AdvisorUnavailable("silence", "the simulated model stayed silent", latency_s=math.inf)
+        reply = await self._inner.answer(question, rejections)
+        right = reply.value.model_dump(mode="json")
+        previous = self._previous.get(question.kind)
+        self._previous[question.kind] = right
+        if not error:
+            return reply
+        text = self._spoil(error, question, right, previous, rng)
+        return Reply(value=parse_answer(text, question.answer_type, reply.usage), raw=text, usage=reply.usage,
+                     latency_s=reply.latency_s)
+
+    def _spoil(self, error: str, question: Question[Any], right: dict[str, Any], previous: dict[str, Any] | None,
+               rng: np.random.Generator) -> str:
+        """The text of a spoilt answer."""
+        text = json.dumps(right)
+        if error == "empty":
+            return ""
+        if error == "refusal":
+            return "I'm sorry, but I can't help with that request."
+        if error == "malformed":
+            return text[: int(rng.integers(1, max(2, len(text))))]
+        if error == "stale" and previous is not None:
+            return json.dumps(previous)
+        return json.dumps(self._hooks.get(question.kind, corrupt)(error, question, right, rng))

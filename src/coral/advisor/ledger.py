@@ -1,0 +1,36 @@
+"""What a run has spent on its models, and where it stops."""
+
+from __future__ import annotations
+
+from coral.advisor.model_cfg import SpendCfg
+from coral.advisor.question import AdvisorUnavailable
+
+
+class Ledger:
+    """Counts requests, tokens and money of one run."""
+
+    def __init__(self, cfg: SpendCfg) -> None:
+        self.cfg = cfg
+        self.calls = 0
+        self.tokens = 0
+        self.usd = 0.0
+
+    def open_call(self) -> None:
+        """Count one request that is about to leave.
+
+        Raises:
+            AdvisorUnavailable: The budget is used up (code "budget", final).
+        """
+        bounds = ((self.calls, self.cfg.max_calls, "calls", "max_calls"),
+                  (self.tokens, self.cfg.max_tokens, "tokens", "max_tokens"),
+                  (self.usd, self.cfg.max_usd, "USD", "max_usd"))
+        for spent, bound, unit, name in bounds:
+            if spent >= bound:
+                raise AdvisorUnavailable("budget", f"the run's budget is used up: {spent:g} of {bound:g} {unit} "
+                                         f"(spend.{name})", final=True)
+        self.calls += 1
+
+    def add(self, tokens: int, usd: float) -> None:
+        """Book what a reply cost."""
+        self.tokens += tokens
+        self.usd += usd

@@ -1,0 +1,271 @@
+"""Real models: one question, one request, at most a retry or a repair, and a hard deadline."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pydantic import BaseModel
+
+from coral.advisor.connect import connect, require_key
+from coral.advisor.ledger import Ledger
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.parse import parse_answer
+from coral.advisor.prompt import render_rejections
+from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
+from coral.advisor.scrub import public_url, scrub
+from coral.advisor.wire import was_too_large
+
+if TYPE_CHECKING:
+    from pydantic_ai.messages import ModelResponse, UserContent
+    from pydantic_ai.models import Model, ModelRequestParameters
+
+A = TypeVar("A", bound=BaseModel)
+
+RETRIED = (408, 409, 425, 429)
+"""HTTP statuses below 500 after which the same request may succeed."""
+REPAIRED = ("empty", "not-json", "missing-field", "wrong-type", "out-of-range", "invalid", "cut-off")
+"""Faults of form, which a second request may repair. A refusal or an endless reply is not asked for again here."""
+
+
+@dataclass
+class _Spent:
+    """What one answer has cost so far."""
+
+    usage: Usage = field(default_factory=lambda: Usage(requests=0))
+
+    def fault(self, code: str) -> None:
+        self.usage = replace(self.usage, faults=(*self.usage.faults, code))
+
+    def add(self, **counts: float) -> None:
+        self.usage = replace(self.usage, **{key: getattr(self.usage, key) + n for key, n in counts.items()})
+
+
+class ModelAdvisor:
+    """A vision-language or language model behind an API.
+
+    Each answer is a fresh conversation: the prompt, the reasons why earlier answers were refused (in our words), and
+    the pictures as they are now. Nothing of earlier attempts is sent again. The client library makes one request and
+    neither retries nor repairs.
+    """
+
+    latency = "measured"
+
+    def __init__(self, provider: str, model: str, cfg: ModelCfg, url: str = "") -> None:
+        """Describe a model; it is connected to on the first answer or on `warm_up`.
+
+        Args:
+            provider: "openai", "anthropic", "google" or "local".
+            model: Name of the model there.
+            cfg: Time-outs, retries, output mode, budget.
+            url: Base URL of a local server.
+        """
+        self.cfg = cfg
+        self.ledger = Ledger(cfg.spend)
+        self.name = f"local:{public_url(url)}#{model}" if provider == "local" else f"{provider}:{model}"
+        self._provider, self._model_name, self._url = provider, model, url
+        self._model: Model | None = None
+
+    @classmethod
+    def local(cls, url: str, model: str, cfg: ModelCfg) -> ModelAdvisor:
+        """A model on an OpenAI-compatible server (vLLM, Ollama, llama.cpp)."""
+        return cls("local", model, cfg, url)
+
+    @classmethod
+    def provider(cls, provider: str, model: str, cfg: ModelCfg, where: str = "--advisor") -> ModelAdvisor:
+        """A provider's model.
+
+        Raises:
+            InputError: The environment holds no key for it.
+        """
+        require_key(provider, where)
+        return cls(provider, model, cfg)
+
+    async def warm_up(self) -> None:
+        """Import the client library and make the connection pool, before a control loop runs."""
+        self._connected()
+
+    def _connected(self) -> Model:
+        if self._model is None:
+            self._model = connect(self._provider, self._model_name, self._url, self.cfg)
+        return self._model
+
+    async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:
+        """Ask the model.
+
+        Raises:
+            BadAnswer: Its reply does not validate, nor does the repaired one.
+            AdvisorUnavailable: No reply: "timeout", "connection", "http-STATUS" (final if asking again cannot help),
+                "budget" (final), "key-refused" (final), "no-such-model" (final), "client-error".
+        """
+        spent = _Spent()
+        try:
+            async with asyncio.timeout(self.cfg.deadline_s) as deadline:
+                return await self._answer(question, rejections, spent, deadline.when() or 0.0)
+        except TimeoutError:
+            raise AdvisorUnavailable("timeout", f"{self.name} gave no answer within {self.cfg.deadline_s:g} s",
+                                     usage=spent.usage) from None
+        except AdvisorUnavailable as gone:
+            gone.usage = spent.usage
+            raise
+        except BadAnswer as bad:
+            raise BadAnswer(bad.rejection.code, scrub(bad.rejection.reason), scrub(bad.raw), spent.usage) from None
+
+    async def _answer(self, question: Question[A], rejections: Sequence[Rejection], spent: _Spent,
+                      deadline: float) -> Reply[A]:
+        parameters = self._parameters(question.answer_type)
+        repair = ""
+        for repairs_left in range(self.cfg.format_repairs, -1, -1):
+            response = await self._request(self._content(question, rejections, repair), parameters, spent, deadline)
+            raw = _raw(response)
+            try:
+                value = _parse(response, raw, question.answer_type)
+            except BadAnswer as bad:
+                code, reason = bad.rejection.code, bad.rejection.reason
+                if not repairs_left or code not in REPAIRED:
+                    raise
+                spent.fault(code)
+                repair = (f"Your last reply to this could not be used. {reason} It began:\n{raw[:1000]}\n"
+                          "Reply again, with nothing but the answer in the format asked for.")
+                continue
+            return Reply(value=value, raw=scrub(raw), usage=spent.usage)
+        raise AssertionError("the last repair returns or raises")
+
+    def _content(self, question: Question[Any], rejections: Sequence[Rejection], repair: str) -> list[UserContent]:
+        """The user message: what does not change first, pictures next, what is new last."""
+        from pydantic_ai.messages import BinaryContent
+
+        content: list[UserContent] = [question.prompt]
+        if self.cfg.facts:
+            from coral.advisor.log import plain_json
+
+            content.append("What the pictures show, as numbers:\n" + plain_json(question.facts))
+        if self.cfg.pictures:
+            for picture in question.pictures:
+                content.append(f"Picture {picture.name}: {picture.caption}".rstrip(": "))
+                content.append(BinaryContent(data=picture.png, media_type="image/png"))
+        if rejections:
+            content.append(render_rejections(rejections))
+        if repair:
+            content.append(repair)
+        return content
+
+    def _parameters(self, answer_type: type[BaseModel]) -> ModelRequestParameters:
+        """How the form of the answer is asked for."""
+        from pydantic_ai.models import ModelRequestParameters
+        from pydantic_ai.output import OutputObjectDefinition
+        from pydantic_ai.tools import ToolDefinition
+
+        mode = self.cfg.output
+        if mode == "auto":
+            mode = "plain" if self._provider == "local" else "native"
+        schema = answer_type.model_json_schema()
+        if mode == "tool":
+            tool = ToolDefinition(name="answer", description="Give the answer.", parameters_json_schema=schema,
+                                  kind="output")
+            return ModelRequestParameters(output_mode="tool", output_tools=[tool], allow_text_output=False)
+        if mode == "plain":
+            return ModelRequestParameters()
+        shape = OutputObjectDefinition(json_schema=schema, name="answer")
+        # The prompt says what to return; the library's own words about it stay out.
+        return ModelRequestParameters(output_mode=mode, output_object=shape, prompted_output_template=False)
+
+    async def _request(self, content: list[UserContent], parameters: ModelRequestParameters, spent: _Spent,
+                       deadline: float) -> ModelResponse:
+        """One reply, after as many retries as it takes and the configuration allows."""
+        from pydantic_ai import exceptions as wrong
+        from pydantic_ai.messages import ModelRequest, UserPromptPart
+        from pydantic_ai.settings import ModelSettings
+
+        settings = ModelSettings(max_tokens=self.cfg.max_output_tokens)
+        if self.cfg.temperature is not None:
+            settings["temperature"] = self.cfg.temperature
+        pause = self.cfg.backoff_s
+        for retries_left in range(self.cfg.max_retries, -1, -1):
+            self.ledger.open_call()
+            spent.add(requests=1)
+            wait_s = pause
+            try:
+                async with asyncio.timeout(self.cfg.attempt_timeout_s):
+                    response = await self._connected().request(
+                        [ModelRequest(parts=[UserPromptPart(content)])], settings, parameters)
+            except TimeoutError:
+                raise AdvisorUnavailable(
+                    "timeout", f"{self.name} was silent for {self.cfg.attempt_timeout_s:g} s") from None
+            except wrong.ModelHTTPError as error:
+                code = f"http-{error.status_code}"
+                wait_s = error.retry_after if error.retry_after is not None else pause
+                failure = self._http_failure(error.status_code, code, str(error.body))
+                again = error.status_code in RETRIED or error.status_code >= 500
+            except wrong.ModelAPIError as error:
+                if was_too_large(error):
+                    raise self._too_large() from None
+                code = "connection"
+                failure = AdvisorUnavailable(code, f"{self.name} cannot be reached: {scrub(str(error))[:300]}")
+                again = True
+            except wrong.UnexpectedModelBehavior as error:
+                raise BadAnswer("bad-reply", f"The server's reply is not one of its API: {error}"[:300]) from None
+            except wrong.UserError as error:
+                raise AdvisorUnavailable("client-error", scrub(str(error))[:300], final=True) from None
+            except (ValueError, KeyError, TypeError, AttributeError, OSError) as error:
+                # A client library that trips over a reply must not take the mission with it.
+                if was_too_large(error):
+                    raise self._too_large() from None
+                raise AdvisorUnavailable("client-error", scrub(f"{type(error).__name__}: {error}")[:300]) from None
+            else:
+                self._book(response, spent)
+                return response
+            if not again or not retries_left:
+                raise failure
+            if asyncio.get_running_loop().time() + wait_s >= deadline:
+                raise AdvisorUnavailable(code, f"{failure.reason}; the next try would be in {wait_s:g} s, after the "
+                                         "deadline")
+            spent.fault(code)
+            await asyncio.sleep(wait_s)
+            pause *= 2
+        raise AssertionError("the last retry returns or raises")
+
+    def _too_large(self) -> BadAnswer:
+        return BadAnswer("too-large", f"The reply was longer than {self.cfg.max_reply_bytes} bytes; keep it short.")
+
+    def _http_failure(self, status: int, code: str, body: str) -> AdvisorUnavailable:
+        said = scrub(body)[:300]
+        if status in (401, 403):
+            return AdvisorUnavailable("key-refused", f"{self.name} refused the key: {said}", final=True)
+        if status == 404:
+            return AdvisorUnavailable("no-such-model", f"{self.name} was not found: {said}", final=True)
+        if 400 <= status < 500 and status not in RETRIED:
+            return AdvisorUnavailable(code, f"{self.name} refused the request: {said} (`coral advisor probe` tells "
+                                      "which output modes and pictures it takes)", final=True)
+        return AdvisorUnavailable(code, f"{self.name} answered {status}: {said}")
+
+    def _book(self, response: ModelResponse, spent: _Spent) -> None:
+        """Count tokens and money, as far as the reply and the price list tell."""
+        try:
+            usd = float(response.cost().total_price)
+        except (LookupError, ValueError, AssertionError):
+            usd = 0.0
+        usage = response.usage
+        spent.add(input_tokens=usage.input_tokens, output_tokens=usage.output_tokens, cost_usd=usd)
+        self.ledger.add(usage.input_tokens + usage.output_tokens, usd)
+
+
+def _raw(response: ModelResponse) -> str:
+    """What the model said: its text, and the arguments of its tool call."""
+    texts = [part.content for part in response.parts if part.part_kind == "text"]
+    calls = [part.args_as_json_str() for part in response.parts if part.part_kind == "tool-call"]
+    return "\n".join([*texts, *calls])
+
+
+def _parse(response: ModelResponse, raw: str, answer_type: type[A]) -> A:
+    if response.finish_reason == "content_filter":
+        said = str((response.provider_details or {}).get("refusal", ""))
+        raise BadAnswer("refusal", "The request was declined; choose one of the options as asked.", raw or said)
+    try:
+        return parse_answer(raw, answer_type)
+    except BadAnswer as bad:
+        if response.finish_reason == "length" and bad.rejection.code in ("empty", "not-json"):
+            raise BadAnswer("cut-off", "The reply broke off at its length limit; answer more briefly.", raw) from None
+        raise

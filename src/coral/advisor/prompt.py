@@ -1,0 +1,77 @@
+"""Prompts from template files: one per kind of question, with a version that follows from the file."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from coral.advisor.question import Rejection
+from coral.errors import InputError, nearest
+
+FOLDER = Path(__file__).parent / "prompts"
+
+_environment = jinja2.Environment(loader=jinja2.FileSystemLoader(FOLDER), undefined=jinja2.StrictUndefined,
+                                  trim_blocks=True, lstrip_blocks=True, autoescape=False)
+_environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "default": str}
+
+
+def kinds() -> list[str]:
+    """Kinds of question that have a template."""
+    return sorted(path.stem for path in FOLDER.glob("*.md"))
+
+
+@cache
+def version(kind: str) -> str:
+    """Version of a template: the one its first line states, and a digest of the file, such as "1+3f2a9c04".
+
+    Raises:
+        InputError: There is no such kind, or its first line is not `{# version: N #}`.
+    """
+    file = FOLDER / f"{kind}.md"
+    if kind not in kinds():
+        raise InputError("prompt", "kind", repr(kind), f"one of {', '.join(kinds())}{nearest(kind, kinds())}")
+    text = file.read_text(encoding="utf-8")
+    first = text.partition("\n")[0]
+    if not (first.startswith("{# version: ") and first.endswith(" #}")):
+        raise InputError(file.name, "line 1", repr(first), "{# version: N #}")
+    return f"{first[12:-3].strip()}+{hashlib.sha256(text.encode()).hexdigest()[:8]}"
+
+
+def render(kind: str, context: Mapping[str, Any] | None = None, /, **more: Any) -> tuple[str, str]:
+    """The prompt of one kind of question.
+
+    Args:
+        kind: Name of a template, such as "reef-centroid".
+        context: What the template's placeholders stand for.
+        more: The same, by name.
+
+    Returns:
+        Text and version.
+
+    Raises:
+        InputError: There is no such kind, or a placeholder has no value.
+    """
+    stamp = version(kind)
+    try:
+        text = _environment.get_template(f"{kind}.md").render(**{**(context or {}), **more})
+    except jinja2.UndefinedError as error:
+        raise InputError(f"prompt {kind}", "", error.message or "a missing value", "a value for every placeholder"
+                         ) from None
+    return text.strip() + "\n", stamp
+
+
+def render_rejections(rejections: Sequence[Rejection]) -> str:
+    """Why earlier answers were refused, as the last part of a prompt; "" when none was.
+
+    Advisors add this themselves, so that a template need not.
+    """
+    if not rejections:
+        return ""
+    lines = [f"{number}. {rejection.reason}" for number, rejection in enumerate(rejections, start=1)]
+    return "\n".join(["Earlier answers to this question were checked and refused. The pictures are new; the reasons:",
+                      *lines, "Give a different answer that none of these reasons applies to."])

@@ -1,0 +1,57 @@
+"""HTTP connections to models, with a cap on the size of a reply."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+
+import httpx2
+
+
+class ReplyTooLarge(httpx2.TransportError):
+    """A reply was cut off because it went on for too long."""
+
+
+class _Capped(httpx2.AsyncByteStream):
+    def __init__(self, stream: httpx2.AsyncByteStream, limit: int) -> None:
+        self._stream, self._limit = stream, limit
+
+    async def __aiter__(self) -> AsyncIterator[bytes]:
+        left = self._limit
+        async for chunk in self._stream:
+            left -= len(chunk)
+            if left < 0:
+                raise ReplyTooLarge(f"reply of more than {self._limit} bytes")
+            yield chunk
+
+    async def aclose(self) -> None:
+        await self._stream.aclose()
+
+
+def http_client(max_reply_bytes: int, timeout_s: float) -> httpx2.AsyncClient:
+    """An HTTP client that hangs up on a reply longer than `max_reply_bytes`.
+
+    Args:
+        max_reply_bytes: Bound on the body. A body that comes compressed although none was asked for gets a twentieth
+            of it, so that it cannot unpack to much more.
+        timeout_s: Longest wait for a connection or between two pieces of a reply (s).
+    """
+
+    async def cap(response: httpx2.Response) -> None:
+        packed = response.headers.get("content-encoding", "identity").lower() != "identity"
+        if isinstance(response.stream, httpx2.AsyncByteStream):
+            response.stream = _Capped(response.stream, max_reply_bytes // 20 if packed else max_reply_bytes)
+
+    return httpx2.AsyncClient(event_hooks={"response": [cap]}, headers={"Accept-Encoding": "identity"},
+                              timeout=timeout_s)
+
+
+def was_too_large(error: BaseException) -> bool:
+    """Whether an error of a client library goes back to the cap."""
+    cause: BaseException | None = error
+    for _ in range(10):
+        if cause is None:
+            return False
+        if isinstance(cause, ReplyTooLarge):
+            return True
+        cause = cause.__cause__ or cause.__context__
+    return False

@@ -1,0 +1,71 @@
+import pytest
+
+from coral.advisor.prompt import kinds, render, render_rejections, version
+from coral.advisor.question import Rejection
+from coral.errors import InputError
+
+POSE = [0.5, 0.0, 0.02, 1, 0, 0, 0]
+CONTEXT = {
+    "reef-centroid": {"step_m": 6},
+    "reef-waypoint": {"step_m": 6},
+    "physical-parameters": {"task": "push it", "objects": {"board": {"pose_estimated": POSE, "mass_kg": None}}},
+    "cost-function": {"task": "push it", "poses": {"board": POSE}, "parameters": {}, "interface": "self.board_pos"},
+    "contact-regions": {"task": "push it", "objects": {"board": POSE}},
+    "cost-repair": {"task": "push it", "attempts": 3, "world": {}, "interface": "", "history": [], "code": "x = 1",
+                    "error": "x is unknown"},
+    "parameter-repair": {"parameters": {"board": {"mass": 0.4}}, "history": []},
+}
+MUST_SAY = {
+    "reef-centroid": ["red arrow +X", "Blue arrow +Y", "Yellow line", "Orange dots", "White", "trend", "must be on the map",
+                      "selected_centroid_index", "null", "obstacles", "Example"],
+    "reef-waypoint": ["+X forward", "+Y left", "-X back", "-Y right", "0 to 6", "usually no more than 4 m", "three parts",
+                      "chain decides", "forward_m", "left_m", "Example"],
+    "physical-parameters": ["push it", "mass_kg", "friction_coeff", '"board"', "picture", "Example"],
+    "cost-function": ["push it", "distance to the goal", "contact", "orientation", "force", "effort", "time", "sigmoid",
+                      "def state_cost(self):", "self.board_pos", "Every weight is a number", "Simple tasks", "Example"],
+    "contact-regions": ["push it", "One to three", "center", "normal", "extent", "num_samples", "Example"],
+    "cost-repair": ["push it", "x = 1", "x is unknown", "explanation", "tried 3 times", "Example"],
+    "parameter-repair": ["physicist", "label", "mass", "friction", "0.4", "Example"],
+}
+
+
+def test_there_is_one_template_per_kind():
+    assert set(kinds()) == set(CONTEXT)
+
+
+@pytest.mark.parametrize("kind", CONTEXT)
+def test_prompt_holds_every_element_of_the_papers(kind):
+    text, stamp = render(kind, CONTEXT[kind])
+    lowered = " ".join(text.lower().split())
+    assert [phrase for phrase in MUST_SAY[kind] if phrase.lower() not in lowered] == []
+    assert stamp == version(kind)
+    assert "{{" not in text
+    assert "{%" not in text
+    assert "version:" not in text
+
+
+def test_mapping_and_names_are_the_same():
+    assert render("reef-waypoint", {"step_m": 4}) == render("reef-waypoint", step_m=4)
+    assert "0 to 4" in render("reef-waypoint", step_m=4)[0]
+
+
+def test_optional_parts_leave_no_trace():
+    text, _ = render("cost-repair", {**CONTEXT["cost-repair"], "error": ""})
+    assert "did not even run" not in text
+    assert "What the function can use" not in text
+
+
+def test_unknown_kind_is_suggested():
+    with pytest.raises(InputError, match="did you mean 'reef-centroid'"):
+        render("reef-centroids")
+
+
+def test_missing_placeholder_is_named():
+    with pytest.raises(InputError, match="step_m"):
+        render("reef-waypoint")
+
+
+def test_rejections_in_our_words():
+    assert render_rejections([]) == ""
+    text = render_rejections([Rejection(code="a", reason="It lies behind."), Rejection(code="b", reason="No dot 9.")])
+    assert "1. It lies behind.\n2. No dot 9.\n" in text
