@@ -131,8 +131,8 @@ def main() -> None:
     print(f"{len(scene)} solids, one core, MuJoCo {mujoco.__version__}")
     print("picture  coral median / p95 (ms)  mj_multiRay (ms)  ratio  differing pixels  depth difference (m)")
     for r in rows:
-        print(f"{r['picture']}  {r['own_ms']:12.3f} / {r['own_p95_ms']:5.3f}  {r['mujoco_ms']:16.2f}  {r['ratio']:4.0f}x"
-              f"  {r['differing_pixels']:16d}  {r['worst_depth_difference_m']:20.1e}")
+        print(f"{r['picture']}  {r['own_ms']:12.3f} / {r['own_p95_ms']:5.3f}  {r['mujoco_ms']:16.2f}"
+              f"  {r['ratio']:4.0f}x  {r['differing_pixels']:16d}  {r['worst_depth_difference_m']:20.1e}")
 
 
 if __name__ == "__main__":

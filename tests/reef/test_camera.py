@@ -76,22 +76,37 @@ class MujocoCamera:
         directions = (self.rays @ transform[:3, :3].T).ravel()
         mujoco.mj_multiRay(self.model, self.data, transform[:3, 3].copy(), directions, None, 1, -1, ids, distance,
                            None, n, 1e6)
-        seen = (ids >= 0) & (distance < self.cfg.range_m)
         shape = (self.cfg.height, self.cfg.width)
-        depth = np.where(seen, distance / self.length, np.inf).reshape(shape)
-        return depth, np.where(seen, ids - 1, -1).reshape(shape)
+        return self.cut(ids.reshape(shape), distance.reshape(shape), self.length.reshape(shape))
+
+    def pixel(self, transform, k):
+        """Depth and solid of one pixel (flat index) by a single ray, which nothing is culled from."""
+        ids = np.zeros(1, np.int32)
+        distance = mujoco.mj_ray(self.model, self.data, transform[:3, 3].copy(), transform[:3, :3] @ self.rays[k],
+                                 None, 1, -1, ids)
+        return self.cut(ids[0], distance, self.length[k])
+
+    def cut(self, ids, distance, length):
+        seen = (ids >= 0) & (distance < self.cfg.range_m)
+        return np.where(seen, distance / length, np.inf), np.where(seen, ids - 1, -1)
 
 
-def assert_same(scene, frame, depth, ids):
-    """Equal on every pixel, but for at most 0.1 % where two surfaces meet within 1 mm."""
-    tie = frame.instances != ids
-    assert tie.mean() <= 0.001
-    np.testing.assert_allclose(frame.depth[tie], depth[tie], atol=1e-3)
-    assert (np.isfinite(frame.depth) == np.isfinite(depth)).all()
-    seen = np.isfinite(depth) & ~tie
+def assert_same(scene, frame, oracle, transform):
+    """Equal on every pixel. Returns the solids seen."""
+    depth, ids = oracle.render(transform)
+    # mj_multiRay culls geoms by angle and now and then loses a grazing one: about one pixel in three million, in
+    # which mj_ray settles what is right.
+    doubtful = np.flatnonzero(frame.instances != ids)
+    assert len(doubtful) <= 2
+    for k in doubtful:
+        depth.flat[k], ids.flat[k] = oracle.pixel(transform, k)
+    np.testing.assert_array_equal(frame.instances, ids)
+    np.testing.assert_array_equal(np.isfinite(frame.depth), np.isfinite(depth))
+    seen = np.isfinite(depth)
     np.testing.assert_allclose(frame.depth[seen], depth[seen], rtol=0, atol=1e-5)
-    expected = np.where(np.isfinite(depth), np.where(ids >= 0, scene.label[ids], Label.SEABED), Label.WATER)
-    assert (frame.labels == expected)[~tie].all()
+    solids = np.where(ids >= 0, scene.label[ids], Label.SEABED)
+    np.testing.assert_array_equal(frame.labels, np.where(seen, solids, Label.WATER))
+    return ids
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -106,8 +121,7 @@ def test_picture_equals_mujocos_ray_casting(seed):
         altitude = rng.uniform(0.3, 2.5)
         frame = camera.render(pose, altitude, roll=roll, pitch=pitch)
         transform = T_world_camera(pose, cfg, seabed_z=scene.seabed_z, altitude=altitude, roll=roll, pitch=pitch)
-        depth, ids = oracle.render(transform)
-        assert_same(scene, frame, depth, ids)
+        ids = assert_same(scene, frame, oracle, transform)
         shown |= set(scene.kind[ids[ids >= 0]].tolist())
     assert shown == {ELLIPSOID, BOX, CYLINDER}
 
@@ -126,8 +140,7 @@ def test_a_close_solid_equals_mujocos_even_beside_and_around_the_camera(shape):
         pose = Pose(10 + away * math.cos(angle), 10 + away * math.sin(angle), 5 * angle)
         frame = camera.render(pose, roll=0.3 * math.sin(k), pitch=0.6 * math.cos(k))
         transform = T_world_camera(pose, cfg, roll=0.3 * math.sin(k), pitch=0.6 * math.cos(k))
-        depth, ids = oracle.render(transform)
-        assert_same(scene, frame, depth, ids)
+        ids = assert_same(scene, frame, oracle, transform)
         inside += bool((ids == 1).all())
     assert inside >= 8
 
@@ -233,3 +246,23 @@ def test_each_picture_has_its_own_memory():
 def test_a_bad_setting_is_named(field, value):
     with pytest.raises(InputError, match=f"camera: {field}"):
         CameraCfg(**{field: value})
+
+
+def test_a_lost_pose_sees_no_solid():
+    camera = Camera(Scene.from_world(random_world(0)))
+    for pose in (Pose(math.nan, 5, 0), Pose(5, 5, math.nan)):
+        assert (camera.render(pose).instances == -1).all()
+
+
+def test_a_flush_of_edge_poses_never_writes_outside():
+    """Straight down over a cylinder's axis, level with a box's faces, exactly on a surface."""
+    for shape in ("sphere", "ellipsoid", "cylinder", "box"):
+        camera = Camera(lone(Obstacle(shape=shape, x=5, y=5, z=1, size=(1, 1, 1))),
+                        CameraCfg(width=41, height=31, pitch_down_deg=90))
+        for x in (4.0, 5.0, 6.0):
+            for altitude in (0.5, 2.0, 3.0):
+                for pitch in (0.0, -math.pi / 2):
+                    frame = camera.render(Pose(x, 5, 0), altitude, pitch=pitch)
+                    assert not np.isnan(frame.depth).any()
+                    assert frame.instances.max() <= 1
+        assert camera.render(Pose(5, 5, 0), 3.0).depth[15, 20] == pytest.approx(1.0, abs=1e-6)

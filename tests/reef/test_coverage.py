@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from coral.errors import InputError
 from coral.reef.coverage import CoverageCfg, CoverageMeter, rasterise
 from coral.reef.geometry import Pose
 from coral.reef.scene import RECTANGLE, Footprints, Scene
@@ -181,3 +182,18 @@ def test_the_seen_cells_equal_a_plain_search():
     assert 0.2 < wanted.mean() < 0.9
     assert (seen != wanted).mean() < 0.003
     np.testing.assert_allclose(watch.fractions, [e.mean() for e in expected], atol=0.02)
+
+
+def test_a_lost_pose_sees_nothing():
+    assert seen_from(Pose(math.nan, 5, 0), disc(8, 5)) == 0.0
+    assert seen_from(Pose(5, 5, math.nan), disc(8, 5)) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("cell_m", 0.0), ("closing_m", -0.1), ("hfov_deg", 361.0), ("range_m", 0.0), ("threshold", 0.0),
+     ("threshold", math.nan)],
+)
+def test_a_bad_setting_is_named(field, value):
+    with pytest.raises(InputError, match=f"coverage: {field}"):
+        CoverageCfg(**{field: value})

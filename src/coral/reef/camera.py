@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from coral.errors import InputError
 from coral.reef import camera_kernels
 from coral.reef.geometry import Frame, Pose
-from coral.reef.scene import CYLINDER, ELLIPSOID, Scene, rotations
+from coral.reef.scene import CYLINDER, ELLIPSOID, Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,13 +71,19 @@ def T_world_camera(
         roll: About body x, forward (rad): positive tips the left side up.
         pitch: About body y, left (rad): positive tips the nose down, as in REP-103.
     """
-    body = rotations([(roll, pitch, pose.theta)])[0]
+    (cr, cp, cy), (sr, sp, sy) = ((f(roll), f(pitch), f(pose.theta)) for f in (math.cos, math.sin))
     tilt = math.radians(cfg.pitch_down_deg)
     c, s = math.cos(tilt), math.sin(tilt)
-    transform = np.eye(4)
-    transform[:3, :3] = body @ np.array([[0.0, -s, c], [-1.0, 0.0, 0.0], [0.0, -c, -s]])
-    transform[:3, 3] = pose.x, pose.y, seabed_z + (cfg.altitude_m if altitude is None else altitude)
-    return transform
+    z = seabed_z + (cfg.altitude_m if altitude is None else altitude)
+    # Columns of Rz(theta) Ry(pitch) Rx(roll): forward, left, up. Scalars, because numpy would take 20 us per picture.
+    forward = (cy * cp, sy * cp, -sp)
+    left = (cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr)
+    up = (cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr)
+    rows = [
+        [-b, -s * a - c * d, c * a - s * d, t]
+        for a, b, d, t in zip(forward, left, up, (pose.x, pose.y, z), strict=True)
+    ]
+    return np.array([*rows, [0.0, 0.0, 0.0, 1.0]], np.float64)
 
 
 class Camera:

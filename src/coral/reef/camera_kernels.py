@@ -74,10 +74,10 @@ def render(
     for i in range(kind.size):
         dx, dy, dz = center[i, 0] - eye[0], center[i, 1] - eye[1], center[i, 2] - eye[2]
         r = radius[i]
-        if dx * dx + dy * dy + dz * dz > (range_m + r) ** 2:
+        if not dx * dx + dy * dy + dz * dz <= (range_m + r) ** 2:  # "not <=" skips NaN too
             continue
         z = turn[0, 2] * dx + turn[1, 2] * dy + turn[2, 2] * dz
-        if z + r < near:
+        if not z + r >= near:
             continue
         x = turn[0, 0] * dx + turn[1, 0] * dy + turn[2, 0] * dz
         if (x - left * z) * n_left < -r or (x - right * z) * n_right > r:

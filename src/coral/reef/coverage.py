@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.errors import InputError
 from coral.reef import collision_kernels, coverage_kernels
 from coral.reef.geometry import Label, Pose
 from coral.reef.scene import Footprints, Scene
@@ -29,6 +30,17 @@ class CoverageCfg:
     """The paper gives no limit; its prompts speak of 0-6 m."""
     threshold: float = 0.6
     """Paper IV-E: a cluster counts when at least 60% of its area was observed."""
+
+    def __post_init__(self) -> None:
+        def demand(field: str, holds: bool, expected: str) -> None:
+            if not holds:
+                raise InputError("coverage", field, getattr(self, field), expected)
+
+        demand("cell_m", 0.005 <= self.cell_m <= 1.0, "0.005 to 1 m")
+        demand("closing_m", 0.0 <= self.closing_m <= 5.0, "0 to 5 m")
+        demand("hfov_deg", 0.0 < self.hfov_deg <= 360.0, "an angle above 0, at most 360 degrees")
+        demand("range_m", self.range_m > 0.0, "a distance above 0 m")
+        demand("threshold", 0.0 < self.threshold <= 1.0, "a share above 0, at most 1")
 
 
 class CoverageMeter:

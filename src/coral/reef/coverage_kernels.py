@@ -66,14 +66,15 @@ def observe(
             continue
         dx, dy = circle[cluster, 0] - x, circle[cluster, 1] - y
         reach = range_m + circle[cluster, 2]
-        if dx * dx + dy * dy > reach * reach:
+        if not dx * dx + dy * dy <= reach * reach:  # "not <=" skips NaN too
             continue
         i = start[cluster]
         while i < start[cluster] + left[cluster]:
             cell = order[i]
             dx, dy = cells[cell, 0] - x, cells[cell, 1] - y
             distance = math.sqrt(dx * dx + dy * dy)
-            if distance > range_m or c * dx + s * dy < edge * distance or _hidden(dx, dy, unit[:hiders]):
+            in_view = distance <= range_m and c * dx + s * dy >= edge * distance
+            if not in_view or _hidden(dx, dy, unit[:hiders]):
                 i += 1
                 continue
             left[cluster] -= 1
