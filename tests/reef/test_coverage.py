@@ -61,8 +61,9 @@ def test_an_obstacle_hides_what_is_behind_it(shape, size):
     assert seen_from(Pose(5, 5, 0), disc(8.5, 5), (wall,)) == 0.0
     # From beside the wall, and from the far side of it.
     assert seen_from(Pose(8.5, 7, -math.pi / 2), disc(8.5, 5), (wall,)) == 1.0
-    # An obstacle behind the cluster hides nothing.
+    # An obstacle behind the cluster hides nothing, nor does one behind the robot.
     assert seen_from(Pose(12, 5, math.pi), disc(8.5, 5), (wall,)) == 1.0
+    assert seen_from(Pose(7.6, 5, 0), disc(10, 5), (wall,)) == 1.0
 
 
 def test_a_turned_box_hides_with_its_turned_outline():

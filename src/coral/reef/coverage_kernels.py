@@ -36,7 +36,7 @@ def observe(
         cells: Shape=(M, 2), centres of all cells (m), cluster by cluster.
         start: Shape=(C,), first cell of every cluster.
         circle: Shape=(C, 3), a circle (x, y, radius) about every cluster's cells.
-        order: Shape=(M,), the cells of a cluster from `start` on, those not yet seen first; updated in place.
+        order: Shape=(M,), from a cluster's `start` on, its cells not yet seen, `left` of them; updated in place.
         left: Shape=(C,), how many of a cluster's cells are not yet seen; updated in place.
         kind: Shape=(K,), what hides, as `Footprints`.
         center: Shape=(K, 2).
@@ -78,8 +78,7 @@ def observe(
                 i += 1
                 continue
             left[cluster] -= 1
-            last = start[cluster] + left[cluster]
-            order[i], order[last] = order[last], cell
+            order[i] = order[start[cluster] + left[cluster]]
 
 
 @njit(cache=True)
