@@ -2,11 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import re
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
 
-Step = Annotated[int, Field(ge=-6, le=6)]
+REASON_LIMIT = 4000
+"""Characters of a reason that are kept; a model that reasons at length is not wrong for it."""
+
+
+def _no_bool(value: Any) -> Any:
+    """True is no number, although Python takes it for 1."""
+    if isinstance(value, bool):
+        raise PydanticCustomError("number_type", "Input should be a whole number, not true or false")
+    return value
+
+
+def _shorten(value: Any) -> Any:
+    return value[:REASON_LIMIT] if isinstance(value, str) else "" if value is None else value
+
+
+Step = Annotated[int, BeforeValidator(_no_bool), Field(ge=-6, le=6)]
+Index = Annotated[int, BeforeValidator(_no_bool)]
+Reason = Annotated[str, BeforeValidator(_shorten), Field(max_length=REASON_LIMIT)]
+
+_MOVE = re.compile(r"(forward|backward|back|left|right)\w*(?:\s+by)?\s+(\d+(?:\.\d+)?)", re.IGNORECASE)
+_SIGN = {"forward": ("forward_m", 1), "backward": ("forward_m", -1), "back": ("forward_m", -1), "left": ("left_m", 1),
+         "right": ("left_m", -1)}
 
 
 class CentroidChoice(BaseModel):
@@ -14,8 +37,8 @@ class CentroidChoice(BaseModel):
 
     model_config = ConfigDict(frozen=True)
 
-    selected_centroid_index: int | None = Field(description="label of the chosen orange dot; null when there is none")
-    reason: str = Field(default="", max_length=4000)
+    selected_centroid_index: Index | None = Field(description="label of the chosen orange dot; null when there is none")
+    reason: Reason = ""
 
 
 class WaypointChoice(BaseModel):
@@ -25,4 +48,20 @@ class WaypointChoice(BaseModel):
 
     forward_m: Step = Field(description="metres forward (negative: backward), -6 to 6")
     left_m: Step = Field(description="metres to the left (negative: right), -6 to 6")
-    reason: str = Field(default="", max_length=4000)
+    reason: Reason = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_sentence(cls, value: Any) -> Any:
+        """Accept the paper's own form too: {"Move forward 4 meters, move right 1 meter": "reason"} (Prompt A)."""
+        if not isinstance(value, dict) or len(value) != 1:
+            return value
+        (sentence, reason), = value.items()
+        moves = _MOVE.findall(sentence) if isinstance(sentence, str) else []
+        if not moves:
+            return value
+        parts: dict[str, Any] = {"forward_m": 0, "left_m": 0, "reason": reason if isinstance(reason, str) else ""}
+        for direction, metres in moves:
+            name, sign = _SIGN[direction.lower()]
+            parts[name] = sign * float(metres)
+        return parts

@@ -64,8 +64,8 @@ class MppiCfg:
     """n of Eq. 11: 5.9 cm apart on the hull, about one map cell."""
     margin_m: float = 0.08
     """Clearance of the hull a rollout must keep: one map cell of position error and the lag left out of the rollout."""
-    substep_near_s: float = 0.1
-    substep_far_s: float = 0.3
+    substep_near_s: float = 0.05
+    substep_far_s: float = 0.2
     """Integration steps of the first interval and of the last; between them they grow with the interval."""
     sensing_m: float = 4.0
     sigma_v: float = 0.05
@@ -268,7 +268,7 @@ class DdpMppi:
         )
         # A robot that is closer than the margin already (a new obstacle, drift) must be allowed to leave: it may go
         # anywhere that is not closer still.
-        spare = clearance_at(scene, float(start[0]), float(start[1])) - hull - 1.5 * cell_m
+        spare = clearance_at(distance, cell_m, float(start[0]), float(start[1])) - hull - 1.5 * cell_m
         if spare < margin:
             if spare >= 0.0:
                 return scene._replace(margin_m=spare)

@@ -62,12 +62,12 @@ class Scene(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def clearance_at(scene: Scene, x: float, y: float) -> float:
-    """Distance (m) from a point to the nearest known obstacle or to the edge of the map (negative outside)."""
-    h, w = scene.distance.shape
-    edge: float = min(min(x, w * scene.cell_m - x), min(y, h * scene.cell_m - y))
+def clearance_at(distance: NDArray[np.float32], cell_m: float, x: float, y: float) -> float:
+    """Distance (m) from a point to the nearest known obstacle or to the edge of the map (not positive outside it)."""
+    h, w = distance.shape
+    edge: float = min(min(x, w * cell_m - x), min(y, h * cell_m - y))
     if edge > 0.0:
-        edge = min(edge, scene.distance[int(y / scene.cell_m), int(x / scene.cell_m)])
+        edge = min(edge, distance[int(y / cell_m), int(x / cell_m)])
     return edge
 
 
@@ -80,25 +80,24 @@ def turn(c: float, s: float, angle: float) -> tuple[float, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def hull_is_free(scene: Scene, x: float, y: float, centre: float, circle: Array, n: int) -> bool:
-    """Whether n points of the hull's boundary all keep the margin.
+def hull_is_free(
+    distance: NDArray[np.float32], cell_m: float, hull_m: float, margin_m: float, x: float, y: float, circle: Array, n: int
+) -> bool:
+    """Whether n points (N_t of Eq. 11) on the hull's boundary all keep the margin.
 
     Args:
-        scene: Map and hull.
+        distance: Shape=(H, W) distance to the nearest known obstacle (m).
+        cell_m: Edge of its cells (m).
+        hull_m: Radius of the hull.
+        margin_m: Distance that every point must exceed.
         x: Centre of the hull (m).
         y: Centre of the hull (m).
-        centre: `clearance_at` the centre; where it is large the points cannot fail (the distance is 1-Lipschitz up to
-            the two half diagonals of the cells looked at) and are skipped.
         circle: Shape=(>=n, 2) unit vectors.
-        n: N_t of Eq. 11.
+        n: How many of them to check.
     """
-    if centre > scene.hull_m + scene.margin_m + 1.5 * scene.cell_m:
-        return True
-    if centre <= scene.margin_m:
-        return False
     for k in range(n):
-        px, py = x + scene.hull_m * circle[k, 0], y + scene.hull_m * circle[k, 1]
-        if clearance_at(scene, px, py) <= scene.margin_m:
+        px, py = x + hull_m * circle[k, 0], y + hull_m * circle[k, 1]
+        if clearance_at(distance, cell_m, px, py) <= margin_m:
             return False
     return True
 
@@ -141,7 +140,11 @@ def rollout(
     c0, s0 = math.cos(start[2]), math.sin(start[2])
     horizon = schedule.dt.sum()
     inv_m11, inv_m22, inv_m66 = 1.0 / model.m11, 1.0 / model.m22, 1.0 / model.m66
-    range2, cell2 = scene.range_m * scene.range_m, scene.cell_m * scene.cell_m
+    distance, cell, hull, margin, circle = scene.distance, scene.cell_m, scene.hull_m, scene.margin_m, schedule.circle
+    range2, cell2 = scene.range_m * scene.range_m, cell * cell
+    # Where the centre is this far from everything no boundary point can fail: the distance is 1-Lipschitz, up to half
+    # a diagonal for each of the two cells looked at.
+    clear = hull + margin + 1.5 * cell
     for k in range(n_rollouts):
         x, y, th, u, v, r = start[0], start[1], start[2], start[3], start[4], start[5]
         c, s = c0, s0
@@ -158,7 +161,7 @@ def rollout(
                 wanted = error / max(dt, 0.4)
                 limit = scene.yaw_rate_rad_s
                 controls[k, t, 1] = min(max(wanted + controls[k, t, 1], -limit), limit)
-                forward = guide_speed[k] * max(0.0, math.cos(error)) ** 2
+                forward = min(guide_speed[k], value / max(dt, 0.4)) * max(0.0, math.cos(error)) ** 2
                 controls[k, t, 0] = min(max(forward + controls[k, t, 0], 0.0), scene.speed_m_s)
             cv, cw = controls[k, t, 0], controls[k, t, 1]
             smooth += ((cv - pv) / scene.speed_m_s) ** 2 + ((cw - pw) / scene.yaw_rate_rad_s) ** 2
@@ -187,14 +190,14 @@ def rollout(
                 step2 = dx * dx + dy * dy
                 if (x + dx - x0) ** 2 + (y + dy - y0) ** 2 < range2:
                     # Swept midpoint: a coarse step may be longer than an obstacle is wide.
-                    if step2 > cell2:
-                        mx, my = x + 0.5 * dx, y + 0.5 * dy
-                        d = clearance_at(scene, mx, my)
-                        ok = hull_is_free(scene, mx, my, d, schedule.circle[t], n_points)
+                    for part in range(0 if step2 > cell2 else 1, 2):
+                        px, py = x + 0.5 * (1 + part) * dx, y + 0.5 * (1 + part) * dy
+                        d = clearance_at(distance, cell, px, py)
                         nearest = min(nearest, d)
-                    d = clearance_at(scene, x + dx, y + dy)
-                    ok = ok and hull_is_free(scene, x + dx, y + dy, d, schedule.circle[t], n_points)
-                    nearest = min(nearest, d)
+                        if d <= margin or (
+                            d < clear and not hull_is_free(distance, cell, hull, margin, px, py, circle[t], n_points)
+                        ):
+                            ok = False
                 x, y, th = x + dx, y + dy, th + 2.0 * half
                 c, s = turn(cm, sm, half)
                 u, v, r = u1, v1, r1
@@ -210,10 +213,12 @@ def rollout(
             goal += value * dt
             tight = max(0.0, 1.0 - max(0.0, nearest - scene.hull_m) / scene.soft_m)
             near += tight * tight * dt
-            speed += max(0.0, 1.0 - max(u, 0.0) / scene.speed_m_s) * dt
+            # Within a metre of the goal neither haste nor heading matters any more.
+            far = min(1.0, value) * dt
+            speed += max(0.0, 1.0 - max(u, 0.0) / scene.speed_m_s) * far
             size = math.sqrt(gx * gx + gy * gy)
             if size > 1e-9:
-                heading += 0.5 * (1.0 + (gx * c + gy * s) / size) * dt
+                heading += 0.5 * (1.0 + (gx * c + gy * s) / size) * far
         feasible[k] = ok
         costs[k, GOAL] = (0.5 * (value + goal / horizon) - v0) / scene.reach_m
         costs[k, OBSTACLE] = near / horizon
