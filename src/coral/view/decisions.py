@@ -40,6 +40,10 @@ class Try:
         if "selected_centroid_index" in self.answer:
             index = self.answer["selected_centroid_index"]
             return "no centroid" if index is None else f"centroid {index}"
+        if {"forward_m", "left_m"} <= set(self.answer):
+            forward, left = self.answer["forward_m"], self.answer["left_m"]
+            ahead = f"{forward} m ahead" if forward >= 0 else f"{-forward} m back"
+            return ahead + (f", {left} m left" if left > 0 else f", {-left} m right" if left < 0 else "")
         parts = [f"{key.replace('_', ' ')} {value}" for key, value in self.answer.items()
                  if key not in ("reason", "reasoning") and not isinstance(value, dict | list)]
         return ", ".join(parts) or (self.raw.strip()[:120] if self.raw else "no answer")
@@ -98,7 +102,7 @@ def decisions(run: RunFolder) -> list[Decision]:
     goals = {e["decision"]: e for e in run.select("goal") if e.get("decision") is not None}
     fallbacks = run.select("fallback")
     times, xs, ys = run.column("t"), run.column("x"), run.column("y")
-    found = []
+    found: list[Decision] = []
     for key, asked in questions.items():
         tries = tuple(_try(q, verdicts.get((key, q.get("attempt"))), logged.get((key, q.get("attempt")), {}))
                       for q in asked)
@@ -126,21 +130,17 @@ def _has(record: Record, *names: str) -> bool:
 
 def _try(question: Record, verdict: Record | None, logged: Record) -> Try:
     verdict = verdict or {}
-    rejection = logged.get("rejection") or {}
-    asked = logged.get("question") or {}
-    names = {p.get("digest"): p.get("name", "") for p in asked.get("pictures") or logged.get("pictures") or ()
-             if isinstance(p, dict)}
-    order = ("map", "segmentation", "depth")
-    digests = [str(d) for d in question.get("pictures") or ()]
-    pictures = tuple((names.get(d) or (order[k] if k < len(order) else f"picture {k}"), d)
-                     for k, d in enumerate(digests))
+    names = [str(caption[0]) for caption in logged.get("captions") or () if caption]
+    names += ["map", "segmentation", "depth"][len(names):]
+    digests = [str(digest) for digest in question.get("pictures") or ()]
+    pictures = tuple((names[k] if k < len(names) else f"picture {k + 1}", d) for k, d in enumerate(digests))
     answer = verdict.get("answer") or logged.get("answer") or {}
     at = verdict.get("asked_at")
     return Try(
         attempt=int(question.get("attempt") or 0), asked_at_s=float(at if at is not None else question["t"]),
         answered_at_s=float(verdict["t"]) if "t" in verdict else logged.get("answered_at_s"),
         verdict=str(verdict.get("verdict") or logged.get("verdict") or "open"),
-        code=str(verdict.get("code") or rejection.get("code") or ""),
-        reason=str(verdict.get("reason") or rejection.get("reason") or ""),
+        code=str(verdict.get("code") or logged.get("code") or ""),
+        reason=str(verdict.get("reason") or logged.get("reason") or ""),
         answer=answer if isinstance(answer, dict) else {"answer": answer}, raw=str(logged.get("raw") or ""),
         pictures=pictures)

@@ -1,0 +1,93 @@
+"""The map of a recorded run at any moment, drawn by the one renderer; `map.png`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.errors import InputError
+from coral.reef.geometry import Pose
+from coral.view.decisions import Decision, decisions
+from coral.view.mapview import MapScene, draw_map
+from coral.view.pictures import Image, png
+from coral.view.run import RunFolder
+
+
+def write_map(run_folder: str | Path) -> Path:
+    """Write `map.png`, the final map of a run, into its folder and return its path.
+
+    Raises:
+        InputError: There is no run in the folder, or the picture cannot be written.
+    """
+    run = RunFolder.read(run_folder)
+    path, partial = run.path / "map.png", run.path / "map.png.part"
+    try:
+        partial.write_bytes(png(draw_map(scene_at(run, decisions(run), run.duration_s)).rgb))
+        os.replace(partial, path)
+    except OSError as error:
+        raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
+    return path
+
+
+def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[np.uint8] | None = None) -> MapScene:
+    """What the robot believed at time `t` (s), as far as it was recorded.
+
+    Args:
+        run: The run.
+        made: Its decisions, from `decisions`.
+        t: Simulated time (s).
+        cells: Map classes to use, Shape=(H, W); None takes the last snapshot that is no later than `t`.
+    """
+    times = run.column("t")
+    k = int(np.searchsorted(times, t + 1e-6))
+    x, y, theta = (_interpolated(run, name, t, k) for name in ("x", "y", "theta"))
+    pose = Pose(x, y, theta) if k and np.isfinite([x, y, theta]).all() else None
+    track = np.stack([run.column("x")[:k], run.column("y")[:k]], axis=1)
+    if pose is not None:
+        track = np.vstack([track, [pose[:2]]])
+    offered = next((d.centroids for d in reversed(made) if d.t <= t + 1e-6), ())
+    size = run.world.get("size_m") or (20.0, 20.0)
+    if cells is None:
+        cells = snapshot(run, t)
+    cell_m = float(size[0]) / cells.shape[1] if cells is not None else 0.05
+    if cells is None:
+        cells = np.zeros((round(float(size[1]) / cell_m), round(float(size[0]) / cell_m)), np.uint8)
+    goal = (run.column("goal_x")[k - 1], run.column("goal_y")[k - 1]) if k else (np.nan, np.nan)
+    return MapScene(
+        cells=cells, cell_m=cell_m, pose=pose, trajectory=track[np.isfinite(track).all(axis=1)],
+        centroids=np.array([(float(c["x"]), float(c["y"])) for c in offered], np.float64).reshape(-1, 2),
+        indices=[int(c["index"]) for c in offered], visited=[bool(c.get("visited")) for c in offered],
+        goal=(float(goal[0]), float(goal[1])) if np.isfinite(goal).all() else None)
+
+
+def snapshot(run: RunFolder, t: float) -> Image | None:
+    """Map classes of the last snapshot no later than `t`, Shape=(H, W); None when there is none."""
+    found = step_at(run, t)
+    cells = run.frame(found, "map") if found is not None else None
+    return None if cells is None else np.minimum(cells, 3).astype(np.uint8)
+
+
+def step_at(run: RunFolder, t: float) -> int | None:
+    """Step of the last snapshot no later than `t` (s), or the first one; None without any."""
+    steps, times = run.column("step"), run.column("t")
+    if not run.frame_steps:
+        return None
+    rate = float(steps[-1] / times[-1]) if len(times) and times[-1] > 0 else 10.0
+    past = [step for step in run.frame_steps if step <= t * rate + 1e-6]
+    return past[-1] if past else run.frame_steps[0]
+
+
+def _interpolated(run: RunFolder, name: str, t: float, k: int) -> float:
+    """Value of a column at `t`, where `k` is the first sample after it; nan without samples."""
+    times, values = run.column("t"), run.column(name)
+    if not len(times):
+        return float("nan")
+    if name == "theta":
+        values = values.copy()
+        near = slice(max(k - 1, 0), k + 1)
+        values[near] = np.unwrap(values[near])
+    return float(np.interp(t, times, values))

@@ -1,0 +1,124 @@
+"""A run as a short film: the map as it grew, what the camera saw, and what was decided."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from coral.errors import InputError
+from coral.reef.geometry import Frame
+from coral.view.cameraview import camera_picture
+from coral.view.decisions import Decision, decisions
+from coral.view.mapview import MapViewCfg, draw_map
+from coral.view.pictures import Image, draw_text
+from coral.view.run import RunFolder
+from coral.view.runmap import scene_at, snapshot, step_at
+from coral.view.svg import clock
+
+WIDTH, HEIGHT = 1080, 720
+STRIP = 72
+"""Height of the status strip below the pictures (px)."""
+EYE = (432, 324)
+FPS = 12
+LONGEST_S = 28.0
+"""Of the film; a long mission plays faster."""
+FINEST_S = 0.5
+"""Simulated time between two pictures of a short mission."""
+INK, MUTED, TEAL, RED, PAPER = (27, 39, 51), (93, 107, 122), (11, 100, 112), (200, 53, 43), (255, 255, 255)
+
+
+def write_video(run_folder: str | Path) -> Path:
+    """Write `mission.mp4` (H.264) into a run folder and return its path.
+
+    Raises:
+        InputError: The folder holds no run or no snapshots, or the film cannot be written.
+    """
+    run = RunFolder.read(run_folder)
+    if not run.frame_steps:
+        raise InputError(str(run.path), "frames/", "no snapshots", "a run that kept its frames")
+    path, partial = run.path / "mission.mp4", run.path / "mission.part.mp4"
+    import imageio_ffmpeg
+
+    film = imageio_ffmpeg.write_frames(
+        str(partial), (WIDTH, HEIGHT), fps=FPS, codec="libx264", macro_block_size=8, quality=None,
+        pix_fmt_out="yuv420p",
+        output_params=["-crf", "27", "-preset", "veryfast", "-movflags", "+faststart"], ffmpeg_log_level="error")
+    try:
+        film.send(None)
+        for picture in pictures(run):
+            film.send(np.ascontiguousarray(picture))
+        film.close()
+        os.replace(partial, path)
+    except OSError as error:
+        raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
+    return path
+
+
+def moments(duration_s: float) -> list[float]:
+    """Times (s) that the film shows, evenly spaced from the start to the end of the run."""
+    count = max(2, min(math.floor(duration_s / FINEST_S) + 1, round(LONGEST_S * FPS)))
+    return [float(t) for t in np.linspace(0.0, duration_s, count)]
+
+
+def pictures(run: RunFolder) -> Iterator[Image]:
+    """The film picture by picture, Shape=(HEIGHT, WIDTH, 3) RGB each."""
+    made = decisions(run)
+    size = run.world.get("size_m") or (20.0, 20.0)
+    view = MapViewCfg(size_px=HEIGHT - STRIP, legend=False, window=(0.0, 0.0, float(size[0]), float(size[1])))
+    calls = [float(e["t"]) for e in run.select("question")]
+    collisions = [float(e["t"]) for e in run.select("collision")]
+    shown, cells, eyes = -1, None, np.full((2 * EYE[1], EYE[0], 3), 235, np.uint8)
+    for t in moments(run.duration_s):
+        step = step_at(run, t)
+        if step is not None and step != shown:
+            shown, cells = step, snapshot(run, t)
+            eyes = _eyes(run, step)
+        canvas = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
+        chart = draw_map(scene_at(run, made, t, cells), view).rgb
+        top, left = (HEIGHT - STRIP - chart.shape[0]) // 2, (WIDTH - EYE[0] - chart.shape[1]) // 2
+        canvas[top:top + chart.shape[0], left:left + chart.shape[1]] = chart
+        canvas[:2 * EYE[1], WIDTH - EYE[0]:] = eyes
+        _strip(canvas, run, made, t, sum(c <= t for c in calls), sum(c <= t for c in collisions))
+        yield canvas
+
+
+def _eyes(run: RunFolder, step: int) -> Image:
+    """Segmentation above depth, Shape=(2 EYE[1], EYE[0], 3)."""
+    labels, depth = run.frame(step, "labels"), run.frame(step, "depth")
+    if labels is None or depth is None:
+        return np.full((2 * EYE[1], EYE[0], 3), 235, np.uint8)
+    metres = np.where(depth > 0, depth / 1000.0, np.inf).astype(np.float32)
+    frame = Frame(metres, np.minimum(labels, 3).astype(np.uint8), np.zeros(labels.shape, np.int32))
+    both = np.vstack([camera_picture(frame, "segmentation", EYE), camera_picture(frame, "depth", EYE)])
+    for row, name in ((0, "camera: oysters green, obstacles dark"), (EYE[1], "depth")):
+        draw_text(both, name, 10, row + 16, size=15, weight=600, halo=2)
+    return both
+
+
+def _strip(canvas: Image, run: RunFolder, made: Sequence[Decision], t: float, calls: int, collisions: int) -> None:
+    strip = canvas[HEIGHT - STRIP:]
+    strip[:] = (244, 246, 248)
+    strip[:2] = (214, 220, 226)
+    times, coverage = run.column("t"), run.column("coverage")
+    k = max(0, int(np.searchsorted(times, t + 1e-6)) - 1)
+    seen = float(coverage[k]) if len(coverage) and math.isfinite(coverage[k]) else 0.0
+    for x, name, value, color in ((16, "time", clock(t), INK), (116, "coverage", f"{seen:.0%}", TEAL),
+                                  (226, "collisions", str(collisions), RED if collisions else INK),
+                                  (336, "advisor calls", str(calls), INK)):
+        draw_text(strip, name, x, 18, size=14, color=MUTED, weight=400)
+        draw_text(strip, value, x, 46, size=26, color=color, weight=600)
+    last = next((d for d in reversed(made) if d.t <= t + 1e-6), None)
+    if last is not None:
+        waiting = t < last.end_s or last.outcome == "open"
+        state = "the advisor is thinking" if waiting else f"{last.tries[-1].said}, {last.outcome}"
+        asked = f"decision {last.number}: asked at {clock(last.t)} ({last.cause or 'asked'})"
+        draw_text(strip, asked, 456, 18, size=14, color=MUTED, weight=400)
+        draw_text(strip, state[:60], 456, 45, size=18, weight=600)
+    done = round((WIDTH - 1) * t / max(run.duration_s, 1e-6))
+    strip[-5:] = (214, 220, 226)
+    cv2.rectangle(strip, (0, STRIP - 5), (done, STRIP - 1), TEAL, -1)
