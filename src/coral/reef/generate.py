@@ -48,8 +48,8 @@ class GeneratorCfg:
     """The paper's percentages are those of 70 clusters in 10 environments."""
     oysters: tuple[int, int] = (40, 85)
     """Range of the number of oysters in a cluster."""
-    dense_obstacles: int = 16
-    """Obstacles within `dense_radius_m` of the start."""
+    dense_obstacles: int = 20
+    """Obstacles within `dense_radius_m` in front of the start."""
     dense_radius_m: float = 6.5
     obstacles: int = 34
     """Obstacles beyond it, most of them along the spine."""
@@ -204,12 +204,13 @@ def _obstacles(cfg: GeneratorCfg, lines: Sequence[Line], beds: Sequence[_Bed], s
 
     def place(count: int, field: str, propose: bool) -> None:
         wanted = len(made) + count
-        for _ in range(400 * count):
+        for _ in range(1500 * count):
             if len(made) == wanted:
                 return
             shape, half, r = _solid(rng)
             if propose:
-                radius, angle = cfg.dense_radius_m * math.sqrt(rng.random()), rng.uniform(-math.pi, math.pi)
+                radius = cfg.dense_radius_m * math.sqrt(rng.random())
+                angle = heading + rng.uniform(-0.5 * math.pi, 0.5 * math.pi)
                 x, y = start[0] + radius * math.cos(angle), start[1] + radius * math.sin(angle)
             elif rng.random() < 0.8:
                 spot = points[rng.integers(len(points))]
@@ -253,16 +254,16 @@ def _mm(value: float) -> float:
 
 
 SHIPPED: dict[str, GeneratorCfg] = {
-    "l1": GeneratorCfg(topology="L", size_m=(20.0, 20.0), clusters=6, obstacles=30, seed=11),
-    "l2": GeneratorCfg(topology="L", size_m=(26.0, 26.0), clusters=7, obstacles=40, seed=12),
-    "s1": GeneratorCfg(topology="S", size_m=(22.0, 22.0), clusters=7, obstacles=34, seed=21),
-    "s2": GeneratorCfg(topology="S", size_m=(28.0, 28.0), clusters=8, obstacles=42, seed=22),
-    "k1": GeneratorCfg(topology="K", size_m=(22.0, 22.0), clusters=7, obstacles=34, seed=31),
-    "k2": GeneratorCfg(topology="K", size_m=(28.0, 28.0), clusters=8, obstacles=42, seed=32),
-    "e1": GeneratorCfg(topology="E", size_m=(22.0, 22.0), clusters=8, obstacles=34, seed=41),
-    "e2": GeneratorCfg(topology="E", size_m=(30.0, 30.0), clusters=9, obstacles=44, seed=42),
-    "o1": GeneratorCfg(topology="O", size_m=(22.0, 22.0), clusters=7, obstacles=34, seed=51),
-    "o2": GeneratorCfg(topology="O", size_m=(28.0, 28.0), clusters=8, obstacles=42, seed=52),
+    "l1": GeneratorCfg(topology="L", size_m=(20.0, 20.0), clusters=6, obstacles=34, seed=11),
+    "l2": GeneratorCfg(topology="L", size_m=(26.0, 26.0), clusters=7, obstacles=50, seed=12),
+    "s1": GeneratorCfg(topology="S", size_m=(22.0, 22.0), clusters=7, obstacles=40, seed=21),
+    "s2": GeneratorCfg(topology="S", size_m=(28.0, 28.0), clusters=8, obstacles=56, seed=22),
+    "k1": GeneratorCfg(topology="K", size_m=(22.0, 22.0), clusters=7, obstacles=40, seed=31),
+    "k2": GeneratorCfg(topology="K", size_m=(28.0, 28.0), clusters=8, obstacles=56, seed=32),
+    "e1": GeneratorCfg(topology="E", size_m=(22.0, 22.0), clusters=8, obstacles=40, seed=41),
+    "e2": GeneratorCfg(topology="E", size_m=(30.0, 30.0), clusters=9, obstacles=60, seed=42),
+    "o1": GeneratorCfg(topology="O", size_m=(22.0, 22.0), clusters=7, obstacles=40, seed=51),
+    "o2": GeneratorCfg(topology="O", size_m=(28.0, 28.0), clusters=8, obstacles=56, seed=52),
 }
 """The ten environments: two of each topology, the second larger."""
 
