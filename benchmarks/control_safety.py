@@ -77,7 +77,7 @@ def see(shapes: NDArray[np.float64], known: NDArray[np.uint8], x: float, y: floa
 def clutter(rng: np.random.Generator) -> NDArray[np.float64]:
     """Shapes packed until no more fit; each keeps its own gap of 1.0 to 1.4 m to the others."""
     shapes = np.zeros((0, 5))
-    for _ in range(600):
+    for _ in range(6000):
         x, y = rng.uniform(0.5, SIZE_M - 0.5, 2)
         gap = rng.uniform(1.0, 1.4)
         if rng.random() < 0.5:
@@ -129,7 +129,11 @@ def mission(seed: int, seconds: float, overrides: dict[str, object] | None, reac
     vehicle = Vehicle(VehicleCfg(), VehicleState(x, y, rng.uniform(-np.pi, np.pi)))
     angle = rng.uniform(-np.pi, np.pi)
     current = (0.1 * math.cos(angle), 0.1 * math.sin(angle))
-    driver = PdController() if overrides is None else DdpMppi(configure(overrides), vehicle.cfg, rng)
+    driver = (
+        PdController()
+        if overrides is None
+        else DdpMppi(configure(overrides), vehicle.cfg, np.random.default_rng(seed + 10_000))
+    )
     known = np.zeros((round(SIZE_M / CELL_M),) * 2, np.uint8)
     distance = np.full(known.shape, np.inf, np.float32)
     goal = free_point(rng, shapes, 0.45)
@@ -193,9 +197,7 @@ def draw(path: Path, seed: int, result: Result) -> None:
             axes[0].add_patch(plt.Circle((x, y), a, color="k"))
         else:
             axes[0].add_patch(
-                plt.Rectangle(
-                    (x - a, y - b), 2 * a, 2 * b, angle=math.degrees(yaw), rotation_point="center", color="k"
-                )
+                plt.Rectangle((x - a, y - b), 2 * a, 2 * b, angle=math.degrees(yaw), rotation_point="center", color="k")
             )
     log = np.array(result.log)
     axes[0].scatter(log[:, 0], log[:, 1], c=log[:, 3], s=4, cmap="turbo", vmin=0, vmax=0.6)

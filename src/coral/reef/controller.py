@@ -70,7 +70,9 @@ class MppiCfg:
     sensing_m: float = 4.0
     sigma_v: float = 0.05
     sigma_omega: float = 0.05
-    temperature: float = 0.1
+    temperature: float = 0.03
+    """lambda, in units of the cost (which spans about 1 between standing and full progress); the paper gives none. 0.1
+    drags the mean towards the slow half of the samples: 0.42 m/s in clutter instead of 0.50."""
     elites: int = 0
     """0: all feasible rollouts are averaged. 10 with a temperature of 1 is what the published DDP planner does."""
     warm_fraction: float = 0.35

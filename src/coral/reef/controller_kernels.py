@@ -81,7 +81,14 @@ def turn(c: float, s: float, angle: float) -> tuple[float, float]:
 
 @njit(cache=True, error_model="numpy")
 def hull_is_free(
-    distance: NDArray[np.float32], cell_m: float, hull_m: float, margin_m: float, x: float, y: float, circle: Array, n: int
+    distance: NDArray[np.float32],
+    cell_m: float,
+    hull_m: float,
+    margin_m: float,
+    x: float,
+    y: float,
+    circle: Array,
+    n: int,
 ) -> bool:
     """Whether n points (N_t of Eq. 11) on the hull's boundary all keep the margin.
 
