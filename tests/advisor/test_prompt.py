@@ -16,10 +16,10 @@ CONTEXT = {
     "parameter-repair": {"parameters": {"board": {"mass": 0.4}}, "history": []},
 }
 MUST_SAY = {
-    "reef-centroid": ["red arrow +X", "Blue arrow +Y", "Yellow line", "Orange dots", "White", "trend", "must be on the map",
-                      "selected_centroid_index", "null", "obstacles", "Example"],
-    "reef-waypoint": ["+X forward", "+Y left", "-X back", "-Y right", "0 to 6", "usually no more than 4 m", "three parts",
-                      "chain decides", "forward_m", "left_m", "Example"],
+    "reef-centroid": ["red arrow +X", "Blue arrow +Y", "Yellow line", "Orange dots", "White", "trend",
+                      "must be on the map", "selected_centroid_index", "null", "obstacles", "Example"],
+    "reef-waypoint": ["+X forward", "+Y left", "-X back", "-Y right", "0 to 6", "usually no more than 4 m",
+                      "three parts", "chain decides", "forward_m", "left_m", "Example"],
     "physical-parameters": ["push it", "mass_kg", "friction_coeff", '"board"', "picture", "Example"],
     "cost-function": ["push it", "distance to the goal", "contact", "orientation", "force", "effort", "time", "sigmoid",
                       "def state_cost(self):", "self.board_pos", "Every weight is a number", "Simple tasks", "Example"],

@@ -16,7 +16,6 @@ from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render_rejections
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
 from coral.advisor.scrub import public_url, scrub
-from coral.advisor.wire import was_too_large
 
 if TYPE_CHECKING:
     from pydantic_ai.messages import ModelResponse, UserContent
@@ -24,8 +23,6 @@ if TYPE_CHECKING:
 
 A = TypeVar("A", bound=BaseModel)
 
-RETRIED = (408, 409, 425, 429)
-"""HTTP statuses below 500 after which the same request may succeed."""
 REPAIRED = ("empty", "not-json", "missing-field", "wrong-type", "out-of-range", "invalid", "cut-off")
 """Faults of form, which a second request may repair. A refusal or an endless reply is not asked for again here."""
 
@@ -175,18 +172,18 @@ class ModelAdvisor:
     async def _request(self, content: list[UserContent], parameters: ModelRequestParameters, spent: _Spent,
                        deadline: float) -> ModelResponse:
         """One reply, after as many retries as it takes and the configuration allows."""
-        from pydantic_ai import exceptions as wrong
         from pydantic_ai.messages import ModelRequest, UserPromptPart
         from pydantic_ai.settings import ModelSettings
+
+        from coral.advisor.failures import CLIENT_ERRORS, diagnose
 
         settings = ModelSettings(max_tokens=self.cfg.max_output_tokens)
         if self.cfg.temperature is not None:
             settings["temperature"] = self.cfg.temperature
-        pause = self.cfg.backoff_s
+        pause_s = self.cfg.backoff_s
         for retries_left in range(self.cfg.max_retries, -1, -1):
             self.ledger.open_call()
             spent.add(requests=1)
-            wait_s = pause
             try:
                 async with asyncio.timeout(self.cfg.attempt_timeout_s):
                     response = await self._connected().request(
@@ -194,52 +191,21 @@ class ModelAdvisor:
             except TimeoutError:
                 raise AdvisorUnavailable(
                     "timeout", f"{self.name} was silent for {self.cfg.attempt_timeout_s:g} s") from None
-            except wrong.ModelHTTPError as error:
-                code = f"http-{error.status_code}"
-                wait_s = error.retry_after if error.retry_after is not None else pause
-                failure = self._http_failure(error.status_code, code, str(error.body))
-                again = error.status_code in RETRIED or error.status_code >= 500
-            except wrong.ModelAPIError as error:
-                if was_too_large(error):
-                    raise self._too_large() from None
-                code = "connection"
-                failure = AdvisorUnavailable(code, f"{self.name} cannot be reached: {scrub(str(error))[:300]}")
-                again = True
-            except wrong.UnexpectedModelBehavior as error:
-                raise BadAnswer("bad-reply", f"The server's reply is not one of its API: {error}"[:300]) from None
-            except wrong.UserError as error:
-                raise AdvisorUnavailable("client-error", scrub(str(error))[:300], final=True) from None
-            except (ValueError, KeyError, TypeError, AttributeError, OSError) as error:
-                # A client library that trips over a reply must not take the mission with it.
-                if was_too_large(error):
-                    raise self._too_large() from None
-                raise AdvisorUnavailable("client-error", scrub(f"{type(error).__name__}: {error}")[:300]) from None
+            except CLIENT_ERRORS as error:
+                failure = diagnose(error, self.name, self.cfg.max_reply_bytes)
             else:
                 self._book(response, spent)
                 return response
-            if not again or not retries_left:
-                raise failure
+            if not failure.retry or not retries_left:
+                raise failure.error
+            wait_s = pause_s if failure.wait_s is None else failure.wait_s
             if asyncio.get_running_loop().time() + wait_s >= deadline:
-                raise AdvisorUnavailable(code, f"{failure.reason}; the next try would be in {wait_s:g} s, after the "
-                                         "deadline")
-            spent.fault(code)
+                raise AdvisorUnavailable(failure.code, f"{failure.error}; the next try would be in {wait_s:g} s, after "
+                                         "the deadline")
+            spent.fault(failure.code)
             await asyncio.sleep(wait_s)
-            pause *= 2
+            pause_s *= 2
         raise AssertionError("the last retry returns or raises")
-
-    def _too_large(self) -> BadAnswer:
-        return BadAnswer("too-large", f"The reply was longer than {self.cfg.max_reply_bytes} bytes; keep it short.")
-
-    def _http_failure(self, status: int, code: str, body: str) -> AdvisorUnavailable:
-        said = scrub(body)[:300]
-        if status in (401, 403):
-            return AdvisorUnavailable("key-refused", f"{self.name} refused the key: {said}", final=True)
-        if status == 404:
-            return AdvisorUnavailable("no-such-model", f"{self.name} was not found: {said}", final=True)
-        if 400 <= status < 500 and status not in RETRIED:
-            return AdvisorUnavailable(code, f"{self.name} refused the request: {said} (`coral advisor probe` tells "
-                                      "which output modes and pictures it takes)", final=True)
-        return AdvisorUnavailable(code, f"{self.name} answered {status}: {said}")
 
     def _book(self, response: ModelResponse, spent: _Spent) -> None:
         """Count tokens and money, as far as the reply and the price list tell."""

@@ -22,7 +22,7 @@ MAX_CANDIDATES = 64
 """Bracketed passages of a reply that are tried, from the last one backwards."""
 
 _FENCE = re.compile(r"```[\w+-]*[ \t]*\r?\n(.*?)```", re.DOTALL)
-_TOKEN = re.compile(r""""(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|[A-Za-z_]\w*|-?\d[\w.]*(?:[eE][+-]\d+)?|[\s\[\]{}(),:]+""",
+_TOKEN = re.compile(r""""(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|[A-Za-z_]\w*|-?\d[\d.]*(?:[eE][+-]?\d+)?|[\s\[\]{}(),:]+""",
                     re.DOTALL)
 _WORDS = {"true": "True", "false": "False", "null": "None", "True": "True", "False": "False", "None": "None"}
 _REFUSAL = re.compile(r"\b(i['’]?m sorry|i am sorry|i can(?:no|['’])t|i am unable|i['’]m unable|as an ai)\b",

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from coral.advisor.connect import KEYS
+from coral.advisor.connect import KEYS, LOCAL_KEY
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.rules import Rule, RuleAdvisor
+from coral.advisor.scrub import public_url
 from coral.errors import InputError, nearest
 
 FORMS = ("heuristic", "PROVIDER:MODEL (openai, anthropic, google)", "local:URL#MODEL", "desk", "replay:FILE",
@@ -62,8 +63,12 @@ def make_advisor(spec: str, *, rules: Mapping[str, Rule], rng: np.random.Generat
         return FallibleAdvisor(wrapped, errors, rng)
     if name == "local" and rest:
         if not re.match(r"https?://[^#\s]+#\S", rest):
-            raise InputError(where, "", repr(spec), "local:URL#MODEL, such as local:http://127.0.0.1:8080/v1#my-model")
+            raise InputError(where, "", "an incomplete local advisor",
+                             "local:URL#MODEL, such as local:http://127.0.0.1:8080/v1#my-model")
         url, _, model = rest.partition("#")
+        if public_url(url) != url.rstrip("?"):
+            raise InputError(where, "", f"a URL with credentials or a query ({public_url(url)})",
+                             f"a plain URL, and the key in the environment variable {LOCAL_KEY}")
         from coral.advisor.models import ModelAdvisor
 
         return ModelAdvisor.local(url, model, cfg or ModelCfg())

@@ -45,13 +45,13 @@ def http_client(max_reply_bytes: int, timeout_s: float) -> httpx2.AsyncClient:
                               timeout=timeout_s)
 
 
-def was_too_large(error: BaseException) -> bool:
-    """Whether an error of a client library goes back to the cap."""
+def caused_by(error: BaseException, kind: type[BaseException]) -> bool:
+    """Whether an error of a client library goes back to one of this kind."""
     cause: BaseException | None = error
     for _ in range(10):
         if cause is None:
             return False
-        if isinstance(cause, ReplyTooLarge):
+        if isinstance(cause, kind):
             return True
         cause = cause.__cause__ or cause.__context__
     return False

@@ -1,0 +1,68 @@
+"""What a client library's exception means: whose fault it is, what to call it, and whether to try again."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+
+from pydantic_ai import exceptions as wrong
+
+from coral.advisor.question import AdvisorUnavailable, BadAnswer
+from coral.advisor.scrub import scrub
+from coral.advisor.wire import ReplyTooLarge, caused_by
+
+RETRIED = (408, 409, 425, 429)
+"""HTTP statuses below 500 after which the same request may succeed."""
+
+CLIENT_ERRORS = (wrong.AgentRunError, wrong.UserError, ValueError, KeyError, TypeError, AttributeError, OSError)
+"""What a client library may raise. It may trip over a reply, and must not take the mission with it."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A request that brought no answer."""
+
+    error: BadAnswer | AdvisorUnavailable
+    retry: bool = False
+    wait_s: float | None = None
+    """How long the server asked to wait."""
+
+    @property
+    def code(self) -> str:
+        """Name of the failure in the attempt log."""
+        return self.error.rejection.code if isinstance(self.error, BadAnswer) else self.error.code
+
+
+def diagnose(error: BaseException, who: str, limit_bytes: int) -> Failure:
+    """Name the failure behind an exception of `CLIENT_ERRORS`.
+
+    Args:
+        error: The exception.
+        who: Name of the advisor, for the message.
+        limit_bytes: The bound on replies that was in force.
+    """
+    said = scrub(str(error))[:300]
+    if caused_by(error, ReplyTooLarge):
+        return Failure(BadAnswer("too-large", f"The reply was longer than {limit_bytes} bytes; keep it short."))
+    if caused_by(error, json.JSONDecodeError) or isinstance(error, wrong.UnexpectedModelBehavior):
+        return Failure(BadAnswer("bad-reply", f"The server's reply is not of its API: {said}"))
+    if isinstance(error, wrong.ModelHTTPError):
+        return _http(error, who)
+    if isinstance(error, wrong.ModelAPIError):
+        return Failure(AdvisorUnavailable("connection", f"{who} cannot be reached: {said}"), retry=True)
+    return Failure(AdvisorUnavailable("client-error", f"{type(error).__name__}: {said}",
+                                      final=isinstance(error, wrong.UserError)))
+
+
+def _http(error: wrong.ModelHTTPError, who: str) -> Failure:
+    status, said = error.status_code, scrub(str(error.body))[:300]
+    if status in (401, 403):
+        return Failure(AdvisorUnavailable("key-refused", f"{who} refused the key: {said}", final=True))
+    if status == 404:
+        return Failure(AdvisorUnavailable("no-such-model", f"{who} was not found: {said}", final=True))
+    code = f"http-{status}"
+    if status >= 500 or status in RETRIED:
+        return Failure(AdvisorUnavailable(code, f"{who} answered {status}: {said}"), retry=True,
+                       wait_s=error.retry_after)
+    return Failure(AdvisorUnavailable(code, f"{who} refused the request: {said} (`coral advisor probe` tells which "
+                                      "output modes and pictures it takes)", final=True))

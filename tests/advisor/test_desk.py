@@ -1,0 +1,83 @@
+import asyncio
+import json
+import os
+
+import pytest
+from pydantic import BaseModel, Field
+
+from coral.advisor.desk import DeskAdvisor
+from coral.advisor.question import BadAnswer, Picture, Question, Rejection
+
+
+class Pick(BaseModel):
+    index: int = Field(ge=0, le=3)
+
+
+QUESTION = Question(kind="pick", prompt="Which?", answer_type=Pick, facts={"n": 3}, prompt_version="7",
+                    pictures=(Picture(name="map", png=b"png", caption="from above"),))
+
+
+def submit(folder, text):
+    (folder / "answer.part").write_text(text)
+    os.replace(folder / "answer.part", folder / "answer.json")
+
+
+async def open_questions(inbox, n):
+    while len(found := sorted(p for p in inbox.iterdir() if not p.name.startswith("."))) < n:
+        await asyncio.sleep(0)
+    return found
+
+
+def test_question_is_posted_whole_and_answered(tmp_path):
+    async def run():
+        task = asyncio.create_task(DeskAdvisor(tmp_path, poll_s=0.0).answer(
+            QUESTION, [Rejection(code="backward", reason="behind", details={"index": 1})]))
+        folder, = await open_questions(tmp_path, 1)
+        question = json.loads((folder / "question.json").read_text())
+        assert not (folder / "closed.json").exists()
+        submit(folder, '{"index": 2}')
+        return folder, question, await task
+
+    folder, question, reply = asyncio.run(run())
+    assert reply.value == Pick(index=2)
+    assert question["id"] == folder.name == "000001-pick"
+    assert question["images"] == ["map.png"]
+    assert (folder / "map.png").read_bytes() == b"png"
+    assert question["rejections"] == [{"code": "backward", "reason": "behind", "details": {"index": 1}}]
+    assert question["answer_schema"]["properties"]["index"]["maximum"] == 3
+    assert json.loads((folder / "closed.json").read_text()) == {"state": "answered"}
+
+
+@pytest.mark.parametrize(("text", "code"), [('{"index": 9}', "out-of-range"), ("two", "not-json"), ("", "empty")])
+def test_operators_err_too(tmp_path, text, code):
+    async def run():
+        task = asyncio.create_task(DeskAdvisor(tmp_path, poll_s=0.0).answer(QUESTION, ()))
+        folder, = await open_questions(tmp_path, 1)
+        submit(folder, text)
+        await task
+
+    with pytest.raises(BadAnswer) as bad:
+        asyncio.run(run())
+    assert bad.value.rejection.code == code
+
+
+def test_withdrawn_question_is_closed(tmp_path):
+    async def run():
+        task = asyncio.create_task(DeskAdvisor(tmp_path, poll_s=0.0).answer(QUESTION, ()))
+        folder, = await open_questions(tmp_path, 1)
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+        return json.loads((folder / "closed.json").read_text())
+
+    assert asyncio.run(run()) == {"state": "withdrawn"}
+
+
+def test_two_missions_share_an_inbox(tmp_path):
+    async def run():
+        tasks = [asyncio.create_task(DeskAdvisor(tmp_path, poll_s=0.0).answer(QUESTION, ())) for _ in range(2)]
+        for number, folder in enumerate(await open_questions(tmp_path, 2)):
+            assert json.loads((folder / "question.json").read_text())["id"] == folder.name
+            submit(folder, json.dumps({"index": number}))
+        return [reply.value.index for reply in await asyncio.gather(*tasks)]
+
+    assert sorted(asyncio.run(run())) == [0, 1]

@@ -1,0 +1,120 @@
+import asyncio
+import dataclasses
+from collections import Counter
+
+import numpy as np
+import pytest
+from pydantic import BaseModel, Field
+
+from coral.advisor.fallible import FallibleAdvisor, FallibleCfg
+from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question
+from coral.advisor.rules import RuleAdvisor
+
+
+class Choice(BaseModel):
+    selected_index: int | None
+    reason: str = "because"
+
+
+class Waypoint(BaseModel):
+    forward_m: int = Field(ge=-6, le=6)
+    left_m: int = Field(ge=-6, le=6)
+
+
+FACTS = {"robot": {"x": 1.0, "y": 1.0, "theta": 0.0}, "n_things": 4, "centroids": [
+    {"index": 0, "x": 0.0, "y": 1.0}, {"index": 1, "forward_m": 2.0}, {"index": 2, "x": 3.0, "y": 1.0},
+    {"index": 3, "forward_m": -1.0}]}
+CHOICE = Question(kind="choice", prompt="", answer_type=Choice, facts=FACTS)
+WAYPOINT = Question(kind="waypoint", prompt="", answer_type=Waypoint, facts=FACTS)
+
+
+def make(seed=0, **rates):
+    counter = iter(range(10**6))
+    rules = {"choice": lambda facts, _: Choice(selected_index=1 + next(counter) % 2),
+             "waypoint": lambda facts, _: Waypoint(forward_m=3, left_m=1)}
+    return FallibleAdvisor(RuleAdvisor(rules), FallibleCfg(**rates), np.random.default_rng(seed))
+
+
+def ask(advisor, question=CHOICE, n=1):
+    async def run():
+        out = []
+        for _ in range(n):
+            try:
+                out.append((await advisor.answer(question, ())).value)
+            except BadAnswer as bad:
+                out.append(bad.rejection.code)
+            except AdvisorUnavailable as gone:
+                out.append(gone.code)
+        return out
+
+    return asyncio.run(run())
+
+
+@pytest.mark.parametrize(("kind", "code"), [("malformed", "not-json"), ("empty", "empty"), ("wrong_type", "wrong-type"),
+                                            ("refusal", "refusal"), ("silence", "silence")])
+@pytest.mark.parametrize("question", [CHOICE, WAYPOINT])
+def test_each_error_looks_like_a_real_one(kind, code, question):
+    assert set(ask(make(**{kind: 1.0}), question, 30)) == {code}
+
+
+def test_out_of_range():
+    assert {answer.selected_index for answer in ask(make(out_of_range=1.0), CHOICE, 60)} == {4, 5, 6, 7, 8}
+    assert set(ask(make(out_of_range=1.0), WAYPOINT, 30)) == {"out-of-range"}
+
+
+def test_backward():
+    assert {answer.selected_index for answer in ask(make(backward=1.0), CHOICE, 40)} == {0, 3}
+    assert {answer.forward_m for answer in ask(make(backward=1.0), WAYPOINT, 90)} == {-1, -2, -3, -4, -5, -6}
+
+
+def test_stale_repeats_the_answer_before():
+    assert [a.selected_index for a in ask(make(stale=1.0), CHOICE, 4)][1:] == [1, 2, 1]
+
+
+def test_rates_are_met_and_seeded():
+    cfg = dict.fromkeys(("malformed", "empty", "refusal"), 0.1)
+    answers = ask(make(seed=5, **cfg), CHOICE, 3000)
+    counts = Counter(a if isinstance(a, str) else "good" for a in answers)
+    for code in ("not-json", "empty", "refusal"):
+        assert counts[code] / 3000 == pytest.approx(0.1, abs=0.025)
+    assert ask(make(seed=5, **cfg), CHOICE, 50) == answers[:50]
+    assert ask(make(seed=6, **cfg), CHOICE, 50) != answers[:50]
+
+
+def test_a_question_cancelled_early_does_not_shift_the_next_error():
+    def errors(cancel):
+        advisor = make(seed=2, empty=0.5)
+        got = []
+
+        async def run():
+            for number in range(20):
+                asking = advisor.answer(CHOICE, ())
+                if number in cancel:
+                    asking.close()
+                    got.append(None)
+                    continue
+                try:
+                    await asking
+                    got.append("good")
+                except BadAnswer as bad:
+                    got.append(bad.rejection.code)
+
+        asyncio.run(run())
+        return got
+
+    whole, partly = errors(()), errors((0, 5, 6))
+    assert [b for b in partly if b] == [a for a, b in zip(whole, partly, strict=True) if b]
+
+
+def test_total_and_bounds():
+    cfg = FallibleCfg.total(0.4)
+    assert sum(dataclasses.astuple(cfg)) == pytest.approx(0.4)
+    for bad in ({"empty": -0.1}, {"empty": 0.6, "stale": 0.6}, {"empty": float("nan")}):
+        with pytest.raises(ValueError, match="probabilities"):
+            FallibleCfg(**bad)
+
+
+def test_hook_of_the_application():
+    advisor = FallibleAdvisor(RuleAdvisor({"choice": lambda f, r: Choice(selected_index=1)}), FallibleCfg(backward=1.0),
+                              np.random.default_rng(0), {"choice": lambda *_: {"selected_index": 42}})
+    assert ask(advisor)[0].selected_index == 42

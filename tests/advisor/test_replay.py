@@ -1,0 +1,144 @@
+import asyncio
+import json
+import math
+
+import numpy as np
+import pytest
+from pydantic import BaseModel, Field
+
+from coral.advisor.clock import SimulatedClock
+from coral.advisor.consult import BudgetCfg, consult
+from coral.advisor.log import AttemptRecorder
+from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question, Rejection, Reply, Usage
+from coral.advisor.replay import ReplayAdvisor
+from coral.errors import InputError
+
+
+class Pick(BaseModel):
+    index: int = Field(ge=0)
+
+
+class Other(BaseModel):
+    index: int
+
+
+def question(prompt="which?", kind="pick", version="1", picture=b"png", answer_type=Pick):
+    return Question(kind=kind, prompt=prompt, prompt_version=version, answer_type=answer_type,
+                    facts={"bearing": np.float32(0.5), "path": math.inf}, pictures=(Picture(name="map", png=picture),))
+
+
+class Scripted:
+    name = "scripted"
+
+    def __init__(self, *replies):
+        self.replies = list(replies)
+
+    async def answer(self, question, rejections):
+        reply = self.replies.pop(0)
+        if isinstance(reply, Exception):
+            raise reply
+        return Reply(value=Pick(index=reply), raw=f"I say {reply}", usage=Usage(input_tokens=7, faults=("http-429",)))
+
+
+def mission(advisor, latency, log, prompts):
+    """Outcome and time of each decision, one after the other."""
+    clock = SimulatedClock(latency, np.random.default_rng(3))
+    told = []
+    try:
+        tick = 0
+        for number, prompt in enumerate(prompts):
+            task = clock.start(consult(
+                advisor, lambda _, prompt=prompt: question(prompt),
+                lambda _, a: Rejection(code="low", reason="too low") if a.index < 2 else None,
+                BudgetCfg(max_requeries=2, deadline_s=30.0), clock, log, number))
+            while not task.done():
+                tick += 1
+                clock.advance(tick * 0.1)
+                if number == 3 and tick * 0.1 > told[-1][0] + 1:
+                    clock.withdraw()
+            outcome = task.result()
+            told.append((clock.now(), outcome.answer, outcome.failure, outcome.rejections, outcome.attempts))
+    finally:
+        clock.close()
+    return told
+
+
+SCRIPT = (5, 1, BadAnswer("not-json", "prose", "raw text", Usage(requests=2)), 4,
+          AdvisorUnavailable("silence", "", latency_s=math.inf), 6, AdvisorUnavailable("http-500", "down"), 9, 3)
+PROMPTS = ("a", "a", "b", "c", "d", "a")
+
+
+def test_replayed_mission_is_the_recorded_one(tmp_path):
+    recorder = AttemptRecorder(tmp_path / "one")
+    first = mission(Scripted(*SCRIPT), "lognormal:2:0.4", recorder, PROMPTS)
+    recorder.close()
+    second_recorder = AttemptRecorder(tmp_path / "two")
+    second = mission(ReplayAdvisor(tmp_path / "one"), "recorded", second_recorder, PROMPTS)
+    second_recorder.close()
+    assert second == first
+    assert [t[2] for t in first] == ["", "", "deadline", "withdrawn", "", ""]
+    assert (tmp_path / "one/attempts.jsonl").read_text() == (tmp_path / "two/attempts.jsonl").read_text()
+    assert len(list((tmp_path / "one/pictures").iterdir())) == 1
+
+
+@pytest.fixture
+def recording(tmp_path):
+    recorder = AttemptRecorder(tmp_path)
+    mission(Scripted(5, 6), "0", recorder, ("a", "a"))
+    recorder.close()
+    return tmp_path
+
+
+async def _direct(advisor, asked):
+    return await advisor.answer(asked, ())
+
+
+def run(advisor, asked):
+    return asyncio.run(_direct(advisor, asked))
+
+
+def test_same_question_is_answered_in_order(recording):
+    advisor = ReplayAdvisor(recording / "attempts.jsonl")
+    assert [run(advisor, question("a")).value.index for _ in range(2)] == [5, 6]
+    with pytest.raises(AdvisorUnavailable, match="asked more often") as gone:
+        run(advisor, question("a"))
+    assert (gone.value.code, gone.value.final) == ("not-recorded", True)
+
+
+@pytest.mark.parametrize(("asked", "says"), [
+    (question("z"), "differs in prompt$"),
+    (question("a", picture=b"other"), "differs in pictures$"),
+    (question("a", version="2"), r"differs in prompt version \(2 now, 1 recorded\)$"),
+    (question("a", answer_type=Other), "differs in answer schema$"),
+    (question("a", kind="place"), "no question of kind 'place' was recorded, only pick$"),
+])
+def test_unknown_question_is_explained(recording, asked, says):
+    with pytest.raises(AdvisorUnavailable, match=says) as gone:
+        run(ReplayAdvisor(recording), asked)
+    assert gone.value.code == "not-recorded"
+
+
+def test_recording_of_a_killed_run_is_read(recording):
+    file = recording / "attempts.jsonl"
+    file.write_text(file.read_text() + '{"kind": "pi')
+    assert run(ReplayAdvisor(file), question("a")).value.index == 5
+
+
+@pytest.mark.parametrize(("text", "says"), [('{"kind"\n{}\n', "line 1: found no JSON"), ("[1]\n", "line 1: found no "),
+                                            ('{"kind": "pick"}\n', "line 1: found no answer, ")])
+def test_file_that_is_no_recording(tmp_path, text, says):
+    (tmp_path / "attempts.jsonl").write_text(text)
+    with pytest.raises(InputError, match=says):
+        ReplayAdvisor(tmp_path)
+
+
+def test_missing_recording(tmp_path):
+    with pytest.raises(InputError, match="No such file"):
+        ReplayAdvisor(tmp_path / "nothing.jsonl")
+
+
+def test_log_line_is_strict_json_and_complete(recording):
+    line = json.loads((recording / "attempts.jsonl").read_text().splitlines()[0], parse_constant=pytest.fail)
+    assert line["facts"] == {"bearing": 0.5, "path": None}
+    assert line["usage"]["faults"] == ["http-429"]
+    assert (recording / "pictures" / f"{line['pictures'][0]}.png").read_bytes() == b"png"
