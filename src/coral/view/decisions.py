@@ -46,7 +46,8 @@ class Try:
             return ahead + (f", {left} m left" if left > 0 else f", {-left} m right" if left < 0 else "")
         parts = [f"{key.replace('_', ' ')} {value}" for key, value in self.answer.items()
                  if key not in ("reason", "reasoning") and not isinstance(value, dict | list)]
-        return ", ".join(parts) or (self.raw.strip()[:120] if self.raw else "no answer")
+        return ", ".join(parts) or {"malformed": "not a valid answer", "open": "no answer yet"}.get(self.verdict,
+                                                                                                    "no answer")
 
     @property
     def why(self) -> str:

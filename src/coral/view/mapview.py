@@ -113,8 +113,8 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     inner[:] = _ground(scene, window, inner_w, inner_h)
     # Overlays are clipped to the map by drawing into its slice.
     inside = MapPicture(inner, scale, -scale * x0, inner_h + scale * y0, window)
-    _overlays(inside, scene, cfg)
     draw_scale_bar(inside)
+    _overlays(inside, scene, cfg)
     if cfg.axes:
         draw_axes(view, left, top, inner_w, inner_h)
     if cfg.legend:

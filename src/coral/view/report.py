@@ -123,9 +123,10 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     safe = "without touching anything" if not touched else f"with {_plural(touched, 'collision')}"
     verb = "had covered" if not run.complete else "covered"
     asked = _plural(int(metrics.get("advisor_calls", 0)), "question")
-    minutes = clock(float(metrics.get("sim_time_s", 0.0)))
-    return (f"In {minutes} minutes the robot {verb} {found} oyster clusters over {metrics.get('distance_m', 0):.0f} m "
-            f"of survey, {safe}, asking its advisor {asked}.")
+    minutes, seconds = divmod(int(float(metrics.get("sim_time_s", 0.0))), 60)
+    distance = float(metrics.get("distance_m", 0.0))
+    return (f"In {minutes} min {seconds} s the robot {verb} {found} oyster clusters over {distance:.0f} m of survey, "
+            f"{safe}, putting {asked} to its advisor.")
 
 
 def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:

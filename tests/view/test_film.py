@@ -1,0 +1,63 @@
+import cv2
+import imageio_ffmpeg
+import numpy as np
+import pytest
+
+from coral.errors import InputError
+from coral.view.decisions import decisions
+from coral.view.run import RunFolder
+from coral.view.runmap import scene_at, write_map
+from coral.view.video import FPS, HEIGHT, LONGEST_S, WIDTH, moments, pictures, write_video
+
+
+def test_the_film_has_a_picture_for_every_moment(fresh):
+    path = write_video(fresh)
+    count, seconds = imageio_ffmpeg.count_frames_and_secs(str(path))
+    assert count == len(moments(40.0)) == 81
+    assert seconds == pytest.approx(81 / FPS, abs=0.1)
+    assert [file.name for file in fresh.glob("*.mp4")] == ["mission.mp4"]
+
+
+def test_a_long_mission_makes_no_longer_film():
+    assert len(moments(600.0)) == len(moments(6000.0)) == LONGEST_S * FPS
+    assert moments(600.0)[0] == 0.0
+    assert moments(600.0)[-1] == 600.0
+    assert moments(0.0) == [0.0, 0.0]
+
+
+def test_pictures_change_with_time(finished):
+    run = RunFolder.read(finished)
+    every = list(pictures(run))
+    assert all(p.shape == (HEIGHT, WIDTH, 3) and p.dtype == np.uint8 for p in every)
+    assert (every[0] != every[-1]).any()
+
+
+def test_a_killed_run_still_makes_a_film(killed):
+    assert write_video(killed).stat().st_size > 1000
+
+
+def test_no_snapshots_no_film(fresh):
+    for file in (fresh / "frames").iterdir():
+        file.unlink()
+    with pytest.raises(InputError, match="frames/"):
+        write_video(fresh)
+
+
+def test_the_scene_shows_only_what_was_known_then(finished):
+    run = RunFolder.read(finished)
+    made = decisions(run)
+    early, late = scene_at(run, made, 10.0), scene_at(run, made, 40.0)
+    assert early.pose.x == pytest.approx(3.8, abs=0.01)
+    assert len(early.trajectory) == 101
+    assert (early.cells > 0).sum() < (late.cells > 0).sum()
+    assert early.cells.shape == (240, 240)
+    assert early.cell_m == pytest.approx(0.05)
+    assert late.goal == (9.0, 9.0)
+    assert list(late.visited) == [True, False]
+
+
+def test_the_final_map_is_written(fresh):
+    image = cv2.imread(str(write_map(fresh)))
+    assert max(image.shape[:2]) <= 768
+    green = (np.abs(image.astype(int) - (76, 166, 38)) < 5).all(axis=2).sum()
+    assert green > 500

@@ -1,0 +1,105 @@
+import json
+import re
+
+import pytest
+
+from coral.errors import InputError
+from coral.view.report import write_report
+
+
+def page(folder):
+    return write_report(folder).read_text("utf-8")
+
+
+def script_data(html):
+    return json.loads(re.search(r"const RUN = (\{.*?\});\n", html, re.S).group(1))
+
+
+def test_a_finished_run_is_told_in_full(fresh):
+    html = page(fresh)
+    assert "covered 2 of 3 oyster clusters" in html
+    assert "1 collision" in html
+    assert "far ✗ missed" in html
+    assert "north ✓" in html
+    assert "The chosen centroid is behind the robot." in html
+    assert "at least 60 %" in html  # the paper's definition beside the number
+    for word in ("heuristic", "abc123", "test, 2 cores", "time limit", "Complete configuration"):
+        assert word in html
+    assert "interrupted" not in html
+    assert html.count('<details class="decision"') == 3
+    assert html.count('class="decision good"') + html.count('class="decision again"') == 2
+    assert html.count("data:image/webp") == 15  # five questions of three pictures
+
+
+def test_the_page_loads_nothing(fresh):
+    html = page(fresh)
+    assert not re.search(r"https?://", html)
+    assert not re.search(r"@import|<link|<iframe|fetch\(|XMLHttpRequest|url\((?!#)", html)
+    for address in re.findall(r'(?:src|href)="([^"]*)"', html):
+        assert address.startswith(("data:", "#")) or address == "mission.mp4"
+
+
+def test_text_from_the_run_is_never_markup(fresh):
+    html = page(fresh)
+    assert "<reef>" not in html
+    assert "<the>" not in html
+    assert "made-up &lt;reef&gt;" in html
+
+
+def test_a_hostile_answer_cannot_end_the_script(fresh):
+    lines = (fresh / "events.jsonl").read_text().replace("Unexplored water beyond it.", "</script><b>x</b>")
+    (fresh / "events.jsonl").write_text(lines)
+    html = page(fresh)
+    assert html.count("</script>") == 1
+    assert any("</script>" in d["why"] for d in script_data(html)["decisions"])
+
+
+def test_the_slider_has_snapshots_and_positions(fresh):
+    data = script_data(page(fresh))
+    assert [frame["t"] for frame in data["frames"]] == [2.0 * k for k in range(21)]
+    assert all({"map", "seg", "dep"} <= set(frame) for frame in data["frames"])
+    assert len({len(data[key]) for key in "txyasck"}) == 1
+    assert data["t"][-1] == data["end"] == 40.0
+    assert data["gx"][0] is None
+
+
+def test_snapshots_are_thinned_to_the_budget(fresh, monkeypatch):
+    monkeypatch.setattr("coral.view.report.FRAME_BUDGET", 25_000)
+    frames = script_data(page(fresh))["frames"]
+    assert 1 < len(frames) < 21
+    assert frames[-1]["t"] == 40.0
+    assert sum(len(v) for f in frames for v in f.values() if isinstance(v, str)) <= 25_000
+
+
+def test_a_killed_run_is_told_as_far_as_it_went(killed):
+    html = page(killed)
+    assert "This run was interrupted." in html
+    assert "had covered 2 of 3 oyster clusters" in html
+    assert "line was cut off" in html or "was cut off while it was written" in html
+    assert html.count('<details class="decision"') == 3
+
+
+def test_a_run_that_recorded_almost_nothing(fresh):
+    for name in ("events.jsonl", "trajectory.csv", "attempts.jsonl"):
+        (fresh / name).write_text("")
+    for name in ("metrics.json", "timing.json", "world.yaml"):
+        (fresh / name).unlink()
+    for file in (fresh / "frames").iterdir():
+        file.unlink()
+    html = page(fresh)
+    assert "Nothing was recorded" in html
+    assert "never asked" in html
+
+
+def test_broken_pictures_are_left_out(fresh):
+    (fresh / "pictures" / "00map.png").write_bytes(b"not a picture")
+    (fresh / "pictures" / "10depth.png").unlink()
+    (fresh / "frames" / "000400_map.png").write_bytes(b"\x89PNG")
+    assert page(fresh).count("picture not kept") == 2
+
+
+def test_a_report_is_replaced_and_a_missing_run_is_named(fresh, tmp_path):
+    assert write_report(fresh) == write_report(fresh) == fresh / "report.html"
+    assert not list(fresh.glob("*.part"))
+    with pytest.raises(InputError, match="nowhere"):
+        write_report(tmp_path / "nowhere")

@@ -1,0 +1,82 @@
+import json
+
+import numpy as np
+import pytest
+
+from coral.errors import InputError
+from coral.view.decisions import decisions
+from coral.view.run import RunFolder
+
+
+def test_a_finished_run_is_read_whole(finished):
+    run = RunFolder.read(finished)
+    assert run.complete
+    assert run.notes == ()
+    assert run.duration_s == 40.0
+    assert len(run.column("x")) == 400
+    assert np.isnan(run.column("goal_x")[0])
+    assert run.column("goal_x")[-1] == 9.0
+    assert np.isnan(run.column("not-a-column")).all()
+    assert run.frame_steps == tuple(range(0, 401, 20))
+    assert run.frame(400, "map").shape == (240, 240)
+    assert run.frame(400, "depth").dtype == np.uint16
+    assert run.world["size_m"] == [12.0, 12.0]
+    assert run.picture("00map").is_file()
+
+
+def test_a_picture_is_never_looked_up_outside_the_run(finished):
+    assert RunFolder.read(finished).picture("../pictures/00map") is None
+
+
+def test_a_killed_run_gives_all_but_the_cut_lines(killed, finished):
+    run, whole = RunFolder.read(killed), RunFolder.read(finished)
+    assert not run.complete
+    assert run.events == whole.events[:-1]
+    assert len(run.column("t")) == len(whole.column("t")) - 1
+    for name in ("events.jsonl", "trajectory.csv", "metrics.json", "timing.json"):
+        assert any(name in note for note in run.notes), name
+
+
+def test_every_cut_is_survived(fresh):
+    text = (fresh / "events.jsonl").read_text()[:700]
+    rows = (fresh / "trajectory.csv").read_text()[:400]
+    for cut in range(0, 700, 7):
+        (fresh / "events.jsonl").write_text(text[:cut])
+        (fresh / "trajectory.csv").write_text(rows[:cut // 2])
+        run = RunFolder.read(fresh)
+        assert len(run.events) <= text[:cut].count("\n") + 1
+        assert len(run.column("t")) <= max(0, rows[:cut // 2].count("\n") - 1)
+        decisions(run)
+
+
+def test_lines_that_are_no_events_are_left_out_and_noted(fresh):
+    lines = (fresh / "events.jsonl").read_text().splitlines()
+    (fresh / "events.jsonl").write_text("\n".join([lines[0], "[]", "{", json.dumps({"t": 1}), lines[1]]) + "\n")
+    run = RunFolder.read(fresh)
+    assert [event["event"] for event in run.events] == ["start", "trigger"]
+    assert len(run.notes) == 3
+
+
+def test_not_a_run(tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "file").write_text("")
+    for name in ("missing", "empty", "file"):
+        with pytest.raises(InputError, match=name):
+            RunFolder.read(tmp_path / name)
+
+
+def test_decisions_tell_cause_tries_and_goal(finished):
+    first, second, third = decisions(RunFolder.read(finished))
+    assert (first.cause, first.mode, first.outcome, first.goal) == ("first", "waypoint", "accepted", (6.0, 6.0))
+    assert first.tries[0].said == "4 m ahead, 1 m right"
+    assert first.tries[0].latency_s == 4.0
+    assert [name for name, _ in first.tries[0].pictures] == ["map", "segmentation", "depth"]
+    assert second.cause == "distance"
+    assert [one.verdict for one in second.tries] == ["malformed", "rejected", "accepted"]
+    assert second.tries[1].reason == "The chosen centroid is behind the robot."
+    assert second.tries[2].said == "centroid 1"
+    assert second.goal == (9.0, 9.0)
+    assert [c["index"] for c in second.centroids] == [0, 1]
+    assert second.x == pytest.approx(2.0 + 0.18 * 12.0, abs=0.05)
+    assert third.outcome == "open"
+    assert third.tries[0].latency_s is None
