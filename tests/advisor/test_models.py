@@ -2,10 +2,11 @@ import asyncio
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from pydantic import BaseModel, Field
 
-from coral.advisor.clock import WallClock
+from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import BudgetCfg, consult
 from coral.advisor.log import attempt_to_json
 from coral.advisor.model_cfg import ModelCfg, SpendCfg
@@ -242,3 +243,38 @@ def test_every_failure_in_turn_is_named_in_the_log(stub):
         "not-json", "empty", "wrong-type", "out-of-range", "http-429", "http-500", "connection", "timeout", "too-large"]
     assert [a.verdict for a in log] == ["malformed"] * 4 + ["unavailable"] * 4 + ["malformed", "accepted"]
     assert outcome.attempts == 10
+
+
+def test_control_loop_goes_on_while_a_request_hangs(stub):
+    server = stub(stub.SILENCE)
+    clock = WallClock()
+    log = []
+    advisor = ModelAdvisor.local(server.url, "stub", FAST)
+    task = clock.start(consult(advisor, lambda _: QUESTION, lambda q, a: None, BudgetCfg(), clock, log.append))
+    for _ in range(100):
+        clock.advance()
+    assert clock.pending
+    assert not task.done()
+    while not server.requests:
+        clock.advance()
+    clock.withdraw()
+    assert task.result().failure == "withdrawn"
+    assert server.hung_up.wait(5)
+    assert [a.verdict for a in log] == ["withdrawn"]
+    clock.close()
+
+
+def test_simulated_latency_hides_how_long_the_wire_took(stub):
+    server = stub(stub.completion('{"index": 9}'), stub.completion(GOOD))
+    clock = SimulatedClock("fixed:3", np.random.default_rng(0))
+    advisor = ModelAdvisor.local(server.url, "stub", replace(FAST, format_repairs=0))
+    clock.thread.warm_up(advisor)
+    log = []
+    task = clock.start(consult(advisor, lambda _: QUESTION, lambda q, a: None, BudgetCfg(), clock, log.append))
+    tick = 0
+    while not task.done():
+        tick += 1
+        clock.advance(tick * 0.1)
+    assert tick == 60
+    assert [a.verdict for a in log] == ["malformed", "accepted"]
+    clock.close()

@@ -81,6 +81,32 @@ def test_replayed_mission_is_the_recorded_one(tmp_path):
     assert len(list((tmp_path / "one/pictures").iterdir())) == 1
 
 
+def test_attempt_that_was_too_late_to_ask_is_not_replayed(tmp_path):
+    def run_all(advisor, latency, log):
+        clock = SimulatedClock(latency, np.random.default_rng(0))
+        answers = []
+        try:
+            tick = 0
+            for deadline_s in (2.0, 9.0):
+                task = clock.start(consult(
+                    advisor, lambda _: question(),
+                    lambda _, a: Rejection(code="low", reason="low") if a.index < 2 else None,
+                    BudgetCfg(deadline_s=deadline_s), clock, log))
+                while not task.done():
+                    tick += 1
+                    clock.advance(tick * 0.1)
+                answers.append((task.result().answer, task.result().failure, clock.now()))
+        finally:
+            clock.close()
+        return answers
+
+    recorder = AttemptRecorder(tmp_path)
+    first = run_all(Scripted(1, 5), "2", recorder)
+    recorder.close()
+    assert [failure for _, failure, _ in first] == ["deadline", ""]
+    assert run_all(ReplayAdvisor(tmp_path), "recorded", lambda _: None) == first
+
+
 @pytest.fixture
 def recording(tmp_path):
     recorder = AttemptRecorder(tmp_path)

@@ -55,7 +55,7 @@ class SimulatedClock:
     """
 
     def __init__(self, latency: str | LatencyCfg, rng: np.random.Generator, *, thread: AdvisorThread | None = None,
-                 wall_timeout_s: float = 600.0) -> None:
+                 wall_timeout_s: float = 600.0, paced: bool = True) -> None:
         """Start at time 0.
 
         Args:
@@ -63,12 +63,14 @@ class SimulatedClock:
             rng: Drawn from once per question when the latency is random.
             thread: Where advisors think; one of its own by default.
             wall_timeout_s: Longest wall time that simulated time may stand still for one reply (s).
+            paced: Whether `advance` may sleep to keep a measured latency true; False where the caller keeps time.
         """
         self.latency = parse_latency(latency) if isinstance(latency, str) else latency
         self._rng = rng
         self._own_thread = thread is None
         self.thread = thread or AdvisorThread()
         self._wall_timeout_s = wall_timeout_s
+        self._paced = paced
         self._now_s = 0.0
         self._loop = asyncio.new_event_loop()
         self._requests: list[_Request] = []
@@ -113,7 +115,8 @@ class SimulatedClock:
             raise ValueError(f"time runs backwards: from {self._now_s} to {now_s}")
         self._now_s = now_s
         if self._requests:
-            self.pace()
+            if self._paced:
+                self.pace()
             self._settle()
 
     def pace(self) -> None:
@@ -263,7 +266,8 @@ class WallClock:
     def start(self, coroutine: Coroutine[Any, Any, R]) -> asyncio.Task[R]:
         """Run a coroutine up to its first wait, in the thread of the control loop."""
         if self._stepped is None:
-            self._stepped = SimulatedClock(LatencyCfg(kind="measured"), np.random.default_rng(0), thread=self._thread)
+            self._stepped = SimulatedClock(LatencyCfg(kind="measured"), np.random.default_rng(0), thread=self._thread,
+                                           paced=False)
         self._stepped.advance(self.now())
         return self._stepped.start(coroutine)
 

@@ -135,6 +135,11 @@ async def consult(
                 return Outcome(answer=None, question=question, attempts=attempt + 1, failure=gone.code,
                                rejections=(*rejections, absence))
             continue
+        except Exception as error:
+            # A fault in somebody's advisor costs its answer, not the vehicle.
+            fault = Rejection(code="advisor-error", reason=f"{type(error).__name__}: {error}")
+            record("unavailable", rejection=fault)
+            continue
         refusal = verify(question, reply.value)
         fields: dict[str, Any] = {"raw": reply.raw, "answer": reply.value.model_dump(mode="json"), "usage": reply.usage}
         if refusal is None:

@@ -70,6 +70,20 @@ def default_latency(advisor: Any) -> LatencyCfg:
     return parse_latency(str(getattr(advisor, "latency", "measured")), f"advisor {getattr(advisor, 'name', '?')}")
 
 
+def latency_for(advisor: Any, spec: str = "auto") -> LatencyCfg:
+    """The latency a mission simulates for an advisor.
+
+    Args:
+        advisor: Who is asked. A recording always keeps its recorded latencies.
+        spec: What was configured; "auto" leaves it to the advisor.
+
+    Raises:
+        InputError: The spec is none of the known forms.
+    """
+    own = default_latency(advisor)
+    return own if spec == "auto" or own.kind == "recorded" else parse_latency(spec)
+
+
 def _is_number(text: str) -> bool:
     try:
         float(text)

@@ -32,13 +32,17 @@ def prompt_digest(prompt: str) -> str:
 
 
 def question_key(question: Question[Any]) -> dict[str, Any]:
-    """What makes two questions the same, as JSON: a recording is looked up by it."""
+    """What makes two questions the same, as JSON: a recording is looked up by it.
+
+    Facts count only where there is no picture, because then nothing else tells one state of the world from another.
+    """
     return {
         "kind": question.kind,
         "prompt_version": question.prompt_version,
         "schema": schema_digest(question.answer_type),
         "prompt_digest": prompt_digest(question.prompt),
         "pictures": [picture.digest for picture in question.pictures],
+        "facts_digest": "" if question.pictures else _digest(plain_json(question.facts)),
     }
 
 

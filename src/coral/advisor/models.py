@@ -80,6 +80,10 @@ class ModelAdvisor:
         require_key(provider, where)
         return cls(provider, model, cfg)
 
+    def with_cfg(self, cfg: ModelCfg) -> ModelAdvisor:
+        """The same model, called differently; it keeps accounts of its own."""
+        return ModelAdvisor(self._provider, self._model_name, cfg, self._url)
+
     async def warm_up(self) -> None:
         """Import the client library and make the connection pool, before a control loop runs."""
         self._connected()

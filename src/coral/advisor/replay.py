@@ -18,7 +18,7 @@ from coral.errors import InputError
 A = TypeVar("A", bound=BaseModel)
 
 _PARTS = {"kind": "kind", "prompt_version": "prompt version", "schema": "answer schema", "pictures": "pictures",
-          "prompt_digest": "prompt"}
+          "facts_digest": "facts", "prompt_digest": "prompt"}
 """Parts of a question's key, the coarsest first, and how to call them."""
 
 
@@ -46,6 +46,8 @@ class ReplayAdvisor:
         self._keys: list[dict[str, Any]] = []
         self._recorded: dict[str, deque[dict[str, Any]]] = {}
         for entry in _read(self._file, where):
+            if entry["code"] == "deadline" and entry["asked_at_s"] == entry["answered_at_s"]:
+                continue  # The deadline had passed already: nobody was asked, and nobody will be.
             key = {part: entry[part] for part in _PARTS}
             text = json.dumps(key, sort_keys=True)
             if text not in self._recorded:

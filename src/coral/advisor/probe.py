@@ -1,0 +1,133 @@
+"""Finding out what a model's endpoint can do: output modes, pictures, how fast."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import cv2
+import numpy as np
+from pydantic import BaseModel, Field
+
+from coral.advisor.model_cfg import ModelCfg, OutputMode
+from coral.advisor.models import ModelAdvisor
+from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question
+from coral.advisor.registry import make_advisor
+from coral.errors import InputError
+
+MODES: tuple[OutputMode, ...] = ("native", "tool", "prompted", "plain")
+"""The strictest first: the first that works is recommended."""
+
+COLORS: Mapping[str, tuple[int, int, int]] = {"red": (220, 30, 30), "green": (30, 160, 60), "blue": (40, 70, 220)}
+
+
+class ProbeAnswer(BaseModel):
+    """What the probe asks for: small, but with a number, a range and a fixed set of words."""
+
+    number: int = Field(ge=0, le=9)
+    color: Literal["red", "green", "blue", "none"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """Outcome of one request."""
+
+    works: bool
+    says: str
+    """"ok", or what went wrong."""
+    wall_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProbeReport:
+    """What an endpoint can do."""
+
+    advisor: str
+    modes: dict[str, Finding]
+    """Output mode to what came of it."""
+    pictures: Finding | None
+    """Whether it names the colours of pictures; None when no output mode works."""
+    recommended: OutputMode | None
+    """Output mode to configure (`output`)."""
+
+    def lines(self) -> list[str]:
+        """The report as text."""
+        rows = [f"{self.advisor}"]
+        rows += [f"  {mode:<9} {finding.wall_s:6.1f} s  {finding.says}" for mode, finding in self.modes.items()]
+        if self.pictures is not None:
+            rows.append(f"  {'pictures':<9} {self.pictures.wall_s:6.1f} s  {self.pictures.says}")
+        if self.recommended is None:
+            rows.append("  no output mode works")
+        else:
+            eyes = "" if self.pictures is not None and self.pictures.works else ", pictures: false"
+            rows.append(f"  use output: {self.recommended}{eyes}")
+        return rows
+
+
+def probe(spec: str, cfg: ModelCfg | None = None, where: str = "MODEL") -> ProbeReport:
+    """Ask an endpoint a handful of small questions (at most seven requests, a few hundred tokens).
+
+    Args:
+        spec: `PROVIDER:MODEL` or `local:URL#MODEL`.
+        cfg: Time-outs; retries and repairs are off, because the first reply is what is probed.
+        where: What to name in an error message.
+
+    Raises:
+        InputError: The string names no real model, or the environment lacks its key.
+    """
+    base = replace(cfg or ModelCfg(), max_retries=0, format_repairs=0, facts=False)
+    advisor = make_advisor(spec, rules={}, rng=np.random.default_rng(0), cfg=base, where=where)
+    if not isinstance(advisor, ModelAdvisor):
+        raise InputError(where, "", repr(spec), "a real model: PROVIDER:MODEL or local:URL#MODEL")
+    return asyncio.run(_probe(advisor, base))
+
+
+async def _probe(advisor: ModelAdvisor, base: ModelCfg) -> ProbeReport:
+    modes: dict[str, Finding] = {}
+    for mode in MODES:
+        finding, gone = await _ask(advisor.with_cfg(replace(base, output=mode, pictures=False)), 7, "")
+        modes[mode] = finding
+        if gone in ("key-refused", "no-such-model", "connection"):
+            break
+    recommended = next((mode for mode in MODES if mode in modes and modes[mode].works), None)
+    pictures = None
+    if recommended is not None:
+        seeing = advisor.with_cfg(replace(base, output=recommended, pictures=True))
+        started = time.monotonic()
+        findings = [(await _ask(seeing, number, color))[0] for number, color in enumerate(COLORS, start=2)]
+        wrong = [finding for finding in findings if not finding.works]
+        pictures = Finding(works=not wrong, wall_s=time.monotonic() - started,
+                           says=wrong[0].says if wrong else f"named {len(findings)} colours of {len(findings)}")
+    return ProbeReport(advisor=advisor.name, modes=modes, pictures=pictures, recommended=recommended)
+
+
+async def _ask(advisor: ModelAdvisor, number: int, color: str) -> tuple[Finding, str]:
+    """One small question; returns also the code of the failure, if any."""
+    what = "the color that fills the picture (red, green or blue)" if color else '"none"'
+    question = Question(
+        kind="probe", answer_type=ProbeAnswer, facts={},
+        prompt=f"Return only a JSON object with two keys: number, which is {number}, and color, which is {what}.",
+        pictures=(Picture(name="patch", png=_patch(color)),) if color else ())
+    started = time.monotonic()
+    code = ""
+    try:
+        answer = (await advisor.answer(question, ())).value
+        right = answer.number == number and answer.color == (color or "none")
+        says = "ok" if right else f"wrong answer: number {answer.number} for {number}, color {answer.color} for " \
+                                  f"{color or 'none'}"
+        # A format is a matter of form: a weak model that errs in what it says can still have it.
+        works = right if color else True
+    except BadAnswer as bad:
+        works, says = False, f"{bad.rejection.code}: {bad.rejection.reason}"
+    except AdvisorUnavailable as gone:
+        works, code, says = False, gone.code, f"{gone.code}: {gone.reason}"
+    return Finding(works=works, says=" ".join(says.split())[:200], wall_s=time.monotonic() - started), code
+
+
+def _patch(color: str) -> bytes:
+    """PNG of one colour, 64 x 64 pixels."""
+    rgb = np.full((64, 64, 3), COLORS[color], np.uint8)
+    return bytes(cv2.imencode(".png", rgb[:, :, ::-1])[1])
