@@ -94,7 +94,8 @@ def render(folder: Path, cfg: MissionCfg) -> dict[str, str]:
     """Map, report and video of a finished run, as configured."""
     made: dict[str, str] = {}
     if cfg.record.report:
-        from coral.view.report import write_map, write_report
+        from coral.view.report import write_report
+        from coral.view.runmap import write_map
 
         write_map(folder)
         made["report"] = str(write_report(folder))

@@ -23,7 +23,8 @@ class Report:
 
     def __call__(self) -> Mapping[str, Any]:
         """Write the files."""
-        from coral.view.report import write_map, write_report
+        from coral.view.report import write_report
+        from coral.view.runmap import write_map
 
         made = {"report": str(write_report(self.run)), "map": str(write_map(self.run))}
         if self.video:

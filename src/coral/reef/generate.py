@@ -49,10 +49,10 @@ class GeneratorCfg:
     oysters: tuple[int, int] = (40, 85)
     """Range of the number of oysters in a cluster."""
     dense_obstacles: int = 20
-    """Obstacles within `dense_radius_m` in front of the start."""
+    """Obstacles within `dense_radius_m` in front of the start, or as many as leave passages; at least half of them."""
     dense_radius_m: float = 6.5
     obstacles: int = 34
-    """Obstacles beyond it, most of them along the spine."""
+    """Obstacles beyond it, most of them along the spine; the same holds."""
     passage_m: float = 1.0
     """Narrowest gap between two obstacles: the robot's diameter and 0.2 m on either side."""
     current_max_m_s: float = 0.08
@@ -224,8 +224,8 @@ def _obstacles(cfg: GeneratorCfg, lines: Sequence[Line], beds: Sequence[_Bed], s
                 placed.append((x, y, r))
                 made.append(Obstacle(shape=shape, x=_mm(x), y=_mm(y), z=half[2] if shape != "sphere" else _mm(half[2] * 0.9),
                                      size=half, yaw=_mm(rng.uniform(-math.pi, math.pi))))
-        if len(made) < wanted:
-            raise InputError("generator", field, count, f"at most {len(made) - wanted + count} in this world")
+        if len(made) < wanted - count // 2:
+            raise InputError("generator", field, count, f"at most {2 * (len(made) - wanted + count)} in this world")
 
     place(cfg.dense_obstacles, "dense_obstacles", True)
     place(cfg.obstacles, "obstacles", False)

@@ -1,0 +1,56 @@
+"""`coral reef envs`: the reefs that can be run, and what they look like."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from coral.errors import InputError
+from coral.reef.world import load_world, shipped_worlds
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReefEnvs:
+    """List the shipped reefs, or check and describe the given world files; draw previews on request."""
+
+    worlds: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[WORLD ...]")] = ()
+    """Names or world files; all shipped reefs by default."""
+    preview: Path | None = None
+    """Draw: one PNG for each world into this folder, and sheet.png with all of them."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Describe, and draw."""
+        worlds = [load_world(name) for name in self.worlds or shipped_worlds()]
+        described = [{
+            "name": w.name, "topology": w.topology, "size_m": list(w.size_m), "clusters": len(w.clusters),
+            "oysters": sum(len(c.oysters) for c in w.clusters), "obstacles": len(w.obstacles),
+            "current_m_s": round((w.current.x_m_s**2 + w.current.y_m_s**2) ** 0.5, 3), "seed": w.seed} for w in worlds]
+        result: dict[str, Any] = {"worlds": described}
+        if self.preview is not None:
+            from coral.view.preview import preview, preview_sheet
+
+            try:
+                self.preview.mkdir(parents=True, exist_ok=True)
+                result["previews"] = [str(preview(w, self.preview / f"{w.name}.png")) for w in worlds]
+                result["sheet"] = str(preview_sheet(worlds, self.preview / "sheet.png", columns=min(5, len(worlds))))
+            except OSError as error:
+                raise InputError("--preview", str(self.preview), error.strerror or error, "a folder that can be written") \
+                    from None
+        return result
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """A table."""
+        lines = ["name  topology  size (m)   clusters  oysters  obstacles  current (m/s)"]
+        for w in result["worlds"]:
+            size = f"{w['size_m'][0]:g} x {w['size_m'][1]:g}"
+            lines.append(f"{w['name']:<5} {w['topology']:<9} {size:<10} {w['clusters']:>8}  {w['oysters']:>7}  "
+                         f"{w['obstacles']:>9}  {w['current_m_s']:>13.2f}")
+        if "sheet" in result:
+            lines.append(f"previews: {result['sheet']}")
+        return "\n".join(lines)

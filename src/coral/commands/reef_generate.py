@@ -1,0 +1,61 @@
+"""`coral reef generate`: a new reef from a topology or a drawn polyline."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from coral.errors import InputError
+from coral.reef.generate import GeneratorCfg, generate
+from coral.reef.world import save_world
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReefGenerate:
+    """Make a new reef world; every cluster is proved reachable."""
+
+    out: Path
+    """World file to write; it must not exist."""
+    polyline: str = ""
+    """Spine to grow the reef along in place of a topology, as JSON in metres: [[3,3],[12,4],[15,12]]."""
+    json: bool = False
+    """Print one JSON object."""
+    preview: Path | None = None
+    """Also draw it as a PNG."""
+    cfg: GeneratorCfg = field(default_factory=GeneratorCfg)
+    """What the reef is like."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Generate, write, draw."""
+        cfg = self.cfg
+        if self.polyline:
+            cfg = replace(cfg, spine=(_points(self.polyline),))
+        world = generate(cfg, self.out.stem)
+        command = f"coral reef generate --cfg.topology {cfg.topology} --cfg.seed {cfg.seed}"
+        try:
+            if self.out.exists():
+                raise InputError("--out", str(self.out), "a file that exists", "a new file")
+            self.out.parent.mkdir(parents=True, exist_ok=True)
+            save_world(world, self.out, f"Made by `{command}`" + (f" along {self.polyline}." if self.polyline else "."))
+        except OSError as error:
+            raise InputError("--out", str(self.out), error.strerror or error, "a file that can be written") from None
+        if self.preview is not None:
+            from coral.view.preview import preview
+
+            preview(world, self.preview)
+        return {"world": str(self.out), "clusters": len(world.clusters), "obstacles": len(world.obstacles)}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """One line."""
+        return (f"{result['world']}: {result['clusters']} clusters, {result['obstacles']} obstacles; "
+                f"run it with: coral reef run {result['world']}")
+
+
+def _points(text: str) -> tuple[tuple[float, float], ...]:
+    try:
+        return tuple((float(x), float(y)) for x, y in json.loads(text))
+    except (ValueError, TypeError):
+        raise InputError("--polyline", "", repr(text), "JSON like [[3,3],[12,4],[15,12]]") from None
