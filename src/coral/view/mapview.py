@@ -33,6 +33,7 @@ from coral.view.pictures import Image, draw_arrow, draw_dot, draw_line, draw_tex
 __all__ = ["CELL_COLORS", "MapPicture", "MapScene", "MapViewCfg", "camera_picture", "cell_classes", "draw_map", "png"]
 
 Box = tuple[float, float, float, float]
+_CELL_WORDS = np.ascontiguousarray(np.pad(CELL_COLORS, ((0, 0), (0, 1)))).view(np.uint32)[:, 0]
 
 @dataclass(frozen=True, kw_only=True)
 class MapScene:
@@ -174,7 +175,9 @@ def _ground(scene: MapScene, window: tuple[float, float, float, float], width: i
     if zoom >= 2:  # whole-number enlargement first keeps the edges of cells crisp; interpolation smooths the rest
         cells = np.repeat(np.repeat(cells, int(zoom), axis=0), int(zoom), axis=1)
     filter_ = cv2.INTER_LINEAR if zoom >= 1 else cv2.INTER_AREA
-    return np.asarray(cv2.resize(CELL_COLORS[cells[::-1]], (width, height), interpolation=filter_), np.uint8)
+    # One four-byte look-up for each cell is several times faster than one for each of three channels.
+    colored = _CELL_WORDS[cells[::-1]].view(np.uint8).reshape(*cells.shape, 4)
+    return np.asarray(cv2.resize(colored, (width, height), interpolation=filter_)[..., :3], np.uint8)
 
 
 def _overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:

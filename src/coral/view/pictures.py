@@ -48,7 +48,7 @@ def palette_png(classes: Image, palette: NDArray[np.uint8]) -> bytes:
 
     header = struct.pack(">IIBBBBB", width, height, depth, 3, 0, 0, 0)
     return b"".join((b"\x89PNG\r\n\x1a\n", chunk(b"IHDR", header), chunk(b"PLTE", palette.astype(np.uint8).tobytes()),
-                     chunk(b"IDAT", zlib.compress(raw, 9)), chunk(b"IEND", b"")))
+                     chunk(b"IDAT", zlib.compress(raw, 6)), chunk(b"IEND", b"")))
 
 
 @lru_cache(maxsize=1)
