@@ -182,6 +182,7 @@ def test_measured_latency_paces_the_mission(make_clock, monkeypatch):
         ticks += 1
         clock.advance(ticks * 0.1)
     assert slept == pytest.approx([0.1] * 4)
+    assert clock.waited_s == pytest.approx(0.4)
     assert ticks == 4
     assert not clock.pending_measured
 

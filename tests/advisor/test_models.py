@@ -30,7 +30,14 @@ FAST = ModelCfg(attempt_timeout_s=5.0, deadline_s=10.0, backoff_s=0.0, max_reply
 
 def ask(server, cfg=FAST, rejections=(), question=QUESTION):
     advisor = ModelAdvisor.local(server.url, "stub", cfg)
-    return asyncio.run(advisor.answer(question, rejections))
+    return asyncio.run(_answered(advisor, question, rejections))
+
+
+async def _answered(advisor, question, rejections):
+    try:
+        return await advisor.answer(question, rejections)
+    finally:
+        await advisor.aclose()
 
 
 def texts(request):

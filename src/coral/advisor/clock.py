@@ -72,6 +72,8 @@ class SimulatedClock:
         self._wall_timeout_s = wall_timeout_s
         self._paced = paced
         self._now_s = 0.0
+        self.waited_s = 0.0
+        """Wall time spent so far waiting for replies, here and not in the control loop's own work (s)."""
         self._loop = asyncio.new_event_loop()
         self._requests: list[_Request] = []
         self._tasks: list[asyncio.Task[Any]] = []
@@ -126,6 +128,7 @@ class SimulatedClock:
                 continue
             ahead = (self._now_s - request.asked_s) - (time.monotonic() - request.asked_wall_s)
             if ahead > 0:
+                self.waited_s += ahead
                 time.sleep(ahead)
 
     async def reply(self, asking: Callable[[], Coroutine[Any, Any, R]], timeout_s: float) -> R:
@@ -203,7 +206,9 @@ class SimulatedClock:
         may_be_due = request.due_s is None or min(request.due_s, request.deadline_s) <= self._now_s + TINY_S
         if may_be_due and (request.due_s is None or request.due_s <= request.deadline_s + TINY_S):
             if request.wait and not future.done():
+                began = time.monotonic()
                 wait([future], self._wall_timeout_s)
+                self.waited_s += time.monotonic() - began
                 if not future.done():
                     parked.set_exception(AdvisorUnavailable(
                         "wall-timeout", f"no reply within {self._wall_timeout_s:g} s of wall time"))

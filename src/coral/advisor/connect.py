@@ -9,6 +9,7 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.errors import InputError
 
 if TYPE_CHECKING:
+    import httpx2
     from pydantic_ai.models import Model
 
 KEYS = {
@@ -32,7 +33,7 @@ def require_key(provider: str, where: str) -> None:
         raise InputError(where, "", f"no key for {provider}", f"the environment variable {' or '.join(KEYS[provider])}")
 
 
-def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> Model:
+def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> tuple[Model, httpx2.AsyncClient]:
     """Make the client of one model; nothing is sent yet. Call it on the event loop that will use it.
 
     Args:
@@ -40,6 +41,9 @@ def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> Model:
         model: Name of the model there.
         url: Base URL of a local server; "" otherwise.
         cfg: Time-outs and size bound.
+
+    Returns:
+        The model, and its connection pool, to be closed at the end.
     """
     from coral.advisor.wire import http_client
 
@@ -51,12 +55,12 @@ def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> Model:
         from pydantic_ai.providers.anthropic import AnthropicProvider
 
         return AnthropicModel(model, provider=AnthropicProvider(
-            anthropic_client=AsyncAnthropic(api_key=key, max_retries=0, http_client=client)))
+            anthropic_client=AsyncAnthropic(api_key=key, max_retries=0, http_client=client))), client
     if provider == "google":
         from pydantic_ai.models.google import GoogleModel
         from pydantic_ai.providers.google import GoogleProvider
 
-        return GoogleModel(model, provider=GoogleProvider(api_key=key, http_client=client))
+        return GoogleModel(model, provider=GoogleProvider(api_key=key, http_client=client)), client
     from openai import AsyncOpenAI
     from pydantic_ai.models.openai import OpenAIChatModel
     from pydantic_ai.profiles.openai import OpenAIModelProfile
@@ -64,9 +68,9 @@ def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> Model:
 
     if provider == "openai":
         return OpenAIChatModel(model, provider=OpenAIProvider(
-            openai_client=AsyncOpenAI(api_key=key, max_retries=0, http_client=client)))
+            openai_client=AsyncOpenAI(api_key=key, max_retries=0, http_client=client))), client
     # What a local server can do does not follow from its model's name: the output mode asked for is tried.
     profile = OpenAIModelProfile(supports_json_schema_output=True, supports_json_object_output=True,
                                  supports_tools=True, openai_chat_supports_max_completion_tokens=False)
     return OpenAIChatModel(model, profile=profile, provider=OpenAIProvider(
-        openai_client=AsyncOpenAI(api_key=key, base_url=url, max_retries=0, http_client=client)))
+        openai_client=AsyncOpenAI(api_key=key, base_url=url, max_retries=0, http_client=client))), client

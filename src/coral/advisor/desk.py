@@ -6,6 +6,8 @@ import asyncio
 import dataclasses
 import json
 import os
+import socket
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -86,7 +88,11 @@ class DeskAdvisor:
             "answer_schema": question.answer_type.model_json_schema(),
             "images": [f"{picture.name}.png" for picture in question.pictures],
             "captions": [picture.caption for picture in question.pictures],
+            "picture_frames": {f"{picture.name}.png": {"pixel_from_world": picture.pixel_from_world}
+                               for picture in question.pictures if picture.pixel_from_world is not None},
             "facts": question.facts,
+            "asked_at": round(time.time(), 3),
+            "asker": {"host": socket.gethostname(), "pid": os.getpid()},
             "rejections": [dataclasses.asdict(r) for r in rejections],
         }
         (aside / "question.json").write_text(plain_json(content, indent=2), encoding="utf-8")

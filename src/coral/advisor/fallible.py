@@ -82,6 +82,16 @@ class FallibleAdvisor:
         self.name = f"fallible:{sum(dataclasses.astuple(cfg)):g}:{inner.name}"
         self.latency = getattr(inner, "latency", "measured")
 
+    async def warm_up(self) -> None:
+        """Warm the inner advisor up."""
+        if (warm_up := getattr(self._inner, "warm_up", None)) is not None:
+            await warm_up()
+
+    async def aclose(self) -> None:
+        """Close the inner advisor."""
+        if (aclose := getattr(self._inner, "aclose", None)) is not None:
+            await aclose()
+
     def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
         """Answer, perhaps wrongly.
 

@@ -18,6 +18,7 @@ from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Reje
 from coral.advisor.scrub import public_url, scrub
 
 if TYPE_CHECKING:
+    import httpx2
     from pydantic_ai.messages import ModelResponse, UserContent
     from pydantic_ai.models import Model, ModelRequestParameters
 
@@ -64,6 +65,7 @@ class ModelAdvisor:
         self.name = f"local:{public_url(url)}#{model}" if provider == "local" else f"{provider}:{model}"
         self._provider, self._model_name, self._url = provider, model, url
         self._model: Model | None = None
+        self._client: httpx2.AsyncClient | None = None
 
     @classmethod
     def local(cls, url: str, model: str, cfg: ModelCfg) -> ModelAdvisor:
@@ -88,9 +90,15 @@ class ModelAdvisor:
         """Import the client library and make the connection pool, before a control loop runs."""
         self._connected()
 
+    async def aclose(self) -> None:
+        """Close the connections; the next answer opens new ones."""
+        client, self._client, self._model = self._client, None, None
+        if client is not None:
+            await client.aclose()
+
     def _connected(self) -> Model:
         if self._model is None:
-            self._model = connect(self._provider, self._model_name, self._url, self.cfg)
+            self._model, self._client = connect(self._provider, self._model_name, self._url, self.cfg)
         return self._model
 
     async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:

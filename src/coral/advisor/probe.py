@@ -124,6 +124,7 @@ async def _ask(advisor: ModelAdvisor, number: int, color: str) -> tuple[Finding,
         works, says = False, f"{bad.rejection.code}: {bad.rejection.reason}"
     except AdvisorUnavailable as gone:
         works, code, says = False, gone.code, f"{gone.code}: {gone.reason}"
+    await advisor.aclose()
     return Finding(works=works, says=" ".join(says.split())[:200], wall_s=time.monotonic() - started), code
 
 

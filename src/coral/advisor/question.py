@@ -10,6 +10,8 @@ from typing import Any, Generic, Protocol, TypeVar
 from pydantic import BaseModel
 
 A = TypeVar("A", bound=BaseModel)
+Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
+"""A plane affine map, two rows of three."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,6 +22,9 @@ class Picture:
     """Short file-name stem, unique within the question ("map", "segmentation", "depth")."""
     png: bytes
     caption: str = ""
+    pixel_from_world: Affine | None = None
+    """Where world points lie in it, for those who answer by pointing: (column, row) px = A (x, y, 1), x and y in metres.
+    None when the picture shows no plane of the world."""
 
     @property
     def digest(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import threading
 from collections.abc import Callable, Coroutine
 from concurrent.futures import Future
@@ -14,6 +15,7 @@ class AdvisorThread:
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
+        self._to_close: list[Any] = []
         self._thread = threading.Thread(target=self._run, name="coral-advisor", daemon=True)
         self._thread.start()
 
@@ -27,6 +29,9 @@ class AdvisorThread:
                 task.cancel()
             if left:
                 self._loop.run_until_complete(asyncio.gather(*left, return_exceptions=True))
+            for advisor in self._to_close:
+                with contextlib.suppress(OSError, RuntimeError):
+                    self._loop.run_until_complete(advisor.aclose())
             self._loop.run_until_complete(self._loop.shutdown_asyncgens())
             self._loop.close()
 
@@ -42,12 +47,16 @@ class AdvisorThread:
     def warm_up(self, advisor: Any, timeout_s: float = 60.0) -> None:
         """Let an advisor import and connect before the control loop starts (its `warm_up` coroutine, if any).
 
+        Its `aclose` coroutine, if any, is run when the thread is closed.
+
         The first call of a client library stalls for some 0.1 s and its import for seconds; neither belongs in a
         control loop.
 
         Raises:
             TimeoutError: It took longer than `timeout_s` of wall time.
         """
+        if hasattr(advisor, "aclose"):
+            self._to_close.append(advisor)
         warm = getattr(advisor, "warm_up", None)
         future = self.submit(warm if warm is not None else _nothing)
         try:
