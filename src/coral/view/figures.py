@@ -86,16 +86,12 @@ def clearance_chart(run: RunFolder) -> str:
     times, kept = thin(t, np.minimum(clearance, 2.0))
     body += [path([axis(float(a)) for a in times], [y(float(b)) for b in kept], "curve main"),
              line(axis.start_px, y(0.0), axis.end_px, y(0.0), "limit"),
-             text(LEFT + 6, y(0.0) - 7, "nearer than a robot radius (0.3 m); at 0 m the hull touches", "key bad",
-                  "start"),
              text(LEFT - 68, (top + bottom) / 2, "clearance, m", "name rot")]
     if np.isfinite(clearance).any():
         k = int(np.nanargmin(clearance))
         x, low = axis(float(t[k])), y(min(2.0, lowest))
-        right = x < axis.end_px - 190
         body += [f'<circle cx="{x:.1f}" cy="{low:.1f}" r="4.5" class="dot main"/>',
-                 text(x + (9 if right else -9), y(max(0.3, lowest)) - 9,
-                      f"closest: {lowest:.2f} m at {clock(float(t[k]))}", "mark", "start" if right else "end")]
+                 text(axis.end_px, top - 9, f"closest pass {lowest:.2f} m at {clock(float(t[k]))}", "key main", "end")]
     for event in run.select("collision"):
         x = axis(float(event["t"]))
         body.append(f'<path d="M{x - 5:.1f},{y(0) - 5:.1f}l10,10m0,-10l-10,10" class="cross"/>')

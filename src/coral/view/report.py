@@ -176,9 +176,10 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
          coverage_chart(run)),
         ("Decisions and triggers",
          "Dots: the advisor was asked. Thin bars: a trigger was held back. Wide bars: the advisor thinking, coloured "
-         "by verdict; the robot keeps moving meanwhile.", event_chart(run, made)),
+         "by verdict; the controller goes on meanwhile.", event_chart(run, made)),
         ("Speed", "Speed over ground and the controller's command.", speed_chart(run)),
-        ("Clearance", "True distance between the robot's hull (a 0.3 m disc) and the nearest obstacle.",
+        ("Clearance", "True distance between the robot's hull (a 0.3 m disc) and the nearest obstacle. Shaded: nearer "
+         "than the hull's own radius; at 0 m (red line) it touches.",
          clearance_chart(run)),
     ]
 
