@@ -1,6 +1,6 @@
 """Safety of the controller in clutter it discovers as it goes: collisions, failures, speed, time to goal.
 
-Usage: python benchmarks/control_safety.py [--seeds 30] [--seconds 120] [--variant ddp] [--set key=value ...] [--png DIR]
+Usage: python benchmarks/control_safety.py [--seeds 30] [--seconds 120] [--variant ddp] [--set key=value] [--png DIR]
 
 A 20 x 20 m field of discs and boxes, passages 1.0 to 1.4 m wide. The robot knows an obstacle's surface once a ray of
 its 120 degree camera has hit it within 4 m (the paper's sensing range). Collisions are counted against the exact
@@ -116,6 +116,7 @@ class Result:
 
 
 def free_point(rng: np.random.Generator, shapes: NDArray[np.float64], clear: float) -> tuple[float, float]:
+    """A point at least `clear` metres from every shape."""
     while True:
         x, y = rng.uniform(1.0, SIZE_M - 1.0, 2)
         if true_clearance(shapes, x, y) > clear:
@@ -123,6 +124,7 @@ def free_point(rng: np.random.Generator, shapes: NDArray[np.float64], clear: flo
 
 
 def mission(seed: int, seconds: float, overrides: dict[str, object] | None, reach_m: float) -> Result:
+    """Drive from random goal to random goal; overrides None is the PD controller."""
     rng = np.random.default_rng(seed)
     shapes = clutter(rng)
     x, y = free_point(rng, shapes, 0.5)
@@ -181,6 +183,7 @@ def mission(seed: int, seconds: float, overrides: dict[str, object] | None, reac
 
 
 def configure(overrides: dict[str, object]) -> MppiCfg:
+    """MppiCfg with some fields replaced; costs.NAME reaches into the weights."""
     cfg = MppiCfg()
     costs = {k[6:]: v for k, v in overrides.items() if k.startswith("costs.")}
     own = {k: v for k, v in overrides.items() if not k.startswith("costs.")}
@@ -188,6 +191,7 @@ def configure(overrides: dict[str, object]) -> MppiCfg:
 
 
 def draw(path: Path, seed: int, result: Result) -> None:
+    """Trajectory coloured by speed, and the commands over time."""
     import matplotlib.pyplot as plt
 
     shapes = clutter(np.random.default_rng(seed))
@@ -216,6 +220,7 @@ def draw(path: Path, seed: int, result: Result) -> None:
 
 
 def main() -> None:
+    """Run the seeds and print one line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=30)
     parser.add_argument("--first", type=int, default=0)

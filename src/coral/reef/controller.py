@@ -263,19 +263,25 @@ class DdpMppi:
             hull,
             margin,
             cfg.sensing_m,
+            hull,
             cfg.costs.soft_m,
             self.vehicle.max_speed_m_s * cfg.horizon_s,
             self.vehicle.max_speed_m_s,
             self.vehicle.max_yaw_rate_rad_s,
         )
         # A robot that is closer than the margin already (a new obstacle, drift) must be allowed to leave: it may go
-        # anywhere that is not closer still.
-        spare = clearance_at(distance, cell_m, float(start[0]), float(start[1])) - hull - 1.5 * cell_m
-        if spare < margin:
-            if spare >= 0.0:
-                return scene._replace(margin_m=spare)
-            return scene._replace(margin_m=0.0, hull_m=max(hull + spare, 0.05))
-        return scene
+        # anywhere that is not closer still, give or take what the map's cells blur.
+        slack = 0.5 * cell_m
+        circle = self.schedule.circle[0]
+        x, y = float(start[0]), float(start[1])
+        if clearance_at(distance, cell_m, x, y) > hull + margin + 2.0 * cell_m:
+            return scene
+        spare = min(clearance_at(distance, cell_m, x + hull * c, y + hull * s) for c, s in circle) - slack
+        if spare >= margin:
+            return scene
+        if spare > 0.0:
+            return scene._replace(margin_m=spare)
+        return scene._replace(margin_m=0.0, hull_m=max(clearance_at(distance, cell_m, x, y) - 2.0 * slack, 0.05))
 
     def _sample(self, start: Array) -> Array:
         """Shape=(K, T, 2) control sequences: stop, previous plan, guided, warm-started, dynamic window."""

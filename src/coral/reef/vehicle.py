@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.dynamics import THRUST_MAX_N, Thrusters, parameter_set, planar, six_dof
-from coral.reef.dynamics_kernels import limit_six, limit_wrench, planar_rk4, rotation, six_rk4, tracking_wrench
+from coral.reef.dynamics_kernels import (
+    limit_six,
+    limit_wrench,
+    planar_acceleration,
+    planar_rk4,
+    rotation,
+    six_rk4,
+    tracking_wrench,
+)
 from coral.reef.geometry import Pose
 
 Clearance = Callable[[float, float], float]
@@ -48,8 +56,9 @@ class VehicleCfg:
     tracking_rate_1_s: float = 4.0
     """Decay of the velocity error; 0.25 s is several thruster lags, and 0.6 m/s is stopped within 0.2 m."""
     yaw_tracking_rate_1_s: float = 4.0
-    integral_1_s2: float = 4.0
-    """Integral action in surge and sway, so that a current the loop does not know is held (critically damped)."""
+    observer_rate_1_s: float = 4.0
+    """How fast the loop learns a force its model does not explain (the current's drag). Integrating the model's error
+    instead of the tracking error leaves nothing to wind up when the set point steps or a thruster saturates."""
     z_m: float = 1.0
     """Depth hold set point above the seabed frame (six_dof only)."""
 
@@ -58,7 +67,7 @@ class Vehicle:
     """Keeps the state and moves it tick by tick.
 
     The velocity loop sees ground-relative velocity, as a Doppler log gives it, and does not know the current. The
-    disturbance it learns is kept in the world frame, because that is where a current stays put while the vehicle turns.
+    force it learns is kept in the world frame, because that is where a current stays put while the vehicle turns.
     """
 
     def __init__(self, cfg: VehicleCfg | None = None, state: VehicleState | Pose | None = None) -> None:
@@ -68,7 +77,8 @@ class Vehicle:
         self._six = six_dof(parameters, cfg.thrusters, cfg.thrust_max_n) if cfg.model == "six_dof" else None
         if cfg.model not in ("planar", "six_dof"):
             raise InputError("vehicle", "model", cfg.model, "planar or six_dof")
-        self._disturbance = np.zeros(2)
+        self._disturbance = np.zeros(3)
+        self._before: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
         self._depth_integral = 0.0
         self.reset(state or VehicleState(0.0, 0.0, 0.0))
 
@@ -78,6 +88,7 @@ class Vehicle:
         self._ground = np.array(state[3:] or (0.0, 0.0, 0.0), dtype=np.float64)
         self._wrench = np.zeros(3)
         self._disturbance[:] = 0.0
+        self._before = None
         self._depth_integral = 0.0
         self._full = np.zeros(18)
         self._full[2] = self.cfg.z_m
@@ -139,15 +150,23 @@ class Vehicle:
         cfg, m = self.cfg, self.model
         u, v, r = self._ground
         c, s = math.cos(self._pose[2]), math.sin(self._pose[2])
+        if self._before is not None:
+            self._observe(c, s, period)
         fx, fy, n = tracking_wrench(u, v, r, v_cmd, omega, cfg.tracking_rate_1_s, cfg.yaw_tracking_rate_1_s, m)
-        dx, dy = self._disturbance
-        fx, fy = fx + c * dx + s * dy, fy - s * dx + c * dy
-        asked = np.array(limit_wrench(fx, fy, n, m))
-        # Conditional integration: an axis at its limit learns nothing.
-        ex = cfg.integral_1_s2 * m.m11 * (v_cmd - u) * period if abs(asked[0] - fx) < 1e-9 else 0.0
-        ey = -cfg.integral_1_s2 * m.m22 * v * period if abs(asked[1] - fy) < 1e-9 else 0.0
-        self._disturbance += (c * ex - s * ey, s * ex + c * ey)
+        dx, dy, dn = self._disturbance
+        asked = np.array(limit_wrench(fx - c * dx - s * dy, fy + s * dx - c * dy, n - dn, m))
+        self._before = (self._ground.copy(), self._wrench.copy())
         return asked
+
+    def _observe(self, c: float, s: float, period: float) -> None:
+        """Move the disturbance towards what the last period's motion shows beyond the model's explanation."""
+        assert self._before is not None
+        m, (before, wrench) = self.model, self._before
+        mean, force = 0.5 * (before + self._ground), 0.5 * (wrench + self._wrench)
+        explained = planar_acceleration(mean[0], mean[1], mean[2], force[0], force[1], force[2], m)
+        extra = np.array([m.m11, m.m22, m.m66]) * ((self._ground - before) / period - explained)
+        world = np.array([c * extra[0] - s * extra[1], s * extra[0] + c * extra[1], extra[2]])
+        self._disturbance += -math.expm1(-self.cfg.observer_rate_1_s * period) * (world - self._disturbance)
 
     def _integrate(self, asked: NDArray[np.float64], water: NDArray[np.float64], h: float) -> None:
         c, s = math.cos(self._pose[2]), math.sin(self._pose[2])
