@@ -1,62 +1,136 @@
-"""Proof that a world can be surveyed: the robot's disc can get from the start to every cluster."""
+"""Where the hull can get to: flood fill of a world's free space from the start."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.collision import clearance
-from coral.reef.scene import Scene
-from coral.reef.world import ReefWorld
+if TYPE_CHECKING:
+    from coral.reef.world import Obstacle, ReefWorld
 
 HULL_RADIUS_M = 0.3
-"""Robot disc (paper IV-F)."""
-CELL_M = 0.1
-MARGIN_M = 0.1
-"""Kept beyond the hull, so that a passage is not only wide enough on paper."""
+"""Paper IV-F: the robot is a disc of 0.3 m."""
+MARGIN_M = 0.05
+"""Kept beside the hull in every passage: one cell of the robot's map."""
 VIEW_M = 2.0
-"""A cluster is reached when the robot can come this close to its centre."""
+"""A cluster is reached when the hull gets this near to one of its oysters, in line of sight."""
+
+_SUBPIXEL = 8
+"""Fractional bits of the corners handed to OpenCV's polygon filling."""
+_STRIDE_M = 0.2
+"""Spacing of the places from which line of sight is tried."""
+_TRIED = 200
+"""Oysters of a cluster towards which line of sight is tried."""
 
 
-def free_space(world: ReefWorld, cell_m: float = CELL_M, margin_m: float = MARGIN_M) -> NDArray[np.bool_]:
-    """Cells in which the robot's centre has hull and margin of clearance. Shape=(NY, NX), cell (0, 0) at the origin."""
-    footprints = Scene.from_world(world).footprints()
-    ny, nx = math.ceil(world.size_m[1] / cell_m), math.ceil(world.size_m[0] / cell_m)
-    free = np.ones((ny, nx), np.bool_)
-    need = HULL_RADIUS_M + margin_m
-    for obstacle in world.obstacles:
-        reach = max(obstacle.size[:2]) * math.sqrt(2) + need
-        y0, y1 = max(int((obstacle.y - reach) / cell_m), 0), min(int((obstacle.y + reach) / cell_m) + 1, ny)
-        x0, x1 = max(int((obstacle.x - reach) / cell_m), 0), min(int((obstacle.x + reach) / cell_m) + 1, nx)
-        for iy in range(y0, y1):
-            for ix in range(x0, x1):
-                if free[iy, ix]:
-                    free[iy, ix] = clearance(footprints, (ix + 0.5) * cell_m, (iy + 0.5) * cell_m) >= need
-    return free
+@dataclass(frozen=True)
+class FreeSpace:
+    """What is solid and what the hull can reach, on a grid with its origin at (0, 0).
+
+    cell_m: Edge of a cell.
+    solid: Shape=(NY, NX) bool, the cell touches an obstacle's outline.
+    reachable: Shape=(NY, NX) bool, the hull's centre can get there from the start.
+    """
+
+    cell_m: float
+    solid: NDArray[np.bool_]
+    reachable: NDArray[np.bool_]
+
+    def sees(self, points: NDArray[np.float64], range_m: float = VIEW_M) -> bool:
+        """Whether the hull can get within `range_m` of one of the points, nothing solid in between.
+
+        Args:
+            points: Shape=(N, 2), metres.
+            range_m: How near.
+        """
+        cells = self._cells(points)
+        if self.reachable[cells[:, 1], cells[:, 0]].any():
+            return True
+        steps = math.floor(range_m / _STRIDE_M)
+        offsets = np.stack(np.meshgrid(*[np.arange(-steps, steps + 1) * _STRIDE_M] * 2), axis=-1).reshape(-1, 2)
+        offsets = offsets[np.hypot(*offsets.T) <= range_m]
+        fractions = np.linspace(0.0, 1.0, math.ceil(range_m / self.cell_m) + 1)
+        for point in points:
+            places = point + offsets
+            at = self._cells(places)
+            places = places[self.reachable[at[:, 1], at[:, 0]]]
+            if not len(places):
+                continue
+            rays = self._cells((places[:, None] + fractions[None, :, None] * (point - places)[:, None]).reshape(-1, 2))
+            blocked = self.solid[rays[:, 1], rays[:, 0]].reshape(len(places), -1).any(axis=1)
+            if not blocked.all():
+                return True
+        return False
+
+    def _cells(self, points: NDArray[np.float64]) -> NDArray[np.int64]:
+        top = np.array(self.solid.shape[::-1]) - 1
+        return np.clip((points / self.cell_m).astype(np.int64), 0, top)
 
 
-def reachable_space(world: ReefWorld, cell_m: float = CELL_M, margin_m: float = MARGIN_M) -> NDArray[np.bool_]:
-    """The part of the free space that is connected with the start. Shape=(NY, NX)."""
-    free = free_space(world, cell_m, margin_m)
-    iy = min(int(world.start.y / cell_m), free.shape[0] - 1)
-    ix = min(int(world.start.x / cell_m), free.shape[1] - 1)
-    free[iy, ix] = True
-    _, labels = cv2.connectedComponents(free.astype(np.uint8), connectivity=4)
-    return np.asarray(labels == labels[iy, ix])
+def free_space(size_m: tuple[float, float], outlines: Sequence[NDArray[np.float64]], start: tuple[float, float],
+               radius_m: float = HULL_RADIUS_M + MARGIN_M) -> FreeSpace:
+    """Flood the free space from the start; obstacles block whatever their height.
+
+    Args:
+        size_m: Width and height of the world.
+        outlines: Polygons of the obstacles on the ground plane, each Shape=(K, 2), metres.
+        start: Where the hull begins, inside the world.
+        radius_m: Of the hull, margin included.
+    """
+    cell = 0.05 if max(size_m) <= 40 else 0.1
+    shape = math.ceil(size_m[1] / cell - 1e-9), math.ceil(size_m[0] / cell - 1e-9)
+    solid = np.zeros(shape, np.uint8)
+    for outline in outlines:
+        corners = np.rint((outline / cell - 0.5) * (1 << _SUBPIXEL)).astype(np.int32)
+        cv2.fillPoly(solid, [corners], 1, shift=_SUBPIXEL)
+    distance = np.asarray(cv2.distanceTransform(1 - solid, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)) * cell
+    passable = (distance >= radius_m).astype(np.uint8)
+    ix, iy = min(int(start[0] / cell), shape[1] - 1), min(int(start[1] / cell), shape[0] - 1)
+    # The start itself is checked exactly elsewhere; rounding to cells must not shut the vehicle in.
+    near = 2 + math.ceil(MARGIN_M / cell)
+    passable[max(iy - near, 0) : iy + near + 1, max(ix - near, 0) : ix + near + 1] = 1
+    _, parts = cv2.connectedComponents(passable, connectivity=4)
+    return FreeSpace(cell, solid.astype(bool), parts == parts[iy, ix])
 
 
 def unreachable_clusters(world: ReefWorld) -> list[int]:
-    """Indices of the clusters whose centre the robot cannot come within `VIEW_M` of."""
-    space = reachable_space(world)
-    ys, xs = np.nonzero(space)
-    px, py = (xs + 0.5) * CELL_M, (ys + 0.5) * CELL_M
+    """Indices of the clusters that the hull cannot get within `VIEW_M` of, in line of sight, from the start."""
+    outlines = [obstacle_outline(obstacle) for obstacle in world.obstacles]
+    space = free_space(world.size_m, outlines, (world.start.x, world.start.y))
     missing = []
     for k, cluster in enumerate(world.clusters):
-        cx = sum(o.x for o in cluster.oysters) / len(cluster.oysters)
-        cy = sum(o.y for o in cluster.oysters) / len(cluster.oysters)
-        if not np.any(np.hypot(px - cx, py - cy) <= VIEW_M):
+        every = math.ceil(len(cluster.oysters) / _TRIED)
+        if not space.sees(np.array([(oyster.x, oyster.y) for oyster in cluster.oysters[::every]])):
             missing.append(k)
     return missing
+
+
+def obstacle_outline(obstacle: Obstacle, corners: int = 48) -> NDArray[np.float64]:
+    """Polygon of an obstacle on the ground plane, a box's rectangle or a round shape's ellipse.
+
+    Returns:
+        Shape=(K, 2), metres, counter-clockwise; an ellipse gets `corners` of them.
+    """
+    if obstacle.shape == "box":
+        local = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
+    else:
+        angle = np.arange(corners) * (2 * math.pi / corners)
+        local = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    c, s = math.cos(obstacle.yaw), math.sin(obstacle.yaw)
+    return np.asarray((local * obstacle.size[:2]) @ np.array([[c, s], [-s, c]]) + (obstacle.x, obstacle.y))
+
+
+def distance_to(polygon: NDArray[np.float64], x: float, y: float) -> float:
+    """Distance (m) of a point to a polygon, negative inside."""
+    begin, along = polygon, np.roll(polygon, -1, axis=0) - polygon
+    offset = np.array([x, y]) - begin
+    share = np.clip((offset * along).sum(1) / np.maximum((along**2).sum(1), 1e-18), 0.0, 1.0)
+    gap = float(np.hypot(*(offset - share[:, None] * along).T).min())
+    inside = (along[:, 0] * offset[:, 1] - along[:, 1] * offset[:, 0] > 0).all()  # convex, counter-clockwise
+    return -gap if inside else gap

@@ -6,23 +6,30 @@ Angles in radians, counter-clockwise, 0 along +x.
 
 from __future__ import annotations
 
+import contextlib
+import os
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from coral.config import read_yaml
 from coral.errors import InputError, nearest
+from coral.reef.world_check import check_world
+from coral.reef.world_faults import input_error, shown
+from coral.reef.world_yaml import read_mapping, to_text
+
+__all__ = ["Cluster", "Current", "Obstacle", "Oyster", "ReefWorld", "Seabed", "Start", "check_world", "load_world",
+           "save_world", "shipped_worlds", "world_schema"]
 
 WORLDS_DIR = Path(__file__).parent / "worlds"
-FORMAT = "coral-reef/1"
-MAX_AREA_M2 = 10_000
-MAX_OBJECTS = 20_000
+FORMAT: Literal["coral-reef/1"] = "coral-reef/1"
 
-Metres = Annotated[float, Field(gt=0, le=1000)]
-Coordinate = Annotated[float, Field(ge=-1000, le=1000)]
-Angle = Annotated[float, Field(ge=-7, le=7)]
+# Strict: neither "true" nor text passes for a number.
+Metres = Annotated[float, Field(gt=0, le=1000, strict=True)]
+Extent = Annotated[float, Field(ge=0.001, le=100, strict=True)]
+Coordinate = Annotated[float, Field(ge=-1000, le=1000, strict=True)]
+Angle = Annotated[float, Field(ge=-7, le=7, strict=True)]
+Speed = Annotated[float, Field(ge=-1, le=1, strict=True)]
 
 
 class _Part(BaseModel):
@@ -46,8 +53,8 @@ class Start(_Part):
 class Current(_Part):
     """Steady ocean current: the water's velocity in the world frame (m/s)."""
 
-    x_m_s: float = Field(default=0.0, ge=-1, le=1)
-    y_m_s: float = Field(default=0.0, ge=-1, le=1)
+    x_m_s: Speed = 0.0
+    y_m_s: Speed = 0.0
 
 
 class Oyster(_Part):
@@ -56,7 +63,7 @@ class Oyster(_Part):
     x: Coordinate
     y: Coordinate
     z: Coordinate
-    radii: tuple[Metres, Metres, Metres]
+    radii: tuple[Extent, Extent, Extent]
     rpy: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
 
 
@@ -77,7 +84,7 @@ class Obstacle(_Part):
     x: Coordinate
     y: Coordinate
     z: Coordinate
-    size: tuple[Metres, Metres, Metres]
+    size: tuple[Extent, Extent, Extent]
     yaw: Angle = 0.0
 
     @model_validator(mode="after")
@@ -102,8 +109,8 @@ class ReefWorld(_Part):
     current: Current = Current()
     clusters: tuple[Cluster, ...] = Field(min_length=1)
     obstacles: tuple[Obstacle, ...] = ()
-    seed: int = Field(default=0, ge=0)
-    spine: tuple[tuple[tuple[float, float], ...], ...] = ()
+    seed: int = Field(default=0, ge=0, lt=2**63, strict=True)
+    spine: tuple[tuple[tuple[Coordinate, Coordinate], ...], ...] = ()
     """Polylines (m) that the reef was grown along; for drawings only, no decision reads them."""
 
 
@@ -120,108 +127,42 @@ def load_world(name: str | Path) -> ReefWorld:
     Raises:
         InputError: There is no such world, or the file is broken or describes an impossible mission.
     """
-    text = str(name)
-    path = WORLDS_DIR / f"{text}.yaml" if text in shipped_worlds() else Path(text)
-    if not path.exists() and path.suffix not in (".yaml", ".yml"):
-        known = shipped_worlds()
-        raise InputError("world", "", repr(text), f"a YAML file or one of {', '.join(known)}{nearest(text, known)}")
-    content = read_yaml(path)
+    text, known = str(name), shipped_worlds()
+    path = WORLDS_DIR / f"{text}.yaml" if text in known else Path(text)
+    if path.suffix not in (".yaml", ".yml", ".json") and not os.path.exists(path):
+        raise InputError("world", "", shown(text),
+                         f"a YAML file or one of {', '.join(known)}{nearest(text.lower(), known)}")
+    content = read_mapping(path)
     try:
         world = ReefWorld.model_validate(content)
     except ValidationError as error:
-        raise _input_error(str(path), error) from None
+        raise input_error(str(path), error, ReefWorld) from None
     check_world(world, str(path))
     return world
 
 
 def save_world(world: ReefWorld, path: Path, comment: str = "") -> None:
-    """Write a world as YAML: one oyster or obstacle a line, millimetres and milliradians kept."""
-    content = _rounded(world.model_dump(mode="json"))
-    clusters, obstacles, spine = content.pop("clusters"), content.pop("obstacles"), content.pop("spine")
-    lines = [f"# {line}" for line in comment.splitlines()]
-    lines += [f"{key}: {_flow(value)}" for key, value in content.items()]
-    lines.append("spine:" if spine else "spine: []")
-    lines += [f"  - {_flow(line)}" for line in spine]
-    lines.append("clusters:")
-    for cluster in clusters:
-        lines += [f"  - name: {_flow(cluster['name'])}", "    oysters:"]
-        lines += [f"      - {_flow(oyster)}" for oyster in cluster["oysters"]]
-    lines.append("obstacles:" if obstacles else "obstacles: []")
-    lines += [f"  - {_flow(obstacle)}" for obstacle in obstacles]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    """Write a world as YAML: one oyster or obstacle a line, millimetres and milliradians kept.
+
+    Args:
+        world: To write.
+        path: Of the file; replaced as a whole, so that no reader finds half of it.
+        comment: Lines for the head of the file.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    text = to_text(world.model_dump(mode="json"), comment.splitlines())
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            part.unlink()
+        raise InputError(str(path), "", (error.strerror or "an error").lower(), "a file that can be written") from None
 
 
 def world_schema() -> dict[str, Any]:
-    """JSON schema of a world file."""
+    """JSON schema of a world file, for editors that complete and check while one types."""
     return ReefWorld.model_json_schema()
-
-
-def check_world(world: ReefWorld, where: str) -> None:
-    """Check what single values cannot show: bounds, a free start, every cluster reachable.
-
-    Raises:
-        InputError: Naming the field that is at fault.
-    """
-    from coral.reef.collision import nearest as nearest_footprint
-    from coral.reef.reachability import HULL_RADIUS_M, unreachable_clusters
-    from coral.reef.scene import Scene
-
-    width, height = world.size_m
-    if width * height > MAX_AREA_M2:
-        raise InputError(where, "size_m", f"{width:g} x {height:g} m", f"at most {MAX_AREA_M2} square metres")
-    count = len(world.obstacles) + sum(len(c.oysters) for c in world.clusters)
-    if count > MAX_OBJECTS:
-        raise InputError(where, "clusters", f"{count} oysters and obstacles", f"at most {MAX_OBJECTS}")
-
-    def inside(field: str, x: float, y: float) -> None:
-        if not (0 <= x <= width and 0 <= y <= height):
-            raise InputError(where, field, f"({x:g}, {y:g})", f"a point within 0..{width:g}, 0..{height:g} m (size_m)")
-
-    inside("start", world.start.x, world.start.y)
-    for i, cluster in enumerate(world.clusters):
-        for j, oyster in enumerate(cluster.oysters):
-            inside(f"clusters[{i}].oysters[{j}]", oyster.x, oyster.y)
-    for i, obstacle in enumerate(world.obstacles):
-        inside(f"obstacles[{i}]", obstacle.x, obstacle.y)
-    names = [cluster.name for cluster in world.clusters]
-    for i, name in enumerate(names):
-        if name in names[:i]:
-            raise InputError(where, f"clusters[{i}].name", repr(name), "a name that no other cluster has")
-    footprints = Scene.from_world(world).footprints()
-    gap, nearest_obstacle = nearest_footprint(footprints, world.start.x, world.start.y)
-    if gap < HULL_RADIUS_M:
-        raise InputError(where, "start", f"{max(gap, 0.0):.2f} m from obstacles[{nearest_obstacle}]",
-                         f"at least {HULL_RADIUS_M} m of clearance for the hull")
-    for i in unreachable_clusters(world):
-        raise InputError(where, f"clusters[{i}]", f"{names[i]!r} out of reach",
-                         f"a passage for a robot of {HULL_RADIUS_M} m radius from the start")
-
-
-def _input_error(where: str, error: ValidationError) -> InputError:
-    """The first fault that pydantic found, as one line."""
-    first = error.errors()[0]
-    field = ""
-    for part in first["loc"]:
-        field += f"[{part}]" if isinstance(part, int) else f"{'.' if field else ''}{part}"
-    if first["type"] == "extra_forbidden":
-        known = sorted({name for part in (ReefWorld, Cluster, Oyster, Obstacle, Start, Current, Seabed)
-                        for name in part.model_fields})
-        return InputError(where, field, "an unknown key", f"a known one{nearest(str(first['loc'][-1]), known)}")
-    if first["type"] == "missing":
-        return InputError(where, field, "nothing", "a value for this required key")
-    found = repr(first["input"])
-    expected = first["msg"].removeprefix("Value error, ").replace("Input should be ", "")
-    return InputError(where, field, found if len(found) < 80 else found[:77] + "...", expected)
-
-
-def _rounded(value: Any) -> Any:
-    """Floats to a thousandth, in nested containers."""
-    if isinstance(value, float):
-        return round(value, 3) + 0.0
-    if isinstance(value, dict):
-        return {key: _rounded(item) for key, item in value.items()}
-    return [_rounded(item) for item in value] if isinstance(value, list | tuple) else value
-
-
-def _flow(value: Any) -> str:
-    return yaml.safe_dump(value, default_flow_style=True, sort_keys=False, width=10_000).removesuffix("...\n").strip()
