@@ -135,6 +135,20 @@ def test_size_and_type_hold_for_any_shape():
             assert max(rgb.shape[:2]) >= cfg.size_px - 80
 
 
+def test_the_legend_of_a_narrow_map_is_not_cut():
+    cells = np.ones((600, 100), np.uint8)
+
+    def lowest_rows(goal):
+        rgb = draw_map(MapScene(cells=cells, cell_m=0.05, goal=goal), MapViewCfg(crop=False)).rgb
+        return rgb[-50:]
+
+    plain, with_goal = lowest_rows(None), lowest_rows((2.0, 2.0))
+    assert has(with_goal, (190, 0, 170))
+    columns = np.nonzero((plain != 255).any(axis=(0, 2)))[0]
+    np.testing.assert_array_equal(with_goal[:, :columns[-1] + 1], plain[:, :columns[-1] + 1])
+    assert (with_goal[:, -3:] == 255).all()
+
+
 def test_the_same_scene_gives_the_same_bytes():
     scene = MapScene(cells=grid(), cell_m=0.05, pose=Pose(3, 4, 1), centroids=np.array([(5.0, 5.0)]))
     assert png(draw_map(scene).rgb) == png(draw_map(scene).rgb)

@@ -103,3 +103,12 @@ def test_a_report_is_replaced_and_a_missing_run_is_named(fresh, tmp_path):
     assert not list(fresh.glob("*.part"))
     with pytest.raises(InputError, match="nowhere"):
         write_report(tmp_path / "nowhere")
+
+
+def test_a_picture_shown_twice_is_held_once(fresh):
+    once = page(fresh).count("data:image/webp")
+    text = (fresh / "events.jsonl").read_text().replace('"10map"', '"00map"')
+    (fresh / "events.jsonl").write_text(text)
+    html = page(fresh)
+    assert html.count("data:image/webp") == once - 1
+    assert html.count('data-picture="00map"') == 2

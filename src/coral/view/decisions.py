@@ -42,8 +42,9 @@ class Try:
             return "no centroid" if index is None else f"centroid {index}"
         if {"forward_m", "left_m"} <= set(self.answer):
             forward, left = self.answer["forward_m"], self.answer["left_m"]
-            ahead = f"{forward} m ahead" if forward >= 0 else f"{-forward} m back"
-            return ahead + (f", {left} m left" if left > 0 else f", {-left} m right" if left < 0 else "")
+            moves = [f"{abs(metres)} m {where}" for metres, where in (
+                (forward, "ahead" if forward > 0 else "back"), (left, "left" if left > 0 else "right")) if metres]
+            return ", ".join(moves) or "stay here"
         parts = [f"{key.replace('_', ' ')} {value}" for key, value in self.answer.items()
                  if key not in ("reason", "reasoning") and not isinstance(value, dict | list)]
         return ", ".join(parts) or {"malformed": "not a valid answer", "open": "no answer yet"}.get(self.verdict,

@@ -89,6 +89,10 @@ def draw_axes(view: MapPicture, left: int, top: int, width: int, height: int) ->
     draw_text(rgb, "x (m)", left + width, top + height + 15, size=14, weight=400, anchor="rm")
 
 
+LEGEND_PX = 620
+"""Width that the legend needs (px)."""
+
+
 def draw_legend(rgb: Image, left: int, top: int, goal: bool) -> None:
     """Two lines that explain the colours, in place, from (left, top) px; `goal` says whether one is drawn."""
     squares = [(CELL_COLORS[0], "unexplored"), (CELL_COLORS[1], "explored"), (CELL_COLORS[2], "obstacle"),

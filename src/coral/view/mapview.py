@@ -15,6 +15,7 @@ from coral.view.cameraview import camera_picture
 from coral.view.mapframe import (
     BLUE,
     CELL_COLORS,
+    LEGEND_PX,
     MAGENTA,
     OBSTACLE,
     ORANGE,
@@ -107,7 +108,7 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     scale = min((cfg.size_px - left - right) / (x1 - x0), (cfg.size_px - top - bottom - legend_px) / (y1 - y0))
     inner_w, inner_h = round(scale * (x1 - x0)), round(scale * (y1 - y0))
     # The legend needs its width even when the map is a narrow upright strip.
-    width = max(inner_w + left + right, 560 if cfg.legend and cfg.size_px >= 600 else 0)
+    width = max(inner_w + left + right, LEGEND_PX if cfg.legend and cfg.size_px >= LEGEND_PX else 0)
     rgb = np.full((inner_h + bottom + top + legend_px, width, 3), 255, np.uint8)
     view = MapPicture(rgb, scale, left - scale * x0, top + inner_h + scale * y0, window)
     inner = rgb[top:top + inner_h, left:left + inner_w]

@@ -65,6 +65,7 @@ def write_report(run_folder: str | Path) -> Path:
 def render_report(run: RunFolder) -> str:
     """The whole page as text."""
     made = decisions(run)
+    pictures = _pictures(run, made)
     metrics = _metrics(run)
     drawing = MapSvg(run, _size(run))
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(TEMPLATES), autoescape=True, trim_blocks=True,
@@ -78,11 +79,11 @@ def render_report(run: RunFolder) -> str:
         topology=str(run.world.get("topology", "")), size=_size(run), metrics=metrics, headline=_headline(run, metrics),
         tiles=_tiles(metrics), map=Markup(drawing.draw(made)), decisions=made,
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, made)],
-        histogram=Markup(control_histogram(run.timing)), pictures=_pictures(run, made),
+        histogram=Markup(control_histogram(run.timing)), pictures=pictures,
         rows=[(_title(key), _show(key, value), DEFINITIONS.get(key, "")) for key, value in metrics.items()],
         truth=_truth_counts(run), collisions=collisions, provenance=_provenance(run, start),
         config=yaml.safe_dump(dict(run.config), sort_keys=False, allow_unicode=True) if run.config else "",
-        data=Markup(_script_data(run, made)), held=HELD, has_frames=bool(run.frame_steps),
+        data=Markup(_script_data(run, made, pictures)), held=HELD, has_frames=bool(run.frame_steps),
         video=(run.path / "mission.mp4").is_file(), script=Markup((TEMPLATES / "report.js").read_text("utf-8")),
         style=Markup((TEMPLATES / "report.css").read_text("utf-8")))
 
@@ -221,7 +222,7 @@ def _pictures(run: RunFolder, made: Sequence[Decision]) -> dict[str, str]:
     return {digest: "data:image/webp;base64," + b64encode(data).decode() for digest, data in encoded.items()}
 
 
-def _script_data(run: RunFolder, made: Sequence[Decision]) -> str:
+def _script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str, str]) -> str:
     """What the time slider moves, as JSON that is safe inside a script element."""
     t = run.column("t")
     stride = max(1, -(-len(t) // 1500))
@@ -236,7 +237,7 @@ def _script_data(run: RunFolder, made: Sequence[Decision]) -> str:
         "a": column(run.column("theta"), 3), "s": column(speed, 3), "c": column(run.column("clearance"), 2),
         "k": column(run.column("coverage"), 4), "gx": column(run.column("goal_x"), 2),
         "gy": column(run.column("goal_y"), 2), "end": round(run.duration_s, 2), "plot": [LEFT, WIDTH - RIGHT, WIDTH],
-        "frames": _frames(run),
+        "frames": _frames(run), "pictures": dict(pictures),
         "decisions": [{"n": d.number, "t": d.t, "end": d.end_s, "mode": d.mode, "cause": d.cause, "tries": len(d.tries),
                        "said": d.tries[-1].said, "verdict": d.outcome, "why": d.tries[-1].why[:600],
                        "c": [[c["index"], c["x"], c["y"], bool(c.get("visited"))] for c in d.centroids]}

@@ -125,6 +125,8 @@
     if (e.target.matches(".shown img")) e.target.parentElement.classList.toggle("big");
   });
   if ($("unfold")) $("unfold").onclick = () => { const shut = all("details.decision").some((d) => !d.open); all("details.decision").forEach((d) => { d.open = shut; }); $("unfold").textContent = shut ? "fold all" : "unfold all"; };
+  // One picture may have been shown many times; the page holds it once.
+  all("[data-picture]").forEach((img) => { img.src = RUN.pictures[img.dataset.picture]; });
   let folded = [];
   addEventListener("beforeprint", () => { stop(); show(RUN.end); folded = all("details:not([open])"); folded.forEach((d) => { d.open = true; }); });
   addEventListener("afterprint", () => folded.forEach((d) => { d.open = false; }));
