@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Grid = NDArray[np.float32]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def slowness_grid(distance: Grid, fine_m: float, ratio: int, radius_m: float, band_m: float, penalty: float) -> Grid:
     """Cost per metre of the coarse cells; negative where the hull does not fit.
 
@@ -32,14 +32,16 @@ def slowness_grid(distance: Grid, fine_m: float, ratio: int, radius_m: float, ba
     cell = fine_m * ratio
     for j in range(h):
         for i in range(w):
-            total, count = 0.0, 0
-            for jj in range(j * ratio, min((j + 1) * ratio, fine_h)):
-                for ii in range(i * ratio, min((i + 1) * ratio, fine_w)):
-                    total += distance[jj, ii]
-                    count += 1
+            j1, i1 = min((j + 1) * ratio, fine_h), min((i + 1) * ratio, fine_w)
+            if ratio == 2 and j1 == 2 * j + 2 and i1 == 2 * i + 2:  # the default, without the loops
+                row, col = 2 * j, 2 * i
+                total = distance[row, col] + distance[row, col + 1]
+                mean = 0.25 * (total + distance[row + 1, col] + distance[row + 1, col + 1])
+            else:
+                mean = distance[j * ratio : j1, i * ratio : i1].mean()
             x, y = (i + 0.5) * cell, (j + 0.5) * cell
             edge = min(min(x, fine_w * fine_m - x), min(y, fine_h * fine_m - y))
-            d = min(total / count, edge)
+            d = min(mean, edge)
             if d < radius_m:
                 out[j, i] = -1.0
             elif d < radius_m + band_m:
@@ -50,7 +52,7 @@ def slowness_grid(distance: Grid, fine_m: float, ratio: int, radius_m: float, ba
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy: float, top: float) -> Grid:
     """Solve |grad V| = slowness from the goal outwards; inf where the goal cannot be reached.
 
@@ -69,11 +71,19 @@ def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy
     Returns:
         Shape=(h, w) cost-to-go (m of open water).
     """
-    h, w = slowness.shape
-    value = np.full((h, w), np.inf, np.float32)
-    done = np.zeros((h, w), np.uint8)
+    # A rim of blocked cells spares the bounds checks; cells are numbered through.
+    h, w = slowness.shape[0] + 2, slowness.shape[1] + 2
+    padded = np.full((h, w), -1.0, np.float32)
+    padded[1:-1, 1:-1] = slowness
+    cost = padded.ravel()
+    value = np.full(h * w, np.inf, np.float32)
+    closed = cost < 0.0
+    steps = (w, -w, 1, -1)
     width = cell_m / 3.0
-    buckets = math.ceil(2.0 * top * cell_m / width) + 4
+    per_bucket = 1.0 / width
+    buckets = 16
+    while buckets < 2.0 * top * cell_m * per_bucket + 4.0:
+        buckets *= 2
     head = np.full(buckets, -1, np.int32)
     tail = np.full(buckets, -1, np.int32)
     capacity = 4 * h * w + 32
@@ -83,10 +93,11 @@ def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy
     for dj in range(-1, 2):
         for di in range(-1, 2):
             j, i = goal_j + dj, goal_i + di
-            if 0 <= j < h and 0 <= i < w and slowness[j, i] > 0.0:
-                value[j, i] = slowness[j, i] * math.hypot((i + 0.5) * cell_m - gx, (j + 0.5) * cell_m - gy)
-                b = int(value[j, i] / width) % buckets
-                cell_of[used], link[used] = j * w + i, -1
+            cell = (j + 1) * w + i + 1
+            if not closed[cell]:
+                value[cell] = cost[cell] * math.hypot((i + 0.5) * cell_m - gx, (j + 0.5) * cell_m - gy)
+                b = int(value[cell] * per_bucket) & (buckets - 1)
+                cell_of[used], link[used] = cell, -1
                 if head[b] < 0:
                     head[b] = used
                 else:
@@ -95,7 +106,7 @@ def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy
                 used += 1
     level, empty = 0, 0
     while empty <= buckets:
-        b = level % buckets
+        b = level & (buckets - 1)
         entry = head[b]
         if entry < 0:
             level += 1
@@ -104,61 +115,59 @@ def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy
         empty = 0
         head[b] = link[entry]
         cell = cell_of[entry]
-        j, i = cell // w, cell % w
-        if done[j, i]:
+        if closed[cell]:
             continue
-        done[j, i] = 1
-        for k in range(4):
-            nj = j + (1 if k == 0 else (-1 if k == 1 else 0))
-            ni = i + (1 if k == 2 else (-1 if k == 3 else 0))
-            if nj < 0 or ni < 0 or nj >= h or ni >= w or done[nj, ni] or slowness[nj, ni] < 0.0:
+        closed[cell] = True
+        for step in steps:
+            n = cell + step
+            if closed[n]:
                 continue
-            a = min(value[nj, ni - 1] if ni > 0 else np.inf, value[nj, ni + 1] if ni + 1 < w else np.inf)
-            c = min(value[nj - 1, ni] if nj > 0 else np.inf, value[nj + 1, ni] if nj + 1 < h else np.inf)
-            f = slowness[nj, ni] * cell_m
+            a = min(value[n - 1], value[n + 1])
+            c = min(value[n - w], value[n + w])
+            f = cost[n] * np.float32(cell_m)
             low, high = min(a, c), max(a, c)
-            if high - low >= f:
-                new = low + f
-            else:
-                new = 0.5 * (low + high + math.sqrt(2.0 * f * f - (high - low) * (high - low)))
-            if new < value[nj, ni] - 1e-6 and used < capacity:
-                value[nj, ni] = new
-                n = int(new / width)
-                n = max(n, level) % buckets
-                cell_of[used], link[used] = nj * w + ni, -1
-                if head[n] < 0:
-                    head[n] = used
+            gap = high - low
+            new = low + f if gap >= f else np.float32(0.5) * (low + high + math.sqrt(f * f + f * f - gap * gap))
+            if new < value[n] - np.float32(1e-6) and used < capacity:
+                value[n] = new
+                b = max(int(new * per_bucket), level) & (buckets - 1)
+                cell_of[used], link[used] = n, -1
+                if head[b] < 0:
+                    head[b] = used
                 else:
-                    link[tail[n]] = used
-                tail[n] = used
+                    link[tail[b]] = used
+                tail[b] = used
                 used += 1
-    return value
+    return value.reshape((h, w))[1:-1, 1:-1].copy()
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def extend(value: Grid, cell_m: float, steepness: float) -> None:
     """Give every unreached cell a value that rises into it from the reached ones, in place (two raster sweeps, twice).
 
     A robot found inside the blocked band then still has a downhill direction: out.
     """
     h, w = value.shape
-    blocked = ~np.isfinite(value)
-    f = steepness * cell_m
+    f = np.float32(steepness * cell_m)
+    blocked = np.empty(h * w, np.int32)
+    n = 0
+    for cell in range(h * w):
+        if value[cell // w, cell % w] == np.inf:
+            blocked[n] = cell
+            n += 1
     for _ in range(2):
-        for j in range(h):
-            for i in range(w):
-                if blocked[j, i]:
-                    if i > 0:
-                        value[j, i] = min(value[j, i], value[j, i - 1] + f)
-                    if j > 0:
-                        value[j, i] = min(value[j, i], value[j - 1, i] + f)
-        for j in range(h - 1, -1, -1):
-            for i in range(w - 1, -1, -1):
-                if blocked[j, i]:
-                    if i + 1 < w:
-                        value[j, i] = min(value[j, i], value[j, i + 1] + f)
-                    if j + 1 < h:
-                        value[j, i] = min(value[j, i], value[j + 1, i] + f)
+        for k in range(n):
+            j, i = blocked[k] // w, blocked[k] % w
+            if i > 0:
+                value[j, i] = min(value[j, i], value[j, i - 1] + f)
+            if j > 0:
+                value[j, i] = min(value[j, i], value[j - 1, i] + f)
+        for k in range(n - 1, -1, -1):
+            j, i = blocked[k] // w, blocked[k] % w
+            if i + 1 < w:
+                value[j, i] = min(value[j, i], value[j, i + 1] + f)
+            if j + 1 < h:
+                value[j, i] = min(value[j, i], value[j + 1, i] + f)
 
 
 @njit(cache=True)
