@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 class NumpyMppi(DdpMppi):
     """The same planner with its rollouts as NumPy array operations over all rollouts."""
 
-    def _evaluate(self, start: Array, controls: Array, guide: Array, scene) -> Array:  # noqa: ANN001
+    def _evaluate(self, start: Array, controls: Array, guide: Array, scene) -> Array:
         m, table = self._model, self.schedule
         mass = np.array([m.m11, m.m22, m.m66])
         linear, quadratic = np.array([m.du, m.dv, m.dr]), np.array([m.duu, m.dvv, m.drr])
@@ -117,7 +117,7 @@ class NumpyMppi(DdpMppi):
         return np.where(ok, self._costs @ self._weights, np.inf)
 
     @staticmethod
-    def _clear(scene, x: Array, y: Array) -> Array:  # noqa: ANN001
+    def _clear(scene, x: Array, y: Array) -> Array:
         h, w = scene.distance.shape
         edge = np.minimum(np.minimum(x, w * scene.cell_m - x), np.minimum(y, h * scene.cell_m - y))
         i = np.clip((x / scene.cell_m).astype(int), 0, w - 1)
@@ -125,7 +125,7 @@ class NumpyMppi(DdpMppi):
         return np.minimum(edge, scene.distance[j, i])
 
     @staticmethod
-    def _look(scene, x: Array, y: Array) -> tuple[Array, Array, Array]:  # noqa: ANN001
+    def _look(scene, x: Array, y: Array) -> tuple[Array, Array, Array]:
         h, w = scene.value.shape
         cell = scene.value_cell_m
         fx, fy = np.clip(x / cell - 0.5, 0.0, w - 1.001), np.clip(y / cell - 0.5, 0.0, h - 1.001)

@@ -270,7 +270,7 @@ class DdpMppi:
             self.vehicle.max_yaw_rate_rad_s,
         )
         # A robot that is closer than the margin already (a new obstacle, drift) must be allowed to leave: it may go
-        # anywhere that is not closer still, give or take what the map's cells blur.
+        # anywhere that is not closer still, but for the way it needs to stop and what the map's cells blur.
         slack = 0.5 * cell_m
         circle = self.schedule.circle[0]
         x, y = float(start[0]), float(start[1])
@@ -280,7 +280,8 @@ class DdpMppi:
         if spare >= margin:
             return scene
         if spare > 0.0:
-            return scene._replace(margin_m=spare)
+            stopping = math.hypot(start[3], start[4]) / self.vehicle.tracking_rate_1_s
+            return scene._replace(margin_m=max(spare - stopping, 0.0))
         return scene._replace(margin_m=0.0, hull_m=max(clearance_at(distance, cell_m, x, y) - 2.0 * slack, 0.05))
 
     def _sample(self, start: Array) -> Array:
