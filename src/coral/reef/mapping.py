@@ -109,11 +109,11 @@ class OccupancyMap:
         width, height = self.size_m
         return margin_m <= x <= width - margin_m and margin_m <= y <= height - margin_m
 
-    def explored_fraction(self, x: float, y: float, radius_m: float) -> float:
-        """Share of explored cells in the square of half-edge `radius_m` about a world point."""
+    def unexplored_share(self, x: float, y: float, radius_m: float) -> float:
+        """Share of the square of half-edge `radius_m` about a world point that is unexplored survey area."""
         y0, y1, x0, x1 = self._window(Pose(x, y, 0.0), radius_m)
         patch = self.explored[y0:y1, x0:x1]
-        return float(patch.mean()) if patch.size else 1.0
+        return float(patch.size - np.count_nonzero(patch)) * (self.cfg.cell_m / (2.0 * radius_m)) ** 2
 
     def _window(self, pose: Pose, radius_m: float) -> tuple[int, int, int, int]:
         ny, nx = self.target.shape

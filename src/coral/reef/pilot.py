@@ -29,6 +29,9 @@ Command = tuple[float, float]
 Emit = Callable[..., None]
 """emit(event, **fields) appends to the run's events."""
 
+FALLBACK_TRIES = 30
+"""Answers of the rules that are verified before a fallback gives up for this time."""
+
 
 class LocalPlanner(Protocol):
     """Drives towards a goal: DDP-MPPI, or a baseline in its place."""
@@ -164,7 +167,7 @@ class Pilot:
         if self.cfg.fallback != "heuristic":
             return
         rejections: list[Rejection] = []
-        for _ in range(8):
+        for _ in range(FALLBACK_TRIES):
             question = self.planner.observe(rejections)
             if question is None:
                 return

@@ -13,10 +13,10 @@ from coral.advisor.question import Picture, Question, Rejection
 from coral.reef.answers import CentroidChoice, WaypointChoice
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostFieldCfg
-from coral.reef.geometry import to_robot, to_world
+from coral.reef.geometry import to_robot, to_world, wrap
 from coral.reef.survey import Survey, SurveyCfg, survey
 from coral.reef.trigger import separated
-from coral.reef.verify import Surroundings, VerifyCfg, verify_waypoint, violation
+from coral.reef.verify import Surroundings, VerifyCfg, reference, verify_waypoint, violation
 
 Mode = Literal["centroid", "waypoint"]
 Prompts = Callable[[str, Mapping[str, Any]], tuple[str, str]]
@@ -144,12 +144,13 @@ class HighLevelPlanner:
                               chain=[(t.x, t.y) for t in belief.tracks])
         aims = [(t.x, t.y) for t in belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
         if self.mode == "waypoint":
-            aims += [(f.x, f.y) for f in left.frontiers]
+            aims += [to_world(belief.pose, o["forward_m"], o["left_m"]) for o in self._options(left)]
         open_ = any(violation(p, around, cfg) is None for p in aims if separated(p, belief.pose[:2], 1.5))
         return replace(around, dead_end=left.dead_end or not open_)
 
     def _facts(self, left: Survey) -> dict[str, Any]:
         belief, pose = self.belief, self.belief.pose
+        around = self._surroundings(left)
         trail = belief.trajectory
         centroids = []
         for position, t in enumerate(belief.tracker.chain()):
@@ -160,7 +161,7 @@ class HighLevelPlanner:
                 "path_m": _finite(left.path_m(t.x, t.y)), "visited": t.visited, "chain_position": position,
                 "failed_attempts": belief.failures(t.x, t.y), "area_m2": round(t.area_px * belief.map.cfg.cell_m**2, 2),
                 "trajectory_m": _finite(float(np.min(np.hypot(trail[:, 0] - t.x, trail[:, 1] - t.y)))),
-                "unexplored": round(1.0 - belief.map.explored_fraction(t.x, t.y, self.cfg.survey.gain_radius_m), 3)})
+                "unexplored": round(belief.map.unexplored_share(t.x, t.y, self.cfg.survey.gain_radius_m), 3)})
         frontiers = []
         for f in left.frontiers[:40]:
             forward, to_left = to_robot(pose, f.x, f.y)
@@ -168,11 +169,27 @@ class HighLevelPlanner:
                               "bearing_deg": round(math.degrees(f.bearing), 1), "length_m": round(f.length_m, 2),
                               "unexplored": round(f.unexplored, 3), "reef_m": _finite(f.reef_m)})
         facts: dict[str, Any] = {
-            "robot": {"x": pose.x, "y": pose.y, "theta": pose.theta}, "dead_end": left.dead_end,
-            "centroids": centroids, "frontiers": frontiers}
+            "robot": {"x": pose.x, "y": pose.y, "theta": pose.theta}, "arrival": self._arrival(),
+            "dead_end": around.dead_end, "trend_deg": self._trend(around), "centroids": centroids, "frontiers": frontiers}
         if self.mode == "waypoint":
             facts["options"] = self._options(left)
         return facts
+
+    def _arrival(self) -> dict[str, float]:
+        """Where the robot will be when the answer comes, in its present frame: at the goal that it is driving to."""
+        goal = self.belief.goal
+        if goal is None:
+            return {"forward_m": 0.0, "left_m": 0.0, "heading_deg": 0.0}
+        forward, to_left = to_robot(self.belief.pose, *goal)
+        heading = math.degrees(math.atan2(to_left, forward)) if math.hypot(forward, to_left) > 0.5 else 0.0
+        return {"forward_m": round(forward, 2), "left_m": round(to_left, 2), "heading_deg": round(heading, 1)}
+
+    def _trend(self, around: Surroundings) -> float | None:
+        """Bearing of the chain's trend (deg, Eq. 7), as the blue line on the map shows it; None when it says nothing."""
+        found = reference(around, self.cfg.verify)
+        if found is None or len(around.chain) < self.cfg.verify.min_centroids:
+            return None
+        return round(math.degrees(wrap(math.atan2(found[0][1], found[0][0]) - around.pose.theta)), 1)
 
     def _options(self, left: Survey) -> list[dict[str, Any]]:
         """The discrete waypoints that can be reached, with what each would show and how far each frontier is from it."""
@@ -181,7 +198,7 @@ class HighLevelPlanner:
         points = [to_world(belief.pose, f, s) for f, s in steps]
         paths = left.paths_m(np.array([p[0] for p in points]), np.array([p[1] for p in points]))
         return [{"forward_m": f, "left_m": s, "path_m": round(float(path), 2),
-                 "unexplored": round(1.0 - belief.map.explored_fraction(x, y, self.cfg.survey.gain_radius_m), 3)}
+                 "unexplored": round(belief.map.unexplored_share(x, y, self.cfg.survey.gain_radius_m), 3)}
                 for (f, s), (x, y), path in zip(steps, points, paths, strict=True)
                 if math.isfinite(path) and belief.map.contains(x, y)]
 

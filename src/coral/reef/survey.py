@@ -125,7 +125,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
         forward, to_left = to_robot(belief.pose, x, y)
         found.append(Frontier(
             x=x, y=y, length_m=float(members.size * cell_m), path_m=float(path[best]), bearing=math.atan2(to_left, forward),
-            unexplored=1.0 - belief.map.explored_fraction(x, y, cfg.gain_radius_m),
+            unexplored=belief.map.unexplored_share(x, y, cfg.gain_radius_m),
             reef_m=float(np.min(np.hypot(reef[:, 0] - x, reef[:, 1] - y))) if len(reef) else math.inf))
     return sorted(found, key=lambda f: f.path_m)
 
