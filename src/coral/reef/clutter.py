@@ -1,0 +1,158 @@
+"""Obstacles of a generated reef: a dense field before the start, the rest among the oyster clusters (paper IV-A)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.errors import InputError
+from coral.reef.world import Obstacle
+
+Shape = Literal["sphere", "ellipsoid", "cylinder", "box"]
+
+_TRIES = 400
+"""Draws for each obstacle before the room counts as full."""
+_RESTARTS = 4
+"""Times that the dense field is begun before the demand counts as impossible."""
+_EDGE_M, _BESIDE_OYSTERS_M, _BEHIND_START_M, _AHEAD_OF_START_M = 0.3, 0.3, 0.9, 1.2
+"""Kept free between an obstacle's circle and the world's edge, an oyster, the hull's centre behind and ahead of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Room:
+    """What is there before the obstacles come. Metres, radians.
+
+    points: Shape=(N, 2), on the spine.
+    oysters: Shape=(M, 3): x, y and reach of every oyster on the ground plane.
+    """
+
+    size_m: tuple[float, float]
+    start: tuple[float, float, float]
+    points: NDArray[np.float64]
+    oysters: NDArray[np.float64]
+
+
+class Clutter:
+    """Places obstacles one by one so that any two leave a passage between them.
+
+    Obstacles count as the circles about their outlines, so that a passage is never narrower than promised. Grown by
+    half a passage, no two of them touch: what is left for a hull of that radius is connected.
+    """
+
+    def __init__(self, room: Room, passage_m: float, rng: np.random.Generator) -> None:
+        self.room, self.passage_m, self._rng = room, passage_m, rng
+        self.placed: list[Obstacle] = []
+        self._circles: list[tuple[float, float, float]] = []
+
+    def field(self, count: int, radius_m: float, name: str) -> None:
+        """Obstacles in the half disc ahead of the start, most of them as near to a neighbour as the passage allows.
+
+        Args:
+            count: How many.
+            radius_m: Of the half disc.
+            name: Of the setting, for the message.
+
+        Raises:
+            InputError: They do not fit.
+        """
+        x0, y0, heading = self.room.start
+
+        def draw() -> tuple[float, float]:
+            radius = radius_m * math.sqrt(self._rng.random())
+            angle = heading + self._rng.uniform(-0.5 * math.pi, 0.5 * math.pi)
+            return x0 + radius * math.cos(angle), y0 + radius * math.sin(angle)
+
+        for attempt in range(_RESTARTS):
+            before = len(self.placed)
+            try:
+                return self._place(count, name, draw, crowd=True, beyond_m=0.0)
+            except InputError:
+                if attempt == _RESTARTS - 1:
+                    raise
+                del self.placed[before:], self._circles[before:]
+        return None
+
+    def along(self, count: int, beyond_m: float, name: str) -> None:
+        """Obstacles about the spine and, one in five, anywhere, farther than `beyond_m` from the start.
+
+        Raises:
+            InputError: They do not fit.
+        """
+        room, rng = self.room, self._rng
+
+        def draw() -> tuple[float, float]:
+            if rng.random() < 0.8:
+                x, y = room.points[rng.integers(len(room.points))] + rng.normal(0.0, 1.8, 2)
+            else:
+                x, y = rng.uniform(0.0, 1.0, 2) * room.size_m
+            return float(x), float(y)
+
+        if count and not np.any(np.hypot(*(room.points - room.start[:2]).T) >= beyond_m):
+            raise InputError("generator", name, count, f"0 on a spine that stays within {beyond_m:g} m of its start")
+        self._place(count, name, draw, crowd=False, beyond_m=beyond_m)
+
+    def _place(self, count: int, name: str, draw: Callable[[], tuple[float, float]], *, crowd: bool,
+               beyond_m: float) -> None:
+        before = len(self.placed)
+        for attempt in range(_TRIES * count):
+            if len(self.placed) == before + count:
+                return
+            shape, half, radius = _solid(self._rng, slim=2 * attempt > _TRIES * count)
+            x, y = draw()
+            if math.hypot(x - self.room.start[0], y - self.room.start[1]) < beyond_m:
+                continue
+            gap = min((math.hypot(x - a, y - b) - radius - r for a, b, r in self._circles), default=math.inf)
+            narrow = gap <= self.passage_m + 0.4 or len(self.placed) < 2 or self._rng.random() < 0.15
+            if gap < self.passage_m or (crowd and not narrow) or not self._fits(x, y, radius):
+                continue
+            self._circles.append((x, y, radius))
+            # A little of a rock is sunk in, so that it does not stand on a point.
+            z = half[2] if shape in ("box", "cylinder") else 0.9 * half[2]
+            self.placed.append(Obstacle(shape=shape, x=mm(x), y=mm(y), z=mm(z), size=half,
+                                        yaw=mm(self._rng.uniform(-math.pi, math.pi))))
+        if len(self.placed) < before + count:
+            raise InputError("generator", name, count, f"at most {len(self.placed) - before} with passages of "
+                                                       f"{self.passage_m:g} m in this world")
+
+    def _fits(self, x: float, y: float, radius: float) -> bool:
+        room = self.room
+        x0, y0, heading = room.start
+        ahead = (x - x0) * math.cos(heading) + (y - y0) * math.sin(heading) > 0
+        if math.hypot(x - x0, y - y0) - radius < (_AHEAD_OF_START_M if ahead else _BEHIND_START_M):
+            return False
+        if min(x, y, room.size_m[0] - x, room.size_m[1] - y) - radius < _EDGE_M:
+            return False
+        away = np.hypot(room.oysters[:, 0] - x, room.oysters[:, 1] - y) - room.oysters[:, 2]
+        return bool(away.min() >= radius + _BESIDE_OYSTERS_M)
+
+
+def _solid(rng: np.random.Generator, slim: bool) -> tuple[Shape, tuple[float, float, float], float]:
+    """A rock, post or piece of debris: shape, half-extents (m), radius of the circle about its outline.
+
+    Only thin posts once room has become scarce (`slim`). All are rooted in the seabed and 1.2 m high or more: the
+    vehicle's camera flies at 1 m.
+    """
+    if slim:
+        return "cylinder", (0.08, 0.08, mm(rng.uniform(0.7, 1.3))), 0.08
+    kind = rng.random()
+    if kind < 0.35:
+        a, b, c = mm(rng.uniform(0.25, 0.55)), mm(rng.uniform(0.2, 0.45)), mm(rng.uniform(0.64, 0.9))
+        return "ellipsoid", (a, b, c), max(a, b)
+    if kind < 0.42:
+        a = mm(rng.uniform(0.64, 0.7))
+        return "sphere", (a, a, a), a
+    if kind < 0.77:
+        a = mm(rng.uniform(0.08, 0.25))
+        return "cylinder", (a, a, mm(rng.uniform(0.7, 1.3))), a
+    a, b = mm(rng.uniform(0.15, 0.45)), mm(rng.uniform(0.1, 0.3))
+    return "box", (a, b, mm(rng.uniform(0.62, 0.9))), math.hypot(a, b)
+
+
+def mm(value: float) -> float:
+    """Rounded to the millimetre or milliradian that a world file keeps."""
+    return round(float(value), 3)
