@@ -1,0 +1,162 @@
+import dataclasses
+import json
+
+import pytest
+
+from coral.advisor.question import AdvisorUnavailable, BadAnswer, Reply
+from coral.advisor.rules import RuleAdvisor
+from coral.errors import InputError
+from coral.reef.answers import CentroidChoice
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.metrics import compute_metrics
+from coral.reef.mission import Mission, MissionCfg
+from coral.reef.record import RecordCfg
+from coral.reef.variants import VARIANTS, apply_variant
+
+QUIET = MissionCfg(time_limit_s=150.0, latency="fixed:3", record=RecordCfg(pictures=False, frames=False))
+
+
+def run(world, folder, advisor=None, cfg=QUIET, seed=0, observers=()):
+    mission = Mission(world, cfg, advisor or RuleAdvisor(REEF_RULES), folder, seed=seed)
+    return mission.run(observers)
+
+
+def events(folder, kind):
+    lines = (folder / "events.jsonl").read_text().splitlines()
+    return [e for e in map(json.loads, lines) if e["event"] == kind]
+
+
+@pytest.fixture(scope="module")
+def finished(pond, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("mission") / "run"
+    return run(pond, folder), folder
+
+
+def test_a_small_reef_is_covered_without_touching_anything(finished):
+    result, _ = finished
+    assert (result["coverage"], result["collisions"], result["end_reason"]) == (1.0, 0, "coverage complete")
+
+
+def test_metrics_can_be_computed_again_from_the_folder(finished):
+    result, folder = finished
+    stored = json.loads((folder / "metrics.json").read_text())
+    assert stored == compute_metrics(folder)
+    assert {k: result[k] for k in stored} == stored
+
+
+def test_metrics_hold_no_wall_clock(finished):
+    _, folder = finished
+    assert not [k for k in json.loads((folder / "metrics.json").read_text()) if "wall" in k or k.endswith("_ms")]
+
+
+def test_answers_arrive_after_the_latency_and_the_controller_goes_on(finished):
+    _, folder = finished
+    verdicts = events(folder, "verdict")
+    assert verdicts
+    assert all(v["t"] == pytest.approx(v["asked_at"] + 3.0) for v in verdicts)
+    rows = (folder / "trajectory.csv").read_text().splitlines()
+    assert len(rows) - 1 == json.loads((folder / "metrics.json").read_text())["steps"]
+
+
+def test_the_same_seed_gives_the_same_run_and_another_seed_does_not(pond, finished, tmp_path):
+    _, folder = finished
+    run(pond, tmp_path / "again")
+    for name in ("metrics.json", "trajectory.csv", "events.jsonl", "attempts.jsonl"):
+        assert (tmp_path / "again" / name).read_bytes() == (folder / name).read_bytes()
+    run(pond, tmp_path / "other", seed=1)
+    assert (tmp_path / "other" / "trajectory.csv").read_bytes() != (folder / "trajectory.csv").read_bytes()
+
+
+def test_a_folder_with_something_in_it_is_left_alone(pond, tmp_path):
+    (tmp_path / "mine.txt").write_text("keep")
+    with pytest.raises(InputError, match="not empty"):
+        run(pond, tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
+
+
+class Silent:
+    name = "silent"
+
+    async def answer(self, question, rejections):
+        raise AdvisorUnavailable("no-network", "nothing there", final=True)
+
+
+class Garbling:
+    name = "garbling"
+
+    async def answer(self, question, rejections):
+        raise BadAnswer("not-json", "that was not JSON", raw="???")
+
+
+class Stubborn:
+    name = "stubborn"
+
+    async def answer(self, question, rejections):
+        if question.answer_type is CentroidChoice:
+            return Reply(value=CentroidChoice(selected_centroid_index=99), raw="99")
+        raise BadAnswer("not-json", "no")
+
+
+SHORT = dataclasses.replace(QUIET, time_limit_s=40.0)
+
+
+def with_fallback(policy):
+    return dataclasses.replace(SHORT, pilot=dataclasses.replace(SHORT.pilot, fallback=policy))
+
+
+@pytest.mark.parametrize(("advisor", "failure"), [(Silent, "no-network"), (Garbling, "requeries-used-up"),
+                                                  (Stubborn, "requeries-used-up")])
+def test_the_rules_take_over_when_the_advisor_fails(pond, tmp_path, advisor, failure):
+    result = run(pond, tmp_path / "run", advisor(), with_fallback("heuristic"))
+    assert result["fallbacks"] >= 1
+    assert result["collisions"] == 0
+    assert events(tmp_path / "run", "fallback")[0]["failure"] == failure
+    assert {g["source"] for g in events(tmp_path / "run", "goal")} == {"initial", "fallback"}
+
+
+def test_hold_keeps_the_goal(pond, tmp_path):
+    run(pond, tmp_path / "run", Silent(), with_fallback("hold"))
+    assert {g["source"] for g in events(tmp_path / "run", "goal")} == {"initial"}
+
+
+def test_abort_ends_the_mission_and_says_why(pond, tmp_path):
+    result = run(pond, tmp_path / "run", Silent(), with_fallback("abort"))
+    assert result["end_reason"] == "advisor failed: no-network"
+
+
+class StopAt:
+    def __init__(self, t):
+        self.t, self.now = t, 0.0
+
+    def tick(self, mission):
+        self.now = mission.t
+
+    def stop_requested(self):
+        return "stopped by the operator" if self.now >= self.t else ""
+
+
+def test_an_observer_can_stop_the_mission(pond, tmp_path):
+    result = run(pond, tmp_path / "run", observers=[StopAt(2.0)])
+    assert (result["end_reason"], result["steps"]) == ("stopped by the operator", 20)
+
+
+def test_time_limit_is_named(pond, tmp_path):
+    result = run(pond, tmp_path / "run", cfg=dataclasses.replace(SHORT, time_limit_s=3.0))
+    assert (result["end_reason"], result["steps"]) == ("time limit", 30)
+
+
+def test_left_alone_the_robot_goes_on_until_nothing_is_left(pond, tmp_path):
+    cfg = dataclasses.replace(QUIET, time_limit_s=400.0, stop_when_covered=False, latency="0")
+    result = run(pond, tmp_path / "run", cfg=cfg)
+    assert (result["end_reason"], result["coverage"]) == ("nothing left to explore", 1.0)
+
+
+@pytest.mark.parametrize("variant", sorted(VARIANTS))
+def test_every_variant_runs(pond, tmp_path, variant):
+    result = run(pond, tmp_path / "run", cfg=apply_variant(variant, dataclasses.replace(SHORT, time_limit_s=8.0)))
+    assert result["steps"] == 80
+
+
+def test_unknown_variants_are_named():
+    with pytest.raises(InputError, match="did you mean 'full'"):
+        apply_variant("ful", QUIET)
