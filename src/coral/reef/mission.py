@@ -17,6 +17,7 @@ from coral.advisor.prompt import render as render_prompt
 from coral.advisor.question import Advisor, Picture
 from coral.advisor.rules import RuleAdvisor
 from coral.config import Positive, to_mapping
+from coral.reef.baselines import baseline_rules
 from coral.reef.belief import Belief, BeliefCfg
 from coral.reef.controller import DdpMppi, MppiCfg
 from coral.reef.heuristic import REEF_RULES
@@ -45,6 +46,8 @@ class MissionCfg:
     metric; the robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
     driver: Literal["ddp-mppi", "pd"] = "ddp-mppi"
     """The low-level planner."""
+    decider: Literal["advisor", "nearest", "frontier", "lawnmower"] = "advisor"
+    """Who answers the questions: the advisor, or the rules of a baseline in its place."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
     map: MapCfg = field(default_factory=MapCfg)
     belief: BeliefCfg = field(default_factory=BeliefCfg)
@@ -72,6 +75,8 @@ class Mission:
     def __init__(self, world: ReefWorld, cfg: MissionCfg, advisor: Advisor, folder: Path, *, seed: int = 0,
                  variant: str = "full", draw: Callable[[Belief], tuple[Picture, ...]] | None = None) -> None:
         sim_rng, control_rng, clock_rng = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3))
+        if cfg.decider != "advisor":
+            advisor = RuleAdvisor(baseline_rules(cfg.decider), name=cfg.decider)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
         self.writer = RunWriter(folder, COLUMNS)
         self.attempts = AttemptRecorder(folder)

@@ -52,6 +52,9 @@ class PilotCfg:
     budget: BudgetCfg = field(default_factory=BudgetCfg)
     fallback: Fallback = "heuristic"
     """Who decides when a decision was not reached within its budget: the rules, nobody (keep the goal), or abort."""
+    synchronous: bool = False
+    """Stand still while a question is open, then drive for `action_s`: DREAM's protocol (paper IV-E), a baseline."""
+    action_s: float = 1.0
     initial_m: float = 2.0
     """The initial waypoint lies this far ahead of the start (Alg. 1)."""
     local_m: float = 5.0
@@ -78,11 +81,11 @@ class Pilot:
         self._emit, self._log = emit, log
         self._decision = 0
         self._task: asyncio.Task[Outcome[Any]] | None = None
-        self._asked: dict[int, tuple[float, float]] = {}
         self._last_firing: Firing | None = None
         self._mode = ""
         self._field_key: tuple[Any, ...] = ()
         self._field_at = -math.inf
+        self._acting_until = -math.inf
 
     def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
         """One control period: take in what was sensed at time `t` (s), return what to do until the next."""
@@ -102,7 +105,7 @@ class Pilot:
         self.trigger.planner(self.plan.ok)
         if not self.plan.ok:
             self._emit("planner_failure", reason=self.plan.failure)
-        return self.plan.command
+        return (0.0, 0.0) if self.cfg.synchronous and self.pending else self.plan.command
 
     @property
     def pending(self) -> bool:
@@ -111,6 +114,8 @@ class Pilot:
 
     def _watch(self, t: float, speed: float) -> None:
         """Ask the advisor when Eq. 12 says so; log every change of its verdict."""
+        if self.cfg.synchronous and t < self._acting_until - 1e-9:
+            return
         target = self.belief.goal if self._decision else None
         firing = self.trigger.update(t, self.belief.pose.x, self.belief.pose.y, speed, target, self.pending)
         if firing is not None and firing != self._last_firing:
@@ -158,6 +163,7 @@ class Pilot:
             self._adopt(self.planner.locate(outcome.question, outcome.answer), "advisor",
                         getattr(outcome.answer, "reason", ""))
         self._decision += 1
+        self._acting_until = self.clock.now() + self.cfg.action_s
 
     def _fall_back(self, outcome: Outcome[Any]) -> None:
         """The advisor stayed silent or wrong past its budget: the named policy decides."""

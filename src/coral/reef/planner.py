@@ -169,7 +169,7 @@ class HighLevelPlanner:
                               "bearing_deg": round(math.degrees(f.bearing), 1), "length_m": round(f.length_m, 2),
                               "unexplored": round(f.unexplored, 3), "reef_m": _finite(f.reef_m)})
         facts: dict[str, Any] = {
-            "robot": {"x": pose.x, "y": pose.y, "theta": pose.theta}, "arrival": self._arrival(),
+            "robot": {"x": pose.x, "y": pose.y, "theta": pose.theta}, "arrival": self._arrival(), "area_m": list(belief.map.size_m),
             "dead_end": around.dead_end, "trend_deg": self._trend(around), "centroids": centroids, "frontiers": frontiers}
         if self.mode == "waypoint":
             facts["options"] = self._options(left)

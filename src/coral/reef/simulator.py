@@ -66,9 +66,17 @@ class ReefSimulator:
 
     def sense(self, dt: float) -> Sensed:
         """Take a picture and read the navigation sensors, `dt` seconds after the last time."""
-        frame = self._noise.apply(self._camera.render(self.pose))
+        height, roll, pitch = self._attitude()
+        frame = self._noise.apply(self._camera.render(self.pose, height, roll=roll, pitch=pitch))
         u, v, r = (float(x) for x in self.vehicle.state[3:6])
         return Sensed(frame=frame, pose=self._drift.step(self.pose, dt), velocity=(u, v, r))
+
+    def _attitude(self) -> tuple[float | None, float, float]:
+        """Height above the seabed (m; None: as configured), roll and pitch (rad) of the camera."""
+        if self.cfg.vehicle.model == "planar":
+            return None, 0.0, 0.0
+        z, roll, pitch = self.vehicle.attitude
+        return z - self.world.seabed.z_m, roll, pitch
 
     def act(self, command: tuple[float, float], dt: float) -> list[tuple[float, float, int]]:
         """Drive for `dt` seconds; returns new contacts as (x, y, obstacle index)."""

@@ -37,9 +37,38 @@ def _pd(cfg: MissionCfg) -> MissionCfg:
     return replace(cfg, driver="pd")
 
 
+def _dream(cfg: MissionCfg) -> MissionCfg:
+    """DREAM (paper IV-C, IV-E): one action of 1 s for each answer, standing still meanwhile; PD, no chain, no checks.
+
+    Its own action set and gains are not public: an action here is a second's drive towards the chosen waypoint.
+    """
+    trigger = replace(cfg.pilot.trigger, always=True, cooldown_s=0.0)
+    pilot = replace(cfg.pilot, trigger=trigger, synchronous=True)
+    return replace(_no_verification(_no_centroid_selection(_pd(cfg))), pilot=pilot, latency="fixed:5")
+
+
+def _rule_based(cfg: MissionCfg) -> MissionCfg:
+    """The nearest unvisited centroid in place of the advisor; where none is known, the nearest frontier."""
+    return replace(cfg, decider="nearest", latency="0")
+
+
+def _frontier(cfg: MissionCfg) -> MissionCfg:
+    """Frontier exploration (Yamauchi 1997), blind to oysters."""
+    return replace(_no_verification(_no_centroid_selection(cfg)), decider="frontier", latency="0")
+
+
+def _lawnmower(cfg: MissionCfg) -> MissionCfg:
+    """Lanes over the whole area, planned before the dive."""
+    return replace(_no_verification(_no_centroid_selection(cfg)), decider="lawnmower", latency="0")
+
+
 VARIANTS: dict[str, Change] = {
     "full": lambda cfg: cfg,
     "pd": _pd,
+    "dream": _dream,
+    "rule-based": _rule_based,
+    "frontier": _frontier,
+    "lawnmower": _lawnmower,
     "no-verification": _no_verification,
     "no-centroid-selection": _no_centroid_selection,
     "no-trigger": _no_trigger,

@@ -1,0 +1,103 @@
+"""Deciders to compare with: what a user would do without a foundation model (paper IV-C, IV-D, and beyond).
+
+They answer the same questions from the same facts as any advisor, at once, and are driven by the same controller.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from coral.advisor.question import Rejection
+from coral.advisor.rules import Rule
+from coral.reef.answers import CentroidChoice, WaypointChoice
+
+Fact = Mapping[str, Any]
+
+
+def nearest_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
+    """Rule-Based Selection (paper IV-D): the nearest unvisited centroid, whatever the map says about it."""
+    refused = {r.details.get("index") for r in rejections}
+    open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
+    best = min([c for c in open_ if c["index"] not in refused] or open_ or facts["centroids"], key=_straight)
+    return CentroidChoice(selected_centroid_index=best["index"], reason="the nearest unvisited cluster")
+
+
+def nearest_frontier(facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
+    """Frontier exploration (Yamauchi 1997): make for the nearest border of the explored water."""
+    refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
+    aims = facts["frontiers"] or [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
+    if not aims:
+        return WaypointChoice(forward_m=0, left_m=0, reason="nothing unexplored can be reached")
+    aim = min(aims, key=lambda a: a["path_m"])
+    return _towards(facts, aim["forward_m"], aim["left_m"], refused, "the nearest frontier")
+
+
+class Lawnmower:
+    """A boustrophedon survey of the whole area: the plan is made before the dive, obstacles are only avoided."""
+
+    def __init__(self, spacing_m: float = 6.0, stride_m: float = 4.0, border_m: float = 2.0) -> None:
+        """Lanes `spacing_m` apart (the sensing range), waypoints every `stride_m` along them."""
+        self._spacing, self._stride, self._border = spacing_m, stride_m, border_m
+        self._points: list[tuple[float, float]] | None = None
+
+    def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
+        """The next waypoint of the lanes; one that cannot be approached is skipped."""
+        robot = facts["robot"]
+        if self._points is None:
+            self._points = self._lanes(facts["area_m"], robot["x"], robot["y"])
+        refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
+        while self._points:
+            x, y = self._points[0]
+            forward, left = _in_robot_frame(robot, x, y)
+            if math.hypot(forward, left) < NEAR_M:
+                self._points.pop(0)
+                continue
+            choice = _towards(facts, forward, left, refused, f"lane point ({x:.0f}, {y:.0f}) m")
+            if math.hypot(choice.forward_m, choice.left_m) >= 1.0:
+                return choice
+            self._points.pop(0)
+        return WaypointChoice(forward_m=0, left_m=0, reason="all lanes are done")
+
+    def _lanes(self, area_m: Sequence[float], x: float, y: float) -> list[tuple[float, float]]:
+        """Lanes along x, starting from the corner nearest to the robot."""
+        b = self._border
+        n_lanes = max(2, math.ceil((area_m[1] - 2 * b) / self._spacing) + 1)
+        n_stops = max(2, math.ceil((area_m[0] - 2 * b) / self._stride) + 1)
+        ys = [b + k * (area_m[1] - 2 * b) / (n_lanes - 1) for k in range(n_lanes)]
+        xs = [b + k * (area_m[0] - 2 * b) / (n_stops - 1) for k in range(n_stops)]
+        if y > area_m[1] / 2:
+            ys.reverse()
+        if x > area_m[0] / 2:
+            xs.reverse()
+        return [(px, py) for k, py in enumerate(ys) for px in (xs if k % 2 == 0 else xs[::-1])]
+
+
+NEAR_M = 2.6
+"""A waypoint is done when the robot is this near: just outside D_trig, where its next goal is asked for."""
+
+
+def _towards(facts: Fact, forward: float, left: float, refused: set[tuple[Any, Any]], name: str) -> WaypointChoice:
+    """The waypoint option that leads best to a point in the robot frame."""
+    open_ = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
+    if not open_:
+        return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
+    best = min(open_, key=lambda o: o["path_m"] + 1.5 * math.hypot(o["forward_m"] - forward, o["left_m"] - left))
+    return WaypointChoice(forward_m=best["forward_m"], left_m=best["left_m"], reason=f"towards {name}")
+
+
+def _in_robot_frame(robot: Fact, x: float, y: float) -> tuple[float, float]:
+    c, s = math.cos(robot["theta"]), math.sin(robot["theta"])
+    return c * (x - robot["x"]) + s * (y - robot["y"]), -s * (x - robot["x"]) + c * (y - robot["y"])
+
+
+def _straight(c: Fact) -> float:
+    return math.hypot(c["forward_m"], c["left_m"])
+
+
+def baseline_rules(name: str) -> dict[str, Rule]:
+    """Rules of a baseline by name: "nearest", "frontier" or "lawnmower"."""
+    if name == "lawnmower":
+        return {"reef-waypoint": Lawnmower()}
+    return {"reef-centroid": nearest_centroid, "reef-waypoint": nearest_frontier}
