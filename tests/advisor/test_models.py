@@ -1,4 +1,5 @@
 import asyncio
+import contextlib
 import json
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ from coral.advisor.log import attempt_to_json
 from coral.advisor.model_cfg import ModelCfg, SpendCfg
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question, Rejection
+from coral.advisor.thread import AdvisorThread
 
 PNG = bytes.fromhex("89504e470d0a1a0a0000000d49484452000000010000000108000000003a7e9b55"
                     "0000000a49444154789c6360000000020001e221bc330000000049454e44ae426082")
@@ -34,10 +36,17 @@ def ask(server, cfg=FAST, rejections=(), question=QUESTION):
 
 
 async def _answered(advisor, question, rejections):
-    try:
+    async with contextlib.aclosing(advisor):
         return await advisor.answer(question, rejections)
-    finally:
-        await advisor.aclose()
+
+
+def decide(advisor, log, **budget):
+    async def run():
+        async with contextlib.aclosing(advisor):
+            return await consult(advisor, lambda _: QUESTION, lambda q, a: None, BudgetCfg(**budget), WallClock(),
+                                 log.append)
+
+    return asyncio.run(run())
 
 
 def texts(request):
@@ -211,8 +220,9 @@ def test_budget_ends_asking_with_a_clear_message(stub, spend, unit):
     advisor = ModelAdvisor.local(server.url, "stub", replace(FAST, spend=spend))
 
     async def three():
-        for _ in range(3):
-            await advisor.answer(QUESTION, ())
+        async with contextlib.aclosing(advisor):
+            for _ in range(3):
+                await advisor.answer(QUESTION, ())
 
     with pytest.raises(AdvisorUnavailable, match=f"budget is used up: .* {unit}") as gone:
         asyncio.run(three())
@@ -226,8 +236,7 @@ def test_keys_come_from_the_environment_and_stay_out_of_everything(stub, monkeyp
     server = stub(stub.completion(f"you sent {secret}"))
     log = []
     advisor = ModelAdvisor.local(server.url, "stub", FAST)
-    asyncio.run(consult(advisor, lambda _: QUESTION, lambda q, a: None, BudgetCfg(max_requeries=0), WallClock(),
-                        log.append))
+    decide(advisor, log, max_requeries=0)
     assert server.requests[0]["headers"]["authorization"] == f"Bearer {secret}"
     assert "you sent ***" in log[0].raw
     assert secret not in json.dumps([attempt_to_json(a) for a in log]) + advisor.name
@@ -237,14 +246,13 @@ def test_keys_come_from_the_environment_and_stay_out_of_everything(stub, monkeyp
 
 def test_every_failure_in_turn_is_named_in_the_log(stub):
     """The list that a mission has to survive; each attempt ends with its own verdict."""
-    cfg = replace(FAST, format_repairs=0, max_retries=0, attempt_timeout_s=0.5)
+    cfg = replace(FAST, format_repairs=0, max_retries=0, attempt_timeout_s=1.0)
     server = stub(
         stub.completion("{index: two"), stub.completion(""), stub.completion('{"index": "two"}'),
         stub.completion('{"index": 99}'), stub.error(429, retry_after="0"), stub.error(500), stub.DROP, stub.SILENCE,
         stub.completion("x" * 10_000_000), stub.completion(GOOD))
     log = []
-    outcome = asyncio.run(consult(ModelAdvisor.local(server.url, "stub", cfg), lambda _: QUESTION, lambda q, a: None,
-                                  BudgetCfg(max_requeries=12), WallClock(), log.append))
+    outcome = decide(ModelAdvisor.local(server.url, "stub", cfg), log, max_requeries=12)
     assert outcome.answer == Choice(index=2, reason="ok")
     assert [a.rejection.code for a in log[:-1]] == [
         "not-json", "empty", "wrong-type", "out-of-range", "http-429", "http-500", "connection", "timeout", "too-large"]
@@ -254,9 +262,11 @@ def test_every_failure_in_turn_is_named_in_the_log(stub):
 
 def test_control_loop_goes_on_while_a_request_hangs(stub):
     server = stub(stub.SILENCE)
-    clock = WallClock()
-    log = []
     advisor = ModelAdvisor.local(server.url, "stub", FAST)
+    thread = AdvisorThread()
+    thread.warm_up(advisor)
+    clock = WallClock(thread)
+    log = []
     task = clock.start(consult(advisor, lambda _: QUESTION, lambda q, a: None, BudgetCfg(), clock, log.append))
     for _ in range(100):
         clock.advance()
@@ -269,6 +279,7 @@ def test_control_loop_goes_on_while_a_request_hangs(stub):
     assert server.hung_up.wait(5)
     assert [a.verdict for a in log] == ["withdrawn"]
     clock.close()
+    thread.close()
 
 
 def test_simulated_latency_hides_how_long_the_wire_took(stub):

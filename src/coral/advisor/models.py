@@ -110,6 +110,7 @@ class ModelAdvisor:
                 "budget" (final), "key-refused" (final), "no-such-model" (final), "client-error".
         """
         spent = _Spent()
+        self._connected()  # The first import takes seconds; the deadline is for the model.
         try:
             async with asyncio.timeout(self.cfg.deadline_s) as deadline:
                 return await self._answer(question, rejections, spent, deadline.when() or 0.0)
