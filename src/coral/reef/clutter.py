@@ -15,10 +15,10 @@ from coral.reef.world import Obstacle
 
 Shape = Literal["sphere", "ellipsoid", "cylinder", "box"]
 
-_TRIES = 400
-"""Draws for each obstacle before the room counts as full."""
+_TRIES, _MOST_TRIES = 400, 12_000
+"""Draws for each obstacle, and for all of them, before the room counts as full."""
 _RESTARTS = 4
-"""Times that the dense field is begun before the demand counts as impossible."""
+"""Times that the dense field is begun when some of it finds no room."""
 _EDGE_M, _BESIDE_OYSTERS_M, _BEHIND_START_M, _AHEAD_OF_START_M = 0.3, 0.3, 0.9, 1.2
 """Kept free between an obstacle's circle and the world's edge, an oyster, the hull's centre behind and ahead of it."""
 
@@ -50,7 +50,7 @@ class Clutter:
         self._circles: list[tuple[float, float, float]] = []
 
     def field(self, count: int, radius_m: float, name: str) -> None:
-        """Obstacles in the half disc ahead of the start, most of them as near to a neighbour as the passage allows.
+        """The first obstacles: ahead of the start, most of them as near to a neighbour as the passage allows.
 
         Args:
             count: How many.
@@ -58,7 +58,7 @@ class Clutter:
             name: Of the setting, for the message.
 
         Raises:
-            InputError: They do not fit.
+            InputError: Not even half of them fit.
         """
         x0, y0, heading = self.room.start
 
@@ -67,21 +67,18 @@ class Clutter:
             angle = heading + self._rng.uniform(-0.5 * math.pi, 0.5 * math.pi)
             return x0 + radius * math.cos(angle), y0 + radius * math.sin(angle)
 
-        for attempt in range(_RESTARTS):
-            before = len(self.placed)
-            try:
-                return self._place(count, name, draw, crowd=True, beyond_m=0.0)
-            except InputError:
-                if attempt == _RESTARTS - 1:
-                    raise
-                del self.placed[before:], self._circles[before:]
-        return None
+        for _ in range(_RESTARTS):
+            self.placed.clear()
+            self._circles.clear()
+            if self._place(count, draw, crowd=True, beyond_m=0.0):
+                break
+        self._demand_half(count, len(self.placed), name)
 
     def along(self, count: int, beyond_m: float, name: str) -> None:
         """Obstacles about the spine and, one in five, anywhere, farther than `beyond_m` from the start.
 
         Raises:
-            InputError: They do not fit.
+            InputError: Not even half of them fit.
         """
         room, rng = self.room, self._rng
 
@@ -94,15 +91,21 @@ class Clutter:
 
         if count and not np.any(np.hypot(*(room.points - room.start[:2]).T) >= beyond_m):
             raise InputError("generator", name, count, f"0 on a spine that stays within {beyond_m:g} m of its start")
-        self._place(count, name, draw, crowd=False, beyond_m=beyond_m)
-
-    def _place(self, count: int, name: str, draw: Callable[[], tuple[float, float]], *, crowd: bool,
-               beyond_m: float) -> None:
         before = len(self.placed)
-        for attempt in range(_TRIES * count):
+        self._place(count, draw, crowd=False, beyond_m=beyond_m)
+        self._demand_half(count, len(self.placed) - before, name)
+
+    def _demand_half(self, count: int, done: int, name: str) -> None:
+        if 2 * done < count:
+            raise InputError("generator", name, count, f"at most {2 * done} with passages of {self.passage_m:g} m here")
+
+    def _place(self, count: int, draw: Callable[[], tuple[float, float]], *, crowd: bool, beyond_m: float) -> bool:
+        """Place up to `count`; whether all found room."""
+        before, tries = len(self.placed), min(_TRIES * count, _MOST_TRIES)
+        for attempt in range(tries):
             if len(self.placed) == before + count:
-                return
-            shape, half, radius = _solid(self._rng, slim=2 * attempt > _TRIES * count)
+                return True
+            shape, half, radius = _solid(self._rng, slim=2 * attempt > tries)
             x, y = draw()
             if math.hypot(x - self.room.start[0], y - self.room.start[1]) < beyond_m:
                 continue
@@ -115,9 +118,7 @@ class Clutter:
             z = half[2] if shape in ("box", "cylinder") else 0.9 * half[2]
             self.placed.append(Obstacle(shape=shape, x=mm(x), y=mm(y), z=mm(z), size=half,
                                         yaw=mm(self._rng.uniform(-math.pi, math.pi))))
-        if len(self.placed) < before + count:
-            raise InputError("generator", name, count, f"at most {len(self.placed) - before} with passages of "
-                                                       f"{self.passage_m:g} m in this world")
+        return len(self.placed) == before + count
 
     def _fits(self, x: float, y: float, radius: float) -> bool:
         room = self.room

@@ -12,9 +12,11 @@ from coral.errors import InputError
 from coral.reef.clutter import Clutter, Room, mm
 from coral.reef.spines import TOPOLOGIES, Line, Topology, samples, spread, topology_lines
 from coral.reef.world import Cluster, Current, Oyster, ReefWorld, Start, check_world
+from coral.reef.world_faults import shown
 
 _APART_M = 3.0
 """Between the middles of two clusters at least, so that a gap of 1.2 m or more stays between their outlines."""
+_LONGEST_NAME = 60
 _SETTLE_M = 0.2
 """Between an oyster and its nearest neighbour at most, so that a cluster is one patch on the robot's map."""
 _BORDER_M = 1.9
@@ -52,6 +54,9 @@ def generate(cfg: GeneratorCfg, name: str = "") -> ReefWorld:
         InputError: The configuration asks for more than fits, or a value is out of range.
     """
     _check(cfg)
+    name = name or f"{'custom' if cfg.spine else cfg.topology.lower()}-{cfg.seed}"
+    if len(name) > _LONGEST_NAME:
+        raise InputError("generator", "name", shown(name), f"at most {_LONGEST_NAME} letters")
     rng = np.random.default_rng([cfg.seed, *map(ord, cfg.topology)])
     lines = [np.array(line, float) for line in cfg.spine] or topology_lines(cfg.topology, cfg.size_m)
     start = lines[0][0]
@@ -64,7 +69,7 @@ def generate(cfg: GeneratorCfg, name: str = "") -> ReefWorld:
     clutter.along(cfg.obstacles, cfg.dense_radius_m, "obstacles")
     direction, speed = rng.uniform(-math.pi, math.pi), rng.uniform(0.0, cfg.current_max_m_s)
     world = ReefWorld(
-        name=name or f"{cfg.topology.lower()}-{cfg.seed}", topology="custom" if cfg.spine else cfg.topology,
+        name=name, topology="custom" if cfg.spine else cfg.topology,
         size_m=cfg.size_m, start=Start(x=mm(start[0]), y=mm(start[1]), theta=mm(heading)),
         current=Current(x_m_s=mm(speed * math.cos(direction)), y_m_s=mm(speed * math.sin(direction))),
         clusters=clusters, obstacles=tuple(clutter.placed), seed=cfg.seed,
@@ -92,14 +97,15 @@ def _check(cfg: GeneratorCfg) -> None:
 
     demand("topology", cfg.topology in TOPOLOGIES, repr(cfg.topology), f"one of {', '.join(TOPOLOGIES)}")
     demand("size_m", all(8.0 <= s <= 100.0 for s in cfg.size_m), cfg.size_m, "edges from 8 to 100 m")
-    demand("clusters", 1 <= cfg.clusters <= 60, cfg.clusters, "1 to 60")
+    least = len(cfg.spine or topology_lines(cfg.topology, cfg.size_m))
+    demand("clusters", least <= cfg.clusters <= 60, cfg.clusters, f"{least} (one for each line of the spine) to 60")
     demand("oysters", 1 <= cfg.oysters[0] <= cfg.oysters[1] <= 500, cfg.oysters, "a range within 1 to 500")
     demand("dense_obstacles", 0 <= cfg.dense_obstacles <= 500, cfg.dense_obstacles, "0 to 500")
     demand("dense_radius_m", 2.0 <= cfg.dense_radius_m <= 50.0, cfg.dense_radius_m, "2 to 50 m")
     demand("obstacles", 0 <= cfg.obstacles <= 500, cfg.obstacles, "0 to 500")
     demand("passage_m", 0.8 <= cfg.passage_m <= 5.0, cfg.passage_m, "0.8 to 5 m")
     demand("current_max_m_s", 0.0 <= cfg.current_max_m_s <= 0.5, cfg.current_max_m_s, "0 to 0.5 m/s")
-    demand("seed", cfg.seed >= 0, cfg.seed, "a number from 0 on")
+    demand("seed", 0 <= cfg.seed < 2**63, cfg.seed, "a number from 0 on")
     for i, line in enumerate(cfg.spine):
         demand(f"spine[{i}]", len(line) >= 2, f"{len(line)} points", "at least 2 points")
         for j, (x, y) in enumerate(line):
@@ -112,19 +118,27 @@ def _beds(cfg: GeneratorCfg, lines: Sequence[Line], rng: np.random.Generator) ->
     lead = float(np.clip(0.14 * min(cfg.size_m), 2.0, 4.0))
     if np.hypot(*np.diff(lines[0], axis=0).T).sum() <= lead:
         raise InputError("generator", "spine", "no room for a cluster", f"a first line longer than {lead:.1f} m")
-    places = np.array(spread(lines, cfg.clusters, lead))
-    places[:, :2] = np.clip(places[:, :2], _BORDER_M, np.array(cfg.size_m) - _BORDER_M)
-    away = np.hypot(*(places[:, None, :2] - places[None, :, :2]).transpose(2, 0, 1))
-    np.fill_diagonal(away, 9.0)
+    places, away = _places(cfg, lines, cfg.clusters, lead)
     if away.min() < _APART_M:
-        raise InputError("generator", "clusters", cfg.clusters, f"fewer, or a longer spine: neighbours would be "
-                         f"{away.min():.1f} m apart and {_APART_M:g} m are needed")
+        fit = next((n for n in range(cfg.clusters - 1, len(lines) - 1, -1)
+                    if _places(cfg, lines, n, lead)[1].min() >= _APART_M), 0)
+        raise InputError("generator", "clusters", cfg.clusters,
+                         f"at most {fit} on this spine, {_APART_M:g} m between neighbours")
     beds = []
-    for (x, y, yaw), nearest in zip(places, away.min(axis=1), strict=True):
+    for (x, y, yaw), nearest in zip(places, away, strict=True):
         length = rng.uniform(0.75, 1.0) * min(1.35, (nearest - 1.3) / 2)
         beds.append(_Bed(x=x + rng.uniform(-0.15, 0.15), y=y + rng.uniform(-0.15, 0.15),
                          yaw=yaw + rng.uniform(-0.3, 0.3), length=length, width=length * rng.uniform(0.5, 0.8)))
     return beds
+
+
+def _places(cfg: GeneratorCfg, lines: Sequence[Line], count: int, lead_m: float) -> tuple[Line, Line]:
+    """Middles and directions of `count` clusters, Shape=(N, 3), and each one's distance to the nearest, Shape=(N,)."""
+    places = np.array(spread(lines, count, lead_m))
+    places[:, :2] = np.clip(places[:, :2], _BORDER_M, np.array(cfg.size_m) - _BORDER_M)
+    away = np.hypot(*(places[:, None, :2] - places[None, :, :2]).transpose(2, 0, 1))
+    np.fill_diagonal(away, 9.0)
+    return places, away.min(axis=1)
 
 
 def _cluster(name: str, bed: _Bed, cfg: GeneratorCfg, rng: np.random.Generator) -> Cluster:

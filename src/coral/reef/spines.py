@@ -56,7 +56,7 @@ def spread(lines: Sequence[Line], count: int, lead_m: float) -> list[tuple[float
 
     Args:
         lines: Polylines, Shape=(K, 2), m; the others branch off the first.
-        count: How many places.
+        count: How many places; as many as lines, or more.
         lead_m: Arc length from the start that stays empty.
 
     Returns:
@@ -68,7 +68,7 @@ def spread(lines: Sequence[Line], count: int, lead_m: float) -> list[tuple[float
     closed = loop is not None
     if loop is not None:
         begin = max(loop, lead_m)
-    counts = [min(1 + (not closed), count), *[1] * (len(lines) - 1)]
+    counts = [min(1 + (not closed), count - len(lines) + 1), *[1] * (len(lines) - 1)]
 
     def spacing(k: int) -> float:
         if k:
