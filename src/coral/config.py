@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import Annotated, Any, TypeVar, cast, get_type_hints
 
 import yaml
 from pydantic import Field, TypeAdapter, ValidationError
@@ -60,7 +60,7 @@ def merge(default: C, changes: Mapping[str, Any], where: str) -> C:
     Raises:
         InputError: An unknown key (with the nearest known one) or a value of the wrong type or range.
     """
-    return checked(_replace(default, changes, where, ""), where)
+    return checked(cast(C, _replace(default, changes, where, "")), where)
 
 
 def checked(cfg: C, where: str) -> C:
@@ -70,7 +70,7 @@ def checked(cfg: C, where: str) -> C:
         InputError: A value is not.
     """
     try:
-        _adapter(type(cfg)).validate_python(dataclasses.asdict(cfg))  # type: ignore[call-overload]
+        _adapter(cast(Any, type(cfg))).validate_python(dataclasses.asdict(cast(Any, cfg)))
     except ValidationError as error:
         first = error.errors()[0]
         raise InputError(where, ".".join(str(part) for part in first["loc"]), repr(first["input"]),
@@ -80,12 +80,12 @@ def checked(cfg: C, where: str) -> C:
 
 def to_mapping(cfg: Any) -> dict[str, Any]:
     """Plain nested mapping of every field, as written to config.yaml."""
-    plain: dict[str, Any] = _adapter(type(cfg)).dump_python(cfg, mode="json")
+    plain: dict[str, Any] = _adapter(cast(Any, type(cfg))).dump_python(cfg, mode="json")
     return plain
 
 
 @cache
-def _adapter(kind: type[Any]) -> TypeAdapter[Any]:
+def _adapter(kind: Any) -> TypeAdapter[Any]:
     return TypeAdapter(kind)
 
 

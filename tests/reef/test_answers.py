@@ -48,3 +48,9 @@ def test_example_in_the_prompt_is_a_valid_answer(kind, answer_type):
     text, _ = render(kind, step_m=6)
     example = text.split("Example:")[1].split("```")[1].removeprefix("json")
     assert "1." in parse_answer(example, answer_type).reason
+
+
+def test_schema_states_the_bounds():
+    for axis in ("forward_m", "left_m"):
+        schema = WaypointChoice.model_json_schema()["properties"][axis]
+        assert (schema["minimum"], schema["maximum"]) == (-6, 6)

@@ -15,8 +15,10 @@ from coral.reef.planner import Goal, HighLevelPlanner, PlannerCfg
 from coral.reef.survey import SurveyCfg, survey
 from coral.reef.verify import VerifyCfg
 
+HERE = Pose(10.0, 10.0, 0.0)
 
-def belief_with(centroids, pose=Pose(10.0, 10.0, 0.0), explored=None, size=20.0):
+
+def belief_with(centroids, pose=HERE, explored=None, size=20.0):
     belief = Belief(OccupancyMap((size, size), CameraCfg()))
     belief.pose = pose
     belief._trail = [(pose.x, pose.y)]

@@ -1,0 +1,1 @@
+"""Many episodes: grids, executors, crash-safe results, tables."""

@@ -40,8 +40,8 @@ class ReefEnvs:
                 result["previews"] = [str(preview(w, self.preview / f"{w.name}.png")) for w in worlds]
                 result["sheet"] = str(preview_sheet(worlds, self.preview / "sheet.png", columns=min(5, len(worlds))))
             except OSError as error:
-                raise InputError("--preview", str(self.preview), error.strerror or error, "a folder that can be written") \
-                    from None
+                reason = error.strerror or error
+                raise InputError("--preview", str(self.preview), reason, "a folder that can be written") from None
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:

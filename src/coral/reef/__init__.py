@@ -1,0 +1,1 @@
+"""CORAL: a VLM-advised underwater robot surveys oyster reefs it has never seen."""

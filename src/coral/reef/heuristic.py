@@ -39,8 +39,8 @@ def choose_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCho
         return CentroidChoice(selected_centroid_index=None, reason="No cluster is on the map.")
     ahead = [c for c in open_ if c["forward_m"] >= 1.0]
     best = min(ahead or open_, key=lambda c: _centroid_cost(facts, c))
-    why = (f"Cluster {best['index']} is not visited, lies {best['forward_m']:.1f} m ahead and {best['left_m']:+.1f} m to "
-           f"the left, {100 * best['unexplored']:.0f} % of its surroundings are unexplored.")
+    why = (f"Cluster {best['index']} is not visited, lies {best['forward_m']:.1f} m ahead and {best['left_m']:+.1f} m "
+           f"to the left, {100 * best['unexplored']:.0f} % of its surroundings are unexplored.")
     if not ahead:
         why += " Nothing is left ahead, so the robot turns back for it."
     return CentroidChoice(selected_centroid_index=best["index"], reason=why)

@@ -89,7 +89,7 @@ class OccupancyMap:
         return distance_to(self.obstacle, self.cfg.cell_m)
 
     def distance_near(self, x: float, y: float, radius_m: float) -> NDArray[np.float32]:
-        """Like `distance`, brought up to date only within `radius_m` of a point: what the controller needs each tick."""
+        """Like `distance`, brought up to date only within `radius_m` of a point: what the controller needs."""
         key = self._near_key
         if key is not None and key[0] == self.version and math.hypot(x - key[1], y - key[2]) < NEAR_SLACK_M:
             return self._near
@@ -127,8 +127,8 @@ def distance_to(mask: NDArray[np.bool_], cell_m: float) -> NDArray[np.float32]:
     """Distance of every cell to the nearest True cell (m); `inf` everywhere when there is none. Shape=(NY, NX)."""
     if not mask.any():
         return np.full(mask.shape, np.inf, np.float32)
-    distances: NDArray[np.float32] = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 5)
-    return distances * np.float32(cell_m)
+    distances = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 5)
+    return np.asarray(distances * cell_m, dtype=np.float32)
 
 
 def _pixel_rays(camera: CameraCfg) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

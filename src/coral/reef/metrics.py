@@ -101,5 +101,4 @@ def _events(path: Path) -> Iterable[dict[str, Any]]:
 
 def _rows(path: Path) -> Iterable[dict[str, str]]:
     with open(path, encoding="utf-8", newline="") as lines:
-        for row in csv.DictReader(line for line in lines if line.endswith("\n")):
-            yield row
+        yield from csv.DictReader(line for line in lines if line.endswith("\n"))

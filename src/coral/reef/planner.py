@@ -7,16 +7,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-import numpy as np
-
 from coral.advisor.question import Picture, Question, Rejection
 from coral.reef.answers import CentroidChoice, WaypointChoice
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostFieldCfg
-from coral.reef.geometry import to_robot, to_world, wrap
+from coral.reef.facts import describe, waypoint_options
+from coral.reef.geometry import to_world
 from coral.reef.survey import Survey, SurveyCfg, survey
 from coral.reef.trigger import separated
-from coral.reef.verify import Surroundings, VerifyCfg, reference, verify_waypoint, violation
+from coral.reef.verify import Surroundings, VerifyCfg, verify_waypoint, violation
 
 Mode = Literal["centroid", "waypoint"]
 Prompts = Callable[[str, Mapping[str, Any]], tuple[str, str]]
@@ -70,9 +69,10 @@ class HighLevelPlanner:
         if not reachable and not left.frontiers:
             self.finished = True
             return None
+        cfg = self.cfg
         self.mode = self._mode(left, bool(reachable))
-        facts = self._facts(left)
-        context = {"facts": facts, "rejections": [r.reason for r in rejections], "step_m": self.cfg.step_m}
+        facts = describe(self.belief, left, self._surroundings(left), cfg.verify, self._steps(left))
+        context = {"facts": facts, "rejections": [r.reason for r in rejections], "step_m": cfg.step_m}
         prompt, version = self.prompts(KIND[self.mode], context)
         return Question(kind=KIND[self.mode], prompt=prompt, prompt_version=version, facts=facts,
                         answer_type=CentroidChoice if self.mode == "centroid" else WaypointChoice,
@@ -120,8 +120,8 @@ class HighLevelPlanner:
             return Rejection(code="blocked", reason="The chosen point lies inside an obstacle, or obstacles cut it "
                                                     "off. Choose a point in open water.")
         if not separated((goal.x, goal.y), (belief.pose.x, belief.pose.y), cfg.separation_m):
-            return Rejection(code="too-close", reason=f"The chosen point is within {cfg.separation_m:g} m of the robot. "
-                                                      "Choose one that makes progress.")
+            return Rejection(code="too-close", reason=f"The chosen point is within {cfg.separation_m:g} m of the "
+                                                      "robot. Choose one that makes progress.")
         if goal.index is not None and next(t.visited for t in belief.tracks if t.index == goal.index):
             return Rejection(code="visited", reason=f"Orange dot {goal.index} has been visited already: the yellow "
                                                     "trajectory passes it. Choose one that has not.") \
@@ -144,64 +144,12 @@ class HighLevelPlanner:
                               chain=[(t.x, t.y) for t in belief.tracks])
         aims = [(t.x, t.y) for t in belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
         if self.mode == "waypoint":
-            aims += [to_world(belief.pose, o["forward_m"], o["left_m"]) for o in self._options(left)]
+            aims += [to_world(belief.pose, o["forward_m"], o["left_m"]) for o in self._steps(left) or ()]
         open_ = any(violation(p, around, cfg) is None for p in aims if separated(p, belief.pose[:2], 1.5))
         return replace(around, dead_end=left.dead_end or not open_)
 
-    def _facts(self, left: Survey) -> dict[str, Any]:
-        belief, pose = self.belief, self.belief.pose
-        around = self._surroundings(left)
-        trail = belief.trajectory
-        centroids = []
-        for position, t in enumerate(belief.tracker.chain()):
-            forward, to_left = to_robot(pose, t.x, t.y)
-            centroids.append({
-                "index": t.index, "forward_m": round(forward, 2), "left_m": round(to_left, 2),
-                "bearing_deg": round(math.degrees(math.atan2(to_left, forward)), 1),
-                "path_m": _finite(left.path_m(t.x, t.y)), "visited": t.visited, "chain_position": position,
-                "failed_attempts": belief.failures(t.x, t.y), "area_m2": round(t.area_px * belief.map.cfg.cell_m**2, 2),
-                "trajectory_m": _finite(float(np.min(np.hypot(trail[:, 0] - t.x, trail[:, 1] - t.y)))),
-                "unexplored": round(belief.map.unexplored_share(t.x, t.y, self.cfg.survey.gain_radius_m), 3)})
-        frontiers = []
-        for f in left.frontiers[:40]:
-            forward, to_left = to_robot(pose, f.x, f.y)
-            frontiers.append({"forward_m": round(forward, 2), "left_m": round(to_left, 2), "path_m": round(f.path_m, 2),
-                              "bearing_deg": round(math.degrees(f.bearing), 1), "length_m": round(f.length_m, 2),
-                              "unexplored": round(f.unexplored, 3), "reef_m": _finite(f.reef_m)})
-        facts: dict[str, Any] = {
-            "robot": {"x": pose.x, "y": pose.y, "theta": pose.theta}, "arrival": self._arrival(), "area_m": list(belief.map.size_m),
-            "dead_end": around.dead_end, "trend_deg": self._trend(around), "centroids": centroids, "frontiers": frontiers}
-        if self.mode == "waypoint":
-            facts["options"] = self._options(left)
-        return facts
-
-    def _arrival(self) -> dict[str, float]:
-        """Where the robot will be when the answer comes, in its present frame: at the goal that it is driving to."""
-        goal = self.belief.goal
-        if goal is None:
-            return {"forward_m": 0.0, "left_m": 0.0, "heading_deg": 0.0}
-        forward, to_left = to_robot(self.belief.pose, *goal)
-        heading = math.degrees(math.atan2(to_left, forward)) if math.hypot(forward, to_left) > 0.5 else 0.0
-        return {"forward_m": round(forward, 2), "left_m": round(to_left, 2), "heading_deg": round(heading, 1)}
-
-    def _trend(self, around: Surroundings) -> float | None:
-        """Bearing of the chain's trend (deg, Eq. 7), as the blue line on the map shows it; None when it says nothing."""
-        found = reference(around, self.cfg.verify)
-        if found is None or len(around.chain) < self.cfg.verify.min_centroids:
+    def _steps(self, left: Survey) -> list[dict[str, float]] | None:
+        """The waypoints that may be named in free waypoint mode; None in centroid selection mode."""
+        if self.mode == "centroid":
             return None
-        return round(math.degrees(wrap(math.atan2(found[0][1], found[0][0]) - around.pose.theta)), 1)
-
-    def _options(self, left: Survey) -> list[dict[str, Any]]:
-        """The discrete waypoints that can be reached, with what each would show and how far each frontier is from it."""
-        belief, n = self.belief, self.cfg.step_m
-        steps = [(f, s) for f in range(-n, n + 1) for s in range(-n, n + 1) if math.hypot(f, s) >= self.cfg.separation_m]
-        points = [to_world(belief.pose, f, s) for f, s in steps]
-        paths = left.paths_m(np.array([p[0] for p in points]), np.array([p[1] for p in points]))
-        return [{"forward_m": f, "left_m": s, "path_m": round(float(path), 2),
-                 "unexplored": round(belief.map.unexplored_share(x, y, self.cfg.survey.gain_radius_m), 3)}
-                for (f, s), (x, y), path in zip(steps, points, paths, strict=True)
-                if math.isfinite(path) and belief.map.contains(x, y)]
-
-
-def _finite(value: float) -> float | None:
-    return round(value, 2) if math.isfinite(value) else None
+        return waypoint_options(self.belief, left, self.cfg.step_m, self.cfg.separation_m)

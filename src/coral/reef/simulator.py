@@ -84,7 +84,7 @@ class ReefSimulator:
         current = (self.world.current.x_m_s, self.world.current.y_m_s)
         track = self.vehicle.step(command, dt, current, lambda x, y: clearance(self._footprints, x, y))
         self.distance_m += math.dist(before[:2], self.pose[:2])
-        contacts = []
+        contacts: list[tuple[float, float, int]] = []
         for x, y in track:
             contacts.extend((float(x), float(y), hit) for hit in self._contacts.update(float(x), float(y)))
         self.coverage.update(self.pose)

@@ -60,6 +60,7 @@ class Survey:
     field: CostField
     """Geodesic distances from the robot."""
     dead_end: bool
+    gain_radius_m: float
 
     def path_m(self, x: float, y: float, within_m: float = 0.7) -> float:
         """Length of the known way from the robot to within `within_m` of a point (m); inf when there is none."""
@@ -81,7 +82,7 @@ def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: Surve
     """
     pose = belief.pose
     field = CostField.compute(belief.map.distance(), (pose.x, pose.y), cell_m=belief.map.cfg.cell_m, cfg=field_cfg)
-    left = Survey(frontiers=(), field=field, dead_end=False)
+    left = Survey(frontiers=(), field=field, dead_end=False, gain_radius_m=cfg.gain_radius_m)
     frontiers = _frontiers(belief, left, cfg)
     near_ahead = any(abs(f.bearing) <= math.radians(cfg.ahead_deg) and f.path_m <= cfg.ahead_m for f in frontiers)
     dead_end = not near_ahead and not belief.ahead(forward_m)
@@ -102,7 +103,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
             unknown[labels == region] = 0
     touching = cv2.dilate(unknown, np.ones((3, 3), np.uint8)).astype(bool)
     ys, xs = np.nonzero(touching & explored & ~solid)
-    px, py = (xs + 0.5) * cell_m, (ys + 0.5) * cell_m
+    px, py = np.asarray((xs + 0.5) * cell_m), np.asarray((ys + 0.5) * cell_m)
     path = left.paths_m(px, py)
     keep = np.isfinite(path)
     xs, ys, px, py, path = xs[keep], ys[keep], px[keep], py[keep], path[keep]
@@ -124,7 +125,8 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
             continue
         forward, to_left = to_robot(belief.pose, x, y)
         found.append(Frontier(
-            x=x, y=y, length_m=float(members.size * cell_m), path_m=float(path[best]), bearing=math.atan2(to_left, forward),
+            x=x, y=y, length_m=float(members.size * cell_m), path_m=float(path[best]),
+            bearing=math.atan2(to_left, forward),
             unexplored=belief.map.unexplored_share(x, y, cfg.gain_radius_m),
             reef_m=float(np.min(np.hypot(reef[:, 0] - x, reef[:, 1] - y))) if len(reef) else math.inf))
     return sorted(found, key=lambda f: f.path_m)
