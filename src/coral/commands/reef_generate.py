@@ -6,10 +6,12 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import tyro
 
 from coral.errors import InputError
-from coral.reef.generate import GeneratorCfg, generate
+from coral.reef.generate import GeneratorCfg, command_line, generate
 from coral.reef.world import save_world
 
 
@@ -25,7 +27,7 @@ class ReefGenerate:
     """Print one JSON object."""
     preview: Path | None = None
     """Also draw it as a PNG."""
-    cfg: GeneratorCfg = field(default_factory=GeneratorCfg)
+    cfg: Annotated[GeneratorCfg, tyro.conf.arg(name="")] = field(default_factory=GeneratorCfg)
     """What the reef is like."""
 
     def __call__(self) -> Mapping[str, Any]:
@@ -34,12 +36,11 @@ class ReefGenerate:
         if self.polyline:
             cfg = replace(cfg, spine=(_points(self.polyline),))
         world = generate(cfg, self.out.stem)
-        command = f"coral reef generate --cfg.topology {cfg.topology} --cfg.seed {cfg.seed}"
         try:
             if self.out.exists():
                 raise InputError("--out", str(self.out), "a file that exists", "a new file")
             self.out.parent.mkdir(parents=True, exist_ok=True)
-            save_world(world, self.out, f"Made by `{command}`" + (f" along {self.polyline}." if self.polyline else "."))
+            save_world(world, self.out, f"Made by: {command_line(cfg, self.out.name)}")
         except OSError as error:
             raise InputError("--out", str(self.out), error.strerror or error, "a file that can be written") from None
         if self.preview is not None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -164,6 +165,23 @@ def _cluster(name: str, bed: _Bed, cfg: GeneratorCfg, rng: np.random.Generator) 
     return Cluster(name=name, oysters=tuple(oysters))
 
 
+def command_line(cfg: GeneratorCfg, out: str) -> str:
+    """Command that makes a reef again: every setting that is not the default."""
+    words = ["coral reef generate"]
+    for field in fields(cfg):
+        value = getattr(cfg, field.name)
+        if field.name == "spine" and len(value) == 1:
+            words.append(f"--polyline '{json.dumps(value[0], separators=(',', ':'))}'")
+        elif value != field.default or field.name in ("topology", "seed"):
+            many = value if isinstance(value, tuple) else (value,)
+            words.append(f"--{field.name.replace('_', '-')} {' '.join(map(_word, many))}")
+    return " ".join([*words, f"--out {out}"])
+
+
+def _word(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
 SHIPPED: dict[str, GeneratorCfg] = {
     "l1": GeneratorCfg(topology="L", size_m=(20.0, 20.0), clusters=6, obstacles=34, seed=11),
     "l2": GeneratorCfg(topology="L", size_m=(26.0, 26.0), clusters=7, obstacles=50, seed=12),
@@ -182,6 +200,6 @@ SHIPPED: dict[str, GeneratorCfg] = {
 def shipped(name: str) -> tuple[ReefWorld, str]:
     """One of the ten environments, made anew, and the comment at the head of its file."""
     cfg = SHIPPED[name]
-    comment = (f"{name}: {cfg.topology}-shaped reef, {cfg.size_m[0]:g} x {cfg.size_m[1]:g} m.\n"
-               f"Metres, radians; world frame ENU, z up. Made by coral.reef.generate.shipped({name!r}).")
+    comment = (f"{name}: {cfg.topology}-shaped reef. World frame ENU, z up; metres and radians.\n"
+               f"Made by: {command_line(cfg, f'{name}.yaml')}")
     return generate(cfg, name), comment
