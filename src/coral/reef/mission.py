@@ -12,6 +12,7 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from coral.advisor.clock import SimulatedClock
+from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
 from coral.advisor.log import AttemptRecorder
 from coral.advisor.prompt import render as render_prompt
 from coral.advisor.question import Advisor, Picture
@@ -31,6 +32,9 @@ from coral.reef.simulator import ReefSimulator, Sensed, SimulatorCfg
 from coral.reef.world import ReefWorld, save_world
 from coral.runs import RunWriter, provenance
 
+PAPER_LATENCY = "fixed:10"
+"""Median latency of a call in the paper's CORAL experiments (IV-E)."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class MissionCfg:
@@ -39,8 +43,9 @@ class MissionCfg:
     time_limit_s: Positive = 600.0
     control_period_s: Positive = 0.1
     """10 Hz (paper IV-F)."""
-    latency: str = "fixed:10"
-    """Advisor's reply time in simulated seconds; the paper measures a median of 10 s for CORAL (IV-E)."""
+    latency: str = "auto"
+    """Advisor's reply time in simulated seconds: fixed:S, lognormal:MEDIAN:SIGMA, measured. auto: as recorded for a
+    recording, measured for models and people, and for rules fixed:10, the paper's median for CORAL (IV-E)."""
     stop_when_covered: bool = True
     """End once every true cluster is covered. This is the experimenter's stop, as in the paper's coverage-time
     metric; the robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
@@ -88,7 +93,8 @@ class Mission:
         self.belief = Belief(OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map), cfg.belief)
         planner = HighLevelPlanner(self.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()),
                                    cfg.planner)
-        self.clock = SimulatedClock(cfg.latency, clock_rng)
+        self.clock = SimulatedClock(_latency(advisor, cfg.latency), clock_rng)
+        self.clock.thread.warm_up(advisor)
         self.driver: LocalPlanner = (
             PdController(vehicle=cfg.simulator.vehicle) if cfg.driver == "pd"
             else DdpMppi(cfg.controller, cfg.simulator.vehicle, control_rng))
@@ -131,9 +137,10 @@ class Mission:
         begun = time.perf_counter()
         sensed = self.sensed = self.simulator.sense(dt if self.step else 0.0)
         self.frames.offer(self.step, self.t, self.belief.map.cells, sensed.frame)
-        thinking = time.perf_counter()
+        thinking, waited = time.perf_counter(), self.clock.waited_s
         command = self.pilot.tick(self.t, sensed.frame, sensed.pose, sensed.velocity)
-        self.control_ms.append(1e3 * (time.perf_counter() - thinking))
+        waited = self.clock.waited_s - waited  # simulated time stood still for a reply: no part of the control period
+        self.control_ms.append(1e3 * (time.perf_counter() - thinking - waited))
         contacts = self.simulator.act(command, dt)
         self.step += 1
         self.t = round(self.step * dt, 9)
@@ -142,7 +149,7 @@ class Mission:
             self.emit("collision", x=round(x, 3), y=round(y, 3), obstacle=obstacle)
         self._cover()
         self._row(sensed, command)
-        self.tick_ms.append(1e3 * (time.perf_counter() - begun))
+        self.tick_ms.append(1e3 * (time.perf_counter() - begun - waited))
         if cfg.stop_when_covered and len(self._covered) == len(self.world.clusters):
             self.end_reason = "coverage complete"
         elif self.pilot.end_reason:
@@ -192,3 +199,8 @@ class Mission:
         self.writer.json("timing.json", {**timing, "control_ms_histogram": {
             "counts": histogram.tolist(), "edges": [round(float(e), 4) for e in edges]}})
         return {**metrics, **timing}
+
+
+def _latency(advisor: Advisor, spec: str) -> LatencyCfg:
+    latency = latency_for(advisor, spec)
+    return parse_latency(PAPER_LATENCY) if spec == "auto" and latency == parse_latency("0") else latency

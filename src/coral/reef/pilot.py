@@ -80,6 +80,7 @@ class Pilot:
         self.end_reason = ""
         self._emit, self._log = emit, log
         self._decision = 0
+        self._attempts = 0
         self._task: asyncio.Task[Outcome[Any]] | None = None
         self._last_firing: Firing | None = None
         self._mode = ""
@@ -126,6 +127,7 @@ class Pilot:
         if firing.cause in ("stuck", "failure", "deviation"):
             self.belief.goal_failed()
         self.trigger.asked(t)
+        self._attempts = 0
         self._task = self.clock.start(consult(self.advisor, self._observe, self.planner.verify, self.cfg.budget,
                                               self.clock, self._attempted, self._decision))
         self._collect()
@@ -137,10 +139,11 @@ class Pilot:
         if self.planner.mode != self._mode:
             self._mode = self.planner.mode
             self._emit("mode", mode=self._mode)
-        self._emit("question", decision=self._decision, attempt=len(rejections), mode=self._mode,
+        self._emit("question", decision=self._decision, attempt=self._attempts, mode=self._mode,
                    pictures=[p.digest for p in question.pictures],
                    centroids=[{"index": k.index, "x": round(k.x, 3), "y": round(k.y, 3), "visited": k.visited}
                               for k in self.belief.tracker.chain()])
+        self._attempts += 1
         return question
 
     def _attempted(self, attempt: Attempt) -> None:
