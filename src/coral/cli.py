@@ -15,13 +15,14 @@ from typing import Any, Protocol
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from coral.errors import InputError, RunError, nearest  # noqa: E402
+from coral.errors import InputError, RunError, nearest
 
 COMMANDS = {
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
     "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),
     "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),
     "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),
+    "desk": ("coral.commands.desk:Desk", "answer a mission's questions in a browser"),
     "doctor": ("coral.commands.doctor:Doctor", "check this installation"),
     "version": ("coral.commands.version:Version", "print the version"),
 }

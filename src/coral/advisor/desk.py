@@ -36,17 +36,18 @@ class DeskAdvisor:
         """Open an inbox.
 
         Args:
-            inbox: Folder of questions; made if it is not there.
+            inbox: Folder of questions; made with the first one if it is not there, so that it may lie in a run folder
+                that is still to be made.
             poll_s: How often to look for an answer (s, wall).
 
         Raises:
             InputError: The folder cannot be written.
         """
         self._inbox, self._poll_s = inbox, poll_s
-        try:
-            inbox.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(str(inbox), "--inbox", error.strerror or error, "a folder that can be written") from None
+        nearest = next(path for path in (inbox.absolute(), *inbox.absolute().parents) if path.exists())
+        if not nearest.is_dir() or not os.access(nearest, os.W_OK | os.X_OK):
+            found = "a folder that cannot be written" if nearest.is_dir() else f"a file ({nearest})"
+            raise InputError(str(inbox), "--inbox", found, "a folder that can be written")
 
     async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:
         """Post the question and wait until it is answered.
@@ -73,6 +74,7 @@ class DeskAdvisor:
 
     def _post(self, question: Question[Any], rejections: Sequence[Rejection]) -> Path:
         """Write a question folder; its number is the first free one."""
+        self._inbox.mkdir(parents=True, exist_ok=True)
         numbers = [int(p.name.partition("-")[0]) for p in self._inbox.iterdir() if p.name.partition("-")[0].isdigit()]
         number = max(numbers, default=0) + 1
         name = f"{number:06d}-{question.kind}"

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
+import sys
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,9 +14,11 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
 from coral.commands.progress import MissionProgress
 from coral.config import checked, read_config
+from coral.desk.notice import mission_notice
 from coral.errors import InputError
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg
@@ -47,13 +52,17 @@ class ReefRun:
     """No progress bar."""
     video: bool = False
     """Also write mission.mp4."""
+    facts: bool = False
+    """Add the numbers that the pictures show to a model's prompt (an experiment of its own)."""
+    model: ModelCfg = field(default_factory=ModelCfg)
+    """How a real model is called, and what the run may spend."""
     cfg: MissionCfg = field(default_factory=MissionCfg)
     """The mission."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefRun | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        for flag, value in zip(words, words[1:], strict=False):
+        for flag, value in itertools.pairwise(words):
             if flag == "--config":
                 cfg = read_config(Path(value), MissionCfg())
                 return cls(world=tyro.MISSING, cfg=cfg)
@@ -68,12 +77,22 @@ class ReefRun:
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         folder = self.out or new_run_folder(Path("runs"), world.name)
         rng = np.random.default_rng([self.seed, 7])
-        advisor = make_advisor(self.advisor, rules=REEF_RULES, rng=rng, inbox=self.inbox or folder / "inbox")
+        inbox = self.inbox or folder / "inbox"
+        advisor = make_advisor(self.advisor, rules=REEF_RULES, rng=rng, inbox=inbox,
+                               cfg=dataclasses.replace(self.model, facts=self.model.facts or self.facts))
         mission = Mission(world, cfg, advisor, folder, seed=self.seed, variant=self.variant,
                           draw=question_pictures if cfg.record.pictures else None)
         progress = MissionProgress(quiet=self.quiet)
+        asks_people = self.advisor.split(":")[-1].strip() == "desk"
+        about = {"world": world.name, "variant": self.variant, "seed": self.seed, "run": str(folder)}
+        if asks_people and not self.quiet:
+            print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)
         try:
-            result = mission.run([progress])
+            with mission_notice(inbox, **about) if asks_people else nullcontext(lambda outcome: None) as finished:
+                result = mission.run([progress])
+                finished(f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
+                         f"{result['collisions']} collisions, {result['sim_time_s']:.0f} s simulated; "
+                         f"{result['end_reason']}")
         finally:
             progress.close()
         return {**result, "run": str(folder), **render(folder, cfg)}

@@ -21,11 +21,14 @@ def map_scene(belief: Belief) -> MapScene:
 
 def question_pictures(belief: Belief) -> tuple[Picture, ...]:
     """Map, segmentation and depth, as PNG."""
-    pictures = [Picture(name="map", png=png(draw_map(map_scene(belief)).rgb),
-                        caption="occupancy map with the centroid chain, the robot and its trajectory")]
+    drawn = draw_map(map_scene(belief))
+    pictures = [Picture(name="map", png=png(drawn.rgb),
+                        caption="occupancy map with the centroid chain, the robot and its trajectory",
+                        pixel_from_world=((drawn.scale, 0.0, drawn.left_px), (0.0, -drawn.scale, drawn.bottom_px)))]
     if belief.frame is not None:
         pictures += [
             Picture(name="segmentation", png=png(camera_picture(belief.frame, "segmentation")),
                     caption="front camera, segmented"),
-            Picture(name="depth", png=png(camera_picture(belief.frame, "depth")), caption="front camera, depth in metres")]
+            Picture(name="depth", png=png(camera_picture(belief.frame, "depth")), caption="front camera, depth in metres"),
+        ]
     return tuple(pictures)

@@ -1,0 +1,60 @@
+"""`coral desk`: answer a mission's questions in a browser."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+from typing import Annotated, Any
+
+import tyro
+
+TOKEN_KEY = "CORAL_DESK_TOKEN"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Desk:
+    """Serve an inbox as a web page on which a person answers the questions of `--advisor desk`; Ctrl-C ends it."""
+
+    inbox: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="INBOX")]
+    """Folder of questions, the same as for `coral reef run --advisor desk --inbox`; made if it is not there."""
+    port: int = 8765
+    """Port to listen on; 0 takes a free one."""
+    host: str = "127.0.0.1"
+    """Address to listen on; any but this machine's own needs the token."""
+    token: str = ""
+    """Token that a browser must bring; without one, $CORAL_DESK_TOKEN, or a new one if the host needs it."""
+    json: bool = False
+    """Print one JSON object at the end; the address goes to standard error."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Serve until interrupted."""
+        from coral.desk.inbox import Inbox
+        from coral.desk.server import DeskServer
+
+        token = self.token or os.environ.get(TOKEN_KEY, "")
+        with DeskServer(Inbox(self.inbox), self.host, self.port, token) as server:
+            before = signal.signal(signal.SIGTERM, _interrupt)
+            print(f"the desk is open at {server.url}", file=sys.stderr, flush=True)
+            print(f"it shows the questions in {self.inbox}; Ctrl-C closes it", file=sys.stderr, flush=True)
+            try:
+                server.serve_forever()
+            except KeyboardInterrupt:
+                pass
+            finally:
+                signal.signal(signal.SIGTERM, before)
+            return {"inbox": str(self.inbox), "host": self.host, "port": server.access.port,
+                    "answered": server.answered}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """How many answers went through."""
+        n = result["answered"]
+        return f"the desk is closed; {n} {'answer' if n == 1 else 'answers'} went into {result['inbox']}"
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt

@@ -1,0 +1,321 @@
+"""The inbox as the desk sees it: which questions are open, what they show, and one answer to each."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import secrets
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from coral.advisor.parse import MAX_CHARS
+from coral.desk.notice import is_alive
+from coral.desk.schema import Fault, faults
+from coral.errors import InputError
+
+State = Literal["open", "sent", "answered", "withdrawn", "abandoned", "unreadable"]
+
+ID = re.compile(r"\d{1,12}-[\w.-]{1,100}", re.ASCII)
+QUESTION_LIMIT = 4_000_000
+PICTURE_LIMIT = 16_000_000
+"""Bytes; anything larger was not written by a mission."""
+MAX_BRACKETS = 300
+"""In an answer that is shown as a value; far more of them are nested deeper than Python can print."""
+PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
+
+
+class NoSuchQuestion(LookupError):
+    """There is no such question, or it has no such picture."""
+
+
+class NotOpen(Exception):
+    """The question cannot be answered any more; the message says why."""
+
+
+class Unfit(Exception):
+    """The answer does not fit the question's schema."""
+
+    def __init__(self, found: list[Fault]) -> None:
+        super().__init__("; ".join(f"{fault.place or 'the answer'} {fault.reason}" for fault in found))
+        self.faults = found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """One question in the inbox, in brief."""
+
+    id: str
+    kind: str
+    state: State
+    """open: waits for an answer; sent: answered, not yet fetched; answered: fetched; withdrawn: the mission no longer
+    needs it; abandoned: the mission that asked is gone; unreadable: not a question."""
+    asked_at: float | None = None
+    """Unix time (s)."""
+    attempt: int = 0
+    """How many answers were refused before this question."""
+    operator: str = ""
+    """Who answered here; "" when unknown."""
+    answer: Any = None
+    refused: str = ""
+    """Why the answer was refused, as far as the next question of the same mission tells."""
+
+
+class Inbox:
+    """Reads and answers the questions in one folder. Safe to use from several threads, and beside other programs."""
+
+    def __init__(self, folder: Path) -> None:
+        """Open an inbox.
+
+        Args:
+            folder: Folder of questions; made if it is not there, so that the desk may be opened before the mission.
+
+        Raises:
+            InputError: It is not a folder, or cannot be made, read or written.
+        """
+        self.folder = folder
+        if folder.exists() and not folder.is_dir():
+            raise InputError(str(folder), "INBOX", "a file", "a folder")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(str(folder), "INBOX", error.strerror or error, "a folder that can be written") from None
+        if not os.access(folder, os.R_OK | os.W_OK | os.X_OK):
+            raise InputError(str(folder), "INBOX", "a folder without access", "a folder that can be read and written")
+        self._settled: dict[str, tuple[Entry, str]] = {}
+        self._questions: dict[str, Mapping[str, Any]] = {}
+
+    def entries(self) -> list[Entry]:
+        """All questions in the order in which they were asked."""
+        found: list[Entry] = []
+        last: dict[str, int] = {}
+        for question_id in sorted(self._ids(), key=lambda name: (int(name.partition("-")[0]), name)):
+            entry, asker = self._entry(question_id)
+            if entry.attempt and asker in last:
+                before = found[last[asker]]
+                if before.answer is not None:
+                    found[last[asker]] = replace(before, refused=self._last_refusal(question_id))
+            if entry.state != "withdrawn":
+                last[asker] = len(found)
+            found.append(entry)
+        return found
+
+    def missions(self) -> list[dict[str, Any]]:
+        """Notices that missions left in the inbox, the latest started last; of those gone without a word, "stopped"."""
+        notices = []
+        for path in self.folder.glob("mission-*.json"):
+            notice = _document(path)
+            if notice is None:
+                continue
+            if notice.get("state") == "running" and not _asker_lives(notice):
+                notice["state"] = "stopped"
+            notices.append({key: notice.get(key) for key in
+                            ("state", "outcome", "world", "advisor", "variant", "seed", "run", "started_at")})
+        return sorted(notices, key=lambda notice: _number(notice["started_at"]) or 0.0)
+
+    def question(self, question_id: str) -> Mapping[str, Any]:
+        """A question as it was asked: the content of its question.json.
+
+        Raises:
+            NoSuchQuestion: There is none under this name.
+        """
+        content = self._questions.get(question_id)
+        if content is None:
+            content = _document(self._folder_of(question_id) / "question.json")
+            if content is None or not isinstance(content.get("answer_schema"), dict):
+                raise NoSuchQuestion(question_id)
+            self._questions[question_id] = content
+        return content
+
+    def picture(self, question_id: str, name: str) -> bytes:
+        """A picture of a question, PNG.
+
+        Raises:
+            NoSuchQuestion: The question lists no such picture, or it is no PNG.
+        """
+        images = self.question(question_id).get("images")
+        if not isinstance(images, list) or name not in images or Path(name).name != name or name.startswith("."):
+            raise NoSuchQuestion(f"{question_id}/{name}")
+        content = _content(self._folder_of(question_id) / name, PICTURE_LIMIT)
+        if content is None or not content.startswith(PNG_MAGIC):
+            raise NoSuchQuestion(f"{question_id}/{name}")
+        return content
+
+    def answer(self, question_id: str, answer: Any, operator: str = "") -> None:
+        """Answer a question, unless somebody else has.
+
+        The answer appears whole or not at all, and only one of several that arrive at once appears.
+
+        Args:
+            question_id: Which one.
+            answer: What `json.loads` returns.
+            operator: Who answers.
+
+        Raises:
+            NoSuchQuestion: There is none under this name.
+            Unfit: The answer does not fit its schema.
+            NotOpen: It is answered already, or no longer needed.
+        """
+        question, folder = self.question(question_id), self._folder_of(question_id)
+        self._refuse_closed(question_id)
+        wrong = faults(answer, question["answer_schema"])
+        text = json.dumps(answer, ensure_ascii=False)
+        if not wrong and len(text) > MAX_CHARS:
+            wrong = [Fault((), f"has {len(text)} characters; at most {MAX_CHARS} are read")]
+        if wrong:
+            raise Unfit(wrong)
+        tag = secrets.token_hex(8)
+        partial = folder / f".answer-{tag}.part"
+        try:
+            partial.write_text(text, encoding="utf-8")
+            _claim(partial, folder / "answer.json")
+        except FileExistsError:
+            raise NotOpen(_taken_by(folder)) from None
+        finally:
+            partial.unlink(missing_ok=True)
+        note = folder / f".operator-{tag}.part"
+        note.write_text(json.dumps({"operator": operator, "answered_at": round(time.time(), 3)}), encoding="utf-8")
+        os.replace(note, folder / "operator.json")
+
+    def _refuse_closed(self, question_id: str) -> None:
+        entry, _ = self._entry(question_id)
+        folder = self._folder_of(question_id)
+        if entry.state in ("sent", "answered"):
+            raise NotOpen(_taken_by(folder))
+        if entry.state == "withdrawn":
+            raise NotOpen("The mission withdrew this question: it no longer needs an answer.")
+        if entry.state == "abandoned":
+            raise NotOpen("The mission that asked has stopped: nobody would read the answer.")
+
+    def _ids(self) -> list[str]:
+        try:
+            with os.scandir(self.folder) as listing:
+                return [item.name for item in listing
+                        if ID.fullmatch(item.name) and item.is_dir(follow_symlinks=False)]
+        except OSError:
+            return []
+
+    def _folder_of(self, question_id: str) -> Path:
+        folder = self.folder / question_id
+        if not ID.fullmatch(question_id) or folder.is_symlink() or not folder.is_dir():
+            raise NoSuchQuestion(question_id)
+        return folder
+
+    def _entry(self, question_id: str) -> tuple[Entry, str]:
+        """A question in brief, and who asked it; one whose state is final is read only once."""
+        if question_id in self._settled:
+            return self._settled[question_id]
+        try:
+            question, folder = self.question(question_id), self._folder_of(question_id)
+        except NoSuchQuestion:
+            return Entry(id=question_id, kind=question_id.partition("-")[2], state="unreadable"), question_id
+        asker = question.get("asker")
+        rejections = question.get("rejections")
+        # The close is looked for first: an answer that is there once it is seen was there before.
+        closed = _document(folder / "closed.json")
+        answered = (folder / "answer.json").exists()
+        state: State = "open"
+        if closed is not None:
+            state = "answered" if closed.get("state") == "answered" else "withdrawn"
+        elif answered:
+            state = "sent"
+        elif isinstance(asker, dict) and not _asker_lives(asker):
+            state = "abandoned"
+        by = _document(folder / "operator.json") or {}
+        entry = Entry(
+            id=question_id, kind=str(question.get("kind", "")), state=state, asked_at=_number(question.get("asked_at")),
+            attempt=len(rejections) if isinstance(rejections, list) else 0, operator=str(by.get("operator", "")),
+            answer=_shown(folder / "answer.json") if answered else None)
+        key = json.dumps(asker, sort_keys=True)
+        # Who answered is noted a moment after the answer; after that moment nothing about the question changes.
+        if closed is not None and (by or state == "withdrawn" or time.time() - _modified(folder / "closed.json") > 5.0):
+            self._settled[question_id] = (entry, key)
+        return entry, key
+
+    def _last_refusal(self, question_id: str) -> str:
+        rejections = self.question(question_id)["rejections"]
+        return str(rejections[-1].get("reason", "")) if isinstance(rejections[-1], dict) else str(rejections[-1])
+
+
+def entry_json(entry: Entry) -> dict[str, Any]:
+    """An entry as JSON."""
+    return asdict(entry)
+
+
+def _claim(partial: Path, target: Path) -> None:
+    """Give a whole file its name, unless the name is taken.
+
+    Raises:
+        FileExistsError: It is.
+    """
+    try:
+        os.link(partial, target)
+    except FileExistsError:
+        raise
+    except OSError:
+        # A file system without hard links: the claim is a file that only one can create.
+        os.close(os.open(target.with_name("answer.claim"), os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
+        if target.exists():
+            raise FileExistsError(target) from None
+        os.replace(partial, target)
+
+
+def _taken_by(folder: Path) -> str:
+    by = (_document(folder / "operator.json") or {}).get("operator")
+    return f"This question is already answered by {by or 'somebody else'}."
+
+
+def _asker_lives(asker: Mapping[str, Any]) -> bool:
+    host, pid = asker.get("host"), asker.get("pid")
+    known = isinstance(host, str) and isinstance(pid, int) and pid > 0
+    return is_alive(str(host), int(pid)) if known and pid is not None else True
+
+
+def _content(path: Path, limit: int) -> bytes | None:
+    """Bytes of a plain file that is no larger than `limit`; None when it is not one."""
+    try:
+        if path.is_symlink() or not path.is_file() or path.stat().st_size > limit:
+            return None
+        return path.read_bytes()
+    except OSError:
+        return None
+
+
+def _shown(path: Path) -> Any:
+    """An answer as the history shows it; one that no desk would have taken only as the start of its text."""
+    text = (_content(path, QUESTION_LIMIT) or b"").decode("utf-8", "replace")
+    simple = len(text) <= MAX_CHARS and text.count("[") + text.count("{") <= MAX_BRACKETS
+    return _any(path) if simple else text[:400]
+
+
+def _modified(path: Path) -> float:
+    """Unix time (s) of the last change of a file; now when it is gone."""
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return time.time()
+
+
+def _any(path: Path) -> Any:
+    """What a JSON file holds; its text when it is no JSON, as answers of other programs may be."""
+    content = _content(path, QUESTION_LIMIT)
+    if content is None:
+        return None
+    text = content.decode("utf-8", "replace")
+    try:
+        return json.loads(text, parse_constant=str)
+    except (ValueError, RecursionError):
+        return text[:400]
+
+
+def _document(path: Path) -> dict[str, Any] | None:
+    """The object that a JSON file holds; None when there is none, or nothing like it."""
+    content = _any(path)
+    return content if isinstance(content, dict) else None
+
+
+def _number(value: Any) -> float | None:
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None

@@ -1,0 +1,305 @@
+"""The desk's web server: one page, the questions behind it, and nothing else of the machine."""
+
+from __future__ import annotations
+
+import base64
+import errno
+import hashlib
+import json
+import re
+import socket
+import socketserver
+import sys
+import threading
+import time
+import urllib.parse
+from collections.abc import Mapping
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+from coral.advisor.log import plain_json
+from coral.desk.access import Access, choose_token
+from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit
+from coral.desk.watch import Watch
+from coral.errors import InputError
+
+BODY_LIMIT = 256 * 1024
+"""Bytes of a request's body."""
+PAGES = 32
+"""Pages that may be connected for live updates at one time; each holds a thread."""
+KEEP_ALIVE_S = 10.0
+"""A comment is sent to a silent page this often, which also finds out that it has gone."""
+NAME_LIMIT = 60
+
+PAGE = (Path(__file__).parent / "page.html").read_text(encoding="utf-8")
+
+
+def _content_policy(page: str) -> str:
+    """Content-Security-Policy under which a page runs its own style and script, and loads nothing from elsewhere."""
+    def digest(tag: str) -> str:
+        match = re.search(rf"<{tag}>(.*?)</{tag}>", page, re.DOTALL)
+        assert match is not None
+        return base64.b64encode(hashlib.sha256(match[1].encode()).digest()).decode()
+
+    return (f"default-src 'none'; script-src 'sha256-{digest('script')}'; style-src 'sha256-{digest('style')}'; "
+            "img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'")
+
+
+CONTENT_POLICY = _content_policy(PAGE)
+
+
+class DeskServer(ThreadingHTTPServer):
+    """Serves one inbox until it is shut down."""
+
+    daemon_threads = True
+
+    def __init__(self, inbox: Inbox, host: str = "127.0.0.1", port: int = 8765, token: str = "",
+                 watch_period_s: float = 0.2) -> None:
+        """Bind to an address.
+
+        Args:
+            inbox: What is served.
+            host: Address to listen on; any but this machine's own (loopback) needs a token, made if none is given.
+            port: 0 takes a free one.
+            token: Asked for in `?token=` (once; a cookie follows) or in `Authorization: Bearer`.
+            watch_period_s: How often to look at the inbox (s).
+
+        Raises:
+            InputError: The port is in use, the address is not one of this machine's, or the token is unfit.
+        """
+        if not 0 <= port <= 65535:
+            raise InputError("--port", "", port, "a port from 1 to 65535, or 0 for a free one")
+        token = choose_token(host, token)
+        self.address_family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        try:
+            super().__init__((host, port), _Handler)
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                raise InputError("--port", "", f"port {port} in use on {host}",
+                                 "a free port (another desk may be open), or 0 for any") from None
+            if error.errno == errno.EACCES:
+                raise InputError("--port", "", f"port {port}, which needs special rights", "1024 or above") from None
+            raise InputError("--host", "", f"{host!r} ({error.strerror})", "an address of this machine") from None
+        self.inbox, self.host = inbox, host
+        self.access = Access(host, self.server_address[1], token)
+        self.watch = Watch(inbox, watch_period_s)
+        self.pages = threading.BoundedSemaphore(PAGES)
+        self.answered = 0
+        """Answers that went through this server."""
+
+    def server_bind(self) -> None:
+        """Bind without looking up this machine's name, which may take seconds."""
+        socketserver.TCPServer.server_bind(self)
+        self.server_name, self.server_port = str(self.server_address[0]), int(self.server_address[1])
+
+    @property
+    def url(self) -> str:
+        """Where to point a browser, token included."""
+        everywhere = self.host in ("0.0.0.0", "::", "")
+        host = socket.gethostname() if everywhere else f"[{self.host}]" if ":" in self.host else self.host
+        token = f"?token={self.access.token}" if self.access.token else ""
+        return f"http://{host}:{self.access.port}/{token}"
+
+    def serve_forever(self, poll_interval: float = 0.2) -> None:
+        """Answer requests until `shutdown`."""
+        self.watch.start()
+        super().serve_forever(poll_interval)
+
+    def server_close(self) -> None:
+        """Release the port and let go of every page."""
+        if hasattr(self, "watch"):
+            self.watch.stop()
+        super().server_close()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A page that goes away in the middle of something is nothing to report."""
+        if not isinstance(sys.exception(), OSError):
+            super().handle_error(request, client_address)
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """One connection."""
+
+    server: DeskServer
+    protocol_version = "HTTP/1.1"
+    server_version, sys_version = "coral-desk", ""
+    timeout = 20.0
+
+    def do_GET(self) -> None:
+        """The page, its state, live or at once, a question, or a picture."""
+        if not self._admitted():
+            return
+        parts = self._parts
+        if not parts:
+            self._send(HTTPStatus.OK, PAGE.encode(), "text/html; charset=utf-8")
+        elif parts == ["api", "state"]:
+            self.server.watch.look()
+            self._send(HTTPStatus.OK, self.server.watch.wait(-1, 0.0)[1].encode(), "application/json")
+        elif parts == ["api", "events"]:
+            self._events()
+        elif parts[:2] == ["api", "questions"] and len(parts) == 3:
+            try:
+                content = {**self.server.inbox.question(parts[2]), "now": round(time.time(), 3)}
+                self._json(HTTPStatus.OK, content)
+            except NoSuchQuestion:
+                self._refuse(HTTPStatus.NOT_FOUND, "There is no such question.")
+        elif parts[:1] == ["pictures"] and len(parts) == 3:
+            try:
+                self._send(HTTPStatus.OK, self.server.inbox.picture(parts[1], parts[2]), "image/png")
+            except NoSuchQuestion:
+                self._refuse(HTTPStatus.NOT_FOUND, "There is no such picture.")
+        else:
+            self._refuse(HTTPStatus.NOT_FOUND, "There is nothing here.")
+
+    def do_POST(self) -> None:
+        """An answer."""
+        # Until the body has been read, nothing else can follow on this connection.
+        self.close_connection = True
+        if not self._admitted():
+            return
+        if not self.server.access.from_our_page(self._headers):
+            self._refuse(HTTPStatus.FORBIDDEN, "Answers are taken from the desk's own page, or with the header "
+                                               "X-Coral-Desk: 1.")
+            return
+        parts = self._parts
+        if parts[:2] != ["api", "questions"] or parts[3:] != ["answer"]:
+            self._refuse(HTTPStatus.NOT_FOUND, "There is nothing here.")
+            return
+        content = self._body()
+        if content is not None:
+            self._answer(parts[2], content)
+
+    def _answer(self, question_id: str, content: Mapping[str, Any]) -> None:
+        operator = content.get("operator", "")
+        if "answer" not in content or not isinstance(operator, str):
+            self._refuse(HTTPStatus.BAD_REQUEST, 'The request must be {"answer": ..., "operator": "name"}.')
+            return
+        try:
+            self.server.inbox.answer(question_id, content["answer"], " ".join(operator.split())[:NAME_LIMIT])
+        except NoSuchQuestion:
+            self._refuse(HTTPStatus.NOT_FOUND, "There is no such question.")
+        except NotOpen as why:
+            self._refuse(HTTPStatus.CONFLICT, str(why))
+        except Unfit as why:
+            self._json(HTTPStatus.UNPROCESSABLE_ENTITY, {
+                "error": "The answer does not fit the question.",
+                "faults": [{"path": fault.path, "place": fault.place, "reason": fault.reason} for fault in why.faults]})
+        except OSError as error:
+            self._refuse(HTTPStatus.INTERNAL_SERVER_ERROR, f"The inbox cannot be written: {error.strerror}.")
+        else:
+            self.server.answered += 1
+            self._json(HTTPStatus.OK, {"ok": True})
+        self.server.watch.look()
+
+    def _body(self) -> Mapping[str, Any] | None:
+        """The JSON object that was sent; None after refusing it."""
+        if self._headers.get("Content-Type", "").partition(";")[0].strip().lower() != "application/json":
+            self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "Answers are sent as application/json.")
+            return None
+        length = self._headers.get("Content-Length", "")
+        if not re.fullmatch(r"\d{1,12}", length):
+            self._refuse(HTTPStatus.LENGTH_REQUIRED, "The length of the request is missing.")
+            return None
+        if int(length) > BODY_LIMIT:
+            self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"At most {BODY_LIMIT} bytes are read.")
+            return None
+        try:
+            content = json.loads(self.rfile.read(int(length)), parse_constant=_no_constant)
+        except (ValueError, RecursionError) as error:
+            self._refuse(HTTPStatus.BAD_REQUEST, f"The request is not valid JSON: {error}")
+            return None
+        if not isinstance(content, dict):
+            self._refuse(HTTPStatus.BAD_REQUEST, "The request must be a JSON object.")
+            return None
+        return content
+
+    def _admitted(self) -> bool:
+        """Whether to go on; otherwise the request has been answered."""
+        access = self.server.access
+        if not access.names_us(self._headers.get("Host")):
+            self._refuse(HTTPStatus.MISDIRECTED_REQUEST, "The desk does not answer to this name.")
+            return False
+        given = urllib.parse.parse_qs(self._url.query).get("token", [""])[0]
+        if access.token and self.command == "GET" and self._url.path == "/" and given:
+            if not access.is_token(given):
+                self._refuse(HTTPStatus.FORBIDDEN, "This token is not the desk's.")
+                return False
+            # The token leaves the address bar, so that it is not shared with a screenshot.
+            self._send(HTTPStatus.SEE_OTHER, b"", "text/plain", {
+                "Location": "/", "Set-Cookie": f"{access.cookie}={access.token}; Path=/; HttpOnly; SameSite=Strict"})
+            return False
+        if not access.has_token(self._headers):
+            self._refuse(HTTPStatus.UNAUTHORIZED, "Open the desk with the address that was printed when it started: it "
+                                                  "ends in ?token=...")
+            return False
+        return True
+
+    def _events(self) -> None:
+        """Server-sent events: the state now, and again whenever it changes."""
+        if not self.server.pages.acquire(blocking=False):
+            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, f"{PAGES} pages are connected already.")
+            return
+        try:
+            self.close_connection = True
+            self.send_response(HTTPStatus.OK)
+            self._common("text/event-stream")
+            self.send_header("Connection", "close")
+            self.end_headers()
+            seen = -1
+            while True:
+                version, text = self.server.watch.wait(seen, KEEP_ALIVE_S)
+                news = f"id: {version}\ndata: {text}\n\n" if version != seen else ": still here\n\n"
+                self.wfile.write(news.encode())
+                self.wfile.flush()
+                seen = version
+        except OSError:
+            pass
+        finally:
+            self.server.pages.release()
+
+    @property
+    def _headers(self) -> Mapping[str, str]:
+        return self.headers  # type: ignore[return-value]  # an email.message.Message, read like a mapping
+
+    @property
+    def _url(self) -> urllib.parse.SplitResult:
+        return urllib.parse.urlsplit("/" + self.path.lstrip("/"))
+
+    @property
+    def _parts(self) -> list[str]:
+        """Decoded parts of the path; what a part holds is looked up by name, never joined to a path unchecked."""
+        return [urllib.parse.unquote(part) for part in self._url.path.split("/") if part]
+
+    def _json(self, status: HTTPStatus, content: Any) -> None:
+        self._send(status, plain_json(content).encode(), "application/json")
+
+    def _refuse(self, status: HTTPStatus, reason: str) -> None:
+        self._json(status, {"error": reason})
+
+    def _send(self, status: HTTPStatus, content: bytes, content_type: str,
+              more: Mapping[str, str] | None = None) -> None:
+        self.send_response(status)
+        self._common(content_type)
+        self.send_header("Content-Length", str(len(content)))
+        for name, value in (more or {}).items():
+            self.send_header(name, value)
+        if self.close_connection:
+            self.send_header("Connection", "close")
+        self.end_headers()
+        self.wfile.write(content)
+
+    def _common(self, content_type: str) -> None:
+        for name, value in (("Content-Type", content_type), ("Cache-Control", "no-store"),
+                            ("Content-Security-Policy", CONTENT_POLICY), ("X-Content-Type-Options", "nosniff"),
+                            ("Referrer-Policy", "no-referrer"), ("X-Frame-Options", "DENY"),
+                            ("Cross-Origin-Resource-Policy", "same-origin")):
+            self.send_header(name, value)
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Requests are not worth a line each, and could hold the token."""
+
+
+def _no_constant(name: str) -> Any:
+    raise ValueError(f"{name} is not JSON")

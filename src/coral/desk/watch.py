@@ -1,0 +1,69 @@
+"""One thread that looks at the inbox, and everybody who waits for it to change."""
+
+from __future__ import annotations
+
+import threading
+
+from coral.advisor.log import plain_json
+from coral.desk.inbox import Inbox, entry_json
+
+RECENT = 300
+"""Latest questions that a page lists."""
+
+
+class Watch:
+    """The state of an inbox as JSON text, with a version that grows when it changes."""
+
+    def __init__(self, inbox: Inbox, period_s: float = 0.2) -> None:
+        """Read the inbox once; `start` goes on.
+
+        Args:
+            inbox: What to watch.
+            period_s: How often to look (s).
+        """
+        self._inbox, self._period_s = inbox, period_s
+        self._changed = threading.Condition()
+        self._reading = threading.Lock()
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="desk-watch", daemon=True)
+        self._text, self._version = "", 0
+        self.look()
+
+    def start(self) -> None:
+        """Look again and again, on a thread of its own."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread and let go of everybody who waits."""
+        self._stop.set()
+        with self._changed:
+            self._changed.notify_all()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def look(self) -> None:
+        """Read the inbox now."""
+        with self._reading:
+            state = {"questions": [entry_json(entry) for entry in self._inbox.entries()[-RECENT:]],
+                     "missions": self._inbox.missions()[-8:]}
+            text = plain_json(state)
+            if text != self._text:
+                with self._changed:
+                    self._text, self._version = text, self._version + 1
+                    self._changed.notify_all()
+
+    def wait(self, seen: int, timeout_s: float) -> tuple[int, str]:
+        """Version and state as soon as the version is not `seen` any more, at the latest after a time.
+
+        Raises:
+            ConnectionAbortedError: The watch was stopped.
+        """
+        with self._changed:
+            self._changed.wait_for(lambda: self._version != seen or self._stop.is_set(), timeout_s)
+            if self._stop.is_set():
+                raise ConnectionAbortedError("the desk is closed")
+            return self._version, self._text
+
+    def _run(self) -> None:
+        while not self._stop.wait(self._period_s):
+            self.look()

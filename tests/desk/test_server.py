@@ -1,0 +1,198 @@
+import http.client
+import json
+import socket
+import threading
+
+import pytest
+
+from coral.desk.inbox import Inbox
+from coral.desk.server import BODY_LIMIT, DeskServer
+from coral.errors import InputError
+
+TOKEN = "a-token-of-our-own"
+
+
+def test_the_page_is_one_file_that_loads_nothing_from_elsewhere(client):
+    response, page = client("GET", "/", raw=True)
+    assert response.status == 200
+    assert response.headers["Content-Type"].startswith("text/html")
+    assert "default-src 'none'" in response.headers["Content-Security-Policy"]
+    assert "'unsafe" not in response.headers["Content-Security-Policy"]
+    text = page.decode().replace("http://www.w3.org/2000/svg", "")
+    assert "http://" not in text
+    assert "https://" not in text
+    assert "<link rel=\"stylesheet" not in text
+    assert "<script src" not in text
+
+
+def test_a_question_is_asked_shown_and_answered(client, ask, case):
+    asking = ask(case.reef_question(), case.refused("behind you"))
+    status, question = client("GET", f"/api/questions/{asking.id}")
+    assert status == 200
+    assert question["rejections"][0]["reason"] == "behind you"
+    assert question["picture_frames"]["map.png"]["pixel_from_world"][0][0] > 0
+    response, png = client("GET", f"/pictures/{asking.id}/map.png", raw=True)
+    assert response.headers["Content-Type"] == "image/png"
+    assert response.headers["X-Content-Type-Options"] == "nosniff"
+    assert png == case.reef_question().pictures[0].png
+    assert client.answer(asking.id, {"selected_centroid_index": 7, "reason": ""}, "  Ana\n B.") == (200, {"ok": True})
+    assert asking.result().selected_centroid_index == 7
+    _, state = client("GET", "/api/state")
+    assert state["questions"][0]["operator"] == "Ana B."
+
+
+def test_the_second_operator_is_told_who_was_first(client, ask):
+    asking = ask()
+    assert client.answer(asking.id, {"index": 1}, "Ana")[0] == 200
+    status, reply = client.answer(asking.id, {"index": 2}, "Bo")
+    assert (status, reply["error"]) == (409, "This question is already answered by Ana.")
+    assert asking.result().index == 1
+
+
+def test_an_unfit_answer_is_refused_with_reasons(client, ask):
+    asking = ask()
+    status, reply = client.answer(asking.id, {"index": 9, "reason": "x" * 41})
+    assert status == 422
+    assert [fault["place"] for fault in reply["faults"]] == ["index", "reason"]
+    assert client.answer(asking.id, {"index": 0})[0] == 200
+
+
+def read_event(stream):
+    while not (line := stream.readline()).startswith(b"data: "):
+        assert line, "the stream ended"
+    return json.loads(line[6:])
+
+
+def test_new_questions_arrive_by_themselves(server, client, ask):
+    connection = http.client.HTTPConnection("127.0.0.1", server.access.port, timeout=10)
+    connection.request("GET", "/api/events")
+    stream = connection.getresponse()
+    assert stream.headers["Content-Type"] == "text/event-stream"
+    assert read_event(stream) == {"questions": [], "missions": []}
+    asking = ask()
+    assert [q["state"] for q in read_event(stream)["questions"]] == ["open"]
+    client.answer(asking.id, {"index": 1})
+    seen = read_event(stream)
+    while seen["questions"][0]["state"] != "answered":
+        seen = read_event(stream)
+    assert seen["questions"][0]["answer"] == {"index": 1}
+    connection.close()
+
+
+@pytest.mark.parametrize("path", [
+    "/pictures/../../etc/passwd", "/pictures/000001-pick/..%2f..%2fsecret.png", "/pictures/..%2f/map.png",
+    "/pictures/000001-pick/question.json", "/pictures/000001-pick/%2e%2e", "/pictures/%00/map.png", "//etc/passwd",
+    "/api/questions/..", "/api/questions/..%2f..", "/api/questions/000002-pick", "/favicon.ico", "/page.html", "/api",
+])
+def test_there_is_no_way_out_of_the_inbox(client, ask, tmp_path, path):
+    ask()
+    (tmp_path / "secret.png").write_bytes(b"\x89PNG\r\n\x1a\nsecret")
+    status, reply = client("GET", path)
+    assert status == 404
+    assert set(reply) == {"error"}
+
+
+@pytest.mark.parametrize("host", ["evil.example", "evil.example:{port}", "127.0.0.1.evil.example:{port}", "localhost:1",
+                                  "127.0.0.1", "192.168.1.7:{port}", "", "[::1:{port}"])
+def test_other_names_are_not_served(server, client, host):
+    response, content = client("GET", "/api/state", headers={"Host": host.format(port=server.access.port)}, raw=True)
+    assert response.status == 421
+    assert b"questions" not in content
+
+
+def test_localhost_is_served(server, client):
+    for name in ("localhost", "LOCALHOST", "127.0.0.1"):
+        assert client("GET", "/api/state", headers={"Host": f"{name}:{server.access.port}"})[0] == 200
+
+
+def test_other_sites_cannot_answer(client, ask):
+    asking = ask()
+    path, body = f"/api/questions/{asking.id}/answer", json.dumps({"answer": {"index": 1}})
+    # What a page elsewhere can send without asking first: a form, or text without headers of its own.
+    for kind in ("text/plain", "application/x-www-form-urlencoded", "application/json"):
+        assert client("POST", path, body, {"Content-Type": kind})[0] == 403
+    assert client.answer(asking.id, {"index": 1}, Origin="http://evil.example")[0] == 403
+    assert client.answer(asking.id, {"index": 1}, Origin="null")[0] == 403
+    assert client("OPTIONS", path, raw=True)[0].status == 501
+    assert client("GET", "/api/state")[1]["questions"][0]["state"] == "open"
+    assert client.answer(asking.id, {"index": 1}, Origin=f"http://127.0.0.1:{client.port}")[0] == 200
+
+
+@pytest.mark.parametrize(("body", "headers", "status"), [
+    (b"{", {}, 400), (b"[]", {}, 400), (b"{}", {}, 400), (b'{"answer": NaN}', {}, 400), (b"[" * 5000, {}, 400),
+    (b'{"answer": 1, "operator": 2}', {}, 400), (b"\xff\xfe", {}, 400), (b"{}", {"Content-Type": "text/plain"}, 415),
+    (None, {"Content-Length": str(BODY_LIMIT + 1)}, 413), (None, {"Content-Length": "-1"}, 411),
+    (None, {"Content-Length": "9" * 99}, 411), (None, {"Content-Length": "x"}, 411),
+])
+def test_bad_requests_are_refused(client, ask, body, headers, status):
+    asking = ask()
+    sent = {"X-Coral-Desk": "1", "Content-Type": "application/json", **headers}
+    found, reply = client("POST", f"/api/questions/{asking.id}/answer", body, sent)
+    assert found == status
+    assert reply["error"]
+    assert client("GET", "/api/state")[1]["questions"][0]["state"] == "open"
+
+
+def test_posting_elsewhere_is_refused(client):
+    for path in ("/", "/api/questions/000001-pick", "/api/questions/a/b/answer"):
+        assert client("POST", path, "{}", {"X-Coral-Desk": "1", "Content-Type": "application/json"})[0] == 404
+    assert client.answer("000001-pick", {})[0] == 404
+
+
+def test_a_token_is_asked_for(tmp_path, case):
+    with case.serving(tmp_path / "inbox", token=TOKEN) as server:
+        client = case.client(server)
+        assert client("GET", "/")[0] == 401
+        assert client("GET", "/api/state")[0] == 401
+        assert client("GET", "/api/events")[0] == 401
+        assert client.answer("000001-pick", {})[0] == 401
+        assert client("GET", f"/api/state?token={TOKEN}")[0] == 401
+        assert client("GET", "/?token=another-token")[0] == 403
+        assert client("GET", "/", headers={"Cookie": f"coral_desk_{client.port}=wrong"})[0] == 401
+        assert client("GET", "/", headers={"Authorization": "Bearer wrong"})[0] == 401
+        response, _ = client("GET", f"/?token={TOKEN}", raw=True)
+        assert (response.status, response.headers["Location"]) == (303, "/")
+        cookie = response.headers["Set-Cookie"]
+        assert "HttpOnly" in cookie
+        assert "SameSite=Strict" in cookie
+        assert client("GET", "/api/state", headers={"Cookie": cookie.partition(";")[0]})[0] == 200
+        assert client("GET", "/api/state", headers={"Authorization": f"Bearer {TOKEN}"})[0] == 200
+        assert server.url.endswith(f"?token={TOKEN}")
+
+
+def test_other_hosts_get_a_token_and_answer_to_addresses(tmp_path, case):
+    with case.serving(tmp_path / "inbox", host="0.0.0.0") as server:
+        assert len(server.access.token) >= 24
+        client = case.client(server)
+        admitted = {"Authorization": f"Bearer {server.access.token}"}
+        for host, status in (("10.1.2.3", 200), (socket.gethostname(), 200), ("evil.example", 421)):
+            found, _ = client("GET", "/api/state", headers={**admitted, "Host": f"{host}:{client.port}"})
+            assert found == status
+
+
+def test_a_port_in_use_is_named(server, tmp_path):
+    with pytest.raises(InputError, match=rf"--port: found port {server.access.port} in use on 127.0.0.1"):
+        DeskServer(Inbox(tmp_path), port=server.access.port)
+
+
+@pytest.mark.parametrize(("options", "message"), [
+    ({"port": 70000}, "--port: found 70000"), ({"host": "192.0.2.1"}, "--host: found '192.0.2.1'"),
+    ({"token": "short"}, "--token: found a token of 5 characters"),
+    ({"token": "twelve chars; and more"}, "--token: found a token of 22 characters"),
+])
+def test_bad_addresses_and_tokens_are_one_line(tmp_path, options, message):
+    with pytest.raises(InputError) as error:
+        DeskServer(Inbox(tmp_path), **{"port": 0, **options})
+    assert str(error.value).startswith(message)
+    assert "\n" not in str(error.value)
+
+
+def test_pages_are_let_go_when_the_desk_closes(tmp_path, case):
+    with case.serving(tmp_path / "inbox") as server:
+        connection = http.client.HTTPConnection("127.0.0.1", server.access.port, timeout=10)
+        connection.request("GET", "/api/events")
+        stream = connection.getresponse()
+        read_event(stream)
+    assert stream.read().strip() == b""
+    connection.close()
+    assert not [t for t in threading.enumerate() if t.name == "desk-watch"]
