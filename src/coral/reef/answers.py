@@ -23,9 +23,10 @@ def _shorten(value: Any) -> Any:
     return value[:REASON_LIMIT] if isinstance(value, str) else "" if value is None else value
 
 
-Step = Annotated[int, BeforeValidator(_no_bool), Field(ge=-6, le=6)]
+Step = Annotated[int, Field(ge=-6, le=6), BeforeValidator(_no_bool)]
+"""The bounds come first: behind a validator, pydantic leaves them out of the JSON schema."""
 Index = Annotated[int, BeforeValidator(_no_bool)]
-Reason = Annotated[str, BeforeValidator(_shorten), Field(max_length=REASON_LIMIT)]
+Reason = Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(_shorten)]
 
 _MOVE = re.compile(r"(forward|backward|back|left|right)\w*(?:\s+by)?\s+(\d+(?:\.\d+)?)", re.IGNORECASE)
 _SIGN = {"forward": ("forward_m", 1), "backward": ("forward_m", -1), "back": ("forward_m", -1), "left": ("left_m", 1),
