@@ -11,75 +11,120 @@ import numpy as np
 
 from coral.reef.world import Obstacle, ReefWorld
 
-WATER, OYSTER, ROCK, SPINE, START, FLOW = "#f4f1e8", "#3f8f4f", "#2b2b2b", "#9db8c9", "#d1342b", "#2f6db5"
+SEABED, OYSTER, ROCK, SPINE, START, FLOW, INK = (
+    "#f1ead8", "#2f9e4f", "#2b2b2b", "#8fb3c9", "#d1342b", "#1f5fb0", "#26302a")
 
 
 def preview(world: ReefWorld, path: Path) -> Path:
     """Draw one world as a PNG."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
-    figure = Figure(figsize=(7.2, 7.6), dpi=110, layout="constrained")
-    _draw(figure.subplots(), world, detail=True)
-    figure.savefig(path)
+    figure = Figure(figsize=(7.4, 8.2), dpi=110, layout="constrained")
+    axes = figure.subplots()
+    _draw(axes, world, size=13)
+    width, height = world.size_m
+    oysters = sum(len(cluster.oysters) for cluster in world.clusters)
+    axes.set_title(f"{world.name}: {width:g} × {height:g} m, {len(world.clusters)} clusters, {oysters} oysters, "
+                   f"{len(world.obstacles)} obstacles", fontsize=12)
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("y (m)")
+    axes.set_xlim(-0.2, width + 0.2)
+    axes.set_ylim(-0.2, height + 0.2)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(nbins=8, integer=True, steps=[1, 2, 5, 10]))
+    figure.legend(handles=_legend(), loc="outside lower center", ncols=5, frameon=False, fontsize=9.5,
+                  handletextpad=0.4, columnspacing=1.4)
+    figure.savefig(path, format="png")
     return path
 
 
 def preview_sheet(worlds: Sequence[ReefWorld], path: Path, columns: int = 5) -> Path:
     """Draw several worlds on one sheet, all at the same scale."""
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     rows = math.ceil(len(worlds) / columns)
-    figure = Figure(figsize=(3.3 * columns, 3.55 * rows), dpi=110, layout="constrained")
-    span = max(max(world.size_m) for world in worlds)
+    widest, highest = (max(world.size_m[axis] for world in worlds) for axis in (0, 1))
+    figure = Figure(figsize=(3.5 * columns, (3.5 * highest / widest + 0.35) * rows + 0.35), dpi=110,
+                    layout=ConstrainedLayoutEngine(h_pad=0.1))
     for k, axes in enumerate(np.atleast_1d(figure.subplots(rows, columns)).ravel()):
-        if k < len(worlds):
-            _draw(axes, worlds[k], detail=False)
-            width, height = worlds[k].size_m
-            axes.set_xlim(width / 2 - span / 2, width / 2 + span / 2)
-            axes.set_ylim(height / 2 - span / 2, height / 2 + span / 2)
         axes.set_axis_off()
-    figure.savefig(path)
+        if k >= len(worlds):
+            continue
+        width, height = worlds[k].size_m
+        _draw(axes, worlds[k], size=8.5)
+        axes.set_title(f"{worlds[k].name}   {width:g} × {height:g} m", fontsize=12)
+        axes.set_xlim(width / 2 - widest / 2 - 0.3, width / 2 + widest / 2 + 0.3)
+        axes.set_ylim(height - highest - 0.3, height + 0.3)  # titles sit on the worlds
+    figure.legend(handles=_legend(), loc="outside lower center", ncols=5, frameon=False, fontsize=11)
+    figure.savefig(path, format="png")
     return path
 
 
-def _draw(axes: Any, world: ReefWorld, *, detail: bool) -> None:
+def _draw(axes: Any, world: ReefWorld, *, size: float) -> None:
     from matplotlib.collections import PatchCollection
     from matplotlib.patches import Ellipse, Rectangle
+    from matplotlib.patheffects import withStroke
 
     width, height = world.size_m
-    axes.add_patch(Rectangle((0, 0), width, height, facecolor=WATER, edgecolor="#8a8a8a", linewidth=0.8))
+    halo = [withStroke(linewidth=2.6, foreground="white")]
+    axes.add_patch(Rectangle((0, 0), width, height, facecolor=SEABED, edgecolor="#8a8a8a", linewidth=0.8))
     for line in world.spine:
         axes.plot(*np.array(line).T, color=SPINE, linewidth=1.2, linestyle=(0, (4, 3)), zorder=1)
     oysters = [Ellipse((o.x, o.y), 2 * o.radii[0], 2 * o.radii[1], angle=math.degrees(o.rpy[2]))
                for cluster in world.clusters for o in cluster.oysters]
     axes.add_collection(PatchCollection(oysters, facecolor=OYSTER, edgecolor="none", zorder=2))
-    axes.add_collection(PatchCollection([_outline(o) for o in world.obstacles], facecolor=ROCK, edgecolor="none", zorder=3))
+    axes.add_collection(PatchCollection([_outline(o) for o in world.obstacles], facecolor=ROCK, edgecolor="none",
+                                        zorder=3))
     for k, cluster in enumerate(world.clusters):
         x = float(np.mean([o.x for o in cluster.oysters]))
         y = float(np.mean([o.y for o in cluster.oysters]))
-        axes.annotate(cluster.name if detail else str(k), (x, y), color="white", fontsize=9, fontweight="bold",
-                      ha="center", va="center", zorder=5,
-                      bbox={"boxstyle": "round,pad=0.2", "facecolor": "#1f5c2e", "edgecolor": "none", "alpha": 0.85})
-    s, reach = world.start, 0.06 * max(width, height)
-    axes.annotate("", (s.x + reach * math.cos(s.theta), s.y + reach * math.sin(s.theta)), (s.x, s.y), zorder=6,
-                  arrowprops={"arrowstyle": "-|>", "color": START, "linewidth": 2})
+        axes.text(x, y, str(k), color=INK, fontsize=size, fontweight="bold", ha="center", va="center_baseline",
+                  path_effects=halo, zorder=5)
+    s = world.start
     axes.add_patch(Ellipse((s.x, s.y), 0.6, 0.6, facecolor=START, edgecolor="white", linewidth=0.8, zorder=6))
-    speed = math.hypot(world.current.x_m_s, world.current.y_m_s)
-    if speed > 0.005:
-        ux, uy = world.current.x_m_s / speed, world.current.y_m_s / speed
-        cx, cy = 0.93 * width, 0.07 * height
-        axes.annotate("", (cx + 0.04 * width * ux, cy + 0.04 * width * uy), (cx - 0.04 * width * ux, cy - 0.04 * width * uy),
-                      arrowprops={"arrowstyle": "->", "color": FLOW, "linewidth": 1.6}, zorder=6)
-    if detail:
-        axes.plot([0.04 * width, 0.04 * width + 5], [0.035 * height] * 2, color="#333333", linewidth=3, zorder=6)
-        axes.text(0.04 * width + 2.5, 0.045 * height, "5 m", ha="center", va="bottom", fontsize=9)
-        axes.set_xlabel("x (m)   green: oysters · black: obstacles · red: start · blue arrow: current")
-        axes.set_ylabel("y (m)")
-        axes.set_xlim(-0.3, width + 0.3)
-        axes.set_ylim(-0.3, height + 0.3)
-    axes.set_title(f"{world.name}   {width:g} × {height:g} m, {len(world.clusters)} clusters, "
-                   f"{len(world.obstacles)} obstacles" if detail else f"{world.name}  ({width:g} × {height:g} m)", fontsize=11)
+    axes.annotate("", (s.x + 1.4 * math.cos(s.theta), s.y + 1.4 * math.sin(s.theta)), (s.x, s.y), zorder=6,
+                  arrowprops={"arrowstyle": "-|>", "color": START, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0})
+    _draw_current(axes, world, size)
+    bar = 5.0 if min(world.size_m) >= 12.0 else 1.0
+    axes.plot([0.6, 0.6 + bar], [0.6, 0.6], color="white", linewidth=6, zorder=6, solid_capstyle="butt")
+    axes.plot([0.6, 0.6 + bar], [0.6, 0.6], color=INK, linewidth=3, zorder=6, solid_capstyle="butt")
+    axes.text(0.6 + bar / 2, 0.9, f"{bar:g} m", ha="center", va="bottom", fontsize=size - 2, color=INK,
+              path_effects=halo, zorder=6)
     axes.set_aspect("equal")
+
+
+def _draw_current(axes: Any, world: ReefWorld, size: float) -> None:
+    """Arrow on a white disc in a corner without obstacles, with the speed above it."""
+    from matplotlib.patches import Circle
+    from matplotlib.patheffects import withStroke
+
+    vx, vy = world.current.x_m_s, world.current.y_m_s
+    speed = math.hypot(vx, vy)
+    if speed < 0.0005:
+        return
+    width, height = world.size_m
+    corners = [(width - 1.3, 1.3), (width - 1.3, height - 2.2), (1.3, height - 2.2)]
+    busy = [sum(math.hypot(o.x - x, o.y - y - 0.4) < 1.9 for o in world.obstacles) for x, y in corners]
+    x, y = corners[int(np.argmin(busy))]
+    reach = 0.75
+    axes.add_patch(Circle((x, y), 1.0, facecolor="white", edgecolor=FLOW, linewidth=0.8, alpha=0.85, zorder=6))
+    dx, dy = reach * vx / speed, reach * vy / speed
+    axes.annotate("", (x + dx, y + dy), (x - dx, y - dy), zorder=7,
+                  arrowprops={"arrowstyle": "-|>", "color": FLOW, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0})
+    axes.text(x, y + 1.2, f"{100 * speed:.1f} cm/s", ha="center", va="bottom", fontsize=size - 2, color=FLOW,
+              path_effects=[withStroke(linewidth=2.6, foreground="white")], zorder=7)
+
+
+def _legend() -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    def mark(color: str, marker: str, label: str) -> Line2D:
+        return Line2D([], [], color=color, marker=marker, linestyle="none", markersize=8, label=label)
+
+    return [mark(OYSTER, "o", "oysters (cluster number)"), mark(ROCK, "s", "obstacles"), mark(START, "o", "start"),
+            mark(FLOW, "$→$", "current"), Line2D([], [], color=SPINE, linestyle="--", label="line of growth")]
 
 
 def _outline(obstacle: Obstacle) -> Any:
