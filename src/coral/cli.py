@@ -23,6 +23,8 @@ COMMANDS = {
     "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),
     "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),
     "desk": ("coral.commands.desk:Desk", "answer a mission's questions in a browser"),
+    "advisor show": ("coral.commands.advisor_show:AdvisorShow", "print a prompt and write its pictures"),
+    "advisor probe": ("coral.commands.advisor_probe:AdvisorProbe", "find out what a model's endpoint can do"),
     "doctor": ("coral.commands.doctor:Doctor", "check this installation"),
     "version": ("coral.commands.version:Version", "print the version"),
 }

@@ -1,0 +1,34 @@
+"""`coral advisor probe`: what a model's endpoint can do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Annotated, Any
+
+import tyro
+
+from coral.advisor.model_cfg import ModelCfg
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdvisorProbe:
+    """Ask a model a few tiny questions and say which output modes work and whether it sees pictures."""
+
+    model: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="MODEL")]
+    """The model, as for --advisor: PROVIDER:MODEL or local:URL#MODEL."""
+    json: bool = False
+    """Print one JSON object."""
+    cfg: ModelCfg = field(default_factory=ModelCfg)
+    """Time-outs and retries."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Probe it."""
+        from coral.advisor.probe import probe
+
+        report = probe(self.model, self.cfg)
+        return {**asdict(report), "lines": report.lines()}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """A line for each finding."""
+        return "\n".join(result["lines"])

@@ -1,0 +1,100 @@
+"""`coral advisor show`: what a model is sent, word for word and picture by picture."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from coral.advisor.prompt import FOLDER, kinds, render, version
+from coral.errors import InputError, RunError, nearest
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdvisorShow:
+    """Print the rendered prompt of a question kind; write the pictures that go with it."""
+
+    kind: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="KIND")]
+    """Kind of question, such as reef-centroid; `list` names them all."""
+    out: Path | None = None
+    """Folder for prompt.md and the pictures; without it only the text is printed."""
+    world: str = "s1"
+    """Reef in which the question of a reef kind comes up."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Render, and write if asked to."""
+        if self.kind == "list":
+            return {"kinds": kinds()}
+        if self.kind not in kinds():
+            raise InputError("KIND", "", repr(self.kind), f"list, or one of {', '.join(kinds())}"
+                                                          f"{nearest(self.kind, kinds())}")
+        pictures: dict[str, Path] = {}
+        with tempfile.TemporaryDirectory() as scratch:
+            if self.kind.startswith("reef-"):
+                prompt, pictures = _asked_in_a_mission(self.kind, self.world, Path(scratch) / "run")
+            else:
+                prompt = render(self.kind, json.loads((FOLDER / "samples.json").read_text(encoding="utf-8"))[self.kind])[0]
+            written = self._write(prompt, pictures) if self.out else []
+        return {"kind": self.kind, "version": version(self.kind), "prompt": prompt, "pictures": list(pictures),
+                "written": written}
+
+    def _write(self, prompt: str, pictures: Mapping[str, Path]) -> list[str]:
+        folder = self.out
+        assert folder is not None
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / "prompt.md").write_text(prompt, encoding="utf-8")
+            for name, picture in pictures.items():
+                shutil.copyfile(picture, folder / f"{name}.png")
+        except OSError as error:
+            raise InputError("--out", str(folder), error.strerror or error, "a folder that can be written") from None
+        return [str(folder / "prompt.md"), *(str(folder / f"{name}.png") for name in pictures)]
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """The prompt itself."""
+        if "kinds" in result:
+            return "\n".join(result["kinds"])
+        return "\n".join([result["prompt"], *(f"wrote {path}" for path in result["written"])])
+
+
+class _UntilAsked:
+    """Stops a mission as soon as a question of one kind has been answered."""
+
+    def __init__(self, log: Path, kind: str) -> None:
+        self._log, self._mark = log, f'"kind": "{kind}"'
+
+    def tick(self, mission: Any) -> None:
+        """Nothing to show."""
+
+    def stop_requested(self) -> str:
+        """Whether the question is in the log."""
+        return "asked" if self._mark in self._log.read_text(encoding="utf-8") else ""
+
+
+def _asked_in_a_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str, Path]]:
+    """Prompt and pictures of the first question of a kind that comes up in a simulated mission."""
+    from coral.advisor.rules import RuleAdvisor
+    from coral.reef.heuristic import REEF_RULES
+    from coral.reef.mission import Mission, MissionCfg
+    from coral.reef.world import load_world
+    from coral.view.questions import question_pictures
+
+    cfg = MissionCfg(latency="0")
+    cfg = replace(cfg, record=replace(cfg.record, frames=False))
+    mission = Mission(load_world(world), cfg, RuleAdvisor(REEF_RULES), folder, draw=question_pictures)
+    mission.run([_UntilAsked(folder / "attempts.jsonl", kind)])
+    attempts = [json.loads(line) for line in (folder / "attempts.jsonl").read_text(encoding="utf-8").splitlines()]
+    asked = [attempt for attempt in attempts if attempt["kind"] == kind]
+    if not asked:
+        raise RunError(f"no {kind} question comes up in {world}; try another --world")
+    names = [name for name, _ in asked[-1]["captions"]]
+    return asked[-1]["prompt"], {
+        name: folder / "pictures" / f"{digest}.png" for name, digest in zip(names, asked[-1]["pictures"], strict=True)}
