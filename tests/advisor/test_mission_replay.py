@@ -1,0 +1,37 @@
+"""A recorded mission, replayed, is the same mission."""
+
+import json
+
+import numpy as np
+
+from coral.advisor.registry import make_advisor
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.mission import Mission, MissionCfg
+from coral.reef.record import RecordCfg
+from coral.reef.world import load_world
+
+CFG = MissionCfg(time_limit_s=80.0, record=RecordCfg(pictures=False, frames=False))
+
+
+def fly(spec, folder):
+    advisor = make_advisor(spec, rules=REEF_RULES, rng=np.random.default_rng([0, 7]))
+    return Mission(load_world("l1"), CFG, advisor, folder).run()
+
+
+def test_a_recorded_mission_with_failures_replays_to_the_same_metrics(tmp_path):
+    first = fly("fallible:0.5:heuristic", tmp_path / "first")
+    fly(f"replay:{tmp_path / 'first'}", tmp_path / "second")
+    verdicts = [json.loads(line)["verdict"] for line in (tmp_path / "first" / "attempts.jsonl").read_text().splitlines()]
+    assert set(verdicts) > {"accepted"}
+    assert first["collisions"] == 0
+    for name in ("metrics.json", "trajectory.csv", "attempts.jsonl"):
+        assert (tmp_path / "second" / name).read_bytes() == (tmp_path / "first" / name).read_bytes()
+
+
+def test_a_question_that_was_not_recorded_is_named(tmp_path):
+    fly("heuristic", tmp_path / "first")
+    lines = (tmp_path / "first" / "attempts.jsonl").read_text().splitlines()
+    (tmp_path / "short.jsonl").write_text("\n".join(lines[:1]) + "\n")
+    result = fly(f"replay:{tmp_path / 'short.jsonl'}", tmp_path / "second")
+    assert result["fallbacks"] >= 1
+    assert "not-recorded" in (tmp_path / "second" / "attempts.jsonl").read_text()
