@@ -63,7 +63,7 @@ class Asking:
         self._posted = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._ask(inbox, question, rejections)), daemon=True)
         self._thread.start()
-        assert self._posted.wait(10)
+        assert self._posted.wait(30)
         self.id = max(path.name for path in inbox.iterdir() if path.name[0].isdigit())
 
     async def _ask(self, inbox, question, rejections):
@@ -79,10 +79,10 @@ class Asking:
 
     def withdraw(self):
         self._loop.call_soon_threadsafe(self._task.cancel)
-        self._thread.join(10)
+        self._thread.join(30)
 
     def result(self):
-        self._thread.join(10)
+        self._thread.join(30)
         assert self.reply is not None, self.error
         return self.reply.value
 
@@ -110,7 +110,7 @@ class Client:
         self.port = server.access.port
 
     def __call__(self, method, path, body=None, headers=None, raw=False):
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
         connection.request(method, path, body, headers or {})
         response = connection.getresponse()
         content = response.read()

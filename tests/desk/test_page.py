@@ -13,6 +13,8 @@ from coral.desk.notice import mission_notice
 from coral.reef.geometry import Pose, to_world
 
 pytestmark = pytest.mark.browser
+# Only a page that never gets there waits this long; a busy machine may need more than the usual 5 s.
+expect.set_options(timeout=30_000)
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
          "--disable-component-update", "--disable-sync"]
 
