@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from coral.advisor.consult import BudgetCfg
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
 from coral.commands.progress import MissionProgress
@@ -26,6 +27,9 @@ from coral.reef.variants import apply_variant
 from coral.reef.world import load_world
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
+
+PERSON_DEADLINE_S = 600.0
+"""A person who answers gets this long, unless the configuration says otherwise; a model gets a minute."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +79,10 @@ class ReefRun:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
         cfg = checked(apply_variant(self.variant, self.cfg), "--cfg")
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
+        asks_people = self.advisor.split(":")[-1].strip() == "desk"
+        if asks_people and cfg.pilot.budget == BudgetCfg():
+            patient = dataclasses.replace(cfg.pilot, budget=BudgetCfg(deadline_s=PERSON_DEADLINE_S))
+            cfg = dataclasses.replace(cfg, pilot=patient)
         folder = self.out or new_run_folder(Path("runs"), world.name)
         rng = np.random.default_rng([self.seed, 7])
         inbox = self.inbox or folder / "inbox"
@@ -83,7 +91,6 @@ class ReefRun:
         mission = Mission(world, cfg, advisor, folder, seed=self.seed, variant=self.variant,
                           draw=question_pictures if cfg.record.pictures else None)
         progress = MissionProgress(quiet=self.quiet)
-        asks_people = self.advisor.split(":")[-1].strip() == "desk"
         about = {"world": world.name, "variant": self.variant, "seed": self.seed, "run": str(folder)}
         if asks_people and not self.quiet:
             print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)

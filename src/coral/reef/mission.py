@@ -124,6 +124,7 @@ class Mission:
         except KeyboardInterrupt:
             self.end_reason = "stopped by the operator"
         finally:
+            self.clock.withdraw()
             self.emit("end", reason=self.end_reason or "failed")
             self.clock.close()
             self.attempts.close()
