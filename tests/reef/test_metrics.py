@@ -33,7 +33,8 @@ def test_counts_and_rates_by_hand():
     assert metrics_of(EVENTS, rows) == {
         **metrics_of(EVENTS, rows),
         "coverage": 0.25, "clusters_covered": 1, "clusters_total": 4, "collisions": 1, "advisor_calls": 2,
-        "requeries": 1, "rejections": 1, "fallbacks": 1, "deviations": 1, "steps": 400, "sim_time_s": 40.0, "coverage_time_s": 25.0,
+        "requeries": 1, "rejections": 1, "fallbacks": 1, "deviations": 1, "steps": 400, "sim_time_s": 40.0,
+        "coverage_time_s": 25.0,
         "steps_per_percent": 16.0, "distance_m": 7.0, "mean_speed_m_s": 0.175, "min_clearance_m": 0.05,
         "planner_failures": 1, "path_replans": 1, "end_reason": "time limit"}
 

@@ -23,7 +23,7 @@ class Picture:
     png: bytes
     caption: str = ""
     pixel_from_world: Affine | None = None
-    """Where world points lie in it, for those who answer by pointing: (column, row) px = A (x, y, 1), x and y in metres.
+    """Where world points lie in it, for those who answer by pointing: (column, row) px = A (x, y, 1), x and y in m.
     None when the picture shows no plane of the world."""
 
     @property

@@ -41,7 +41,8 @@ class AdvisorShow:
             if self.kind.startswith("reef-"):
                 prompt, pictures = _asked_in_a_mission(self.kind, self.world, Path(scratch) / "run")
             else:
-                prompt = render(self.kind, json.loads((FOLDER / "samples.json").read_text(encoding="utf-8"))[self.kind])[0]
+                samples = json.loads((FOLDER / "samples.json").read_text(encoding="utf-8"))
+                prompt = render(self.kind, samples[self.kind])[0]
             written = self._write(prompt, pictures) if self.out else []
         return {"kind": self.kind, "version": version(self.kind), "prompt": prompt, "pictures": list(pictures),
                 "written": written}

@@ -92,9 +92,10 @@ def _rounded(value: Any) -> Any:
 
 
 def _refuse_bombs(content: dict[str, Any], where: str) -> None:
-    seen, stack = 0, [content]
+    seen = 0
+    stack: list[Any] = [content]
     while stack:
-        node: Any = stack.pop()
+        node = stack.pop()
         children = list(node.values()) if isinstance(node, dict) else node if isinstance(node, list) else ()
         seen += len(children)
         if seen > MAX_VALUES:

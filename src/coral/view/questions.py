@@ -29,6 +29,7 @@ def question_pictures(belief: Belief) -> tuple[Picture, ...]:
         pictures += [
             Picture(name="segmentation", png=png(camera_picture(belief.frame, "segmentation")),
                     caption="front camera, segmented"),
-            Picture(name="depth", png=png(camera_picture(belief.frame, "depth")), caption="front camera, depth in metres"),
+            Picture(name="depth", png=png(camera_picture(belief.frame, "depth")),
+                    caption="front camera, depth in metres"),
         ]
     return tuple(pictures)
