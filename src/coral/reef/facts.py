@@ -11,13 +11,14 @@ import numpy as np
 from coral.reef.belief import Belief
 from coral.reef.geometry import to_robot, to_world, wrap
 from coral.reef.survey import Survey
+from coral.reef.topology import Place
 from coral.reef.verify import Surroundings, VerifyCfg, reference
 
 MAX_FRONTIERS = 40
 
 
 def describe(belief: Belief, left: Survey, around: Surroundings, cfg: VerifyCfg,
-             options: Sequence[dict[str, float]] | None) -> dict[str, Any]:
+             options: Sequence[dict[str, float]] | None, places: Sequence[Place] = ()) -> dict[str, Any]:
     """Facts of a question, in plain JSON; points in the robot frame (m forward, m left).
 
     Args:
@@ -26,6 +27,7 @@ def describe(belief: Belief, left: Survey, around: Surroundings, cfg: VerifyCfg,
         around: What the verifiers judge by.
         cfg: The verifiers' thresholds.
         options: Waypoints that may be named; None in centroid selection mode.
+        places: The topological memory's graph of what is left; empty without it.
     """
     pose = belief.pose
     facts: dict[str, Any] = {
@@ -37,6 +39,14 @@ def describe(belief: Belief, left: Survey, around: Surroundings, cfg: VerifyCfg,
         "centroids": _centroids(belief, left),
         "frontiers": _frontiers(belief, left),
     }
+    if places:
+        regrets = {place.index: round(place.regret_m, 2) for place in places}
+        for centroid in facts["centroids"]:
+            centroid["regret_m"] = regrets.get(centroid["index"])
+        for frontier in facts["frontiers"]:
+            x, y = to_world(pose, frontier["forward_m"], frontier["left_m"])
+            near = [p for p in places if p.index is None and math.hypot(p.x - x, p.y - y) < 0.1]
+            frontier["regret_m"] = round(near[0].regret_m, 2) if near else None
     if options is not None:
         facts["options"] = list(options)
     return facts

@@ -23,6 +23,8 @@ BACK_DEG, ASIDE_DEG = 100.0, 50.0
 """Waypoints farther off the heading, or off the chain's trend, lead back or away from the reef."""
 SEEN_M = 2.5
 """Clusters nearer than this to where the robot is going anyway are visited before the answer comes."""
+REGRET = 0.5
+"""Worth of a metre by which a choice lengthens the tour of all that is left (topological memory)."""
 REEF_M = 4.0
 """Oysters settle near oysters: frontiers farther than this from the reef pay for the excess."""
 
@@ -94,13 +96,15 @@ def _from_arrival(facts: Fact, point: Fact) -> tuple[float, float]:
 def _centroid_cost(facts: Fact, c: Fact) -> float:
     path = c["path_m"] if c["path_m"] is not None else 100.0
     turn = TURN_M * _from_arrival(facts, c)[1]
-    return float(path + turn - UNEXPLORED_M * c["unexplored"] + 5.0 * c["failed_attempts"])
+    regret = REGRET * (c.get("regret_m") or 0.0)
+    return float(path + turn + regret - UNEXPLORED_M * c["unexplored"] + 5.0 * c["failed_attempts"])
 
 
 def _frontier_cost(facts: Fact, f: Fact) -> float:
     reef = max(0.0, f["reef_m"] - REEF_M) if f["reef_m"] is not None else 0.0
     turn = 2.0 * TURN_M * _from_arrival(facts, f)[1]
-    return float(f["path_m"] + turn + 2.0 * reef - 4.0 * UNEXPLORED_M * f["unexplored"])
+    regret = REGRET * (f.get("regret_m") or 0.0)
+    return float(f["path_m"] + turn + regret + 2.0 * reef - 4.0 * UNEXPLORED_M * f["unexplored"])
 
 
 REEF_RULES = {"reef-centroid": choose_centroid, "reef-waypoint": choose_waypoint}

@@ -14,6 +14,7 @@ from coral.reef.costfield import CostFieldCfg
 from coral.reef.facts import describe, waypoint_options
 from coral.reef.geometry import to_world
 from coral.reef.survey import Survey, SurveyCfg, survey
+from coral.reef.topology import TopologyCfg, places_left
 from coral.reef.trigger import separated
 from coral.reef.verify import Surroundings, VerifyCfg, verify_waypoint, violation
 
@@ -39,6 +40,7 @@ class PlannerCfg:
     """False is the ablation "w/o centroid selection": the chain is shown, but only waypoints are asked for."""
     survey: SurveyCfg = field(default_factory=SurveyCfg)
     verify: VerifyCfg = field(default_factory=VerifyCfg)
+    topology: TopologyCfg = field(default_factory=TopologyCfg)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +73,8 @@ class HighLevelPlanner:
             return None
         cfg = self.cfg
         self.mode = self._mode(left, bool(reachable))
-        facts = describe(self.belief, left, self._surroundings(left), cfg.verify, self._steps(left))
+        places = places_left(self.belief, left, self.fields, cfg.topology)
+        facts = describe(self.belief, left, self._surroundings(left), cfg.verify, self._steps(left), places)
         context = {"facts": facts, "rejections": [r.reason for r in rejections], "step_m": cfg.step_m}
         prompt, version = self.prompts(KIND[self.mode], context)
         return Question(kind=KIND[self.mode], prompt=prompt, prompt_version=version, facts=facts,
@@ -126,8 +129,27 @@ class HighLevelPlanner:
             return Rejection(code="visited", reason=f"Orange dot {goal.index} has been visited already: the yellow "
                                                     "trajectory passes it. Choose one that has not.") \
                 if cfg.verify.enabled else None
+        if not cfg.verify.enabled:
+            return None
         around = self._surroundings(left)
-        return verify_waypoint((goal.x, goal.y), around, cfg.verify) if cfg.verify.enabled else None
+        return verify_waypoint((goal.x, goal.y), around, cfg.verify) or self._leads_back(goal, left, around)
+
+    def _leads_back(self, goal: Goal, left: Survey, around: Surroundings) -> Rejection | None:
+        """Refuse a cluster that makes the tour of what is left much longer than another acceptable one would."""
+        limit = self.cfg.topology.max_regret_m
+        places = places_left(self.belief, left, self.fields, self.cfg.topology)
+        chosen = next((p for p in places if p.index is not None and p.index == goal.index), None)
+        if chosen is None or chosen.regret_m <= limit:
+            return None
+        better = [p for p in places if p.index is not None and p.regret_m < chosen.regret_m - limit
+                  and verify_waypoint((p.x, p.y), around, self.cfg.verify) is None]
+        if not better:
+            return None
+        best = min(better, key=lambda p: p.regret_m)
+        return Rejection(
+            code="loop-back", details={"regret_m": round(chosen.regret_m, 1), "better": best.index},
+            reason=f"Orange dot {goal.index} leads back into known water: going there first makes the way past all "
+                   f"that is left {chosen.regret_m - best.regret_m:.0f} m longer than starting with dot {best.index}.")
 
     def adopt(self, goal: Goal) -> bool:
         """Make a goal the active one; True if it violates Eqs. 4-8 and no exemption applies (a "deviation")."""

@@ -22,6 +22,11 @@ def _no_centroid_selection(cfg: MissionCfg) -> MissionCfg:
     return replace(cfg, planner=replace(cfg.planner, centroid_selection=False))
 
 
+def _no_topology(cfg: MissionCfg) -> MissionCfg:
+    """Every choice is judged by what is near alone, as in the paper."""
+    return replace(cfg, planner=replace(cfg.planner, topology=replace(cfg.planner.topology, enabled=False)))
+
+
 def _no_trigger(cfg: MissionCfg) -> MissionCfg:
     """The advisor is asked again at every cooldown."""
     return replace(cfg, pilot=replace(cfg.pilot, trigger=replace(cfg.pilot.trigger, always=True)))
@@ -73,6 +78,7 @@ VARIANTS: dict[str, Change] = {
     "no-centroid-selection": _no_centroid_selection,
     "no-trigger": _no_trigger,
     "no-ddp": _no_ddp,
+    "no-topology": _no_topology,
 }
 
 
