@@ -50,7 +50,7 @@ def places_left(belief: Belief, left: Survey, fields: CostFieldCfg, cfg: Topolog
     """The graph of what is left, each place with its regret; empty when the memory is off or nothing is left."""
     if not cfg.enabled:
         return ()
-    clusters = sorted(((left.path_m(t.x, t.y), t.x, t.y, t.index) for t in belief.unvisited()))
+    clusters = sorted((left.path_m(t.x, t.y), t.x, t.y, t.index) for t in belief.unvisited())
     nodes = [Place(x=x, y=y, index=index) for path, x, y, index in clusters if math.isfinite(path)][: cfg.max_nodes]
     for f in left.frontiers:
         if len(nodes) == cfg.max_nodes:
