@@ -30,7 +30,9 @@ class SurveyCfg:
     """How far about a point unexplored water counts as what a visit would show."""
     ahead_deg: float = 60.0
     ahead_m: float = 6.0
-    """A dead end has no frontier within this angle and path length in front of the robot."""
+    """A dead end has no frontier within this angle and path length in front of the robot..."""
+    reef_reach_m: float = 5.0
+    """... that lies this near to a known cluster: water farther off is no longer the reef."""
     border_m: float = 0.5
     """The outermost strip of the survey area is not worth a visit."""
 
@@ -84,7 +86,8 @@ def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: Surve
     field = CostField.compute(belief.map.distance(), (pose.x, pose.y), cell_m=belief.map.cfg.cell_m, cfg=field_cfg)
     left = Survey(frontiers=(), field=field, dead_end=False, gain_radius_m=cfg.gain_radius_m)
     frontiers = _frontiers(belief, left, cfg)
-    near_ahead = any(abs(f.bearing) <= math.radians(cfg.ahead_deg) and f.path_m <= cfg.ahead_m for f in frontiers)
+    near_ahead = any(abs(f.bearing) <= math.radians(cfg.ahead_deg) and f.path_m <= cfg.ahead_m
+                     and (f.reef_m <= cfg.reef_reach_m or not belief.tracks) for f in frontiers)
     dead_end = not near_ahead and not belief.ahead(forward_m)
     return replace(left, frontiers=tuple(frontiers), dead_end=dead_end)
 
