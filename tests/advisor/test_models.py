@@ -73,7 +73,7 @@ def test_rejections_are_told_in_our_words_and_nothing_old_is_sent(stub):
     assert len(server.requests[0]["body"]["messages"]) == 1
 
 
-@pytest.mark.parametrize(("facts", "pictures", "parts"), [(True, True, 4), (False, False, 1), (True, False, 2)])
+@pytest.mark.parametrize(("facts", "pictures", "parts"), [(True, True, 4), (False, False, 1), (True, False, 1)])
 def test_facts_and_pictures_are_options(stub, facts, pictures, parts):
     server = stub(stub.completion(GOOD))
     ask(server, replace(FAST, facts=facts, pictures=pictures))
@@ -296,3 +296,10 @@ def test_simulated_latency_hides_how_long_the_wire_took(stub):
     assert tick == 60
     assert [a.verdict for a in log] == ["malformed", "accepted"]
     clock.close()
+
+
+def test_without_pictures_the_message_is_one_string(stub):
+    """Chat templates of small local models concatenate strings and fail on a list of parts."""
+    server = stub(stub.completion(GOOD))
+    decide(ModelAdvisor.local(server.url, "stub", replace(FAST, pictures=False)), [])
+    assert isinstance(server.requests[0]["body"]["messages"][-1]["content"], str)

@@ -200,7 +200,7 @@ class ModelAdvisor:
             try:
                 async with asyncio.timeout(self.cfg.attempt_timeout_s):
                     response = await self._connected().request(
-                        [ModelRequest(parts=[UserPromptPart(content)])], settings, parameters)
+                        [ModelRequest(parts=[UserPromptPart(_plain_if_text(content))])], settings, parameters)
             except TimeoutError:
                 raise AdvisorUnavailable(
                     "timeout", f"{self.name} was silent for {self.cfg.attempt_timeout_s:g} s") from None
@@ -229,6 +229,12 @@ class ModelAdvisor:
         usage = response.usage
         spent.add(input_tokens=usage.input_tokens, output_tokens=usage.output_tokens, cost_usd=usd)
         self.ledger.add(usage.input_tokens + usage.output_tokens, usd)
+
+
+def _plain_if_text(content: list[UserContent]) -> str | list[UserContent]:
+    """One string where there are no pictures: the chat templates of many local models know nothing else."""
+    texts = [part for part in content if isinstance(part, str)]
+    return "\n\n".join(texts) if len(texts) == len(content) else content
 
 
 def _raw(response: ModelResponse) -> str:
