@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -25,6 +26,8 @@ class SimulatorCfg:
     camera: CameraCfg = field(default_factory=CameraCfg)
     noise: SensorNoiseCfg = field(default_factory=SensorNoiseCfg)
     coverage: CoverageCfg = field(default_factory=CoverageCfg)
+    contact: Literal["solid", "ghost"] = "solid"
+    """Whether an obstacle stops the hull. ghost counts contacts and lets the vehicle through."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +74,9 @@ class ReefSimulator:
         u, v, r = (float(x) for x in self.vehicle.state[3:6])
         return Sensed(frame=frame, pose=self._drift.step(self.pose, dt), velocity=(u, v, r))
 
+    def _clearance(self, x: float, y: float) -> float:
+        return clearance(self._footprints, x, y)
+
     def _attitude(self) -> tuple[float | None, float, float]:
         """Height above the seabed (m; None: as configured), roll and pitch (rad) of the camera."""
         if self.cfg.vehicle.model == "planar":
@@ -82,7 +88,8 @@ class ReefSimulator:
         """Drive for `dt` seconds; returns new contacts as (x, y, obstacle index)."""
         before = self.pose
         current = (self.world.current.x_m_s, self.world.current.y_m_s)
-        track = self.vehicle.step(command, dt, current, lambda x, y: clearance(self._footprints, x, y))
+        solid = self.cfg.contact == "solid"
+        track = self.vehicle.step(command, dt, current, self._clearance if solid else None)
         self.distance_m += math.dist(before[:2], self.pose[:2])
         contacts: list[tuple[float, float, int]] = []
         for x, y in track:
