@@ -77,6 +77,7 @@ class Pilot:
         self.plan: Plan | None = None
         self.field: CostField | None = None
         self.open_question: Question[Any] | None = None
+        self.last_attempt: Attempt | None = None
         self.end_reason = ""
         self._emit, self._log = emit, log
         self._decision = 0
@@ -151,6 +152,7 @@ class Pilot:
         self._emit("verdict", decision=attempt.decision, attempt=attempt.attempt, verdict=attempt.verdict,
                    code=refusal.code if refusal else "", reason=refusal.reason if refusal else "",
                    answer=attempt.answer, asked_at=round(attempt.asked_at_s, 3))
+        self.last_attempt = attempt
         self._log(attempt)
 
     def _collect(self) -> None:
