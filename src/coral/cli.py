@@ -19,6 +19,7 @@ from coral.errors import InputError, RunError, nearest
 
 COMMANDS = {
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
+    "reef bench": ("coral.commands.reef_bench:ReefBench", "compare variants over many missions, with tables"),
     "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),
     "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),
     "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),

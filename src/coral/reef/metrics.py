@@ -49,6 +49,12 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
     return metrics_of(_events(folder / "events.jsonl"), _rows(folder / "trajectory.csv"))
 
 
+def covered_at(folder: Path) -> list[float]:
+    """Simulated times (s) at which clusters were covered, ascending: coverage time against any count (IV-E)."""
+    return sorted(float(event["t"]) for event in _events(folder / "events.jsonl")
+                  if event["event"] == "cluster_covered")
+
+
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
     """Metrics from the events and the rows of the trajectory, in order."""
     counts = dict.fromkeys(("collision", "question", "fallback", "planner_failure"), 0)

@@ -1,0 +1,95 @@
+"""Running a campaign: what is still to do goes to the executor, what comes back goes to the store."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from statistics import fmean
+from typing import Any, cast
+
+from coral.campaign.episode import Episode, Executor, Outcome, Task
+from coral.campaign.progress import CampaignProgress
+from coral.campaign.spec import Spec
+from coral.campaign.store import Store
+from coral.campaign.version import code_version
+from coral.errors import RunError
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a call of `run_campaign` found and did."""
+
+    wanted: int
+    """Episodes of this grid."""
+    found: int
+    """Of these, recorded before."""
+    finished: int
+    """Finished now."""
+    failed: int
+    """Failed now."""
+
+
+def run_campaign(store: Store, specs: Sequence[Spec], episode: Episode, executor: Executor, *,
+                 retry_failed: bool = False, mix: bool = False, first: Callable[[Spec], float] | None = None,
+                 progress: CampaignProgress | None = None) -> Summary:
+    """Run what is not recorded yet. The store must be locked and opened.
+
+    Args:
+        store: Where results go.
+        specs: Episodes wanted.
+        episode: Runs one.
+        executor: Runs many.
+        retry_failed: Try those again whose failure is recorded.
+        mix: Accept results of workers that run another version of the code.
+        first: Expected length of an episode; the longest start first, which keeps all workers busy to the end.
+        progress: Told of every outcome.
+
+    Raises:
+        RunError: A worker runs another version of the code than this process, or workers do not start.
+    """
+    pending = list(store.pending(specs, retry_failed=retry_failed))
+    found = len(specs) - len(pending)
+    pending.sort(key=first or _measured(store), reverse=True)
+    progress = progress or CampaignProgress(quiet=True)
+    progress.begin(len(specs), found, executor.jobs)
+    finished = failed = 0
+    tasks = [Task(spec, store.scratch(spec)) for spec in pending]
+    try:
+        with closing(cast(Any, executor.run(episode, tasks))) as outcomes:
+            for outcome in outcomes:
+                _check_version(outcome, mix)
+                if outcome.result is None:
+                    store.fail(outcome.spec, outcome.message, outcome.detail, outcome.about)
+                    failed += 1
+                elif store.finish(outcome.spec, outcome.result, outcome.about):
+                    finished += 1
+                progress.ended(outcome)
+    finally:
+        progress.close()
+    return Summary(len(specs), found, finished, failed)
+
+
+def _check_version(outcome: Outcome, mix: bool) -> None:
+    there = outcome.about.get("code", code_version())
+    if there != code_version() and not mix:
+        raise RunError(f"a worker on {outcome.about.get('host')} runs another version of coral ({there}) than this "
+                       f"process ({code_version()}): install the same one everywhere, or give --mix")
+
+
+def _measured(store: Store) -> Callable[[Spec], float]:
+    """Mean time of the recorded episodes of the same variant and world, then variant, then of all alike."""
+    times: Mapping[tuple[str, ...], list[float]] = defaultdict(list)
+    for record in store.records():
+        seconds = record["about"].get("episode_wall_s")
+        if record["status"] == "done" and seconds is not None:
+            spec = record["spec"]
+            times[spec["variant"], spec["world"]].append(seconds)
+            times[(spec["variant"],)].append(seconds)
+
+    def expected(spec: Spec) -> float:
+        known = times.get((spec.variant, spec.world)) or times.get((spec.variant,))
+        return fmean(known) if known else 0.0
+
+    return expected

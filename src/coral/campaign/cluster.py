@@ -1,0 +1,114 @@
+"""Episodes on a Ray cluster: no shared disk needed, nodes may come, go and die."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import os
+import shutil
+import tarfile
+import tempfile
+from collections import deque
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from coral.campaign.episode import ONE_THREAD, Episode, Outcome, Task, perform
+from coral.errors import InputError, RunError
+
+ATTEMPTS = 4
+"""A lost node and an episode that kills its worker look alike from here, and losing a node is ordinary on a
+cluster; so more patience than with local processes."""
+IN_FLIGHT = 4
+"""Tasks handed to Ray for each core of the cluster; what waits there makes an autoscaler add nodes."""
+
+
+class RayExecutor:
+    """Runs each episode as a Ray task of one core; the driver alone writes results.
+
+    Args:
+        address: `auto`, `HOST:PORT` of the head, or `ray://HOST:PORT` of a Ray client server.
+
+    Raises:
+        InputError: Ray is not installed.
+        RunError: No cluster answers at the address.
+    """
+
+    def __init__(self, address: str) -> None:
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # this program reports to nobody
+        os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
+        try:
+            import ray
+        except ImportError:
+            raise InputError("--executor", "", "ray, which is not installed",
+                             "local, or the extra installed: pip install 'coral-robotics[ray]'") from None
+        self._ray = ray
+        try:
+            if not ray.is_initialized():
+                ray.init(address=address, log_to_driver=False, logging_level="ERROR")
+        except Exception as error:
+            raise RunError(f"no Ray cluster at {address}: {str(error).splitlines()[0]}") from None
+        self.jobs = max(1, int(ray.cluster_resources().get("CPU", 1)))
+
+    def run(self, episode: Episode, tasks: Sequence[Task]) -> Iterator[Outcome]:
+        """Yield each task's outcome as it comes (see `Executor`)."""
+        ray = self._ray
+        # Retries are counted here and not by Ray, so that the record can tell how often an episode was tried.
+        remote = ray.remote(num_cpus=1, max_retries=0, runtime_env={"env_vars": ONE_THREAD})(_perform_there)
+        shared = ray.put(episode)
+        queue = deque((task, 1) for task in tasks)
+        running: dict[Any, tuple[Task, int]] = {}
+        try:
+            while queue or running:
+                while queue and len(running) < IN_FLIGHT * self.jobs:
+                    task, attempt = queue.popleft()
+                    running[remote.remote(shared, task.spec)] = (task, attempt)
+                for reference in ray.wait(list(running), num_returns=1)[0]:
+                    task, attempt = running.pop(reference)
+                    try:
+                        outcome, files = ray.get(reference)
+                    except ray.exceptions.RayTaskError as error:  # raised in the task, but not by the episode
+                        yield Outcome(task.spec, message=f"not run by Ray: {str(error.cause).splitlines()[0]}",
+                                      detail=str(error), about={"attempts": attempt})
+                    except ray.exceptions.RayError as error:
+                        if attempt < ATTEMPTS:
+                            queue.append((task, attempt + 1))
+                        else:
+                            yield Outcome(task.spec, message=f"lost {ATTEMPTS} times: {type(error).__name__}",
+                                          detail=str(error), about={"attempts": attempt})
+                    else:
+                        unpack(files, task.scratch)
+                        yield dataclasses.replace(outcome, about={**outcome.about, "attempts": attempt})
+        finally:
+            for reference in running:
+                ray.cancel(reference, force=True)
+
+    def close(self) -> None:
+        """Leave the cluster."""
+        self._ray.shutdown()
+
+
+def _perform_there(episode: Episode, spec: Any) -> tuple[Outcome, bytes]:
+    """The Ray task: run in a folder of the node, return what was written there along with the outcome."""
+    with tempfile.TemporaryDirectory(prefix="coral-") as folder:
+        place = Path(folder) / "run"
+        return perform(episode, spec, place), pack(place)
+
+
+def pack(folder: Path) -> bytes:
+    """The files of a folder as a compressed archive; empty when there is no such folder."""
+    if not folder.is_dir():
+        return b""
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w:gz", compresslevel=3) as archive:
+        archive.add(folder, arcname=".")
+    return buffer.getvalue()
+
+
+def unpack(files: bytes, folder: Path) -> None:
+    """Replace a folder by what `pack` made."""
+    shutil.rmtree(folder, ignore_errors=True)
+    if files:
+        folder.mkdir(parents=True)
+        with tarfile.open(fileobj=io.BytesIO(files), mode="r:gz") as archive:
+            archive.extractall(folder, filter="data")

@@ -1,0 +1,78 @@
+"""What a campaign knows of an episode: a function of a spec and a folder that returns a record."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+from coral.campaign.spec import Spec
+from coral.campaign.version import code_version
+
+Episode = Callable[[Spec, Path], Mapping[str, Any]]
+"""Runs one episode in a new folder and returns what is to be known of it (JSON values). It must be picklable, and
+deterministic but for what the record says about time."""
+
+ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+"""Environment of a worker: as many workers as cores, so one thread each."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """An episode to run and where it writes."""
+
+    spec: Spec
+    scratch: Path
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a task: a result, or a message why there is none."""
+
+    spec: Spec
+    result: Mapping[str, Any] | None = None
+    message: str = ""
+    detail: str = ""
+    about: Mapping[str, Any] = field(default_factory=dict)
+    """Wall time (s), host, attempts and version of the code."""
+
+
+class Executor(Protocol):
+    """Somewhere to run episodes."""
+
+    jobs: int
+    """Episodes at a time, for the estimate of the time that is left."""
+
+    def run(self, episode: Episode, tasks: Sequence[Task]) -> Iterator[Outcome]:
+        """Run every task and yield each outcome once, as soon as it is there.
+
+        What an episode wrote lies in its task's scratch folder by then. A worker that dies takes no other episode
+        with it: its own is tried again a few times, then its outcome is a failure. Closing the iterator early stops
+        every worker.
+        """
+        ...
+
+
+def perform(episode: Episode, spec: Spec, folder: Path) -> Outcome:
+    """Run one episode here; whatever it raises, or a result that is not JSON, becomes a failure with its message."""
+    started = time.perf_counter()
+    about: dict[str, Any] = {"host": socket.gethostname(), "pid": os.getpid(), "code": code_version()}
+    result: Mapping[str, Any] | None = None
+    message = detail = ""
+    try:
+        result = json.loads(json.dumps(dict(episode(spec, folder)), allow_nan=False, default=plain))
+    except Exception as error:
+        message, detail = f"{type(error).__name__}: {error}", traceback.format_exc()
+    about["episode_wall_s"] = round(time.perf_counter() - started, 3)
+    return Outcome(spec, result, message, detail, about)
+
+
+def plain(value: Any) -> Any:
+    """A NumPy number as Python's own, anything else that JSON lacks as text."""
+    return value.item() if hasattr(value, "item") else str(value)

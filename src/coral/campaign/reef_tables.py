@@ -1,0 +1,221 @@
+"""Tables I, II and III of the CORAL paper from a campaign's rows, beside the paper's own numbers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from coral.campaign.measures import (
+    Measure,
+    Row,
+    difference,
+    difference_text,
+    field,
+    mean_text,
+    pair,
+    select,
+    time_to_count,
+)
+from coral.campaign.spec import NO_ADVISOR
+from coral.campaign.table import Table
+
+COVERAGE = field("coverage", "coverage (%)", "coverage", 100.0)
+COLLISIONS = field("collisions", "collisions", "collisions", digits=2)
+CALLS = field("calls", "advisor calls", "advisor_calls")
+REQUERIES = field("requeries", "of these, re-queries", "requeries")
+EFFICIENCY = field("efficiency", "steps / 1 %", "steps_per_percent")
+DEVIATIONS = field("deviations", "deviations", "deviations", digits=2)
+MISSION_TIME = field("sim_time", "mission time (s)", "sim_time_s", digits=0)
+DISTANCE = field("distance", "distance (m)", "distance_m")
+TABLE_I = ("dream", "pd", "full")
+TABLE_II = ("full", "no-verification", "no-centroid-selection", "rule-based", "no-trigger", "no-ddp", "no-topology")
+TABLE_III = ("L", "S", "O", "K", "E")
+REFERENCE = "full"
+
+
+@cache
+def paper() -> dict[str, Any]:
+    """The paper's numbers, and where they disagree."""
+    content: dict[str, Any] = json.loads((Path(__file__).parent / "reef_paper.json").read_text(encoding="utf-8"))
+    return content
+
+
+def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
+    """All tables, once for each advisor and configuration among the rows.
+
+    Args:
+        rows: Of the data set.
+        about: Of the campaign: commit, machine.
+        command: That makes the tables.
+    """
+    advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
+    tables = []
+    for overrides in dict.fromkeys(row["overrides"] for row in rows):
+        for advisor in advisors:
+            chosen = select(rows, advisor, overrides)
+            if chosen:
+                tables += _tables(chosen, _source(rows, chosen, advisor, overrides, about, command), advisor)
+    return tables
+
+
+def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[Table]:
+    by_variant: dict[str, list[Row]] = {}
+    for row in rows:
+        by_variant.setdefault(row["variant"], []).append(row)
+    dream = {pair(row): int(row["clusters_covered"]) for row in by_variant.get("dream", ())}
+    coverage_time = time_to_count(dream)
+    time_note = ("Coverage time: simulated time until as many clusters were covered as DREAM covered in that world and "
+                 "seed (paper IV-E), over the missions that got there; (28/30) says how many did."
+                 if dream else "Coverage time is measured against DREAM’s count; `dream` is not among the variants.")
+    notes = paper()["notes"]
+    first = (COVERAGE, coverage_time, COLLISIONS, CALLS)
+    second = (COVERAGE, EFFICIENCY, DEVIATIONS)
+    tables = []
+    if any(variant in by_variant for variant in TABLE_I):
+        tables += [
+            _beside(by_variant, "Table I", "Baselines", TABLE_I, first, (), "I", advisor,
+                    (time_note, *notes["I"], *source)),
+            _differences(by_variant, "Table I, differences", TABLE_I, first, advisor, source)]
+    if any(variant in by_variant for variant in TABLE_II):
+        tables += [
+            _beside(by_variant, "Table II", "Ablations", TABLE_II, second, (COLLISIONS, CALLS), "II", advisor,
+                    (*notes["II"], *source)),
+            _differences(by_variant, "Table II, differences", TABLE_II, (*second, COLLISIONS, CALLS), advisor, source)]
+    if by_variant.get(REFERENCE):
+        tables += [_by_topology(by_variant[REFERENCE], advisor, (*notes["III"], *source)),
+                   _by_world(by_variant[REFERENCE], advisor, source)]
+    everything = (COVERAGE, coverage_time, MISSION_TIME, EFFICIENCY, DISTANCE, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
+    tables.append(Table("All variants", f"Means per mission. Advisor: {called(advisor)}.",
+                        ("variant", "missions", *(m.label for m in everything)),
+                        tuple((name(variant), str(len(found)), *(mean_text(found, m) for m in everything))
+                              for variant, found in by_variant.items()), (time_note, *source)))
+    return [table for table in tables if table.rows]
+
+
+def _beside(by_variant: Mapping[str, Sequence[Row]], label: str, what: str, variants: Sequence[str],
+            measures: Sequence[Measure], more: Sequence[Measure], key: str, advisor: str,
+            notes: tuple[str, ...]) -> Table:
+    """Our means, each measure followed by the paper's number."""
+    header, rows = ["variant", "missions"], []
+    for measure in measures:
+        header += [measure.label, "paper"]
+    for variant in variants:
+        printed, each = paper()[key].get(variant, {}), paper().get(f"{key}_per_mission", {}).get(variant, {})
+        found = by_variant.get(variant, ())
+        if not found and not printed:
+            continue
+        row = [name(variant), str(len(found))]
+        for measure in measures:
+            per_mission = f" ({each[measure.key]})" if measure.key in each else ""
+            row += [mean_text(found, measure), printed.get(measure.key, "–") + per_mission]
+        rows.append((*row, *(mean_text(found, measure) for measure in more)))
+    return Table(label, f"{what}: means per mission beside the paper’s numbers. Advisor: {called(advisor)}.",
+                 (*header, *(measure.label for measure in more)), tuple(rows), notes)
+
+
+def _differences(by_variant: Mapping[str, Sequence[Row]], label: str, variants: Sequence[str],
+                 measures: Sequence[Measure], advisor: str, source: tuple[str, ...]) -> Table:
+    """Each variant minus the reference, with intervals, and a sentence on what makes no difference."""
+    rows, silent = [], []
+    reference = by_variant.get(REFERENCE, ())
+    for variant in variants if reference else ():
+        found = by_variant.get(variant)
+        if variant == REFERENCE or not found:
+            continue
+        estimates = [difference(found, reference, measure) for measure in measures]
+        pairs = len({pair(row) for row in found} & {pair(row) for row in reference})
+        rows.append((name(variant), str(pairs), *(difference_text(e, m.digits)
+                                                  for e, m in zip(estimates, measures, strict=True))))
+        if not any(estimate.tells for estimate in estimates):
+            silent.append(name(variant))
+    notes = ["Variant minus CORAL (full) in the same world with the same seed and advisor; 95 % intervals from a "
+             "seeded bootstrap that draws whole worlds. ≈: the interval holds zero, so these missions do not tell "
+             "the difference from chance."]
+    if silent:
+        notes.append(f"No difference in any of these numbers could be shown for: {', '.join(silent)}.")
+    return Table(label, f"Paired differences from {name(REFERENCE)}. Advisor: {called(advisor)}.",
+                 ("variant", "pairs", *(f"Δ {measure.label}" for measure in measures)), tuple(rows), (*notes, *source))
+
+
+def _by_topology(rows: Sequence[Row], advisor: str, notes: tuple[str, ...]) -> Table:
+    """Table III: one line for each topology, then the mean of all missions."""
+    lines, measures = [], (COVERAGE, EFFICIENCY, CALLS)
+    kinds = [*TABLE_III, *sorted({str(row.get("topology")) for row in rows} - set(TABLE_III))]
+    for kind in kinds:
+        found = [row for row in rows if row.get("topology") == kind]
+        printed = paper()["III"].get(kind, {})
+        line = [f"{kind}-shape" if kind in TABLE_III else kind, str(len(found))]
+        for measure in measures:
+            line += [mean_text(found, measure), printed.get(measure.key, "–")]
+        lines.append((*line, mean_text(found, COLLISIONS)))
+    line = ["all missions", str(len(rows))]
+    for measure, value in zip(measures, ("94.28", "11.26", "54.7"), strict=True):
+        line += [mean_text(rows, measure), value]
+    lines.append((*line, mean_text(rows, COLLISIONS)))
+    header = ["topology", "missions"]
+    for measure in measures:
+        header += [measure.label, "paper"]
+    return Table("Table III", f"{name(REFERENCE)} by topology, means per mission. Advisor: {called(advisor)}.",
+                 (*header, COLLISIONS.label), tuple(lines),
+                 ("Paper, last line: from its Tables I and II, calls per environment.", *notes))
+
+
+def _by_world(rows: Sequence[Row], advisor: str, source: tuple[str, ...]) -> Table:
+    measures = (COVERAGE, MISSION_TIME, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
+    worlds = dict.fromkeys(row["world"] for row in rows)
+    lines = []
+    for world in worlds:
+        found = [row for row in rows if row["world"] == world]
+        worst = 100.0 * min(float(row["coverage"]) for row in found)
+        most = max(int(row["advisor_calls"]) for row in found)
+        lines.append((world, str(len(found)), *(mean_text(found, measure) for measure in measures), f"{worst:.1f}",
+                      str(most)))
+    return Table("By world", f"{name(REFERENCE)}, means per mission. Advisor: {called(advisor)}.",
+                 ("world", "missions", *(measure.label for measure in measures), "least coverage (%)", "most calls"),
+                 tuple(lines), source)
+
+
+def name(variant: str) -> str:
+    """A variant as the tables call it."""
+    return str(paper()["names"].get(variant, variant))
+
+
+def called(advisor: str) -> str:
+    """An advisor as the tables call it; rules are never passed off as a model."""
+    if advisor == NO_ADVISOR:
+        return "none"
+    if advisor == "heuristic":
+        return "heuristic (embedded rules, no foundation model)"
+    if advisor.startswith("fallible:") and advisor.endswith(":heuristic"):
+        return f"{advisor} (embedded rules with simulated mistakes, no foundation model)"
+    return advisor
+
+
+def _source(rows: Sequence[Row], chosen: Sequence[Row], advisor: str, overrides: str, about: Mapping[str, Any],
+            command: str) -> tuple[str, ...]:
+    """Where the numbers of a table come from."""
+    seeds = sorted({int(row["seed"]) for row in chosen})
+    worlds = list(dict.fromkeys(str(row["world"]) for row in chosen))
+    failed = [row for row in rows if row["status"] == "failed" and row["advisor"] in (advisor, NO_ADVISOR)
+              and row["overrides"] == overrides]
+    versions = sorted({str(row.get("code")) for row in chosen})
+    parts = [f"Worlds: {', '.join(worlds)}. Seeds: {', '.join(map(str, seeds))}. "
+             f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), {about.get('machine', '?')}. "
+             f"Made by: {command}"]
+    if overrides != "{}":
+        parts.append(f"Configuration: {overrides}.")
+    if len(versions) > 1:
+        parts.append("Mixed: these missions ran on different versions of the code.")
+    if failed:
+        parts.append(f"{len(failed)} missions failed and are left out: {', '.join(_label(row) for row in failed[:4])}"
+                     f"{', …' if len(failed) > 4 else ''}.")
+    if any(row["advisor"] == NO_ADVISOR for row in chosen) and advisor != NO_ADVISOR:
+        parts.append("Variants that ask no advisor ran once and stand beside every advisor.")
+    return tuple(parts)
+
+
+def _label(row: Row) -> str:
+    return f"{row['variant']} in {row['world']}, seed {row['seed']}"

@@ -1,0 +1,116 @@
+"""One cell of a campaign's grid: which system, variant, world, seed and advisor."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from coral.errors import InputError
+
+NO_ADVISOR = "none"
+"""Advisor of a variant that never asks one; such an episode is compared with those of every advisor."""
+MOST_EPISODES = 1_000_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spec:
+    """What defines an episode, besides the campaign's configuration and the version of the code."""
+
+    system: str
+    variant: str
+    world: str
+    seed: int
+    advisor: str
+    overrides: tuple[tuple[str, Any], ...] = ()
+    """Dotted configuration keys and their JSON values that differ from the campaign's configuration, sorted."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain mapping, as stored."""
+        return {"system": self.system, "variant": self.variant, "world": self.world, "seed": self.seed,
+                "advisor": self.advisor, "overrides": dict(self.overrides)}
+
+    @classmethod
+    def from_json(cls, content: Mapping[str, Any]) -> Spec:
+        """The spec that `to_json` wrote."""
+        return cls(system=content["system"], variant=content["variant"], world=content["world"],
+                   seed=content["seed"], advisor=content["advisor"],
+                   overrides=tuple(sorted(content["overrides"].items())))
+
+    @property
+    def digest(self) -> str:
+        """Ten hexadecimal digits that depend on every field and on nothing else."""
+        text = json.dumps(self.to_json(), sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(text.encode()).hexdigest()[:10]
+
+    @property
+    def key(self) -> str:
+        """File name of the episode: readable in front, unique by its digest."""
+        parts = (self.world.rsplit("/", 1)[-1], self.variant, self.advisor, f"s{self.seed}")
+        words = "_".join(re.sub(r"[^A-Za-z0-9.]+", "-", part).strip("-.")[:32] for part in parts)
+        return f"{words}_{self.digest}"
+
+
+def grid(system: str, *, variants: Sequence[str], worlds: Sequence[str], seeds: Sequence[int],
+         advisors: Sequence[str], alone: Collection[str] = (),
+         overrides: Sequence[Mapping[str, Any]] = ({},)) -> tuple[Spec, ...]:
+    """Every combination once, worlds innermost so that an early look at the results sees all of them.
+
+    Args:
+        system: Name of the system.
+        variants: Configurations of the pipeline.
+        worlds: Names or paths.
+        seeds: Numbers from 0 on.
+        advisors: As on the command line.
+        alone: Variants that ask no advisor; they run once, not once for each advisor.
+        overrides: Sweep: each mapping of configuration keys to values is a further dimension.
+
+    Raises:
+        InputError: A dimension is empty, or the grid is absurdly large.
+    """
+    for flag, values in (("--variants", variants), ("--worlds", worlds), ("--seeds", seeds),
+                         ("--advisors", advisors)):
+        if not values:
+            raise InputError(flag, "", "nothing", "at least one")
+    size = len(variants) * len(worlds) * len(seeds) * len(advisors) * len(overrides)
+    if size > MOST_EPISODES:
+        raise InputError("the grid", "", f"{size} episodes", f"at most {MOST_EPISODES}")
+    specs = (Spec(system=system, variant=variant, world=world, seed=seed,
+                  advisor=NO_ADVISOR if variant in alone else advisor, overrides=tuple(sorted(change.items())))
+             for change, advisor, seed, variant, world
+             in itertools.product(overrides, advisors, seeds, variants, worlds))
+    return tuple(dict.fromkeys(specs))
+
+
+def parse_names(text: str, flag: str) -> tuple[str, ...]:
+    """Names separated by commas, each once.
+
+    Raises:
+        InputError: There is none, or an empty one between two commas.
+    """
+    names = [name.strip() for name in text.split(",")]
+    if not all(names):
+        raise InputError(flag, "", repr(text), "names separated by commas")
+    return tuple(dict.fromkeys(names))
+
+
+def parse_seeds(text: str, flag: str = "--seeds") -> tuple[int, ...]:
+    """Seeds such as `0-4` or `0,3,7-9`, ascending, each once.
+
+    Raises:
+        InputError: It is not a list of numbers and ranges.
+    """
+    seeds: set[int] = set()
+    for part in text.split(","):
+        match = re.fullmatch(r"\s*(\d{1,9})\s*(?:-\s*(\d{1,9})\s*)?", part, re.ASCII)
+        if match is None:
+            raise InputError(flag, "", repr(text), "numbers and ranges, such as 0-4 or 0,3,7-9")
+        first, last = int(match[1]), int(match[2] or match[1])
+        if last < first or last - first >= MOST_EPISODES:
+            raise InputError(flag, "", repr(part.strip()), f"a range upwards of at most {MOST_EPISODES} seeds")
+        seeds.update(range(first, last + 1))
+    return tuple(sorted(seeds))

@@ -1,0 +1,75 @@
+"""Means and paired differences with bootstrap intervals that allow for missions in one world being alike."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+K = TypeVar("K", bound=Hashable)
+
+RESAMPLES = 4000
+SEED = 20260314
+"""Of the bootstrap: the same results give the same intervals."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean over `count` episodes with its interval; `low` and `high` are nan when one episode is all there is."""
+
+    mean: float
+    low: float
+    high: float
+    count: int
+
+    @property
+    def tells(self) -> bool:
+        """Whether the interval leaves out zero."""
+        return bool(self.low > 0.0 or self.high < 0.0)
+
+
+def bootstrap_mean(values: Sequence[float], groups: Sequence[Hashable], *, level: float = 0.95,
+                   resamples: int = RESAMPLES, seed: int = SEED) -> Estimate:
+    """Mean and percentile interval of the cluster bootstrap (Efron and Tibshirani 1993; Field and Welsh 2007).
+
+    Whole groups are drawn with replacement: missions in the same world resemble each other, so drawing single missions
+    would make the interval too narrow. With one group only, its values are drawn instead.
+
+    Args:
+        values: Shape=(N,).
+        groups: Group of each value, Shape=(N,).
+        level: Of the interval.
+        resamples: Number of bootstrap samples.
+        seed: Of their generator.
+    """
+    data = np.asarray(values, np.float64)
+    if len(data) == 0:
+        return Estimate(np.nan, np.nan, np.nan, 0)
+    names = {group: k for k, group in enumerate(dict.fromkeys(groups))}
+    member = np.array([names[group] for group in groups])
+    if len(names) == 1:
+        member = np.arange(len(data))
+    sums, counts = np.bincount(member, data), np.bincount(member).astype(np.float64)
+    if len(sums) == 1:
+        return Estimate(float(data.mean()), np.nan, np.nan, len(data))
+    draws = np.random.default_rng(seed).integers(0, len(sums), size=(resamples, len(sums)))
+    means: NDArray[np.float64] = sums[draws].sum(axis=1) / counts[draws].sum(axis=1)
+    low, high = np.percentile(means, [50 * (1 - level), 50 * (1 + level)])
+    return Estimate(float(data.mean()), float(low), float(high), len(data))
+
+
+def paired_difference(ours: Mapping[K, float], reference: Mapping[K, float], group: Mapping[K, Hashable],
+                      **options: Any) -> Estimate:
+    """Mean of `ours - reference` over the pairs that both have.
+
+    Args:
+        ours: Value for each pair's key.
+        reference: The same of the reference.
+        group: Group of each key, such as its world.
+        options: Of `bootstrap_mean`.
+    """
+    keys = [key for key in ours if key in reference]
+    return bootstrap_mean([ours[key] - reference[key] for key in keys], [group[key] for key in keys], **options)

@@ -1,0 +1,186 @@
+"""Results of a campaign on disk: one small file for each finished episode, whole or not there at all."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import shutil
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from coral.campaign.spec import Spec
+from coral.errors import InputError
+
+FORMAT = "coral-campaign/1"
+Record = dict[str, Any]
+
+
+class Store:
+    """The folder of a campaign.
+
+    `manifest.json` names every episode ever asked for and the conditions they ran under, `episodes/KEY.json` is a
+    finished episode, `failures/KEY.json` one that could not be finished, `runs/KEY/` what an episode wrote, and
+    `runs/.KEY/` what one that is still running writes. The file in `episodes/` is the commit point: what has it is
+    finished and stays, what lacks it never happened. Only one process at a time writes (`lock`).
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.manifest_path = folder / "manifest.json"
+
+    @contextmanager
+    def lock(self) -> Iterator[None]:
+        """Hold the folder for this process; the system lets go of it however the process ends.
+
+        Raises:
+            InputError: The folder cannot be written, holds something else, or another campaign writes to it.
+        """
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            strangers = [p.name for p in self.folder.iterdir() if not p.name.startswith(".")]
+            if strangers and not self.manifest_path.exists():
+                raise InputError(str(self.folder), "--out", f"a folder with other things in it ({strangers[0]})",
+                                 "a new or empty folder, or one that a campaign made")
+            handle = open(self.folder / ".lock", "a")  # noqa: SIM115
+        except OSError as error:
+            raise InputError(str(self.folder), "--out", error.strerror or error, "a folder that can be written") \
+                from None
+        with handle:
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                raise InputError(str(self.folder), "--out", "a campaign that is still running",
+                                 "a folder to which no other process writes") from None
+            yield
+
+    def manifest(self) -> Record:
+        """What is known about the campaign.
+
+        Raises:
+            InputError: There is none here, or it is not one of ours.
+        """
+        content = _read(self.manifest_path)
+        if content is None or content.get("format") != FORMAT:
+            found = "no campaign" if content is None else repr(content.get("format"))
+            raise InputError(str(self.folder), "manifest.json", found, f"a campaign's folder ({FORMAT})")
+        return content
+
+    def open(self, specs: Sequence[Spec], conditions: Mapping[str, str], *, command: str = "", mix: bool = False,
+             about: Mapping[str, Any] | None = None) -> None:
+        """Take up the campaign with this grid: begin it, go on with it, or extend it.
+
+        Args:
+            specs: Episodes that are wanted; they join those that were wanted before.
+            conditions: What must not change under results that are compared: name to value. Names that only one
+                side has are no conflict.
+            command: That asked for them.
+            mix: Take results under other conditions into the same folder all the same.
+            about: Further facts for the tables (commit, machine, date).
+
+        Raises:
+            InputError: A condition has changed and `mix` is not set.
+        """
+        old = self.manifest() if self.manifest_path.exists() else {"conditions": {}, "specs": [], "commands": []}
+        known: dict[str, str] = old["conditions"]
+        for name, value in conditions.items():
+            if not mix and known.get(name, value) != value:
+                raise InputError(str(self.folder), name, f"results made with {known[name]} (now: {value})",
+                                 "the same as before, a new --out, or --mix to put both into one table")
+        wanted = dict.fromkeys([*(Spec.from_json(content) for content in old["specs"]), *specs])
+        commands = [*old["commands"], *([command] if command and command not in old["commands"] else [])]
+        self._write(self.manifest_path, {
+            "format": FORMAT, "conditions": {**known, **conditions}, "mixed": bool(old.get("mixed")) or any(
+                known.get(name, value) != value for name, value in conditions.items()),
+            "about": {**old.get("about", {}), **(about or {})}, "commands": commands,
+            "specs": [spec.to_json() for spec in wanted]})
+        self._sweep()
+
+    def specs(self) -> tuple[Spec, ...]:
+        """Every episode ever asked for."""
+        return tuple(Spec.from_json(content) for content in self.manifest()["specs"])
+
+    def pending(self, specs: Iterable[Spec], *, retry_failed: bool = False) -> tuple[Spec, ...]:
+        """Those that still have to run."""
+        done, failed = self._keys("episodes"), self._keys("failures")
+        return tuple(spec for spec in specs
+                     if spec.key not in done and (retry_failed or spec.key not in failed))
+
+    def scratch(self, spec: Spec) -> Path:
+        """Where a running episode writes; it becomes `run_folder` once the episode is finished."""
+        return self.folder / "runs" / f".{spec.key}"
+
+    def run_folder(self, spec: Spec) -> Path:
+        """What a finished episode wrote."""
+        return self.folder / "runs" / spec.key
+
+    def finish(self, spec: Spec, result: Mapping[str, Any], about: Mapping[str, Any]) -> bool:
+        """Record a finished episode with what it wrote; False, and nothing changes, if it was recorded before."""
+        path = self.folder / "episodes" / f"{spec.key}.json"
+        if _read(path) is not None:
+            shutil.rmtree(self.scratch(spec), ignore_errors=True)
+            return False
+        self._keep(spec)
+        self._write(path, {"spec": spec.to_json(), "status": "done", "result": dict(result), "about": dict(about)})
+        (self.folder / "failures" / path.name).unlink(missing_ok=True)
+        return True
+
+    def fail(self, spec: Spec, message: str, detail: str, about: Mapping[str, Any]) -> None:
+        """Record that an episode could not be finished; what it wrote is kept to find out why."""
+        self._keep(spec)
+        self._write(self.folder / "failures" / f"{spec.key}.json",
+                    {"spec": spec.to_json(), "status": "failed", "message": message, "detail": detail,
+                     "about": dict(about)})
+
+    def records(self) -> list[Record]:
+        """Every recorded episode, finished or failed, in the order of the grid."""
+        found = []
+        for spec in self.specs():
+            for kind in ("episodes", "failures"):
+                content = _read(self.folder / kind / f"{spec.key}.json")
+                if content is not None:
+                    found.append(content)
+                    break
+        return found
+
+    def _keep(self, spec: Spec) -> None:
+        """What the episode wrote moves to its place; whatever a run without a record left there goes."""
+        scratch, place = self.scratch(spec), self.run_folder(spec)
+        if scratch.is_dir():
+            shutil.rmtree(place, ignore_errors=True)
+            os.replace(scratch, place)
+
+    def _sweep(self) -> None:
+        """Remove what a killed campaign was in the middle of."""
+        for leftover in self.folder.glob("runs/.*"):
+            shutil.rmtree(leftover, ignore_errors=True)
+        for place in (self.folder, self.folder / "episodes", self.folder / "failures"):
+            for leftover in place.glob("*.part"):
+                leftover.unlink(missing_ok=True)
+
+    def _keys(self, kind: str) -> set[str]:
+        return {path.stem for path in (self.folder / kind).glob("*.json") if _read(path) is not None}
+
+    def _write(self, path: Path, content: Mapping[str, Any]) -> None:
+        write_whole(path, json.dumps(content, allow_nan=False, indent=1).encode() + b"\n")
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all, also when the machine loses power."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f"{path.name}.part")
+    with open(partial, "wb") as out:
+        out.write(content)
+        out.flush()
+        os.fsync(out.fileno())
+    os.replace(partial, path)
+
+
+def _read(path: Path) -> Record | None:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return content if isinstance(content, dict) else None

@@ -1,0 +1,106 @@
+"""A table as data, and the same table as Markdown, LaTeX and HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+
+@dataclass(frozen=True)
+class Table:
+    """Text only; the first column is left-aligned, the others are right-aligned."""
+
+    name: str
+    """Short, such as "Table I"."""
+    caption: str
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    notes: tuple[str, ...] = ()
+    """Sentences under the table."""
+
+    def __post_init__(self) -> None:
+        for row in self.rows:
+            if len(row) != len(self.header):
+                raise ValueError(f"{self.name}: a row of {len(row)} cells under a header of {len(self.header)}")
+
+
+def to_markdown(table: Table) -> str:
+    """GitHub's Markdown, padded so that it reads as plain text too."""
+    cells = [[cell.replace("|", r"\|") for cell in row] for row in (table.header, *table.rows)]
+    widths = [max(3, *(len(row[k]) for row in cells)) for k in range(len(table.header))]
+    lines = [f"**{table.name}.** {table.caption}", ""]
+    for number, row in enumerate(cells):
+        padded = [cell.ljust(width) if k == 0 else cell.rjust(width)
+                  for k, (cell, width) in enumerate(zip(row, widths, strict=True))]
+        lines.append(f"| {' | '.join(padded)} |")
+        if number == 0:
+            rule = ["-" * width if k == 0 else "-" * (width - 1) + ":" for k, width in enumerate(widths)]
+            lines.append(f"| {' | '.join(rule)} |")
+    lines += ["", *(f"- {note}" for note in table.notes)] if table.notes else []
+    return "\n".join(lines) + "\n"
+
+
+def to_latex(table: Table) -> str:
+    """A `table*` float for booktabs and threeparttable."""
+    columns = "l" + "r" * (len(table.header) - 1)
+    lines = [r"\begin{table*}\centering\small", r"\begin{threeparttable}",
+             rf"\caption{{{_latex(table.caption)}}}", rf"\begin{{tabular}}{{{columns}}}", r"\toprule",
+             " & ".join(map(_latex, table.header)) + r" \\", r"\midrule",
+             *(" & ".join(map(_latex, row)) + r" \\" for row in table.rows), r"\bottomrule", r"\end{tabular}"]
+    if table.notes:
+        lines += [r"\begin{tablenotes}\footnotesize", *(rf"\item {_latex(note)}" for note in table.notes),
+                  r"\end{tablenotes}"]
+    return "\n".join([f"% {table.name}", *lines, r"\end{threeparttable}", r"\end{table*}"]) + "\n"
+
+
+def to_html(table: Table) -> str:
+    """A `<figure>` with the table and its notes."""
+    head = "".join(f"<th>{escape(cell)}</th>" for cell in table.header)
+    body = "\n".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in table.rows)
+    notes = "".join(f"<li>{escape(note)}</li>" for note in table.notes)
+    return (f"<figure>\n<figcaption><b>{escape(table.name)}.</b> {escape(table.caption)}</figcaption>\n"
+            f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table></div>\n'
+            f"<ul>{notes}</ul>\n</figure>\n")
+
+
+def document(tables: Sequence[Table], form: str, title: str) -> str:
+    """All tables as one file.
+
+    Args:
+        tables: In order.
+        form: `md`, `tex` or `html`.
+        title: Of the page.
+    """
+    if form == "md":
+        return "\n".join([f"# {title}", "", *(to_markdown(table) for table in tables)])
+    if form == "tex":
+        head = rf"% {title}. Needs \usepackage{{booktabs,threeparttable}}"
+        return "\n".join([head, *(to_latex(table) for table in tables)])
+    body = "\n".join(to_html(table) for table in tables)
+    return (f'<!doctype html>\n<html lang="en"><meta charset="utf-8">\n'
+            f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
+            f"<style>{_STYLE}</style>\n<h1>{escape(title)}</h1>\n{body}</html>\n")
+
+
+_LATEX = {"\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{",
+          "}": r"\}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "−": "$-$", "–": "--", "—": "---",
+          "×": r"$\times$", "∞": r"$\infty$", "°": r"$^\circ$", "±": r"$\pm$", "≥": r"$\geq$", "≤": r"$\leq$",
+          "†": r"$^\dagger$", "‡": r"$^\ddagger$", "Δ": r"$\Delta$", "η": r"$\eta$", "·": r"$\cdot$",
+          "↑": r"$\uparrow$", "↓": r"$\downarrow$", "≈": r"$\approx$", "“": "``", "”": "''", "’": "'"}
+
+
+def _latex(text: str) -> str:
+    return "".join(_LATEX.get(letter, letter) for letter in text)
+
+
+_STYLE = """
+:root { color-scheme: light dark; }
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 78rem; margin: 2rem auto; padding: 0 1rem; }
+figure { margin: 2.5rem 0; } figcaption { margin-bottom: .5rem; } .scroll { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { padding: .3rem .7rem; text-align: right; white-space: nowrap; border-bottom: 1px solid #8884; }
+th:first-child, td:first-child { text-align: left; }
+thead th { border-bottom: 2px solid #8888; vertical-align: bottom; }
+ul { color: #777; font-size: .88rem; padding-left: 1.2rem; }
+"""

@@ -1,0 +1,29 @@
+"""Which code an episode ran on, told from the files themselves, with or without a repository."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache
+from pathlib import Path
+
+import coral
+
+_SOURCES = {".py", ".yaml", ".json", ".md", ".xml"}
+_ONLY_LOOKED_AT = {"campaign", "commands", "desk", "view"}
+"""Parts of the package that show or hand out results and cannot change one."""
+
+
+@cache
+def code_version() -> str:
+    """Digest of every file of the package that can change the result of an episode.
+
+    Unlike a commit it also tells edited files apart, and stays the same when only a table or a page changed.
+    """
+    root = Path(coral.__file__).resolve().parent
+    total = hashlib.sha256()
+    for path in sorted(root.rglob("*")):
+        inside = path.relative_to(root)
+        if path.suffix in _SOURCES and inside.parts[0] not in _ONLY_LOOKED_AT and path.is_file():
+            total.update(f"{inside.as_posix()}\0".encode())
+            total.update(hashlib.sha256(path.read_bytes()).digest())
+    return total.hexdigest()[:12]

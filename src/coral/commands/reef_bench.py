@@ -1,0 +1,288 @@
+"""`coral reef bench`: variants compared over many missions, and the paper's tables made of them."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.registry import make_advisor
+from coral.campaign.campaign import Summary, run_campaign
+from coral.campaign.dataset import read_parquet, to_rows, write_parquet
+from coral.campaign.episode import Executor
+from coral.campaign.local import LocalExecutor
+from coral.campaign.progress import CampaignProgress
+from coral.campaign.reef_tables import reef_tables
+from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
+from coral.campaign.store import Store, write_whole
+from coral.campaign.table import Table, document
+from coral.campaign.version import code_version
+from coral.config import checked, merge, read_config, to_mapping
+from coral.errors import InputError, RunError
+from coral.reef.episode import run_episode
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.mission import MissionCfg
+from coral.reef.variants import apply_variant
+from coral.reef.world import ReefWorld, load_world, shipped_worlds
+from coral.runs import provenance
+from coral.view.questions import question_pictures
+
+
+@dataclass(frozen=True)
+class ReefEpisode:
+    """A spec into a mission. The worlds travel along, so that a worker needs none of the caller's files."""
+
+    cfg: MissionCfg
+    model: ModelCfg
+    worlds: Mapping[str, ReefWorld]
+
+    def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
+        """Run it."""
+        cfg = mission_of(spec, self.cfg)
+        advisor = "heuristic" if spec.advisor == NO_ADVISOR else spec.advisor
+        sees = not advisor.endswith("heuristic")
+        return run_episode(self.worlds[spec.world], cfg, folder, variant=spec.variant, advisor=advisor, seed=spec.seed,
+                           model=self.model, draw=question_pictures if sees else None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReefBench:
+    """Compare variants of the reef survey over worlds, seeds and advisors.
+
+    The same command goes on where a stopped one left off; a larger grid in the same folder extends it.
+    """
+
+    variants: str = "dream,pd,full"
+    """Names, separated by commas."""
+    worlds: str = "all"
+    """Shipped reefs or world files, separated by commas; all: the ten shipped ones."""
+    seeds: str = "0"
+    """Numbers and ranges, such as 0-4 or 0,3,7-9."""
+    advisors: str = "heuristic"
+    """As for coral reef run, separated by commas."""
+    sweep: str = ""
+    """KEY=V1,V2,...: the whole grid once for each value of a configuration key."""
+    jobs: int = 1
+    """Missions at a time (executor local)."""
+    executor: Literal["local", "ray"] = "local"
+    """local: processes of this machine; ray: a Ray cluster."""
+    address: str = "auto"
+    """Of the Ray cluster: auto, HOST:PORT, or ray://HOST:PORT."""
+    out: Path = Path("runs/bench")
+    """Folder of the campaign."""
+    config: Path | None = None
+    """YAML file with configuration values; flags override it."""
+    retry_failed: bool = False
+    """Run missions again whose failure is recorded."""
+    mix: bool = False
+    """Accept results of other code or another configuration in the same folder."""
+    collect: bool = False
+    """Run nothing: make the data set, the tables and the figure from what is there."""
+    json: bool = False
+    """Print one JSON object on standard output; progress stays on standard error."""
+    quiet: bool = False
+    """No progress."""
+    model: ModelCfg = field(default_factory=ModelCfg)
+    """How a real model is called, and what each mission may spend."""
+    cfg: MissionCfg = field(default_factory=MissionCfg)
+    """The mission."""
+
+    @classmethod
+    def from_file(cls, words: Sequence[str]) -> ReefBench | None:
+        """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
+        for flag, value in itertools.pairwise(words):
+            if flag == "--config":
+                return cls(cfg=read_config(Path(value), MissionCfg()))
+        return None
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Run what is missing, then make the tables."""
+        store = Store(self.out)
+        if self.collect:
+            store.manifest()
+            with store.lock():
+                return self._collect(store, None)
+        worlds = self._worlds()
+        specs = self._specs(tuple(worlds))
+        if self.jobs < 1:
+            raise InputError("--jobs", "", self.jobs, "a number from 1 on")
+        with store.lock():
+            store.open(specs, self._conditions(worlds), command=self._command(), mix=self.mix, about=provenance())
+            summary = self._run(store, specs, worlds)
+            result = self._collect(store, summary)
+        if summary.failed and not result["done"]:
+            raise RunError(f"every mission failed; see {self.out / 'failures'}")
+        return result
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """The tables, and where everything is."""
+        failed = f"; {result['failed']} failed (see {self.out / 'failures'}; --retry-failed runs them again)"
+        return "\n".join([
+            (self.out / "tables.md").read_text(encoding="utf-8"),
+            f"{result['done']} missions{failed if result['failed'] else ''}",
+            *(f"{name}: {result[name]}" for name in ("data", "tables", "figure") if result[name])])
+
+    def _worlds(self) -> dict[str, ReefWorld]:
+        names = shipped_worlds() if self.worlds == "all" else parse_names(self.worlds, "--worlds")
+        return {name: load_world(name) for name in names}
+
+    def _specs(self, worlds: Sequence[str]) -> tuple[Spec, ...]:
+        variants = parse_names(self.variants, "--variants")
+        alone = {variant for variant in variants if apply_variant(variant, self.cfg).decider != "advisor"}
+        advisors = parse_names(self.advisors, "--advisors")
+        for advisor in advisors:
+            if advisor.split(":")[-1] == "desk":
+                raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
+            make_advisor(advisor, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors")
+        specs = grid("reef", variants=variants, worlds=worlds, seeds=parse_seeds(self.seeds), advisors=advisors,
+                     alone=alone, overrides=parse_sweep(self.sweep))
+        for spec in {(spec.variant, spec.overrides): spec for spec in specs}.values():
+            mission_of(spec, self.cfg)  # a bad value is told now, not by every worker
+        return specs
+
+    def _conditions(self, worlds: Mapping[str, ReefWorld]) -> dict[str, str]:
+        """What must be the same for every mission of a table, as digests."""
+        cfg = {"mission": to_mapping(self.cfg), "model": to_mapping(self.model)}
+        cfg["mission"].pop("record")
+        return {"code version": f"{code_version()}", "configuration": _digest(cfg),
+                **{f"world {name}": _digest(world.model_dump(mode="json")) for name, world in worlds.items()}}
+
+    def _run(self, store: Store, specs: Sequence[Spec], worlds: Mapping[str, ReefWorld]) -> Summary:
+        episode = ReefEpisode(self.cfg, self.model, worlds)
+        executor: Executor
+        if self.executor == "ray":
+            from coral.campaign.cluster import RayExecutor
+
+            executor = RayExecutor(self.address)
+        else:
+            executor = LocalExecutor(self.jobs)
+        try:
+            return run_campaign(store, specs, episode, executor, retry_failed=self.retry_failed, mix=self.mix,
+                                progress=CampaignProgress(quiet=self.quiet))
+        except KeyboardInterrupt:
+            print(f"stopped; the same command goes on from here ({self.out})", file=sys.stderr)
+            raise
+
+    def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
+        manifest, records = store.manifest(), store.records()
+        about = manifest["about"]
+        rows = to_rows(records, {name: about.get(name, "") for name in ("commit", "machine")})
+        if not rows:
+            raise RunError(f"no mission is recorded in {self.out} yet")
+        write_parquet(rows, self.out / "results.parquet")
+        rows = read_parquet(self.out / "results.parquet")
+        tables = reef_tables(rows, about, manifest["commands"][-1] if manifest["commands"] else "coral reef bench")
+        for form in ("md", "tex", "html"):
+            write_whole(self.out / f"tables.{form}", document(tables, form, "Reef survey").encode())
+        done = [record for record in records if record["status"] == "done"]
+        return {"out": str(self.out), "episodes": len(store.specs()), "done": len(done),
+                "failed": len(records) - len(done), "ran": summary.finished + summary.failed if summary else 0,
+                "found": summary.found if summary else len(records), "data": str(self.out / "results.parquet"),
+                "tables": str(self.out / "tables.md"), "figure": self._draw(store, done),
+                "results": [_as_json(table) for table in tables]}
+
+    def _draw(self, store: Store, done: Sequence[Mapping[str, Any]]) -> str:
+        """Overlay of the first seed and advisor, every world, at most four variants; "" when there is no run."""
+        specs = [Spec.from_json(record["spec"]) for record in done]
+        if not specs:
+            return ""
+        seed = min(spec.seed for spec in specs)
+        advisor = next((spec.advisor for spec in specs if spec.advisor != NO_ADVISOR), NO_ADVISOR)
+        order = {name: k for k, name in enumerate(("dream", "pd", "full"))}
+        variants = sorted(dict.fromkeys(spec.variant for spec in specs), key=lambda name: order.get(name, 9))[:4]
+        variants.sort(key=lambda name: name == "full")  # drawn last, on top
+        runs: dict[str, dict[str, Path]] = {}
+        for variant in variants:
+            for spec in specs:
+                if (spec.variant, spec.seed) == (variant, seed) and spec.advisor in (advisor, NO_ADVISOR) \
+                        and spec.overrides == specs[0].overrides and store.run_folder(spec).is_dir():
+                    runs.setdefault(Path(spec.world).stem, {})[variant] = store.run_folder(spec)
+        if not runs:
+            return ""
+        from coral.campaign.overlay import draw_overlay
+
+        draw_overlay(runs, self.out / "trajectories.png", seed=seed, advisor=advisor)
+        return str(self.out / "trajectories.png")
+
+    def _command(self) -> str:
+        """The command that makes this campaign, without what does not change its results."""
+        words = ["coral", "reef", "bench", "--variants", self.variants, "--worlds", self.worlds, "--seeds", self.seeds,
+                 "--advisors", self.advisors]
+        words += ["--sweep", self.sweep] if self.sweep else []
+        words += ["--config", str(self.config)] if self.config else []
+        for prefix, now, default in (("cfg", self.cfg, MissionCfg()), ("model", self.model, ModelCfg())):
+            words += [word for key, value in _changes(to_mapping(now), to_mapping(default), prefix)
+                      for word in (f"--{key.replace('_', '-')}", str(value))] if not self.config else []
+        return shlex.join(words)
+
+
+def mission_of(spec: Spec, cfg: MissionCfg) -> MissionCfg:
+    """Configuration of a mission: the campaign's, the spec's changes, then its variant.
+
+    Raises:
+        InputError: An unknown key or a bad value.
+    """
+    for key, value in spec.overrides:
+        changes: Any = value
+        for part in reversed(key.split(".")):
+            changes = {part: changes}
+        cfg = merge(cfg, changes, "--sweep")
+    return checked(apply_variant(spec.variant, cfg), "--cfg")
+
+
+def parse_sweep(text: str) -> tuple[dict[str, Any], ...]:
+    """`KEY=V1,V2` as one mapping for each value; nothing swept is one empty mapping.
+
+    Raises:
+        InputError: There is no key or no value.
+    """
+    if not text:
+        return ({},)
+    key, _, rest = text.partition("=")
+    if not key.strip() or not rest.strip():
+        raise InputError("--sweep", "", repr(text), "KEY=V1,V2,..., such as time_limit_s=300,600")
+    return tuple({key.strip(): _value(word)} for word in parse_names(rest, "--sweep"))
+
+
+def _value(word: str) -> Any:
+    try:
+        return json.loads(word)
+    except ValueError:
+        return word
+
+
+def _changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
+    found: list[tuple[str, Any]] = []
+    for key, value in now.items():
+        if isinstance(value, Mapping) and isinstance(default.get(key), Mapping):
+            found += _changes(value, default[key], f"{prefix}.{key}")
+        elif value != default.get(key):
+            found.append((f"{prefix}.{key}", value))
+    return found
+
+
+def _digest(content: Any) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:12]
+
+
+def _rng() -> Any:
+    import numpy as np
+
+    return np.random.default_rng(0)
+
+
+def _as_json(table: Table) -> dict[str, Any]:
+    return {"name": table.name, "caption": table.caption,
+            "rows": [dict(zip(_unique(table.header), row, strict=True)) for row in table.rows]}
+
+
+def _unique(header: Sequence[str]) -> list[str]:
+    """Column names, a `paper` column named after the one that it stands beside."""
+    return [f"{header[k - 1]}, paper" if label == "paper" else label for k, label in enumerate(header)]

@@ -1,0 +1,51 @@
+"""One mission as a campaign runs it: no pictures kept, everything that the tables need returned."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.question import Picture
+from coral.advisor.registry import make_advisor
+from coral.errors import RunError
+from coral.reef.belief import Belief
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.metrics import covered_at
+from coral.reef.mission import Mission, MissionCfg
+from coral.reef.record import RecordCfg
+from coral.reef.world import ReefWorld
+
+Draw = Callable[[Belief], tuple[Picture, ...]]
+
+
+def run_episode(world: ReefWorld, cfg: MissionCfg, folder: Path, *, variant: str, advisor: str, seed: int,
+                model: ModelCfg | None = None, draw: Draw | None = None) -> dict[str, Any]:
+    """Run a mission; the same arguments give the same mission as `coral reef run`.
+
+    Args:
+        world: To survey.
+        cfg: Of the mission, with the variant applied to it.
+        folder: Run folder; it keeps the logs, the world and the metrics.
+        variant: Name of the variant, for the record.
+        advisor: As on the command line.
+        seed: Of everything random.
+        model: How a real model is called.
+        draw: Draws the pictures for an advisor with eyes.
+
+    Returns:
+        Metrics and timing, with `topology` and `covered_at_s` (times at which clusters were covered, s).
+
+    Raises:
+        RunError: The mission was interrupted.
+    """
+    cfg = dataclasses.replace(cfg, record=RecordCfg(pictures=draw is not None, frames=False, report=False, video=False))
+    asked = make_advisor(advisor, rules=REEF_RULES, rng=np.random.default_rng([seed, 7]), cfg=model)
+    result = Mission(world, cfg, asked, folder, seed=seed, variant=variant, draw=draw).run()
+    if result["end_reason"].startswith("stopped by"):
+        raise RunError(result["end_reason"])
+    return {**result, "topology": world.topology, "covered_at_s": covered_at(folder)}

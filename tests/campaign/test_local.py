@@ -1,0 +1,137 @@
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from coral.campaign.campaign import run_campaign
+from coral.campaign.local import LocalExecutor
+from coral.campaign.store import Store
+from coral.errors import RunError
+
+
+def run(store, specs, episode, jobs=2, mix=True, **options):
+    """`mix`, so that files that change while a test runs do not matter to it."""
+    with store.lock():
+        store.open(specs, {"code": "1"})
+        return run_campaign(store, specs, episode, LocalExecutor(jobs), mix=mix, **options)
+
+
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path / "out")
+
+
+def test_good_bad_and_deadly_episodes_each_end_in_one_record(store, specs_of, toy):
+    specs = specs_of(worlds=("w", "raises", "exits", "exits-once", "killed", "nan"), seeds=(0, 1))
+    summary = run(store, specs, toy.toy)
+    assert (summary.wanted, summary.found, summary.finished, summary.failed) == (12, 0, 4, 8)
+    records = store.records()
+    assert [record["spec"] for record in records] == [spec.to_json() for spec in specs]
+    told = {record["spec"]["world"]: record for record in records}
+    assert told["w"]["result"] == {"score": 10, "threads": "1"}
+    assert told["w"]["about"]["attempts"] == 1
+    assert told["exits-once"]["status"] == "done"
+    assert told["exits-once"]["about"]["attempts"] == 2
+    assert told["raises"]["message"] == "ValueError: the reef is\nclosed"
+    assert "campaign_toy" in told["raises"]["detail"]
+    assert told["exits"]["message"] == "its worker process died 2 times (exit code 3)"
+    assert told["killed"]["message"] == "its worker process died 2 times (signal SIGKILL)"
+    assert "not JSON compliant" in told["nan"]["message"]
+    starts = {world: {toy.times(specs_of.marks, spec) for spec in specs if spec.world == world} for world in told}
+    assert starts == {"w": {1}, "raises": {1}, "nan": {1}, "exits": {2}, "killed": {2}, "exits-once": {2}}
+    assert not list(store.folder.glob("runs/.*"))
+
+
+def test_the_same_command_again_runs_nothing_a_larger_one_the_rest_a_retry_the_failures(store, specs_of, toy):
+    specs = specs_of(worlds=("w", "raises"), seeds=(0, 1))
+    run(store, specs, toy.toy)
+    again = run(store, specs, toy.toy)
+    assert (again.found, again.finished, again.failed) == (4, 0, 0)
+    more = specs_of(worlds=("w", "raises"), seeds=(0, 1, 2))
+    assert run(store, more, toy.toy).finished == 1
+    assert [toy.times(specs_of.marks, spec) for spec in more] == [1] * 6
+    assert run(store, specs, toy.toy, retry_failed=True).failed == 2
+    assert {spec.world: toy.times(specs_of.marks, spec) for spec in specs} == {"w": 1, "raises": 2}
+
+
+def test_longest_episodes_start_first(store, specs_of, toy):
+    specs = specs_of(seeds=(0, 1, 2, 3))
+    order = []
+
+    class Noting(LocalExecutor):
+        def run(self, episode, tasks):
+            order.extend(task.spec.seed for task in tasks)
+            return super().run(episode, tasks)
+
+    with store.lock():
+        store.open(specs, {})
+        run_campaign(store, specs, toy.toy, Noting(1), mix=True, first=lambda spec: spec.seed % 3)
+    assert order == [2, 1, 0, 3]
+
+
+def test_an_episode_that_workers_cannot_import_is_one_clear_error(store, specs_of, toy, monkeypatch, capfd):
+    specs = specs_of()
+    monkeypatch.setattr(sys, "path", [p for p in sys.path if not p.endswith("campaign")])
+    with pytest.raises(RunError, match="end before they begin"):
+        run(store, specs, toy.toy)
+    assert "campaign_toy" in capfd.readouterr().err
+    assert store.records() == []
+
+
+def test_workers_of_another_version_are_refused(store, specs_of, toy, monkeypatch):
+    monkeypatch.setattr("coral.campaign.campaign.code_version", lambda: "other")
+    with pytest.raises(RunError, match="another version"):
+        run(store, specs_of(), toy.toy, mix=False)
+    assert store.records() == []
+    assert run(store, specs_of(), toy.toy).finished == 3
+
+
+def test_the_episode_of_a_dead_worker_goes_to_one_that_is_idle(store, specs_of, toy):
+    specs = specs_of(worlds=("last-to-exit", "w"), seeds=(0,))
+    assert run(store, specs, toy.toy).finished == 2
+    assert [toy.times(specs_of.marks, spec) for spec in specs] == [2, 1]
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_a_killed_campaign_leaves_no_worker_and_goes_on_where_it_was(store, specs_of, toy, how):
+    specs, marks = specs_of(), specs_of.marks
+    command = [sys.executable, str(Path(toy.__file__)), str(store.folder), str(marks)]
+    campaign = subprocess.Popen(command, stderr=subprocess.DEVNULL, start_new_session=True)
+    try:
+        eventually(lambda: len(list(store.folder.glob("episodes/*.json"))) == 1 and len(list(marks.iterdir())) == 3)
+        if how == signal.SIGINT:
+            os.killpg(campaign.pid, how)  # as a terminal does: to the workers, too
+            campaign.wait(60)
+    finally:
+        campaign.kill()
+        campaign.wait()
+    for spec in specs[1:]:
+        pid = int((marks / f"{spec.key}.mark").read_text())
+        eventually(lambda pid=pid: not alive(pid))
+    assert [record["spec"]["seed"] for record in store.records()] == [0]
+    (marks / "go").touch()
+    summary = run(store, specs, toy.until_told)
+    assert (summary.found, summary.finished) == (1, 2)
+    assert [record["result"]["score"] for record in store.records()] == [0, 1, 2]
+    assert [toy.times(marks, spec) for spec in specs] == [1, 2, 2]
+    assert all((store.run_folder(spec) / "half.txt").exists() for spec in specs)
+
+
+def eventually(holds, patience_s=60.0):
+    """Wait for another process; the limit only ends a test that has failed."""
+    limit = time.monotonic() + patience_s
+    while not holds():
+        assert time.monotonic() < limit
+        time.sleep(0.02)
+
+
+def alive(pid):
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
