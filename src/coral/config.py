@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, cast, get_type_hints
+from typing import Annotated, Any, TypeVar, cast, get_origin, get_type_hints
 
 import yaml
 from pydantic import Field, TypeAdapter, ValidationError
@@ -21,6 +22,8 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
+Signed = Annotated[float, Field(allow_inf_nan=False)]
+"""A number that may be negative: without a type that says so, no number in a configuration may be."""
 
 
 def read_config(path: Path, default: C) -> C:
@@ -66,6 +69,8 @@ def merge(default: C, changes: Mapping[str, Any], where: str) -> C:
 def checked(cfg: C, where: str) -> C:
     """The configuration itself, once all of its values have been found in range.
 
+    Fields whose type states no range hold finite numbers from 0 on.
+
     Raises:
         InputError: A value is not.
     """
@@ -75,7 +80,19 @@ def checked(cfg: C, where: str) -> C:
         first = error.errors()[0]
         raise InputError(where, ".".join(str(part) for part in first["loc"]), repr(first["input"]),
                          first["msg"].replace("Input should be ", "")) from None
+    _refuse_odd_numbers(cfg, where, "")
     return cfg
+
+
+def _refuse_odd_numbers(cfg: Any, where: str, prefix: str) -> None:
+    hints = get_type_hints(type(cfg), include_extras=True)
+    for field in dataclasses.fields(cfg):
+        value, name = getattr(cfg, field.name), f"{prefix}{field.name}"
+        if dataclasses.is_dataclass(value):
+            _refuse_odd_numbers(value, where, f"{name}.")
+        elif get_origin(hints[field.name]) is not Annotated and isinstance(value, int | float) \
+                and not 0 <= value < math.inf:
+            raise InputError(where, name, value, "a finite number from 0 on")
 
 
 def to_mapping(cfg: Any) -> dict[str, Any]:

@@ -41,7 +41,7 @@ class LatencyCfg:
         return f"lognormal:{self.median_s:g}:{self.sigma:g}" if self.kind == "lognormal" else self.kind
 
 
-def parse_latency(spec: str, where: str = "--latency") -> LatencyCfg:
+def parse_latency(spec: str, where: str = "--cfg.latency") -> LatencyCfg:
     """Read a latency as written on the command line, such as "fixed:10" or "lognormal:10:0.3".
 
     Raises:

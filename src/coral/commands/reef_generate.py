@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -36,23 +37,30 @@ class ReefGenerate:
         if self.polyline:
             cfg = replace(cfg, spine=(_points(self.polyline),))
         world = generate(cfg, self.out.stem)
-        try:
-            if self.out.exists():
-                raise InputError("--out", str(self.out), "a file that exists", "a new file")
-            self.out.parent.mkdir(parents=True, exist_ok=True)
-            save_world(world, self.out, f"Made by: {command_line(cfg, self.out.name)}")
-        except OSError as error:
-            raise InputError("--out", str(self.out), error.strerror or error, "a file that can be written") from None
+        if self.out.exists():
+            raise InputError("--out", str(self.out), "a file that exists", "a new file")
         if self.preview is not None:
             from coral.view.preview import preview
 
-            preview(world, self.preview)
+            with _writing("--preview", self.preview):
+                preview(world, self.preview)
+        with _writing("--out", self.out):
+            self.out.parent.mkdir(parents=True, exist_ok=True)
+            save_world(world, self.out, f"Made by: {command_line(cfg, self.out.name)}")
         return {"world": str(self.out), "clusters": len(world.clusters), "obstacles": len(world.obstacles)}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """One line."""
         return (f"{result['world']}: {result['clusters']} clusters, {result['obstacles']} obstacles; "
                 f"run it with: coral reef run {result['world']}")
+
+
+@contextmanager
+def _writing(flag: str, path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise InputError(flag, str(path), error.strerror or error, "a file that can be written") from None
 
 
 def _points(text: str) -> tuple[tuple[float, float], ...]:

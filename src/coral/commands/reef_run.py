@@ -66,10 +66,11 @@ class ReefRun:
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefRun | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        for flag, value in itertools.pairwise(words):
-            if flag == "--config":
-                cfg = read_config(Path(value), MissionCfg())
-                return cls(world=tyro.MISSING, cfg=cfg)
+        for word, following in itertools.pairwise([*words, ""]):
+            flag, joined, value = word.partition("=")
+            file = value if joined else following
+            if flag == "--config" and file:
+                return cls(world=tyro.MISSING, cfg=read_config(Path(file), MissionCfg()))
         return None
 
     def __call__(self) -> Mapping[str, Any]:
@@ -87,7 +88,8 @@ class ReefRun:
         rng = np.random.default_rng([self.seed, 7])
         inbox = self.inbox or folder / "inbox"
         advisor = make_advisor(self.advisor, rules=REEF_RULES, rng=rng, inbox=inbox,
-                               cfg=dataclasses.replace(self.model, facts=self.model.facts or self.facts))
+                               cfg=dataclasses.replace(checked(self.model, "--model"),
+                                                       facts=self.model.facts or self.facts))
         mission = Mission(world, cfg, advisor, folder, seed=self.seed, variant=self.variant,
                           draw=question_pictures if cfg.record.pictures else None)
         progress = MissionProgress(quiet=self.quiet)

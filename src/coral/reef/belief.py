@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Count
 from coral.reef.chain import CentroidTracker, ChainCfg, Track, components
 from coral.reef.geometry import Frame, Pose, to_robot
 from coral.reef.mapping import OccupancyMap
@@ -18,7 +19,7 @@ class BeliefCfg:
     """How the robot keeps its memory."""
 
     chain: ChainCfg = field(default_factory=ChainCfg)
-    chain_period: int = 5
+    chain_period: Count = 5
     """Ticks between updates of the centroid chain."""
     visit_radius_m: float = 3.0
     """A centroid counts as visited once the robot has been this close: D_trig, where its next goal is asked for, and

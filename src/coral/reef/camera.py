@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Signed
 from coral.errors import InputError
 from coral.reef import camera_kernels
 from coral.reef.geometry import Frame, Pose
@@ -25,7 +26,7 @@ class CameraCfg:
     """Between the outer edges of the first and last column (paper IV-E: 120° camera FOV)."""
     altitude_m: float = 1.0
     """Above the seabed. The paper gives none; half the depth of its pool."""
-    pitch_down_deg: float = 15.0
+    pitch_down_deg: Signed = 15.0
     """Tilt of the optical axis: the picture then reaches from 0.4 m ahead on the seabed to 37° above the horizon."""
     range_m: float = 12.0
     """Surfaces farther away than this along the ray are not seen: twice the range the prompts speak of (0-6 m)."""

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
+from coral.config import Count, Fraction, Positive
+from coral.errors import InputError
 from coral.mppi.weights import effective_sample_size, softmax_weights, weighted_mean
 from coral.reef.controller_kernels import N_COSTS, Scene, Schedule, clearance_at, rollout
 from coral.reef.costfield import CostField
@@ -45,39 +49,39 @@ class CostCfg:
     """Ours: the camera looks forward and the vehicle only drives forward, so that a goal behind needs a turn first."""
     smooth: float = 0.05
     """Ours; the paper names smoothness in the text (III-E) and not in Alg. 3."""
-    soft_m: float = 0.4
+    soft_m: Positive = 0.4
 
 
 @dataclass(frozen=True, kw_only=True)
 class MppiCfg:
     """DDP-MPPI; values from the paper IV-F unless said otherwise."""
 
-    n_rollouts: int = 400
-    n_steps: int = 10
-    horizon_s: float = 5.0
+    n_rollouts: Annotated[int, Field(ge=10)] = 400
+    n_steps: Annotated[int, Field(ge=2)] = 10
+    horizon_s: Positive = 5.0
     """T. The paper gives none; with p = 1.7 the first interval of Eq. 10 is then the control period, 0.1 s."""
-    p: float = 1.7
+    p: Positive = 1.7
     """Eq. 10 and 11. The paper gives none; 1.7 is what the published DDP planner's intervals obey."""
     uniform: bool = False
     """No-DDP ablation: equal intervals, every boundary point at every step."""
-    n_points: int = 32
+    n_points: Count = 32
     """n of Eq. 11: 5.9 cm apart on the hull, about one map cell."""
     margin_m: float = 0.08
     """Clearance of the hull a rollout must keep: one map cell of position error and the lag left out of the rollout."""
-    substep_near_s: float = 0.05
-    substep_far_s: float = 0.2
+    substep_near_s: Positive = 0.05
+    substep_far_s: Positive = 0.2
     """Integration steps of the first interval and of the last; between them they grow with the interval."""
     sensing_m: float = 4.0
     sigma_v: float = 0.05
     sigma_omega: float = 0.05
-    temperature: float = 0.03
+    temperature: Positive = 0.03
     """lambda, in units of the cost (which spans about 1 between standing and full progress); the paper gives none. 0.1
     drags the mean towards the slow half of the samples: 0.42 m/s in clutter instead of 0.50."""
     elites: int = 0
     """0: all feasible rollouts are averaged. 10 with a temperature of 1 is what the published DDP planner does."""
-    warm_fraction: float = 0.35
+    warm_fraction: Fraction = 0.35
     """Share of rollouts around the previous solution."""
-    guided_fraction: float = 0.15
+    guided_fraction: Fraction = 0.15
     """Share that steers down the cost-to-go. sigma = 0.05 alone cannot leave its nominal within a second; the rest of
     the rollouts hold a constant drawn from the dynamic window, half of them braking part of the way."""
     recovery_speed_m_s: float = 0.2
@@ -86,6 +90,11 @@ class MppiCfg:
     """Within this of the goal the vehicle holds still."""
     costs: CostCfg = field(default_factory=CostCfg)
     keep_rollouts: bool = False
+
+    def __post_init__(self) -> None:
+        shares = self.warm_fraction + self.guided_fraction
+        if shares > 0.95:
+            raise InputError("controller", "warm_fraction + guided_fraction", f"{shares:g}", "at most 0.95 together")
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Count
 from coral.reef.costfield_kernels import descend, extend, lookup, march, nearest_free, slowness_grid
 
 UNREACHABLE = "goal unreachable"
@@ -18,7 +19,7 @@ NO_FREE_CELL = "no free cell in the map"
 class CostFieldCfg:
     """Grid and clearance of the cost-to-go. The paper describes none; `CostField.straight` ignores the map."""
 
-    ratio: int = 2
+    ratio: Count = 2
     """Map cells per field cell: 0.1 m at the 0.05 m map, three field cells across the narrowest passage."""
     radius_m: float = 0.35
     """Clearance of the robot's centre: hull 0.3 m and one map cell."""

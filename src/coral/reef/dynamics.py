@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Positive
 from coral.errors import InputError, nearest
 
 GRAVITY_M_S2 = 9.81
@@ -88,7 +89,7 @@ class Thrusters:
     below_cg_m: float = 0.085
     vertical_x_m: float = 0.12
     vertical_y_m: float = 0.218
-    lag_s: float = 0.0287
+    lag_s: Positive = 0.0287
     """First-order lag of the thrust. The identified (6136s+108700)/(s^3+89s^2+9258s+108700) has the mean delay
     (9258-6136)/108700 s, which this keeps; its other modes (above 13 rad/s) are faster than the velocity loop."""
 

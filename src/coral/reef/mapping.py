@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Count, Positive
 from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping_kernels import classify, explore, project
@@ -24,13 +25,13 @@ NEAR_SLACK_M = 1.0
 class MapCfg:
     """Resolution and evidence thresholds of the occupancy map."""
 
-    cell_m: float = 0.05
+    cell_m: Positive = 0.05
     """Edge of a cell. The paper gives none; 0.05 m makes its A_min = 100 px equal to 0.25 m²."""
     range_m: float = 6.0
     """d_max of the explored-area rays and of target detection; the paper's prompts speak of 0-6 m."""
     obstacle_range_m: float = 4.0
     """Obstacle sensing range (paper IV-F)."""
-    n_rays: int = 360
+    n_rays: Count = 360
     """N of the explored-area ray casting; 120° in 360 rays is 3.5 cm between rays at 6 m, under one cell."""
     target_hits: int = 2
     obstacle_hits: int = 2

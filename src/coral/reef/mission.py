@@ -83,9 +83,6 @@ class Mission:
         if cfg.decider != "advisor":
             advisor = RuleAdvisor(baseline_rules(cfg.decider), name=cfg.decider)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
-        self.writer = RunWriter(folder, COLUMNS)
-        self.attempts = AttemptRecorder(folder)
-        self.frames = FrameRecorder(self.writer, cfg.record)
         self.step, self.t = 0, 0.0
         self.control_ms: list[float] = []
         self.tick_ms: list[float] = []
@@ -93,11 +90,16 @@ class Mission:
         self.belief = Belief(OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map), cfg.belief)
         planner = HighLevelPlanner(self.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()),
                                    cfg.planner)
-        self.clock = SimulatedClock(_latency(advisor, cfg.latency), clock_rng)
-        self.clock.thread.warm_up(advisor)
+        latency = _latency(advisor, cfg.latency)
         self.driver: LocalPlanner = (
             PdController(vehicle=cfg.simulator.vehicle) if cfg.driver == "pd"
             else DdpMppi(cfg.controller, cfg.simulator.vehicle, control_rng))
+        # All that can be refused has been looked at: only now is a folder made.
+        self.writer = RunWriter(folder, COLUMNS)
+        self.attempts = AttemptRecorder(folder)
+        self.frames = FrameRecorder(self.writer, cfg.record)
+        self.clock = SimulatedClock(latency, clock_rng)
+        self.clock.thread.warm_up(advisor)
         self.pilot = Pilot(self.belief, planner, self.driver, advisor, RuleAdvisor(REEF_RULES), self.clock, self.emit,
                            self.attempts, cfg.pilot)
         self.sensed: Sensed | None = None

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from coral.advisor.question import Picture, Question, Rejection
+from coral.config import Count
 from coral.reef.answers import CentroidChoice, WaypointChoice
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostFieldCfg
@@ -32,7 +33,7 @@ class PlannerCfg:
 
     forward_m: float = 1.0
     """d_min of Alg. 2: a centroid counts as ahead from this forward projection."""
-    step_m: int = 6
+    step_m: Count = 6
     """Longest waypoint step per axis (paper III-C.2: whole metres, 0 to 6)."""
     separation_m: float = 1.0
     """Delta d_min: a new goal lies at least this far from the previous one (paper IV-F)."""

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Positive
 from coral.reef.geometry import Frame
 from coral.runs import RunWriter
 
@@ -25,7 +26,7 @@ class RecordCfg:
     """Draw and keep the pictures of every question (an advisor with eyes gets them in any case)."""
     frames: bool = True
     """Keep the map and the camera pictures at intervals; the report's time slider and the video need them."""
-    frame_period_s: float = 2.0
+    frame_period_s: Positive = 2.0
     report: bool = True
     """Write map.png and report.html at the end."""
     video: bool = False

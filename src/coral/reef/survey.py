@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Positive
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import to_robot
@@ -18,15 +19,15 @@ from coral.reef.geometry import to_robot
 class SurveyCfg:
     """Resolution and thresholds of the survey of what is left."""
 
-    cell_m: float = 0.2
+    cell_m: Positive = 0.2
     """Edge of the coarse cells that frontiers are found on."""
     min_region_m2: float = 1.5
     """Unexplored regions smaller than this are shadows behind obstacles, not something to explore."""
     min_frontier_m: float = 0.8
     """Shorter frontiers are ignored."""
-    tile_m: float = 3.0
+    tile_m: Positive = 3.0
     """Longer frontiers are cut into pieces of about this size."""
-    gain_radius_m: float = 3.0
+    gain_radius_m: Positive = 3.0
     """How far about a point unexplored water counts as what a visit would show."""
     ahead_deg: float = 60.0
     ahead_m: float = 6.0

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Count
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.survey import Survey
@@ -31,7 +32,7 @@ class TopologyCfg:
     """Frontiers closer than this to a place already in the graph add none."""
     max_regret_m: float = 8.0
     """A cluster whose choice lengthens the tour by more than this is refused when another does not."""
-    ratio: int = 3
+    ratio: Count = 3
     """Map cells per cell of the distance search."""
 
 

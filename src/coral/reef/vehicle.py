@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Positive
 from coral.errors import InputError
 from coral.reef.dynamics import THRUST_MAX_N, Thrusters, parameter_set, planar, six_dof
 from coral.reef.dynamics_kernels import (
@@ -44,18 +45,18 @@ class VehicleCfg:
     model: Literal["planar", "six_dof"] = "planar"
     parameters: str = "A"
     thrusters: Thrusters = field(default_factory=Thrusters)
-    thrust_max_n: float = THRUST_MAX_N
-    max_speed_m_s: float = 0.6
-    max_yaw_rate_rad_s: float = 0.6
-    hull_radius_m: float = 0.3
+    thrust_max_n: Positive = THRUST_MAX_N
+    max_speed_m_s: Positive = 0.6
+    max_yaw_rate_rad_s: Positive = 0.6
+    hull_radius_m: Positive = 0.3
     """Paper Sec. IV-F."""
-    substep_s: float = 0.02
+    substep_s: Positive = 0.02
     """Largest integration step; RK4 is converged to under 0.1 mm over 10 s at this step (see the tests)."""
-    loop_s: float = 0.02
+    loop_s: Positive = 0.02
     """Period of the velocity loop: 50 Hz, as an autopilot runs it."""
-    tracking_rate_1_s: float = 4.0
+    tracking_rate_1_s: Positive = 4.0
     """Decay of the velocity error; 0.25 s is several thruster lags, and 0.6 m/s is stopped within 0.2 m."""
-    yaw_tracking_rate_1_s: float = 4.0
+    yaw_tracking_rate_1_s: Positive = 4.0
     observer_rate_1_s: float = 4.0
     """How fast the loop learns a force its model does not explain (the current's drag). Integrating the model's error
     instead of the tracking error leaves nothing to wind up when the set point steps or a thruster saturates."""
