@@ -6,6 +6,7 @@ import dataclasses
 import io
 import os
 import shutil
+import socket
 import tarfile
 import tempfile
 from collections import deque
@@ -30,7 +31,7 @@ class RayExecutor:
         address: `auto`, `HOST:PORT` of the head, or `ray://HOST:PORT` of a Ray client server.
 
     Raises:
-        InputError: Ray is not installed.
+        InputError: Ray is not installed, or the address is none.
         RunError: No cluster answers at the address.
     """
 
@@ -43,6 +44,7 @@ class RayExecutor:
             raise InputError("--executor", "", "ray, which is not installed",
                              "local, or the extra installed: pip install 'coral-robotics[ray]'") from None
         self._ray = ray
+        _knock(address)
         try:
             if not ray.is_initialized():
                 ray.init(address=address, log_to_driver=False, logging_level="ERROR")
@@ -88,11 +90,28 @@ class RayExecutor:
         self._ray.shutdown()
 
 
+def _knock(address: str) -> None:
+    """Find out quickly whether anything listens; Ray itself keeps trying for minutes."""
+    host, separator, port = address.removeprefix("ray://").rpartition(":")
+    if not separator and address == "auto":
+        return
+    if not host or not port.isdecimal():
+        raise InputError("--address", "", repr(address), "auto, HOST:PORT, or ray://HOST:PORT")
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), timeout=10.0).close()
+    except (OSError, OverflowError) as error:
+        raise RunError(f"no Ray cluster at {address}: {getattr(error, 'strerror', None) or error}") from None
+
+
 def _perform_there(episode: Episode, spec: Any) -> tuple[Outcome, bytes]:
     """The Ray task: run in a folder of the node, return what was written there along with the outcome."""
+    import ray
+
     with tempfile.TemporaryDirectory(prefix="coral-") as folder:
         place = Path(folder) / "run"
-        return perform(episode, spec, place), pack(place)
+        outcome = perform(episode, spec, place)
+        about = {**outcome.about, "node": ray.get_runtime_context().get_node_id()}
+        return dataclasses.replace(outcome, about=about), pack(place)
 
 
 def pack(folder: Path) -> bytes:

@@ -1,0 +1,74 @@
+import pytest
+
+from coral.campaign.table import Table, document, to_html, to_latex, to_markdown
+
+TABLE = Table("Table X", "What & why (100 %).", ("variant", "Δ cov. (%)"),
+              (("a|b_c", "−3.1 [−5.0, +1.2]"), ("<full>", "≈ 0.0")), ("n = 3; † see x_1.",))
+
+MARKDOWN = """\
+**Table X.** What & why (100 %).
+
+| variant |        Δ cov. (%) |
+| ------- | ----------------: |
+| a\\|b_c  | −3.1 [−5.0, +1.2] |
+| <full>  |             ≈ 0.0 |
+
+- n = 3; † see x_1.
+"""
+
+LATEX = r"""% Table X
+\begin{table*}\centering\small
+\begin{threeparttable}
+\caption{What \& why (100 \%).}
+\begin{tabular}{lr}
+\toprule
+variant & $\Delta$ cov. (\%) \\
+\midrule
+a|b\_c & $-$3.1 [$-$5.0, +1.2] \\
+<full> & $\approx$ 0.0 \\
+\bottomrule
+\end{tabular}
+\begin{tablenotes}\footnotesize
+\item n = 3; $^\dagger$ see x\_1.
+\end{tablenotes}
+\end{threeparttable}
+\end{table*}
+"""
+
+HTML = """\
+<figure>
+<figcaption><b>Table X.</b> What &amp; why (100 %).</figcaption>
+<div class="scroll"><table>
+<thead><tr><th>variant</th><th>Δ cov. (%)</th></tr></thead>
+<tbody>
+<tr><td>a|b_c</td><td>−3.1 [−5.0, +1.2]</td></tr>
+<tr><td>&lt;full&gt;</td><td>≈ 0.0</td></tr>
+</tbody>
+</table></div>
+<ul><li>n = 3; † see x_1.</li></ul>
+</figure>
+"""
+
+
+@pytest.mark.parametrize(("render", "text"), [(to_markdown, MARKDOWN), (to_latex, LATEX), (to_html, HTML)])
+def test_the_same_table_in_three_forms(render, text):
+    assert render(TABLE) == text
+
+
+@pytest.mark.parametrize("form", ["md", "tex", "html"])
+def test_a_document_holds_every_table(form):
+    text = document([TABLE, TABLE], form, "Reef")
+    assert text.count("Table X") == 2
+    assert "Reef" in text
+
+
+def test_a_latex_document_has_no_letter_that_plain_latex_lacks():
+    from coral.campaign.reef_tables import paper
+
+    notes = tuple(note for group in paper()["notes"].values() for note in group)
+    assert to_latex(Table("T", "", ("a",), (), notes)).isascii()
+
+
+def test_a_ragged_table_is_a_mistake():
+    with pytest.raises(ValueError, match="2 cells under a header of 1"):
+        Table("T", "", ("a",), (("b", "c"),))
