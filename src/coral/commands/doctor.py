@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-CORE = ("numpy", "numba", "mujoco", "opencv-python-headless", "pydantic", "pydantic-ai-slim", "tyro", "rich", "viser",
-        "matplotlib", "imageio-ffmpeg", "pyarrow")
+CORE = ("numpy", "numba", "opencv-python-headless", "pydantic", "pydantic-ai-slim", "httpx2", "tyro", "rich", "PyYAML",
+        "Jinja2", "viser", "matplotlib", "imageio-ffmpeg", "pyarrow")
 EXTRAS = {
-    "contact": ("robosuite", "manipulation on a Panda arm"),
     "ray": ("ray", "campaigns on a cluster"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),
-    "bluerov": ("pymavlink", "a real BlueROV2"),
 }
 KEYS = ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY")
 
