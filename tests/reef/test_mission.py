@@ -74,6 +74,15 @@ def test_a_folder_with_something_in_it_is_left_alone(pond, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
 
 
+def test_a_new_goal_is_not_given_up_because_its_answer_was_slow(pond, tmp_path):
+    cfg = dataclasses.replace(QUIET, latency="fixed:30", time_limit_s=60.0)
+    run(pond, tmp_path / "run", cfg=cfg)
+    answered = [g["t"] for g in events(tmp_path / "run", "goal") if g["source"] == "advisor"]
+    fired = [e["t"] for e in events(tmp_path / "run", "trigger") if e["fired"] and e["cause"] == "stuck"]
+    assert answered
+    assert not [t for t in fired if any(0.0 <= t - a < 15.0 for a in answered)]
+
+
 class Silent:
     name = "silent"
 

@@ -92,6 +92,14 @@ def test_without_smart_trigger_every_cooldown_asks():
     assert asked == [0.0, 5.0, 10.0, 15.0]
 
 
+def test_standing_still_for_a_slow_answer_is_not_being_stuck_afterwards():
+    trigger = SmartTrigger()
+    trigger.asked(0.0)
+    assert drive(trigger, 25.0, speed=0.0, move=False, pending=True)[-1][1].held_by == "pending"
+    trigger.new_goal()
+    assert drive(trigger, 19.0, speed=0.0, move=False, start=25.0) == []
+
+
 def test_minimum_separation():
     assert separated((1.0, 0.0), None, 1.0)
     assert separated((1.0, 0.0), (0.0, 0.0), 1.0)

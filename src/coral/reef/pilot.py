@@ -123,6 +123,9 @@ class Pilot:
         if firing is not None and firing != self._last_firing:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
         self._last_firing = firing
+        if firing is not None and firing.held_by == "pending" and firing.cause in ("failure", "deviation"):
+            self.clock.withdraw()  # the open question shows a way that has since proved closed
+            self._collect()
         if firing is None or not firing.fired:
             return
         if firing.cause in ("stuck", "failure", "deviation"):
@@ -193,6 +196,7 @@ class Pilot:
         if isinstance(goal, Rejection):
             return  # the cluster merged into another between two ticks; the trigger asks again
         violates = self.planner.adopt(goal)
+        self.trigger.new_goal()
         self._emit("goal", x=round(goal.x, 3), y=round(goal.y, 3), source=source, decision=self._decision,
                    index=goal.index, reason=reason, violates=violates)
 

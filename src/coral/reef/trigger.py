@@ -68,6 +68,10 @@ class SmartTrigger:
     def asked(self, t: float) -> None:
         """Start the cooldown; forget what led here."""
         self._last_query = t
+        self.new_goal()
+
+    def new_goal(self) -> None:
+        """Judge progress from here on: standing still while the answer was awaited is not being stuck."""
         self._failures = 0
         self._deviated = False
         self._history.clear()
