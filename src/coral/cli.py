@@ -22,6 +22,7 @@ COMMANDS = {
     "reef bench": ("coral.commands.reef_bench:ReefBench", "compare variants over many missions, with tables"),
     "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),
     "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),
+    "replay": ("coral.commands.replay:Replay", "watch a run folder again in a browser"),
     "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),
     "desk": ("coral.commands.desk:Desk", "answer a mission's questions in a browser"),
     "advisor show": ("coral.commands.advisor_show:AdvisorShow", "print a prompt and write its pictures"),

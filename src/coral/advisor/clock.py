@@ -159,6 +159,19 @@ class SimulatedClock:
             request.future.cancel()
         return result
 
+    def stood_still(self, seconds: float) -> None:
+        """Leave a pause of `seconds` of wall time that ends now out of every latency that is being measured.
+
+        An advisor may think on through a pause of the run. Its reply then counts as given when the pause began.
+        """
+        began = time.monotonic() - seconds
+        for request in self._requests:
+            started = max(began, request.asked_wall_s)
+            if math.isnan(request.wall_s):
+                request.asked_wall_s += began + seconds - started
+            else:
+                request.wall_s = min(request.wall_s, started - request.asked_wall_s)
+
     def withdraw(self) -> None:
         """Cancel every request under way, because its question is outdated; the asking coroutines end as withdrawn."""
         for request in self._requests:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import sys
-from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -22,7 +22,7 @@ from coral.config import checked, read_config
 from coral.desk.notice import mission_notice
 from coral.errors import InputError
 from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
+from coral.reef.mission import Mission, MissionCfg, Observer
 from coral.reef.variants import apply_variant
 from coral.reef.world import load_world
 from coral.runs import new_run_folder
@@ -56,6 +56,12 @@ class ReefRun:
     """No progress bar."""
     video: bool = False
     """Also write mission.mp4."""
+    live: bool = False
+    """Show the mission in a browser while it runs, with pause and stop; the address goes to standard error."""
+    live_port: int = 8080
+    """Port of the live page on this machine; 0 takes a free one."""
+    live_speed: float = 5.0
+    """Speed limit of a live mission, in times real time; 0 sets none. The page can change it."""
     facts: bool = False
     """Add the numbers that the pictures show to a model's prompt (an experiment of its own)."""
     model: ModelCfg = field(default_factory=ModelCfg)
@@ -75,6 +81,10 @@ class ReefRun:
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the mission."""
+        with self._page() as watching:
+            return self._survey(watching)
+
+    def _survey(self, watching: Callable[[Mission], list[Observer]]) -> Mapping[str, Any]:
         world = load_world(self.world)
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
@@ -98,13 +108,34 @@ class ReefRun:
             print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)
         try:
             with mission_notice(inbox, **about) if asks_people else nullcontext(lambda outcome: None) as finished:
-                result = mission.run([progress])
+                result = mission.run([progress, *watching(mission)])
                 finished(f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
                          f"{result['collisions']} collisions, {result['sim_time_s']:.0f} s simulated; "
                          f"{result['end_reason']}")
         finally:
             progress.close()
         return {**result, "run": str(folder), **render(folder, cfg)}
+
+    @contextmanager
+    def _page(self) -> Iterator[Callable[[Mission], list[Observer]]]:
+        """What makes the observers that show a mission in a browser; none without `--live`."""
+        if not self.live:
+            yield lambda mission: []
+            return
+        from coral.view.live.pace import Pace
+        from coral.view.live.page import LivePage
+        from coral.view.live.panel import MissionControls
+        from coral.view.live.reef_mission import LiveMission
+
+        if not self.live_speed >= 0:
+            raise InputError("--live-speed", "", self.live_speed, "a number from 0 on")
+        pace = Pace(self.live_speed)
+        with LivePage(self.live_port, MissionControls(pace), label="CORAL mission", flag="--live-port") as page:
+            def watched(mission: Mission) -> list[Observer]:
+                print(f"watch the mission at {page.url}", file=sys.stderr, flush=True)
+                return [LiveMission(mission, page, pace)]
+
+            yield watched
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """The outcome in a few lines, and where to look."""

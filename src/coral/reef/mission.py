@@ -105,13 +105,22 @@ class Mission:
         self.sensed: Sensed | None = None
         self.collisions = self.calls = 0
         self.end_reason = ""
+        self.listeners: list[Callable[[dict[str, Any]], None]] = []
+        """Called with every event, as it is written to events.jsonl."""
         self._covered: set[int] = set()
-        self._wall = 0.0
+        self._wall = self._stood_still_s = 0.0
 
     def emit(self, event: str, **fields: Any) -> None:
         """Append an event at the present tick."""
         self.calls += event == "question"
         self.writer.event(self.step, self.t, event, **fields)
+        for hear in self.listeners:
+            hear({"step": self.step, "t": self.t, "event": event, **fields})
+
+    def stood_still(self, seconds: float) -> None:
+        """Leave a pause of `seconds` of wall time that ends now out of the run's time and of measured latencies."""
+        self._stood_still_s += seconds
+        self.clock.stood_still(seconds)
 
     def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
         """Run to the end; returns metrics and timing together."""
@@ -131,7 +140,7 @@ class Mission:
             self.clock.close()
             self.attempts.close()
             self.writer.close()
-            self._wall = time.perf_counter() - started
+            self._wall = time.perf_counter() - started - self._stood_still_s
         return self._finish()
 
     def advance(self) -> None:

@@ -1,0 +1,91 @@
+"""Pause, stop and speed limit of something that runs, changed from a page and obeyed by the run."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+STOPPED = "stopped by the operator"
+
+
+class Pace:
+    """The wishes of whoever watches; every method may be called from any thread."""
+
+    def __init__(self, speed: float = 0.0, *, clock: Callable[[], float] = time.monotonic,
+                 wait: Callable[[float], object] | None = None) -> None:
+        """Start running.
+
+        Args:
+            speed: Simulated seconds per wall second at most; 0 sets no limit.
+            clock: Wall time (s).
+            wait: Waits for so many seconds at most, less when a wish changes.
+        """
+        self._changed = threading.Event()
+        self._clock = clock
+        self._wait = wait or self._changed.wait
+        self._speed = speed
+        self._paused = False
+        self._stop = ""
+        self._anchor: tuple[float, float] | None = None
+
+    @property
+    def paused(self) -> bool:
+        """Whether the run is to stand still."""
+        return self._paused
+
+    @paused.setter
+    def paused(self, paused: bool) -> None:
+        self._paused = paused
+        self._change()
+
+    @property
+    def speed(self) -> float:
+        """Simulated seconds per wall second at most; 0 is no limit."""
+        return self._speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._speed = speed
+        self._change()
+
+    @property
+    def stop(self) -> str:
+        """Why the run is to end, or ""."""
+        return self._stop
+
+    def end(self, reason: str = STOPPED) -> None:
+        """Ask the run to end."""
+        self._stop = self._stop or reason
+        self._change()
+
+    def stand_still(self, meanwhile: Callable[[], None]) -> bool:
+        """Return when the run may go on; whether it had to wait. Calls `meanwhile` every 0.1 s."""
+        if not self._paused or self._stop:
+            return False
+        while self._paused and not self._stop:
+            meanwhile()
+            self._rest(0.1)
+        self._anchor = None
+        return True
+
+    def keep(self, t: float) -> None:
+        """Wait until simulated time `t` (s) is due under the speed limit; a late run is never hurried."""
+        while self._speed and not self._paused and not self._stop:
+            now = self._clock()
+            if self._anchor is None:
+                self._anchor = now, t
+            due = self._anchor[0] + (t - self._anchor[1]) / self._speed
+            if now >= due:
+                if now - due > 0.5:
+                    self._anchor = now, t
+                return
+            self._rest(min(due - now, 0.1))
+
+    def _rest(self, seconds: float) -> None:
+        self._wait(seconds)
+        self._changed.clear()
+
+    def _change(self) -> None:
+        self._anchor = None
+        self._changed.set()

@@ -1,0 +1,183 @@
+"""The live page itself: a web server that shows states at a bounded rate and never makes its caller wait."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import io
+import socket
+import sys
+import threading
+import time
+from typing import Any
+
+import numpy as np
+import rich
+import viser
+
+from coral.errors import InputError
+from coral.view.live.panel import Controls, Panel
+from coral.view.live.scene import Scene
+from coral.view.live.state import LiveState
+
+HOST = "127.0.0.1"
+PERIOD_S = 0.25
+"""Shortest wall time between two pictures."""
+IDLE = 9.0
+"""After a picture that took c seconds of CPU, the page rests IDLE c: a tenth of one core at most."""
+FOLLOW_M = 9.0
+"""How far the camera is from the robot when it begins to follow it; nearer if it was."""
+
+
+class _Server(viser.ViserServer):  # type: ignore[misc]
+    """Viser's server without its way out: no browser may ask it for a public address."""
+
+    def request_share_url(self, verbose: bool = True) -> None:
+        """Refuse."""
+
+
+class LivePage:
+    """Shows the latest state to every browser that is connected; states that come too fast are dropped."""
+
+    def __init__(self, port: int, controls: Controls, *, label: str = "CORAL", flag: str = "--port") -> None:
+        """Open the page on this machine.
+
+        Args:
+            port: To listen on; 0 takes a free one.
+            controls: The page's buttons.
+            label: Over the panel.
+            flag: What the port is called on the command line.
+
+        Raises:
+            InputError: The port is in use, or no port.
+        """
+        _check_free(port, flag)
+        with _silent():
+            self._server: Any = _Server(HOST, port, label=label, verbose=False)
+        self.port: int = self._server.get_port()
+        if port and self.port != port:
+            self._stop_server()
+            raise InputError(flag, "", f"port {port} in use", "a free port, or 0 for any")
+        # Whatever viser still has to say does not belong among a command's results.
+        rich.reconfigure(stderr=True)
+        self._scene = Scene(self._server)
+        self._panel = Panel(self._server, controls, self._hide, self._set_follow)
+        self._lock = threading.RLock()
+        self._news = threading.Condition()
+        self._state: LiveState | None = None
+        self._busy = self._closed = False
+        self._next = 0.0
+        self._newcomer = False
+        self._follow = False
+        self._tracked: Any = None
+        self._server.on_client_connect(self._welcome)
+        self._worker = threading.Thread(target=self._work, name="live page", daemon=True)
+        self._worker.start()
+
+    @property
+    def url(self) -> str:
+        """Where to look."""
+        return f"http://{HOST}:{self.port}/"
+
+    def due(self, *, only_new: bool = False) -> bool:
+        """Whether a new state would be shown now: somebody is watching and the last one is out.
+
+        Args:
+            only_new: Ask only for somebody who has just arrived; nothing has changed for the others.
+        """
+        if self._busy or not self._server.get_clients():
+            return False
+        return self._newcomer or (not only_new and time.monotonic() >= self._next)
+
+    def show(self, state: LiveState) -> None:
+        """Show a state as soon as possible, unless a later one comes before; returns at once."""
+        with self._news:
+            self._state, self._busy, self._newcomer = state, True, False
+            self._news.notify()
+
+    def __enter__(self) -> LivePage:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Show the last state and close the page."""
+        with self._news:
+            self._closed = True
+            self._news.notify()
+        self._worker.join(timeout=10.0)
+        if self._server.get_clients():
+            self._server.flush()
+            time.sleep(0.3)  # the last state is on its way; browsers keep it when the server is gone
+        self._stop_server()
+
+    def _work(self) -> None:
+        while True:
+            with self._news:
+                while self._state is None and not self._closed:
+                    self._news.wait()
+                state, self._state = self._state, None
+            if state is None:
+                return
+            began = time.thread_time()
+            try:
+                with self._lock, self._server.atomic():
+                    self._scene.show(state)
+                    self._panel.show(state)
+                    self._track(state)
+            except Exception as error:
+                print(f"coral: the live page failed: {type(error).__name__}: {error}", file=sys.stderr, flush=True)
+                return
+            self._next = time.monotonic() + max(PERIOD_S, IDLE * (time.thread_time() - began))
+            with self._news:
+                self._busy = self._state is not None
+
+    def _welcome(self, client: Any) -> None:
+        self._newcomer = True
+
+    def _hide(self, layer: str, hidden: bool) -> None:
+        with self._lock:
+            self._scene.hide(layer, hidden)
+
+    def _set_follow(self, follow: bool) -> None:
+        with self._lock:
+            self._follow = follow
+            if follow and self._tracked is not None:
+                for client in self._server.get_clients().values():
+                    camera = client.camera
+                    back = np.asarray(camera.position) - camera.look_at
+                    distance = float(np.linalg.norm(back))
+                    camera.position = self._tracked + back * (min(distance, FOLLOW_M) / max(distance, 1e-6))
+                    camera.look_at = self._tracked
+
+    def _track(self, state: LiveState) -> None:
+        """Move every camera along with the body that is followed."""
+        now = next((np.array(b.position) for b in state.bodies if b.name == state.follow), None)
+        if self._follow and now is not None and self._tracked is not None and (now != self._tracked).any():
+            for client in self._server.get_clients().values():
+                client.camera.position = np.asarray(client.camera.position) + (now - self._tracked)
+        self._tracked = now if now is not None else self._tracked
+
+    def _stop_server(self) -> None:
+        with _silent():
+            self._server.stop()
+
+
+def _check_free(port: int, flag: str) -> None:
+    if not 0 <= port <= 65535:
+        raise InputError(flag, "", port, "a port from 0 to 65535")
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((HOST, port))
+        except OSError as error:
+            found = f"port {port} in use" if error.errno == errno.EADDRINUSE else f"port {port}: {error.strerror}"
+            raise InputError(flag, "", found, "a free port, or 0 for any") from None
+
+
+@contextlib.contextmanager
+def _silent() -> Any:
+    """Nothing that viser prints as it starts and stops."""
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        yield

@@ -1,0 +1,154 @@
+"""What the live page shows at one moment: plain values that any system can fill."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.view.pictures import RGB, Image
+
+Tone = Literal["plain", "good", "bad"]
+Layer = Literal["", "rollouts", "shapes", "truth"]
+"""Things that a checkbox hides; "" is always there. "truth" is what the robot does not know."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground:
+    """A map that lies on the ground: a picture, of which some classes stand up as simple shapes."""
+
+    cells: NDArray[np.uint8]
+    """Shape=(H, W) classes; row 0 is the smallest y."""
+    palette: NDArray[np.uint8]
+    """Shape=(C, 3) RGB of each class."""
+    cell_m: float
+    origin: tuple[float, float] = (0.0, 0.0)
+    """World position (m) of the corner of cell [0, 0]."""
+    heights: Mapping[int, tuple[float, RGB]] = field(default_factory=dict)
+    """Height (m) and colour of the classes that stand up; a map knows no heights, so these are only for the eye."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """Line segments of one colour."""
+
+    name: str
+    segments: NDArray[np.float32]
+    """Shape=(S, 2, 3), metres."""
+    color: RGB
+    width_px: float = 2.0
+    layer: Layer = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Marker:
+    """A labelled ball."""
+
+    label: str
+    position: tuple[float, float, float]
+    color: RGB
+    radius_m: float = 0.16
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """One solid of a body, in the body's own frame (m)."""
+
+    shape: Literal["box", "ball", "cylinder"]
+    center: tuple[float, float, float]
+    size: tuple[float, float, float]
+    """Edges of a box; a ball has diameter size[0], an upright cylinder diameter size[0] and height size[2]."""
+    color: RGB
+    opacity: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """Something that moves as a whole. Its parts and lines never change."""
+
+    name: str
+    parts: tuple[Part, ...]
+    lines: tuple[Line, ...] = ()
+    """In the body's own frame."""
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    wxyz: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """One value of the head of the page."""
+
+    name: str
+    value: str
+    tone: Tone = "plain"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """A question that is open."""
+
+    title: str
+    mode: str
+    since_s: float
+    attempt: int = 0
+    cause: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answered:
+    """The last verdict on an answer."""
+
+    verdict: str
+    said: str
+    at_s: float
+    reason: str = ""
+    """Why it was refused, or why the advisor chose it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chart:
+    """Curves over simulated time."""
+
+    title: str
+    names: tuple[str, ...]
+    t: NDArray[np.float64]
+    """Shape=(N,), s."""
+    values: NDArray[np.float64]
+    """Shape=(len(names), N)."""
+    colors: tuple[RGB, ...]
+    bounds: tuple[float, float] | None = None
+    """Of the vertical axis; None fits the curves."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiveState:
+    """One moment of a run. Everything in it is complete and never changed afterwards."""
+
+    title: str
+    about: str = ""
+    """One line: who decides, which variant, which seed."""
+    status: str = "running"
+    t: float = 0.0
+    """Simulated time (s)."""
+    until_s: float = 0.0
+    """Where the time axis of the charts ends (s); 0 while nobody knows."""
+    numbers: tuple[Number, ...] = ()
+    asked: Asked | None = None
+    answered: Answered | None = None
+    log: tuple[str, ...] = ()
+    """What happened last, newest first."""
+    ground: Ground | None = None
+    lines: tuple[Line, ...] = ()
+    markers: tuple[Marker, ...] = ()
+    bodies: tuple[Body, ...] = ()
+    follow: str = ""
+    """Name of the body that the camera may follow."""
+    pictures: tuple[tuple[str, Image], ...] = ()
+    """(name, RGB picture)."""
+    charts: tuple[Chart, ...] = ()
+    legend: tuple[tuple[RGB, str], ...] = ()
+    note: str = ""
+    """Something that the page cannot show, and why."""
