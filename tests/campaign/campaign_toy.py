@@ -49,6 +49,14 @@ def until_told(spec, folder):
     return {"score": spec.seed}
 
 
+def on_a_node(spec, folder):
+    """Long enough that a node which is killed is in the middle of some."""
+    folder.mkdir(parents=True)
+    (folder / "log.txt").write_text(f"{spec.seed}\n")
+    time.sleep(0.5 if spec.world == "slow" else 0.05)
+    return {"score": spec.seed}
+
+
 def main(out, marks):
     """A campaign of its own process, for the tests that kill one."""
     from coral.campaign.campaign import run_campaign

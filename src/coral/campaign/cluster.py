@@ -85,10 +85,6 @@ class RayExecutor:
             for reference in running:
                 ray.cancel(reference, force=True)
 
-    def close(self) -> None:
-        """Leave the cluster."""
-        self._ray.shutdown()
-
 
 def _knock(address: str) -> None:
     """Find out quickly whether anything listens; Ray itself keeps trying for minutes."""

@@ -27,9 +27,9 @@ class Store:
     finished and stays, what lacks it never happened. Only one process at a time writes (`lock`).
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.manifest_path = folder / "manifest.json"
+    def __init__(self, folder: Path | str) -> None:
+        self.folder = Path(folder)
+        self.manifest_path = self.folder / "manifest.json"
 
     @contextmanager
     def lock(self) -> Iterator[None]:

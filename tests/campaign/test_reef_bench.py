@@ -1,0 +1,110 @@
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+from coral.campaign.dataset import read_parquet
+from coral.cli import main
+from coral.commands.reef_bench import ReefBench, parse_sweep
+from coral.errors import InputError
+from coral.reef.world import Cluster, Oyster, ReefWorld, Start, save_world
+
+
+@pytest.fixture(scope="module")
+def puddle(tmp_path_factory):
+    """One bed of oysters in plain view: a mission of a few seconds."""
+    rng = np.random.default_rng(1)
+    bed = Cluster(name="bed", oysters=tuple(Oyster(x=float(x), y=float(y), z=0.05, radii=(0.12, 0.09, 0.06))
+                                            for x, y in rng.normal((5.5, 3.0), 0.4, (40, 2))))
+    path = tmp_path_factory.mktemp("world") / "puddle.yaml"
+    save_world(ReefWorld(name="puddle", size_m=(8.0, 6.0), start=Start(x=1.5, y=3.0, theta=0.0), clusters=(bed,)), path)
+    return path
+
+
+def bench(puddle, out, **fields):
+    return ReefBench(worlds=str(puddle), out=out, quiet=True, mix=True,
+                     **{"variants": "full,lawnmower", "advisors": "heuristic,fallible:0.3:heuristic", **fields})
+
+
+@pytest.fixture(scope="module")
+def finished(puddle, tmp_path_factory):
+    out = tmp_path_factory.mktemp("bench") / "out"
+    return bench(puddle, out)(), out
+
+
+def test_a_bench_leaves_data_tables_figure_and_runs(finished):
+    result, out = finished
+    assert (result["episodes"], result["done"], result["failed"], result["ran"]) == (3, 3, 0, 3)
+    rows = read_parquet(out / "results.parquet")
+    assert {(row["variant"], row["advisor"]) for row in rows} == {
+        ("full", "heuristic"), ("full", "fallible:0.3:heuristic"), ("lawnmower", "none")}
+    for row in rows:
+        assert row["topology"] == "custom"
+        assert len(row["covered_at_s"]) == row["clusters_covered"]
+        assert row["commit"]
+    for form in ("md", "tex", "html"):
+        assert "coral reef bench --variants full,lawnmower" in (out / f"tables.{form}").read_text()
+    assert (out / "trajectories.png").read_bytes().startswith(b"\x89PNG")
+    assert {path.name for path in next((out / "runs").glob("*full_heuristic*")).iterdir()} == {
+        "attempts.jsonl", "config.yaml", "events.jsonl", "metrics.json", "timing.json", "trajectory.csv", "world.yaml"}
+    assert json.loads(json.dumps(result, allow_nan=False)) == result
+
+
+def test_a_mission_of_a_bench_is_the_mission_of_coral_reef_run(finished, puddle, tmp_path, capsys):
+    _, out = finished
+    assert main(["reef", "run", str(puddle), "--out", str(tmp_path / "run"), "--quiet", "--json",
+                 "--cfg.record.no-frames", "--cfg.record.no-pictures", "--cfg.record.no-report"]) == 0
+    capsys.readouterr()
+    theirs = next((out / "runs").glob("*full_heuristic*")) / "trajectory.csv"
+    assert (tmp_path / "run" / "trajectory.csv").read_bytes() == theirs.read_bytes()
+
+
+def test_again_runs_nothing_and_collect_needs_no_grid(finished, puddle):
+    _, out = finished
+    again = bench(puddle, out)()
+    assert (again["ran"], again["found"]) == (0, 3)
+    (out / "tables.md").unlink()
+    command = ReefBench(out=out, collect=True)
+    assert "**Table I.**" in command.describe(command())
+
+
+@pytest.mark.parametrize(("fields", "complaint"), [
+    ({"variants": "full,fulll"}, "--variant.*did you mean 'full'"), ({"worlds": "l9"}, "world: found"),
+    ({"seeds": "2-1"}, "--seeds"), ({"advisors": "heuristix"}, "--advisors.*heuristic"), ({"jobs": 0}, "--jobs"),
+    ({"advisors": "desk"}, "answer by themselves"), ({"sweep": "time=1"}, "--sweep: time.*time_limit_s"),
+    ({"sweep": "time_limit_s=-1"}, "time_limit_s"), ({"sweep": "time_limit_s"}, "KEY=V1"),
+    ({"executor": "ray", "address": "here"}, "--address|not installed")])
+def test_bad_input_is_told_before_anything_runs(puddle, tmp_path, fields, complaint):
+    with pytest.raises(InputError, match=complaint):
+        ReefBench(**{"worlds": str(puddle), "out": tmp_path / "out", "quiet": True, **fields})()
+    assert not list(tmp_path.rglob("episodes"))
+
+
+def test_another_configuration_in_the_same_folder_is_refused(puddle, tmp_path, capsys):
+    words = ["reef", "bench", "--worlds", str(puddle), "--variants", "full", "--out", str(tmp_path), "--quiet"]
+    assert main([*words, "--cfg.time-limit-s", "1", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["done"] == 1
+    assert main([*words, "--cfg.time-limit-s", "2"]) == 2
+    assert "configuration" in (told := capsys.readouterr().err)
+    assert told.count("\n") == 1
+
+
+def test_a_folder_without_a_campaign_cannot_be_collected(tmp_path):
+    with pytest.raises(InputError, match="no campaign"):
+        ReefBench(out=tmp_path / "nothing", collect=True)()
+    assert not (tmp_path / "nothing").exists()
+
+
+def test_sweeps():
+    assert parse_sweep("a.b=1,x") == ({"a.b": 1}, {"a.b": "x"})
+    assert parse_sweep("") == ({},)
+
+
+def test_what_workers_get_can_be_sent(puddle):
+    from coral.commands.reef_bench import ReefEpisode
+    from coral.reef.world import load_world
+
+    command = ReefBench()
+    episode = ReefEpisode(command.cfg, command.model, {"p": load_world(puddle)})
+    assert pickle.loads(pickle.dumps(episode)) == episode
