@@ -45,6 +45,12 @@ def environment():
 
 
 @pytest.fixture(scope="session")
+def coral_folder():
+    """Where the installed command lies."""
+    return CORAL.parent
+
+
+@pytest.fixture(scope="session")
 def coral(environment):
     """Run the command to its end in a folder."""
     def run(folder, *words):

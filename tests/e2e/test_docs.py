@@ -1,0 +1,82 @@
+"""What the documentation shows works: its commands run, its flags exist, its links lead somewhere.
+
+A page's `sh` blocks that begin with the command run in order, in one folder; YAML blocks whose first line is a file's name
+as a comment are put there first. Blocks marked `sh no-run` need a key, a person or a server: their flags are looked up.
+"""
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+COMMAND = re.compile(r"^(?:\.venv/bin/)?coral ", re.MULTILINE)
+
+
+def blocks(page, *kinds):
+    return [text for kind, text in FENCE.findall(page.read_text(encoding="utf-8")) if kind.strip() in kinds]
+
+
+def runnable(page):
+    return [text for text in blocks(page, "sh") if COMMAND.match(text)]
+
+
+def name(page):
+    return str(page.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if runnable(page)], ids=name)
+def test_the_commands_of_a_page_run(page, tmp_path, environment, coral_folder):
+    for text in blocks(page, "yaml"):
+        if match := re.match(r"# ([\w-]+\.yaml)$", text.split("\n", 1)[0]):
+            (tmp_path / match[1]).write_text(text)
+    path = os.pathsep.join([str(coral_folder), environment["PATH"]])
+    for text in runnable(page):
+        script = text.replace(".venv/bin/coral", "coral")
+        done = subprocess.run(["bash", "-euc", script], cwd=tmp_path, env={**environment, "PATH": path},
+                              capture_output=True, text=True, timeout=300, check=False)
+        assert done.returncode == 0, f"{script}\n{done.stderr}"
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if COMMAND.search("\n".join(blocks(page, "sh", "sh no-run")))],
+                         ids=name)
+def test_the_flags_of_a_page_exist(page, coral, tmp_path, helps={}):  # noqa: B006 - help texts, once for all pages
+    for line in "\n".join(blocks(page, "sh", "sh no-run")).replace("\\\n", " ").splitlines():
+        words = line.partition(" #")[0].replace(".venv/bin/coral", "coral").split()
+        if words[:1] != ["coral"]:
+            continue
+        two = " ".join(words[1:3]) if words[1] in ("reef", "advisor") else words[1]
+        if two not in helps:
+            helps[two] = coral(tmp_path, *two.split(), "--help").stdout
+        assert helps[two], line
+        for flag in re.findall(r"(?<=\s)(--[a-z][\w.-]*)", line):
+            assert re.search(rf"{re.escape(flag)}(?![\w.-])", helps[two]), f"{flag} in: {line}"
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "CHANGELOG.md"], ids=name)
+def test_links_lead_somewhere(page):
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    links = [link.partition("#")[0] for link in re.findall(r"\]\(([^)\s]+)\)", text)]
+    assert [link for link in links if link and "://" not in link and not (page.parent / link).exists()] == []
+
+
+def test_every_page_is_in_the_index():
+    index = (ROOT / "docs" / "index.md").read_text()
+    assert [p.name for p in sorted((ROOT / "docs").glob("*.md")) if p.name != "index.md" and f"({p.name})" not in index] \
+        == []
+
+
+def test_every_picture_is_shown():
+    text = "".join(page.read_text() for page in PAGES)
+    assert [p.name for p in sorted((ROOT / "docs" / "images").iterdir()) if f"images/{p.name}" not in text] == []
+
+
+def test_every_variant_and_end_is_explained():
+    from coral.reef.variants import VARIANTS
+
+    page = (ROOT / "docs" / "run-a-mission.md").read_text()
+    assert [variant for variant in VARIANTS if f"| `{variant}` |" not in page] == []
