@@ -121,6 +121,22 @@ def test_a_killed_campaign_leaves_no_worker_and_goes_on_where_it_was(store, spec
     assert all((store.run_folder(spec) / "half.txt").exists() for spec in specs)
 
 
+def test_ctrl_c_while_workers_start_is_the_campaigns_business_alone(store, specs_of, toy, monkeypatch, capfd):
+    executor = LocalExecutor(1)
+    start = executor._start
+
+    def interrupted(episode):
+        worker = start(episode)
+        os.kill(worker.process.pid, signal.SIGINT)
+        return worker
+
+    monkeypatch.setattr(executor, "_start", interrupted)
+    with store.lock():
+        store.open(specs_of(), {})
+        summary = run_campaign(store, specs_of(), toy.toy, executor, mix=True)
+    assert (summary.finished, capfd.readouterr().err) == (3, "")
+
+
 def eventually(holds, patience_s=60.0):
     """Wait for another process; the limit only ends a test that has failed."""
     limit = time.monotonic() + patience_s

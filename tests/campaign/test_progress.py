@@ -19,8 +19,8 @@ def test_without_a_terminal_lines_appear_now_and_then_and_at_the_end(told):
     now = [0.0]
     progress = CampaignProgress(clock=lambda: now[0], console=Console(file=told, width=200))
     progress.begin(6, 2, jobs=1)
-    for seconds, outcome in ((5.0, Outcome(SPEC, {})), (20.0, Outcome(SPEC, {})), (30.0, Outcome(SPEC, message="[b] no")),
-                             (40.0, Outcome(SPEC, {}))):
+    good, bad = Outcome(SPEC, {}), Outcome(SPEC, message="[b] no")
+    for seconds, outcome in ((5.0, good), (20.0, good), (30.0, bad), (40.0, good)):
         now[0] = seconds
         progress.ended(outcome)
     progress.close()

@@ -11,6 +11,7 @@ import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from typing import Any, cast
@@ -91,7 +92,7 @@ class LocalExecutor:
     def _start(self, episode: Episode) -> _Worker:
         ours, theirs = self._context.Pipe()
         process = self._context.Process(target=_work, args=(theirs, episode), daemon=True)
-        with _environment(ONE_THREAD):
+        with _environment(ONE_THREAD), _deaf_to_ctrl_c():
             process.start()
         theirs.close()
         return _Worker(process, ours)
@@ -123,6 +124,7 @@ def _work(pipe: Connection, episode: Episode) -> None:
     """Life of a worker: tasks in, outcomes out, until the campaign is over or dead."""
     # Ctrl-C reaches every process of the terminal; an episode cut short by it must not pass for a finished one.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # what an episode starts shall not inherit that
     threading.Thread(target=_die_with_parent, daemon=True).start()
     pipe.send(_READY)
     while True:
@@ -141,6 +143,17 @@ def _die_with_parent() -> None:
     if parent is not None:
         wait([parent.sentinel])
         os._exit(1)
+
+
+@contextlib.contextmanager
+def _deaf_to_ctrl_c() -> Iterator[None]:
+    """Ctrl-C waits meanwhile, and a process that is started never hears it, not even while it still imports."""
+    resource_tracker.ensure_running()  # else it is started along with the first worker, and undoes the blocking
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager

@@ -213,7 +213,8 @@ def _source(rows: Sequence[Row], chosen: Sequence[Row], advisor: str, overrides:
         parts.append(f"{len(failed)} missions failed and are left out: {', '.join(_label(row) for row in failed[:4])}"
                      f"{', …' if len(failed) > 4 else ''}.")
     if any(row["advisor"] == NO_ADVISOR for row in chosen) and advisor != NO_ADVISOR:
-        parts.append("Variants that ask no advisor ran once and stand beside every advisor.")
+        parts.append("Variants that ask no advisor ran once and stand beside every advisor; their calls are questions "
+                     "put to a rule of their own.")
     return tuple(parts)
 
 

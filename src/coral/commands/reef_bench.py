@@ -19,7 +19,7 @@ from coral.campaign.dataset import read_parquet, to_rows, write_parquet
 from coral.campaign.episode import Executor
 from coral.campaign.local import LocalExecutor
 from coral.campaign.progress import CampaignProgress
-from coral.campaign.reef_tables import reef_tables
+from coral.campaign.reef_tables import REFERENCE, TABLE_I, reef_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store, write_whole
 from coral.campaign.table import Table, document
@@ -189,15 +189,16 @@ class ReefBench:
                 "results": [_as_json(table) for table in tables]}
 
     def _draw(self, store: Store, done: Sequence[Mapping[str, Any]]) -> str:
-        """Overlay of the first seed and advisor, every world, at most four variants; "" when there is no run."""
+        """Overlay of the first seed and advisor in every world: the paper's three variants, or the first four."""
         specs = [Spec.from_json(record["spec"]) for record in done]
         if not specs:
             return ""
         seed = min(spec.seed for spec in specs)
         advisor = next((spec.advisor for spec in specs if spec.advisor != NO_ADVISOR), NO_ADVISOR)
-        order = {name: k for k, name in enumerate(("dream", "pd", "full"))}
-        variants = sorted(dict.fromkeys(spec.variant for spec in specs), key=lambda name: order.get(name, 9))[:4]
-        variants.sort(key=lambda name: name == "full")  # drawn last, on top
+        there = list(dict.fromkeys(spec.variant for spec in specs))
+        variants = [name for name in TABLE_I if name in there]
+        variants = variants if len(variants) > 1 else there[:4]
+        variants.sort(key=lambda name: name == REFERENCE)  # drawn last, on top
         runs: dict[str, dict[str, Path]] = {}
         for variant in variants:
             for spec in specs:
