@@ -1,6 +1,6 @@
 """Make docs/images/report.png, survey.png and reefs.png: a mission's report and map, and the ten reefs.
 
-Run it from the repository: .venv/bin/python docs/figures/survey.py (half a minute; needs Chromium and the dev packages).
+Run it from the repository: .venv/bin/python docs/figures/survey.py (half a minute; needs Chromium, dev packages).
 """
 
 from __future__ import annotations

@@ -1,12 +1,14 @@
 """What the documentation shows works: its commands run, its flags exist, its links lead somewhere.
 
-A page's `sh` blocks that begin with the command run in order, in one folder; YAML blocks whose first line is a file's name
-as a comment are put there first. Blocks marked `sh no-run` need a key, a person or a server: their flags are looked up.
+A page's `sh` blocks that begin with the command run in order, in one folder; YAML blocks whose first line is a file's
+name as a comment are put there first. Blocks marked `sh no-run` need a key, a person or a server: their flags are
+looked up.
 """
 
 import os
 import re
 import subprocess
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -42,19 +44,30 @@ def test_the_commands_of_a_page_run(page, tmp_path, environment, coral_folder):
         assert done.returncode == 0, f"{script}\n{done.stderr}"
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if COMMAND.search("\n".join(blocks(page, "sh", "sh no-run")))],
-                         ids=name)
-def test_the_flags_of_a_page_exist(page, coral, tmp_path, helps={}):  # noqa: B006 - help texts, once for all pages
-    for line in "\n".join(blocks(page, "sh", "sh no-run")).replace("\\\n", " ").splitlines():
+def shown(page):
+    return "\n".join(blocks(page, "sh", "sh no-run")).replace("\\\n", " ")
+
+
+@pytest.fixture(scope="module")
+def help_of(coral, tmp_path_factory):
+    """The help text of a command, asked for once."""
+    @cache
+    def ask(command):
+        done = coral(tmp_path_factory.getbasetemp(), *command.split(), "--help")
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+    return ask
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if COMMAND.search(shown(page))], ids=name)
+def test_the_flags_of_a_page_exist(page, help_of):
+    for line in shown(page).splitlines():
         words = line.partition(" #")[0].replace(".venv/bin/coral", "coral").split()
         if words[:1] != ["coral"]:
             continue
         two = " ".join(words[1:3]) if words[1] in ("reef", "advisor") else words[1]
-        if two not in helps:
-            helps[two] = coral(tmp_path, *two.split(), "--help").stdout
-        assert helps[two], line
         for flag in re.findall(r"(?<=\s)(--[a-z][\w.-]*)", line):
-            assert re.search(rf"{re.escape(flag)}(?![\w.-])", helps[two]), f"{flag} in: {line}"
+            assert re.search(rf"{re.escape(flag)}(?![\w.-])", help_of(two)), f"{flag} in: {line}"
 
 
 @pytest.mark.parametrize("page", [*PAGES, ROOT / "CHANGELOG.md"], ids=name)
@@ -65,9 +78,9 @@ def test_links_lead_somewhere(page):
 
 
 def test_every_page_is_in_the_index():
-    index = (ROOT / "docs" / "index.md").read_text()
-    assert [p.name for p in sorted((ROOT / "docs").glob("*.md")) if p.name != "index.md" and f"({p.name})" not in index] \
-        == []
+    index = ROOT / "docs" / "index.md"
+    pages = {page.name for page in (ROOT / "docs").glob("*.md")} - {index.name}
+    assert {page for page in pages if f"({page})" not in index.read_text()} == set()
 
 
 def test_every_picture_is_shown():
