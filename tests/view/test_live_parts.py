@@ -5,7 +5,7 @@ from coral.reef.world import load_world
 from coral.view.live import cards, reef_scene
 from coral.view.live.history import History, thinned
 from coral.view.live.pace import Pace
-from coral.view.live.panel import SPEEDS, _named
+from coral.view.live.panel import named, speeds
 from coral.view.live.scene import blocks
 from coral.view.live.state import Answered, Asked, LiveState, Number
 from coral.view.live.strokes import arrow, bundle, oval, path, rectangle, ring
@@ -135,8 +135,8 @@ def test_the_decision_card_says_since_when_and_why():
         assert words in html
 
 
-@pytest.mark.parametrize(("speed", "name"), [(0.0, "as fast as possible"), (1.0, "real time"), (4.0, "5 × real time"),
-                                             (900.0, "20 × real time")])
-def test_every_speed_has_a_nearest_choice(speed, name):
-    assert _named(speed) == name
-    assert name in SPEEDS
+def test_the_speed_to_begin_with_can_be_chosen_again():
+    assert list(speeds(4.0)) == [
+        "real time", "2 × real time", "4 × real time", "5 × real time", "10 × real time", "20 × real time"]
+    assert speeds(0.0) == speeds(5.0)
+    assert named(0.0) == "as fast as possible"

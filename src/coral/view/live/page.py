@@ -21,7 +21,7 @@ from coral.view.live.scene import Scene
 from coral.view.live.state import LiveState
 
 HOST = "127.0.0.1"
-PERIOD_S = 0.25
+PERIOD_S = 0.33
 """Shortest wall time between two pictures."""
 IDLE = 9.0
 """After a picture that took c seconds of CPU, the page rests IDLE c: a tenth of one core at most."""

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-import numpy as np
-
 from coral.view.live import cards
 from coral.view.live.pace import Pace
 from coral.view.live.state import Chart, LiveState
 
-SPEEDS = {"real time": 1.0, "2 × real time": 2.0, "5 × real time": 5.0, "10 × real time": 10.0,
-          "20 × real time": 20.0, "as fast as possible": 0.0}
-CHART_PX = 112
+SPEEDS = (1.0, 2.0, 5.0, 10.0, 20.0)
+"""Choices, in times real time."""
+UNLIMITED = "as fast as possible"
+CHART_PX = 100
 
 LAYERS = (
     ("rollouts", "Rollouts", True, "Some of the futures that the controller tried at this moment."),
@@ -44,10 +43,11 @@ class MissionControls:
         self._pause = gui.add_button("Pause", icon="player-pause", color="teal")
         self._stop = gui.add_button("Stop the mission", icon="player-stop-filled", color="red",
                                     hint="Ends the mission now; what was recorded is kept.")
-        self._speed = gui.add_dropdown("Speed limit", tuple(SPEEDS), initial_value=_named(self.pace.speed))
+        choices = {**speeds(self.pace.speed), UNLIMITED: 0.0}
+        self._speed = gui.add_dropdown("Speed limit", tuple(choices), initial_value=named(self.pace.speed))
         self._pause.on_click(lambda _: self._toggle())
         self._stop.on_click(lambda _: self.pace.end())
-        self._speed.on_update(lambda _: setattr(self.pace, "speed", SPEEDS[self._speed.value]))
+        self._speed.on_update(lambda _: setattr(self.pace, "speed", choices[self._speed.value]))
 
     def _toggle(self) -> None:
         self.pace.paused = not self.pace.paused
@@ -72,12 +72,12 @@ class ReplayControls:
         """Put the buttons where the panel is being built."""
         self._play = gui.add_button("Play", icon="player-play", color="teal")
         self._time = gui.add_slider("Time (s)", 0.0, max(self.duration_s, 0.1), 0.1, 0.0)
-        self._speed = gui.add_dropdown("Speed", tuple(name for name, x in SPEEDS.items() if x),
-                                       initial_value=_named(self.pace.speed))
+        choices = speeds(self.pace.speed)
+        self._speed = gui.add_dropdown("Speed", tuple(choices), initial_value=named(self.pace.speed))
         self._play.on_click(lambda _: self.play(self.pace.paused))
         # The server moves the slider too, without a client.
         self._time.on_update(lambda event: event.client is not None and self.seek(float(self._time.value)))
-        self._speed.on_update(lambda _: setattr(self.pace, "speed", SPEEDS[self._speed.value]))
+        self._speed.on_update(lambda _: setattr(self.pace, "speed", choices[self._speed.value]))
 
     def show(self, state: LiveState) -> None:
         """The slider follows the recording."""
@@ -115,7 +115,7 @@ class Panel:
         side = gui.add_panel()
         self._eyes = side.add_tab("Sensors and curves")
         side.dock_left()
-        side.set_width(272)
+        side.set_width(256)
 
     def show(self, state: LiveState) -> None:
         """Bring every element up to date; those that stay the same are not sent."""
@@ -156,9 +156,11 @@ class Panel:
             self._gui.add_html(cards.keys(zip(chart.colors, chart.names, strict=True)))
 
 
-def _named(speed: float) -> str:
-    """The choice that is nearest to a speed limit; 0 is none."""
-    limits = [name for name, x in SPEEDS.items() if x]
-    if speed <= 0:
-        return next(name for name, x in SPEEDS.items() if not x)
-    return min(limits, key=lambda name: abs(np.log(SPEEDS[name] / speed)))
+def named(speed: float) -> str:
+    """A speed limit in words; 0 is none."""
+    return UNLIMITED if speed <= 0 else "real time" if speed == 1 else f"{speed:g} × real time"
+
+
+def speeds(begun_with: float) -> dict[str, float]:
+    """Names and values of the speeds that can be chosen, the first one among them."""
+    return {named(speed): speed for speed in sorted({*SPEEDS, begun_with} - {0.0})}
