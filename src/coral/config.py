@@ -22,6 +22,9 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
+TimeStep = Annotated[float, Field(ge=0.001, le=1, allow_inf_nan=False)]
+CellSize = Annotated[float, Field(ge=0.01, le=1, allow_inf_nan=False)]
+"""Seconds and metres: finer ones take time and memory without end, coarser ones miss everything."""
 Signed = Annotated[float, Field(allow_inf_nan=False)]
 """A number that may be negative: without a type that says so, no number in a configuration may be."""
 

@@ -94,6 +94,8 @@ def test_a_fault_in_a_world_is_named(place, world, refused, change, named):
     ((*RUN, "--cfg.time-limit-s", "nan"), "time_limit_s: found nan"),
     ((*RUN, "--cfg.control-period-s", "0"), "control_period_s: found 0"),
     ((*RUN, "--cfg.latency", "soon"), "found 'soon'"),
+    ((*RUN, "--cfg.map.cell-m", "1e-9"), "map.cell_m: found 1e-09"),
+    ((*RUN, "--cfg.simulator.vehicle.loop-s", "1e-12"), "loop_s: found 1e-12"),
     ((*RUN, "--cfg.controller.n-rollouts", "0"), "n_rollouts: found 0"),
     ((*RUN, "--cfg.controller.warm-fraction", "0.9"), "warm_fraction.*found 1.05"),
     ((*RUN, "--cfg.planner.forward-m", "nan"), "planner.forward_m: found nan"),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from coral.config import Count, Fraction, Positive
+from coral.config import Count, Fraction, Positive, TimeStep
 from coral.errors import InputError
 from coral.mppi.weights import effective_sample_size, softmax_weights, weighted_mean
 from coral.reef.controller_kernels import N_COSTS, Scene, Schedule, clearance_at, rollout
@@ -68,8 +68,8 @@ class MppiCfg:
     """n of Eq. 11: 5.9 cm apart on the hull, about one map cell."""
     margin_m: float = 0.08
     """Clearance of the hull a rollout must keep: one map cell of position error and the lag left out of the rollout."""
-    substep_near_s: Positive = 0.05
-    substep_far_s: Positive = 0.2
+    substep_near_s: TimeStep = 0.05
+    substep_far_s: TimeStep = 0.2
     """Integration steps of the first interval and of the last; between them they grow with the interval."""
     sensing_m: float = 4.0
     sigma_v: float = 0.05

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Positive
+from coral.config import CellSize
 from coral.errors import InputError
 from coral.reef import collision_kernels, coverage_kernels
 from coral.reef.geometry import Label, Pose
@@ -20,7 +20,7 @@ from coral.reef.scene import Footprints, Scene
 class CoverageCfg:
     """What counts as a cluster's area, and as observed."""
 
-    cell_m: Positive = 0.05
+    cell_m: CellSize = 0.05
     """Edge of a cell of the true area; the same as the robot's map."""
     closing_m: float = 0.15
     """Gaps narrower than twice this between a cluster's oysters belong to its area (morphological closing): an oyster

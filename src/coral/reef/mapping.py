@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, Positive
+from coral.config import CellSize, Count
 from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping_kernels import classify, explore, project
@@ -23,9 +23,9 @@ NEAR_SLACK_M = 1.0
 
 @dataclass(frozen=True, kw_only=True)
 class MapCfg:
-    """Resolution and evidence thresholds of the occupancy map."""
+    """CellSize and evidence thresholds of the occupancy map."""
 
-    cell_m: Positive = 0.05
+    cell_m: CellSize = 0.05
     """Edge of a cell. The paper gives none; 0.05 m makes its A_min = 100 px equal to 0.25 m²."""
     range_m: float = 6.0
     """d_max of the explored-area rays and of target detection; the paper's prompts speak of 0-6 m."""

@@ -17,7 +17,7 @@ from coral.advisor.log import AttemptRecorder
 from coral.advisor.prompt import render as render_prompt
 from coral.advisor.question import Advisor, Picture
 from coral.advisor.rules import RuleAdvisor
-from coral.config import Positive, to_mapping
+from coral.config import Positive, TimeStep, to_mapping
 from coral.reef.baselines import baseline_rules
 from coral.reef.belief import Belief, BeliefCfg
 from coral.reef.controller import DdpMppi, MppiCfg
@@ -41,7 +41,7 @@ class MissionCfg:
     """Everything that defines a mission besides the world, the advisor and the seed."""
 
     time_limit_s: Positive = 600.0
-    control_period_s: Positive = 0.1
+    control_period_s: TimeStep = 0.1
     """10 Hz (paper IV-F)."""
     latency: str = "auto"
     """Advisor's reply time in simulated seconds: fixed:S, lognormal:MEDIAN:SIGMA, measured. auto: as recorded for a

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Positive
+from coral.config import CellSize, Positive
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import to_robot
@@ -17,9 +17,9 @@ from coral.reef.geometry import to_robot
 
 @dataclass(frozen=True, kw_only=True)
 class SurveyCfg:
-    """Resolution and thresholds of the survey of what is left."""
+    """CellSize and thresholds of the survey of what is left."""
 
-    cell_m: Positive = 0.2
+    cell_m: CellSize = 0.2
     """Edge of the coarse cells that frontiers are found on."""
     min_region_m2: float = 1.5
     """Unexplored regions smaller than this are shadows behind obstacles, not something to explore."""

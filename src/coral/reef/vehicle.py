@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Positive
+from coral.config import Positive, TimeStep
 from coral.errors import InputError
 from coral.reef.dynamics import THRUST_MAX_N, Thrusters, parameter_set, planar, six_dof
 from coral.reef.dynamics_kernels import (
@@ -50,9 +50,9 @@ class VehicleCfg:
     max_yaw_rate_rad_s: Positive = 0.6
     hull_radius_m: Positive = 0.3
     """Paper Sec. IV-F."""
-    substep_s: Positive = 0.02
+    substep_s: TimeStep = 0.02
     """Largest integration step; RK4 is converged to under 0.1 mm over 10 s at this step (see the tests)."""
-    loop_s: Positive = 0.02
+    loop_s: TimeStep = 0.02
     """Period of the velocity loop: 50 Hz, as an autopilot runs it."""
     tracking_rate_1_s: Positive = 4.0
     """Decay of the velocity error; 0.25 s is several thruster lags, and 0.6 m/s is stopped within 0.2 m."""
