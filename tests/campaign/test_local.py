@@ -100,7 +100,9 @@ def test_the_episode_of_a_dead_worker_goes_to_one_that_is_idle(store, specs_of, 
 def test_a_killed_campaign_leaves_no_worker_and_goes_on_where_it_was(store, specs_of, toy, how):
     specs, marks = specs_of(), specs_of.marks
     command = [sys.executable, str(Path(toy.__file__)), str(store.folder), str(marks)]
-    campaign = subprocess.Popen(command, stderr=subprocess.DEVNULL, start_new_session=True)
+    # A suite that runs in the background of a shell hands down that Ctrl-C is ignored.
+    campaign = subprocess.Popen(command, stderr=subprocess.DEVNULL, start_new_session=True,
+                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     try:
         eventually(lambda: len(list(store.folder.glob("episodes/*.json"))) == 1 and len(list(marks.iterdir())) == 3)
         if how == signal.SIGINT:

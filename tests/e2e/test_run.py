@@ -83,11 +83,17 @@ def test_people_get_a_summary_and_the_next_free_folder(place, coral):
         assert f"runs/pond-{number}" in done.stdout
 
 
+def heed_ctrl_c():
+    """A suite that runs in the background of a shell hands down that Ctrl-C is ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def interrupted(place, environment, how, rows):
     """A run without end, sent a signal once its trajectory has so many rows: exit code, folder, output, error."""
     command = [Path(sys.executable).with_name("coral"), "reef", "run", "pond.yaml", "--cfg.no-stop-when-covered",
                "--cfg.time-limit-s", "100000", "--cfg.latency", "1", "--out", "stopped", "--json", "--quiet"]
-    process = subprocess.Popen(command, cwd=place, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process = subprocess.Popen(command, cwd=place, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               preexec_fn=heed_ctrl_c)
     path = place / "stopped" / "trajectory.csv"
     try:
         while process.poll() is None and not (path.is_file() and path.read_bytes().count(b"\n") > rows):

@@ -45,10 +45,10 @@ class Replay:
         controls = ReplayControls(pace, recording.duration_s, player.seek, player.play)
         with LivePage(self.port, controls, label="CORAL replay") as page:
             before = signal.signal(signal.SIGTERM, _interrupt)
-            print(f"watch the mission at {page.url}; Ctrl-C closes it", file=sys.stderr, flush=True)
-            for note in recording.run.notes:
-                print(f"note: {note}", file=sys.stderr, flush=True)
             try:
+                print(f"watch the mission at {page.url}; Ctrl-C closes it", file=sys.stderr, flush=True)
+                for note in recording.run.notes:
+                    print(f"note: {note}", file=sys.stderr, flush=True)
                 player.run(page, time.monotonic, threading.Event().wait)
             except KeyboardInterrupt:
                 pass
