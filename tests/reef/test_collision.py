@@ -138,3 +138,17 @@ def test_clearance_of_the_hull_is_less_by_its_radius():
     contact = ContactCounter(outlines((ELLIPSE, 0, 0, 1, 1, 0)), radius=0.3)
     assert contact.clearance(2, 0) == pytest.approx(0.7)
     assert contact.clearance(1.1, 0) == pytest.approx(-0.2)
+
+
+def test_a_track_has_the_contacts_of_its_points():
+    shapes = outlines((ELLIPSE, 0, 0, 1, 0.6, 0.4), (RECTANGLE, 2, 1, 0.5, 0.8, 1.0), (ELLIPSE, -1, 2, 0.4, 0.4, 0))
+    track = np.random.default_rng(3).normal(0.0, 0.12, (400, 2)).cumsum(axis=0)
+    single, whole = ContactCounter(shapes), ContactCounter(shapes)
+    one_by_one = [(x, y, hit) for x, y in track.tolist() for hit in single.update(x, y)]
+    assert len(one_by_one) > 5
+    assert [hit for piece in np.split(track, 8) for hit in whole.follow(piece)] == one_by_one
+    assert whole.count == single.count
+
+
+def test_no_obstacles_no_contacts():
+    assert ContactCounter(outlines()).follow(np.zeros((5, 2))) == []

@@ -144,3 +144,14 @@ def test_a_straight_field_ignores_the_map():
     assert field.ok
     assert field.reaches(2.0, 2.0)
     assert field.lookup(2.0, 2.0) == pytest.approx(6.0, abs=0.01)
+
+
+def test_lengths_of_many_ways_are_those_of_one_at_a_time():
+    obstacle = np.zeros((200, 200), np.uint8)
+    obstacle[:, 90:94] = 1
+    field = CostField.compute(distance_of(obstacle), (2.0, 5.0))
+    xs, ys = np.random.default_rng(5).uniform(-0.5, 10.5, (2, 200))
+    single = [field.lookup(x, y) if field.reaches(x, y) else math.inf for x, y in zip(xs, ys, strict=True)]
+    assert 20 < np.isinf(single).sum() < 180
+    assert field.lengths(xs, ys).tolist() == single
+    assert np.all(np.isfinite(CostField.straight((200, 200), (2.0, 5.0)).lengths(xs, ys)))

@@ -6,6 +6,7 @@ import pytest
 from coral.reef.camera import CameraCfg, T_world_camera
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.mapping import FREE, OBSTACLE, TARGET, UNEXPLORED, MapCfg, OccupancyMap, distance_to
+from coral.reef.mapping_kernels import classify
 
 CAMERA = CameraCfg(width=40, height=30)
 
@@ -117,3 +118,29 @@ def test_local_distances_follow_a_new_obstacle():
 
 def test_distance_without_obstacles_is_infinite():
     assert np.isinf(distance_to(np.zeros((4, 4), bool), 0.05)).all()
+
+
+def test_distances_follow_the_obstacles():
+    grid = OccupancyMap((20.0, 20.0), CAMERA)
+    grid.obstacle[100, 100] = True
+    first = grid.distance()
+    assert grid.distance() is first
+    grid.obstacle[100, 110] = True
+    assert grid.distance()[100, 110] == 0.0
+    grid.obstacle[:] = False
+    assert np.all(np.isinf(grid.distance()))
+
+
+def test_cells_are_classified_as_their_counts_say():
+    rng = np.random.default_rng(6)
+    counts = rng.integers(0, 4, (3, 40, 40)).astype(np.uint16)
+    counts[2] *= rng.integers(0, 60, (40, 40)).astype(np.uint16)
+    target, obstacle = rng.random((2, 40, 40)) < 0.2
+    before = obstacle.copy()
+    floor = 0.05 * counts[2]
+    solid = (counts[1] >= 2) & (counts[1] >= floor)
+    soft = (counts[0] >= 2) & (counts[0] >= floor) & ~solid
+    changed = classify(counts[0], counts[1], counts[2], 2, 2, 0.05, target, obstacle, (0, 40, 0, 40))
+    assert np.array_equal(obstacle, solid)
+    assert np.array_equal(target, soft)
+    assert changed == np.count_nonzero(before != solid)

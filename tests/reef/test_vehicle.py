@@ -123,3 +123,25 @@ def test_a_bare_pose_is_a_state_at_rest_and_reset_forgets():
     first = [tuple(vehicle.step((0.4, 0.1), current=(0.1, 0.0))[-1]) for _ in range(5)]
     vehicle.reset(Pose(1.0, 2.0, 0.5))
     assert [tuple(vehicle.step((0.4, 0.1), current=(0.1, 0.0))[-1]) for _ in range(5)] == first
+
+
+@pytest.mark.parametrize("substep_s", [0.02, 0.008])
+def test_an_obstacle_that_is_near_but_not_met_changes_nothing(substep_s):
+    cfg = VehicleCfg(substep_s=substep_s)
+    alone, beside = Vehicle(cfg), Vehicle(cfg)
+    rng = np.random.default_rng(4)
+    for _ in range(50):
+        command, current = rng.uniform(-0.8, 0.8, 2), rng.uniform(-0.1, 0.1, 2)
+        track = alone.step(tuple(command), current=tuple(current))
+        assert np.array_equal(beside.step(tuple(command), current=tuple(current), contact=lambda x, y: 0.301), track)
+        assert beside.state == alone.state
+        assert np.array_equal(beside.wrench, alone.wrench)
+
+
+def test_an_obstacle_met_within_a_tick_stops_the_hull():
+    vehicle = Vehicle(VehicleCfg(), VehicleState(0.0, 0.0, 0.0, u=0.6))
+    wall = 0.33
+    track = vehicle.step((0.6, 0.0), contact=lambda x, y: wall - x)
+    assert track[:, 0].max() > wall - 0.3
+    assert vehicle.state.x <= wall - 0.3 + 1e-9
+    assert vehicle.state.u < 0.05

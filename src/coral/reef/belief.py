@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count
-from coral.reef.chain import CentroidTracker, ChainCfg, Track, components
+from coral.reef.chain import CentroidTracker, ChainCfg, Component, Track, components
 from coral.reef.geometry import Frame, Pose, to_robot
 from coral.reef.mapping import OccupancyMap
 
@@ -43,6 +43,8 @@ class Belief:
         self._trail: list[tuple[float, float]] = []
         self._failed: list[tuple[float, float]] = []
         self._ticks = 0
+        self._seen: NDArray[np.bool_] | None = None
+        self._found: list[Component] = []
 
     def update(self, frame: Frame, pose: Pose) -> None:
         """Take in one camera picture and the pose it was taken from."""
@@ -51,9 +53,16 @@ class Belief:
         if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:
             self._trail.append((pose.x, pose.y))
         if self._ticks % self.cfg.chain_period == 0:
-            self.tracker.update(components(self.map.target, self.map.cfg.cell_m, self.cfg.chain))
+            self.tracker.update(self._components())
             self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
         self._ticks += 1
+
+    def _components(self) -> list[Component]:
+        """Oyster regions of the map; looked for again only when an oyster cell has changed."""
+        target = self.map.target
+        if self._seen is None or not np.array_equal(self._seen, target):
+            self._seen, self._found = target.copy(), components(target, self.map.cfg.cell_m, self.cfg.chain)
+        return self._found
 
     @property
     def trajectory(self) -> NDArray[np.float64]:

@@ -40,10 +40,28 @@ class ContactCounter:
         self._radius, self._release = radius, release_m
         self._touching: NDArray[np.bool_] = np.zeros(len(footprints), np.bool_)
         self._fresh: NDArray[np.int64] = np.zeros(len(footprints), np.int64)
+        self._point: NDArray[np.int64] = np.zeros(len(footprints), np.int64)
 
     def clearance(self, x: float, y: float) -> float:
         """Distance (m) from the disc, its centre at a world point (m), to the nearest obstacle; negative in contact."""
         return clearance(self._footprints, x, y) - self._radius
+
+    def follow(self, track: NDArray[np.float64]) -> list[tuple[float, float, int]]:
+        """Move the disc's centre along a track, Shape=(N, 2), metres.
+
+        Returns:
+            New contacts as (x, y, obstacle): where the centre was (m) and which obstacle it began to touch.
+        """
+        f, room = self._footprints, len(track) * len(self._touching)
+        if room > len(self._fresh):
+            self._fresh, self._point = np.zeros(room, np.int64), np.zeros(room, np.int64)
+        fresh = collision_kernels.contacts_along(
+            track, self._radius, self._release, f.kind, f.center, f.half, f.yaw, self._touching, self._fresh,
+            self._point,
+        )
+        self.count += fresh
+        return [(float(track[self._point[k], 0]), float(track[self._point[k], 1]), int(self._fresh[k]))
+                for k in range(fresh)]
 
     def update(self, x: float, y: float) -> tuple[int, ...]:
         """Move the disc's centre to a world point (m).

@@ -132,3 +132,31 @@ def contacts(
             fresh[count] = k
             count += 1
     return count
+
+
+@njit(cache=True)
+def contacts_along(
+    track: NDArray[np.float64], radius: float, release: float, kind: NDArray[np.int8], center: NDArray[np.float64],
+    half: NDArray[np.float64], yaw: NDArray[np.float64], touching: NDArray[np.bool_], fresh: NDArray[np.int64],
+    point: NDArray[np.int64],
+) -> int:
+    """`contacts` of every point of a track; returns how many there were.
+
+    Args:
+        track: Shape=(N, 2), positions of the disc's centre (m), oldest first.
+        radius: Of the disc (m).
+        release: Gap (m) beyond which a contact has ended.
+        kind: Shape=(K,), as `Footprints`.
+        center: Shape=(K, 2).
+        half: Shape=(K, 2).
+        yaw: Shape=(K,).
+        touching: Shape=(K,), updated in place.
+        fresh: Shape=(N * K,), written: the outlines it began to touch...
+        point: Shape=(N * K,), written: ... and the point of the track.
+    """
+    count = 0
+    for i in range(track.shape[0]):
+        new = contacts(track[i, 0], track[i, 1], radius, release, kind, center, half, yaw, touching, fresh[count:])
+        point[count : count + new] = i
+        count += new
+    return count

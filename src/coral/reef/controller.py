@@ -13,7 +13,7 @@ from pydantic import Field
 from coral.config import Count, Fraction, Positive, TimeStep
 from coral.errors import InputError
 from coral.mppi.weights import effective_sample_size, softmax_weights, weighted_mean
-from coral.reef.controller_kernels import N_COSTS, Scene, Schedule, clearance_at, rollout
+from coral.reef.controller_kernels import N_COSTS, Scene, Schedule, clearance_at, rollout, shape_samples
 from coral.reef.costfield import CostField
 from coral.reef.dynamics import parameter_set, planar
 from coral.reef.vehicle import VehicleCfg, VehicleState
@@ -200,6 +200,7 @@ class DdpMppi:
             np.linspace(1.0, 0.25, 5) * vehicle.max_speed_m_s, self._n_guided
         )
         self._free = np.zeros(k)
+        self._controls = np.empty((k, cfg.n_steps, 2))
 
     def reset(self) -> None:
         """Forget the previous solution, as after a new goal in another direction."""
@@ -297,25 +298,15 @@ class DdpMppi:
         """Shape=(K, T, 2) control sequences: stop, previous plan, guided, warm-started, dynamic window."""
         cfg, v_max, w_max = self.cfg, self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s
         k, n = cfg.n_rollouts, cfg.n_steps
-        controls = self._rng.standard_normal((k, n, 2))
-        controls *= (cfg.sigma_v, cfg.sigma_omega)
-        warm = self._shift @ self._nominal
-        controls[0] = 0.0
-        controls[1] = warm
-        first = 2 + self._n_guided
-        controls[2 : 2 + min(5, self._n_guided)] = 0.0
-        controls[first : first + self._n_warm] += warm
-        first += self._n_warm
-        n_window = k - first
+        controls = self._rng.standard_normal(out=self._controls)
+        n_window = k - 2 - self._n_guided - self._n_warm
         window = np.stack([self._rng.uniform(0.0, v_max, n_window), self._rng.uniform(-w_max, w_max, n_window)], axis=1)
-        controls[first:] += window[:, None, :]
         # Half of them brake from a random step on: in clutter few constants stay free for the whole horizon.
         brake = self._rng.integers(1, n, n_window)
         brake[::2] = n
-        controls[first:][np.arange(n)[None, :] >= brake[:, None]] = 0.0
-        free = self._guide <= 0.0
-        controls[free, :, 0] = np.clip(controls[free, :, 0], 0.0, v_max)
-        controls[free, :, 1] = np.clip(controls[free, :, 1], -w_max, w_max)
+        warm = self._shift @ self._nominal
+        shape_samples(controls, (cfg.sigma_v, cfg.sigma_omega), warm, self._guide, self._n_warm, window, brake,
+                      (v_max, w_max))  # fmt: skip
         return controls
 
     def _sample_recovery(self) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count
-from coral.reef.costfield_kernels import descend, extend, lookup, march, nearest_free, slowness_grid
+from coral.reef.costfield_kernels import descend, extend, lookup, lookup_many, march, nearest_free, slowness_grid
 
 UNREACHABLE = "goal unreachable"
 NO_FREE_CELL = "no free cell in the map"
@@ -118,6 +118,16 @@ class CostField:
         n = math.ceil(within_m / self.cell_m)
         j, i = min(max(int(y / self.cell_m), 0), h - 1), min(max(int(x / self.cell_m), 0), w - 1)
         return bool(self.reached[max(j - n, 0) : j + n + 1, max(i - n, 0) : i + n + 1].any())
+
+    def lengths(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Cost-to-go (m) at many world points, Shape=(N,); inf where no way leads to the goal."""
+        values = lookup_many(self.value, self.cell_m, np.ascontiguousarray(xs), np.ascontiguousarray(ys))
+        if self.reached is None:
+            return np.asarray(values)
+        h, w = self.reached.shape
+        j = np.clip((ys / self.cell_m).astype(np.int64), 0, h - 1)
+        i = np.clip((xs / self.cell_m).astype(np.int64), 0, w - 1)
+        return np.where(self.reached[j, i], values, np.inf)
 
     def path_from(self, x: float, y: float, step_m: float = 0.1, length_m: float = 100.0) -> NDArray[np.float64]:
         """Way of steepest descent to the goal: the reference a robot's path is compared with.

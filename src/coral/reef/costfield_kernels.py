@@ -202,6 +202,15 @@ def lookup(value: Grid, cell_m: float, x: float, y: float) -> tuple[float, float
 
 
 @njit(cache=True)
+def lookup_many(value: Grid, cell_m: float, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
+    """`lookup`'s values at many world points, Shape=(N,)."""
+    out = np.empty(xs.size)
+    for k in range(xs.size):
+        out[k] = lookup(value, cell_m, xs[k], ys[k])[0]
+    return out
+
+
+@njit(cache=True)
 def descend(value: Grid, cell_m: float, x: float, y: float, gx: float, gy: float, step_m: float, n_max: int) -> Grid:
     """Path of steepest descent from a point, Shape=(n, 2), ending at the goal (gx, gy) when it gets there."""
     path = np.empty((n_max + 1, 2), np.float32)

@@ -96,6 +96,88 @@ def planar_rk4(s: Array, asked: Array, current: Array, lag_s: float, h: float, m
 
 
 @njit(cache=True)
+def velocity_loop(
+    s: Array, memory: Array, v_cmd: float, omega_cmd: float, rate: float, yaw_rate: float, period: float, gain: float,
+    model: Planar, asked: Array,
+) -> None:
+    """One period of the velocity loop: the wrench to ask for, and the disturbance learnt on the way.
+
+    The disturbance moves towards what the last period's motion shows beyond the model's explanation.
+
+    Args:
+        s: Shape=(9,): x, y, theta, ground-relative u, v, r, and the wrench now produced.
+        memory: Shape=(9,): disturbance in the world frame (N, N, N m), then velocity and wrench one period ago; NaN
+            there means that there was none. Updated in place.
+        v_cmd: Surge set point (m/s).
+        omega_cmd: Yaw-rate set point (rad/s).
+        rate: As in `tracking_wrench`.
+        yaw_rate: As in `tracking_wrench`.
+        period: Of the loop (s).
+        gain: Share of the disturbance's error that is corrected in one period.
+        model: Constants of the vehicle.
+        asked: Shape=(3,), written: the wrench to ask for, within the thrusters' limits.
+    """
+    c, si = math.cos(s[2]), math.sin(s[2])
+    if not np.isnan(memory[3]):
+        mean, force = 0.5 * (memory[3:6] + s[3:6]), 0.5 * (memory[6:9] + s[6:9])
+        du, dv, dr = planar_acceleration(mean[0], mean[1], mean[2], force[0], force[1], force[2], model)
+        extra_u = model.m11 * ((s[3] - memory[3]) / period - du)
+        extra_v = model.m22 * ((s[4] - memory[4]) / period - dv)
+        extra_r = model.m66 * ((s[5] - memory[5]) / period - dr)
+        memory[0] += gain * (c * extra_u - si * extra_v - memory[0])
+        memory[1] += gain * (si * extra_u + c * extra_v - memory[1])
+        memory[2] += gain * (extra_r - memory[2])
+    fx, fy, n = tracking_wrench(s[3], s[4], s[5], v_cmd, omega_cmd, rate, yaw_rate, model)
+    dx, dy, dn = memory[0], memory[1], memory[2]
+    asked[0], asked[1], asked[2] = limit_wrench(fx - c * dx - si * dy, fy + si * dx - c * dy, n - dn, model)
+    memory[3:6] = s[3:6]
+    memory[6:9] = s[6:9]
+
+
+@njit(cache=True)
+def planar_step(s: Array, asked: Array, current: Array, lag_s: float, h: float, model: Planar) -> None:
+    """`planar_rk4` on ground-relative velocities, the heading wrapped to (-pi, pi]; s as in `velocity_loop`."""
+    c, si = math.cos(s[2]), math.sin(s[2])
+    s[3] -= c * current[0] + si * current[1]
+    s[4] -= -si * current[0] + c * current[1]
+    planar_rk4(s, asked, current, lag_s, h, model)
+    c, si = math.cos(s[2]), math.sin(s[2])
+    s[2] = math.pi - (math.pi - s[2]) % (2 * math.pi)
+    s[3] += c * current[0] + si * current[1]
+    s[4] += -si * current[0] + c * current[1]
+
+
+@njit(cache=True)
+def planar_drive(
+    s: Array, memory: Array, v_cmd: float, omega_cmd: float, rate: float, yaw_rate: float, period: float, gain: float,
+    model: Planar, current: Array, lag_s: float, h: float, trace: Array,
+) -> None:
+    """Velocity loop and motion over a whole control tick, nothing in the way.
+
+    Args:
+        s: As in `velocity_loop`, updated in place.
+        memory: As in `velocity_loop`.
+        v_cmd: As in `velocity_loop`.
+        omega_cmd: As in `velocity_loop`.
+        rate: As in `velocity_loop`.
+        yaw_rate: As in `velocity_loop`.
+        period: As in `velocity_loop`.
+        gain: As in `velocity_loop`.
+        model: Constants of the vehicle.
+        current: Shape=(2,) water velocity in the world (m/s).
+        lag_s: Time constant of the thrust (s).
+        h: Integration step (s).
+        trace: Shape=(loops, steps, 2), written: the position after every integration step.
+    """
+    asked = np.empty(3)
+    for i in range(trace.shape[0]):
+        velocity_loop(s, memory, v_cmd, omega_cmd, rate, yaw_rate, period, gain, model, asked)
+        for j in range(trace.shape[1]):
+            planar_step(s, asked, current, lag_s, h, model)
+            trace[i, j, 0], trace[i, j, 1] = s[0], s[1]
+
+
+@njit(cache=True)
 def limit_six(wrench: Array, model: SixDof) -> Array:
     """Wrench Shape=(6,) that the eight thrusters can make of the one asked for.
 

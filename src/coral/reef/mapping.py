@@ -59,6 +59,7 @@ class OccupancyMap:
         """Cells that were in view. Shape=(NY, NX)."""
         self.version = 0
         """Grows whenever an obstacle cell appears or goes."""
+        self._whole: tuple[NDArray[np.bool_], NDArray[np.float32]] | None = None
         self._near = np.full(shape, np.inf, np.float32)
         self._near_key: tuple[int, float, float] | None = None
         self._rays, self._lever = _pixel_rays(camera)
@@ -86,8 +87,10 @@ class OccupancyMap:
         return cells
 
     def distance(self) -> NDArray[np.float32]:
-        """Distance of every cell's centre to the nearest obstacle cell's centre (m). Shape=(NY, NX)."""
-        return distance_to(self.obstacle, self.cfg.cell_m)
+        """Distance of every cell's centre to the nearest obstacle cell's centre (m). Shape=(NY, NX), read only."""
+        if self._whole is None or not np.array_equal(self._whole[0], self.obstacle):
+            self._whole = self.obstacle.copy(), distance_to(self.obstacle, self.cfg.cell_m)
+        return self._whole[1]
 
     def distance_near(self, x: float, y: float, radius_m: float) -> NDArray[np.float32]:
         """Like `distance`, brought up to date only within `radius_m` of a point: what the controller needs."""

@@ -155,10 +155,13 @@ def classify(
     changed = 0
     for iy in range(window[0], window[1]):
         for ix in range(window[2], window[3]):
+            hard, soft = obstacles[iy, ix] >= obstacle_hits, targets[iy, ix] >= target_hits
+            if not (hard or soft or obstacle_mask[iy, ix] or target_mask[iy, ix]):
+                continue  # by far the most cells
             floor = ratio * ground[iy, ix]
-            solid = obstacles[iy, ix] >= obstacle_hits and obstacles[iy, ix] >= floor
+            solid = hard and obstacles[iy, ix] >= floor
             if solid != obstacle_mask[iy, ix]:
                 obstacle_mask[iy, ix] = solid
                 changed += 1
-            target_mask[iy, ix] = targets[iy, ix] >= target_hits and targets[iy, ix] >= floor and not solid
+            target_mask[iy, ix] = soft and targets[iy, ix] >= floor and not solid
     return changed

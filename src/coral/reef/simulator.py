@@ -60,7 +60,7 @@ class ReefSimulator:
     @property
     def pose(self) -> Pose:
         """True pose."""
-        return Pose(*(float(v) for v in self.vehicle.state[:3]))
+        return Pose(*self.vehicle.state[:3])
 
     @property
     def clearance_m(self) -> float:
@@ -91,8 +91,6 @@ class ReefSimulator:
         solid = self.cfg.contact == "solid"
         track = self.vehicle.step(command, dt, current, self._clearance if solid else None)
         self.distance_m += math.dist(before[:2], self.pose[:2])
-        contacts: list[tuple[float, float, int]] = []
-        for x, y in track:
-            contacts.extend((float(x), float(y), hit) for hit in self._contacts.update(float(x), float(y)))
+        contacts = self._contacts.follow(track)
         self.coverage.update(self.pose)
         return contacts

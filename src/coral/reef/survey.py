@@ -71,7 +71,7 @@ class Survey:
 
     def paths_m(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
         """`path_m` of many points, each in free water itself. Shape=(N,)."""
-        return np.array([self.path_m(x, y, 0.0) for x, y in zip(xs, ys, strict=True)])
+        return self.field.lengths(xs, ys)
 
 
 def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg) -> Survey:

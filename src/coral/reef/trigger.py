@@ -123,8 +123,9 @@ class SmartTrigger:
             return False
         if self._slow_since is None:
             self._slow_since = t
-        moved = max(math.hypot(x - px, y - py) for _, px, py in self._history)
-        return t - self._slow_since >= cfg.stuck_time_s and moved < cfg.stuck_move_m
+        if t - self._slow_since < cfg.stuck_time_s:
+            return False
+        return max(math.hypot(x - px, y - py) for _, px, py in self._history) < cfg.stuck_move_m
 
 
 def separated(new: tuple[float, float], previous: tuple[float, float] | None, separation_m: float) -> bool:

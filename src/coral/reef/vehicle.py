@@ -15,12 +15,11 @@ from coral.errors import InputError
 from coral.reef.dynamics import THRUST_MAX_N, Thrusters, parameter_set, planar, six_dof
 from coral.reef.dynamics_kernels import (
     limit_six,
-    limit_wrench,
-    planar_acceleration,
-    planar_rk4,
+    planar_drive,
+    planar_step,
     rotation,
     six_rk4,
-    tracking_wrench,
+    velocity_loop,
 )
 from coral.reef.geometry import Pose
 
@@ -78,18 +77,13 @@ class Vehicle:
         self._six = six_dof(parameters, cfg.thrusters, cfg.thrust_max_n) if cfg.model == "six_dof" else None
         if cfg.model not in ("planar", "six_dof"):
             raise InputError("vehicle", "model", cfg.model, "planar or six_dof")
-        self._disturbance = np.zeros(3)
-        self._before: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
         self._depth_integral = 0.0
         self.reset(state or VehicleState(0.0, 0.0, 0.0))
 
     def reset(self, state: VehicleState | Pose) -> None:
         """Put the vehicle somewhere, thrusters at rest; a bare pose means at rest too."""
-        self._pose = np.array(state[:3], dtype=np.float64)
-        self._ground = np.array(state[3:] or (0.0, 0.0, 0.0), dtype=np.float64)
-        self._wrench = np.zeros(3)
-        self._disturbance[:] = 0.0
-        self._before = None
+        self._s = np.array([*state[:3], *(state[3:] or (0.0, 0.0, 0.0)), 0.0, 0.0, 0.0], dtype=np.float64)
+        self._memory = np.array([0.0] * 3 + [math.nan] * 6)
         self._depth_integral = 0.0
         self._full = np.zeros(18)
         self._full[2] = self.cfg.z_m
@@ -97,12 +91,12 @@ class Vehicle:
     @property
     def state(self) -> VehicleState:
         """Pose and ground-relative body velocity now."""
-        return VehicleState(*map(float, self._pose), *map(float, self._ground))
+        return VehicleState(*self._s[:6].tolist())
 
     @property
     def wrench(self) -> NDArray[np.float64]:
         """Shape=(3,) wrench the thrusters produce now (N, N, N m)."""
-        return self._wrench.copy()
+        return self._s[6:].copy()
 
     @property
     def attitude(self) -> tuple[float, float, float]:
@@ -136,51 +130,43 @@ class Vehicle:
         subs = max(1, math.ceil(dt / loops / cfg.substep_s - 1e-9))
         h = dt / loops / subs
         water = np.array(current, dtype=np.float64)
-        trace = np.empty((loops * subs, 2))
+        trace = np.empty((loops, subs, 2))
+        period = dt / loops
+        loop = (v_cmd, omega, cfg.tracking_rate_1_s, cfg.yaw_tracking_rate_1_s, period,
+                -math.expm1(-cfg.observer_rate_1_s * period), self.model)  # fmt: skip
+        if self._six is None:
+            before, memory = self._s.copy(), self._memory.copy()
+            planar_drive(self._s, self._memory, *loop, water, cfg.thrusters.lag_s, h, trace)
+            if contact is None or self._stays_clear(contact, before, trace):
+                return trace.reshape(-1, 2)
+            self._s, self._memory = before, memory
+        asked = np.empty(3)
         for i in range(loops):
-            asked = self._control(v_cmd, omega, dt / loops)
+            velocity_loop(self._s, self._memory, *loop, asked)
             for j in range(subs):
-                self._integrate(asked, water, h)
-                trace[i * subs + j] = self._pose[:2]
+                if self._six is None:
+                    planar_step(self._s, asked, water, cfg.thrusters.lag_s, h, self.model)
+                else:
+                    self._step_six(asked, water, h)
+                trace[i, j] = self._s[:2]
                 if contact is not None:
                     self._resolve(contact)
-        return trace
+        return trace.reshape(-1, 2)
 
-    def _control(self, v_cmd: float, omega: float, period: float) -> NDArray[np.float64]:
-        """Planar wrench (N, N, N m) to ask for, within the thrusters' limits; learns the disturbance on the way."""
-        cfg, m = self.cfg, self.model
-        u, v, r = self._ground
-        c, s = math.cos(self._pose[2]), math.sin(self._pose[2])
-        if self._before is not None:
-            self._observe(c, s, period)
-        fx, fy, n = tracking_wrench(u, v, r, v_cmd, omega, cfg.tracking_rate_1_s, cfg.yaw_tracking_rate_1_s, m)
-        dx, dy, dn = self._disturbance
-        asked = np.array(limit_wrench(fx - c * dx - s * dy, fy + s * dx - c * dy, n - dn, m))
-        self._before = (self._ground.copy(), self._wrench.copy())
-        return asked
+    def _stays_clear(self, clearance: Clearance, before: NDArray[np.float64], trace: NDArray[np.float64]) -> bool:
+        """Whether no obstacle was near enough to be met on the way: a clearance shrinks by no more than is moved."""
+        x, y = before[:2].tolist()
+        moved = math.sqrt(float(((trace - before[:2]) ** 2).sum(axis=-1).max()))
+        return clearance(x, y) > self.cfg.hull_radius_m + moved + 1e-6
 
-    def _observe(self, c: float, s: float, period: float) -> None:
-        """Move the disturbance towards what the last period's motion shows beyond the model's explanation."""
-        assert self._before is not None
-        m, (before, wrench) = self.model, self._before
-        mean, force = 0.5 * (before + self._ground), 0.5 * (wrench + self._wrench)
-        explained = planar_acceleration(mean[0], mean[1], mean[2], force[0], force[1], force[2], m)
-        extra = np.array([m.m11, m.m22, m.m66]) * ((self._ground - before) / period - explained)
-        world = np.array([c * extra[0] - s * extra[1], s * extra[0] + c * extra[1], extra[2]])
-        self._disturbance += -math.expm1(-self.cfg.observer_rate_1_s * period) * (world - self._disturbance)
-
-    def _integrate(self, asked: NDArray[np.float64], water: NDArray[np.float64], h: float) -> None:
-        c, s = math.cos(self._pose[2]), math.sin(self._pose[2])
-        relative = self._ground - (c * water[0] + s * water[1], -s * water[0] + c * water[1], 0.0)
-        if self._six is None:
-            full = np.concatenate((self._pose, relative, self._wrench))
-            planar_rk4(full, asked, water, self.cfg.thrusters.lag_s, h, self.model)
-            self._pose, relative, self._wrench = full[:3], full[3:6], full[6:]
-        else:
-            relative = self._integrate_six(asked, relative, water, h)
-        c, s = math.cos(self._pose[2]), math.sin(self._pose[2])
-        self._pose[2] = math.pi - (math.pi - self._pose[2]) % (2 * math.pi)
-        self._ground = relative + np.array([c * water[0] + s * water[1], -s * water[0] + c * water[1], 0.0])
+    def _step_six(self, asked: NDArray[np.float64], water: NDArray[np.float64], h: float) -> None:
+        s = self._s
+        c, si = math.cos(s[2]), math.sin(s[2])
+        relative = s[3:6] - (c * water[0] + si * water[1], -si * water[0] + c * water[1], 0.0)
+        relative = self._integrate_six(asked, relative, water, h)
+        c, si = math.cos(s[2]), math.sin(s[2])
+        s[2] = math.pi - (math.pi - s[2]) % (2 * math.pi)
+        s[3:6] = relative + np.array([c * water[0] + si * water[1], -si * water[0] + c * water[1], 0.0])
 
     def _integrate_six(
         self, asked: NDArray[np.float64], relative: NDArray[np.float64], water: NDArray[np.float64], h: float
@@ -188,7 +174,7 @@ class Vehicle:
         """The same planar request on the full model, with depth held and roll and pitch levelled."""
         s, six = self._full, self._six
         assert six is not None
-        s[[0, 1, 5]] = self._pose
+        s[[0, 1, 5]] = self._s[:3]
         s[[6, 7, 11]] = relative
         rate = self.cfg.tracking_rate_1_s
         climb = float(rotation(s[3], s[4], s[5])[2] @ s[6:9])
@@ -197,12 +183,12 @@ class Vehicle:
         level = six.inertia[3:5] * (-4.0 * rate * s[3:5] - 4.0 * s[9:11])
         request = np.array([asked[0], asked[1], lift, level[0], level[1], asked[2]])
         six_rk4(s, limit_six(request, six), water, self.cfg.thrusters.lag_s, h, six)
-        self._pose, self._wrench = s[[0, 1, 5]], s[[12, 13, 17]]
+        self._s[:3], self._s[6:] = s[[0, 1, 5]], s[[12, 13, 17]]
         return s[[6, 7, 11]]
 
     def _resolve(self, clearance: Clearance) -> None:
         """Put a hull that entered an obstacle back on its surface."""
-        x, y = self._pose[:2]
+        x, y = self._s[:2]
         depth = self.cfg.hull_radius_m - clearance(x, y)
         if depth <= 0.0:
             return
@@ -212,10 +198,10 @@ class Vehicle:
         if size < 1e-9:
             return
         normal /= size
-        self._pose[:2] += depth * normal
-        c, s = math.cos(self._pose[2]), math.sin(self._pose[2])
-        u, v, _ = self._ground
+        self._s[:2] += depth * normal
+        c, s = math.cos(self._s[2]), math.sin(self._s[2])
+        u, v = self._s[3:5]
         velocity = np.array([c * u - s * v, s * u + c * v])
         velocity -= min(0.0, float(velocity @ normal)) * normal
-        self._ground[0] = c * velocity[0] + s * velocity[1]
-        self._ground[1] = -s * velocity[0] + c * velocity[1]
+        self._s[3] = c * velocity[0] + s * velocity[1]
+        self._s[4] = -s * velocity[0] + c * velocity[1]
