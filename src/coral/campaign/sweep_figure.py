@@ -11,10 +11,10 @@ from typing import Any
 from coral.campaign.measures import Measure, Row, mean
 from coral.campaign.overlay import COLORS, MORE_COLORS
 from coral.campaign.store import write_whole
-from coral.campaign.sweep import NOMINAL
 
 EDGED = "#3a3000"
 """Of the markers: the paper's yellow is pale on white."""
+UNITS = {"current": "m/s", "visibility": "m", "mask_errors": "share", "depth_noise": "m/m", "pose_drift": "m/√s"}
 
 
 def draw_sweep(variants: Mapping[str, Sequence[Row]], measures: Sequence[Measure], path: Path, *, title: str) -> bool:
@@ -40,17 +40,18 @@ def draw_sweep(variants: Mapping[str, Sequence[Row]], measures: Sequence[Measure
             axes = grid[line, column]
             for k, (variant, rows) in enumerate(variants.items()):
                 _line(axes, rows, key, values, measure, COLORS.get(variant) or MORE_COLORS[k % len(MORE_COLORS)])
-            axes.set_xticks(range(len(values) + 1), [NOMINAL, *map(_text, values)], rotation=35, ha="right")
+            axes.set_xticks(range(len(values)), map(_text, values))
+            axes.set_xlim(-0.4, len(values) - 0.6)
             axes.tick_params(labelsize=7, length=2)
             axes.grid(alpha=0.25, lw=0.5)
             if line == 0:
-                axes.set_title(key, fontsize=8)
+                axes.set_title(f"{key} ({UNITS[key]})" if key in UNITS else key, fontsize=8)
         grid[line, 0].set_ylabel(measure.label, fontsize=8)
-        if measure.key == "coverage":
-            grid[line, 0].set_ylim(-4.0, 104.0)
+        low, high = grid[line, 0].get_ylim()
+        grid[line, 0].set_ylim(*((-4.0, 104.0) if measure.key == "coverage" else (min(low, 0.0), max(high, 1.0))))
     if len(variants) > 1:
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize=8)
-    figure.suptitle(f"{title} · bars: 95 % intervals", fontsize=8)
+    figure.suptitle(f"{title}\ndashed: nominal · bars: 95 % intervals", fontsize=8)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=120)
     write_whole(path, buffer.getvalue())
@@ -71,9 +72,12 @@ def _values(variants: Mapping[str, Sequence[Row]]) -> dict[str, list[Any]]:
 
 
 def _line(axes: Any, rows: Sequence[Row], key: str, values: Sequence[Any], measure: Measure, color: str) -> None:
-    """Means with bars from the nominal setting over the values."""
+    """Means with bars over the values, and the nominal mean across."""
+    nominal = mean([row for row in rows if row["overrides"] == "{}"], measure)
+    if nominal.count:
+        axes.axhline(nominal.mean, color=color, lw=1.2, ls=(0, (4, 3)), zorder=1)
     points = []
-    for place, changes in enumerate([{}, *({key: value} for value in values)]):
+    for place, changes in enumerate({key: value} for value in values):
         estimate = mean([row for row in rows if json.loads(row["overrides"]) == changes], measure)
         if estimate.count:
             points.append((place, estimate))

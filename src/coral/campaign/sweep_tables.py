@@ -10,6 +10,8 @@ from coral.campaign.table import Table
 
 BySetting = Mapping[str, Sequence[Row]]
 """Setting to its finished missions."""
+FEW_WORLDS = 6
+"""Below this a bootstrap over worlds has too few different samples: three worlds make ten."""
 
 
 def by_setting(rows: Sequence[Row]) -> dict[str, list[Row]]:
@@ -30,6 +32,9 @@ def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str,
         notes: Where the numbers come from.
     """
     settings = by_setting(rows)
+    worlds = len({row["world"] for row in rows})
+    if worlds < FEW_WORLDS:
+        notes = (f"{worlds} worlds are few to draw from: these intervals are narrower than they should be.", *notes)
     if not set(settings) - {NOMINAL}:
         return []
     labels = [measure.label for measure in measures]
