@@ -1,0 +1,1 @@
+"""The Franka Panda as an evaluation world, in robosuite."""
