@@ -1,0 +1,58 @@
+"""What can be wrong with a cost program: one exception, and every code it may carry."""
+
+from __future__ import annotations
+
+CODES: dict[str, str] = {
+    "empty": "there is no code in the text",
+    "too_large": "the program is longer or more deeply nested than allowed",
+    "syntax": "the text is not Python",
+    "no_function": "there is no `def state_cost(self)`",
+    "not_allowed": "a part of Python that costs do not have",
+    "unknown_name": "a name that is neither a variable nor one of the functions",
+    "unknown_state": "a quantity that the state does not have",
+    "unknown_attribute": "an attribute or method that the value does not have",
+    "unset": "a variable that is not set in every state in which it is read",
+    "wrong_call": "a function called with arguments it does not take",
+    "wrong_type": "an operation on a value it does not apply to",
+    "wrong_size": "vectors whose lengths do not match, or an index outside one",
+    "quaternion_order": "a (w, x, y, z) quaternion where (x, y, z, w) is expected, or the reverse",
+    "mixed": "a value of one kind in some states and of another kind in others",
+    "shared": "an in-place change of a value that has a second name",
+    "not_fixed": "a loop, index or size that depends on the state",
+    "too_large_number": "a whole number beyond 2**53",
+    "division_by_zero": "a division of two constants whose divisor is zero",
+    "steps": "more steps than a cost may take",
+    "memory": "more arrays or longer containers than a cost may make",
+    "calls": "functions calling one another too deeply",
+    "no_return": "some state gets no cost",
+    "wrong_return": "something else than a number or a dict of named numbers is returned",
+    "missing_state": "the batch lacks a quantity that its schema promises",
+    "shape": "a term is not one number per state",
+    "not_finite": "a term is nan or infinite in some state",
+    "constant": "the cost is the same for every sampled rollout",
+    "unreachable": "a reach term that physics keeps from approaching zero",
+    "barrier": "a gated term makes it dearer to enter the phase that it belongs to",
+    "deadline": "the cost took too long and its process was killed",
+    "killed": "the process of the cost died",
+    "internal": "the interpreter itself failed",
+}
+
+
+class CostError(ValueError):
+    """A cost that cannot be used, with the reason that goes back to whoever wrote it.
+
+    Args:
+        code: One of CODES.
+        text: What is wrong and what would be accepted.
+        line: Line of the program, 1 is its first; 0 where no line is to blame.
+        shown: The text of that line.
+    """
+
+    def __init__(self, code: str, text: str, line: int = 0, shown: str = "") -> None:
+        self.code, self.text, self.line, self.shown = code, text, line, shown
+        super().__init__(code, text, line, shown)
+
+    def __str__(self) -> str:
+        if not self.line:
+            return self.text
+        return f"line {self.line}{f' (`{self.shown}`)' if self.shown else ''}: {self.text}"

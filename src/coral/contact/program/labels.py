@@ -1,0 +1,85 @@
+"""Names for the terms of a sum, from the comments and variables of the program."""
+
+from __future__ import annotations
+
+import ast
+import re
+
+COMMENT = re.compile(r"^\s*#(.*)$")
+TRAILING = re.compile(r"^[^#\"']*\S[^#\"']*#(.*)$")
+WEIGHT = re.compile(r"^(w|k|c|weight|gain|scale|alpha|beta|lambda|coef)(_|\d|$)|_(w|weight|gain|coef)$", re.IGNORECASE)
+LONGEST = 40
+
+
+class TermNames:
+    """A name for every place that adds to the cost.
+
+    Args:
+        source: The program.
+    """
+
+    def __init__(self, source: str) -> None:
+        self.lines = source.split("\n")
+        self.names: dict[int, str] = {}
+        self.line_of: dict[str, int] = {}
+
+    def of(self, node: ast.expr, whole: bool, variable: str) -> str:
+        """The name of one addend; the same for the same place, different for different places.
+
+        Args:
+            node: The addend.
+            whole: Whether it is all that its statement adds, so that the statement's comment is about it.
+            variable: Variable that it is added to.
+        """
+        key = id(node)
+        if key not in self.names:
+            guess = (self._trailing(node.lineno) if whole else "") or _variable(node, variable) or (
+                self._above(node.lineno) if whole else "") or f"line {node.lineno}"
+            name, count = guess, 2
+            while name in self.line_of:
+                name, count = f"{guess} {count}", count + 1
+            self.names[key] = name
+            self.line_of[name] = node.lineno
+        return self.names[key]
+
+    def _trailing(self, line: int) -> str:
+        found = TRAILING.match(self.lines[line - 1]) if line <= len(self.lines) else None
+        return _clean(found.group(1)) if found else ""
+
+    def _above(self, line: int) -> str:
+        """The nearest comment on a line of its own, not beyond the beginning of the function."""
+        for text in reversed(self.lines[:line - 1]):
+            found = COMMENT.match(text)
+            if found and _clean(found.group(1)):
+                return _clean(found.group(1))
+            if text.lstrip().startswith("def "):
+                break
+        return ""
+
+
+def _clean(comment: str) -> str:
+    text = " ".join(comment.strip(" \t#-=*.:").split())
+    return text if len(text) <= LONGEST else text[:LONGEST].rsplit(" ", 1)[0]
+
+
+def _variable(node: ast.expr, variable: str) -> str:
+    """The one variable that an addend scales by constants and weights, as `reach` in `w_reach * reach`; else ""."""
+    parts = _factors(node)
+    if parts is None:
+        return ""
+    names = [name for name in parts if name != variable and not WEIGHT.search(name)]
+    return names[0] if len(names) == 1 else ""
+
+
+def _factors(node: ast.expr) -> list[str] | None:
+    """The variables of a product of variables and constants; None for anything else."""
+    if isinstance(node, ast.UnaryOp):
+        return _factors(node.operand)
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):
+        left, right = _factors(node.left), _factors(node.right)
+        return None if left is None or right is None else left + right
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+        return _factors(node.left)
+    if isinstance(node, ast.Constant):
+        return []
+    return [node.id] if isinstance(node, ast.Name) else None
