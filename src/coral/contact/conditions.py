@@ -157,6 +157,17 @@ class Flipped(_Condition):
         return holds
 
 
+class Upright(_Condition):
+    """The object stands as it stood at first, its z axis within `tolerance_deg`; where it points does not matter."""
+
+    kind: Literal["upright"] = "upright"
+    tolerance_deg: float = Field(default=15, gt=0, le=90)
+
+    def watch(self, drawn: Drawn) -> Watch:
+        """See `_Condition.watch`."""
+        return Flipped(object=self.object, axis="z", degrees=0, tolerance_deg=self.tolerance_deg).watch(drawn)
+
+
 class TouchedWhileTurning(_Condition):
     """During the flip, between `between_deg` of turn, the object touched `thing` for at least `for_s` in all.
 
@@ -247,6 +258,6 @@ class Undisturbed(_Condition):
 
 
 Condition = Annotated[
-    Lifted | Grasped | Released | At | Resting | Flipped | TouchedWhileTurning | SteadyForce | Undisturbed,
+    Lifted | Grasped | Released | At | Resting | Flipped | Upright | TouchedWhileTurning | SteadyForce | Undisturbed,
     Field(discriminator="kind"),
 ]

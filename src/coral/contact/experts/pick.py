@@ -15,11 +15,13 @@ Array = NDArray[np.float64]
 
 
 def across(state: Context, name: str) -> Array:
-    """How far (0 to 1) the fingers' opening is from standing square to the object's sides and to be level, from above."""
+    """How far (0 up) the opening is from standing square to the object's narrowest side, and the palm from facing down."""
     opening, palm = axis(state.ee_quat, "y"), axis(state.ee_quat, "z")
     sides = rotation_of(state[f"{name}_quat"])
-    square = np.max(np.abs(np.einsum("...i,...ij->...j", opening, sides)), axis=-1)
-    return np.asarray((1 - square) + (1 + palm[..., 2]))
+    square = 1 - np.abs(np.einsum("...i,...ij->...j", opening, sides))
+    width = state[f"{name}_size"] + 1.0 * (np.abs(sides[..., 2, :]) > 0.7)
+    wider = width - width.min(axis=-1, keepdims=True)
+    return np.asarray(np.min(square + 10.0 * wider, axis=-1) + (1 + palm[..., 2]))
 
 
 def grasp_point(state: Context, name: str) -> Array:
@@ -40,15 +42,13 @@ def over(name: str, height_m: float = 0.0) -> Guide:
 def grasp_quaternion(state: Context, name: str) -> Array:
     """Orientation of a grasp from above that is nearest the hand's present one, Shape=(4,)."""
     tool, body = state.ee_quat[0, 0], state[f"{name}_quat"][0, 0]
-    forward = rotation_of(body)
-    headings = [np.arctan2(side[1], side[0]) for side in forward.T if abs(side[2]) < 0.5]
-    candidates = []
-    for heading in headings:
-        for k in range(4):
-            angle = heading + k * np.pi / 2
-            candidates.append(multiply([np.cos(angle / 2), 0, 0, np.sin(angle / 2)], [0, 1.0, 0, 0]))
-    best = max(candidates, key=lambda q: abs(float(np.dot(q, tool))))
-    return np.asarray(best)
+    size = state[f"{name}_size"][0, 0]
+    lying = [k for k in range(3) if abs(rotation_of(body)[2, k]) < 0.7]
+    side = rotation_of(body)[:, min(lying, key=lambda k: size[k])]
+    # Opening along the narrow side: the hand's y axis, that is the world's -y turned by the heading.
+    heading = np.arctan2(side[1], side[0]) + np.pi / 2
+    turns = [multiply([np.cos(a / 2), 0, 0, np.sin(a / 2)], [0, 1.0, 0, 0]) for a in (heading, heading + np.pi)]
+    return np.asarray(max(turns, key=lambda q: abs(float(np.dot(q, tool)))))
 
 
 def single(task: Task) -> Strategy:
@@ -83,14 +83,15 @@ def fsm(task: Task) -> Strategy:
         return norm(state.ee_pos - grasp_point(state, name))
 
     def reach(state: Context) -> Terms:
-        rise = np.maximum(0.0, 0.09 - (state.ee_pos - grasp_point(state, name))[..., 2])
         aside = norm((state.ee_pos - grasp_point(state, name))[..., :2])
+        ready = np.maximum(np.clip(aside - 0.008, 0, 0.05) / 0.05, np.clip(across(state, name) - 0.02, 0, 0.2) / 0.2)
+        above = state[f"{name}_pos"][..., 2] + state[f"{name}_size"][..., 2] / 2 + 0.03
         return {
             "reach": 12.0 * off(state),
-            "from above": 60.0 * np.clip(aside - 0.015, 0, 0.05) * rise / 0.05,
+            "come from above": 40.0 * ready * np.clip(above - state.ee_pos[..., 2], 0, 0.1),
             "square": 4.0 * across(state, name),
             "open": 20.0 * (0.08 - state.gripper_target),
-            "leave alone": 3.0 * norm(state[f"{name}_vel"]),
+            "leave alone": 0.1 * norm(state[f"{name}_hand_force"]),
         }
 
     def close(state: Context) -> Terms:
