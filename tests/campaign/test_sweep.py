@@ -1,7 +1,7 @@
 import pytest
 
 from coral.campaign.measures import field
-from coral.campaign.sweep import parse_sweeps, setting_text
+from coral.campaign.sweep import in_order, parse_sweeps, setting_text
 from coral.campaign.sweep_figure import draw_sweep
 from coral.campaign.sweep_tables import sweep_tables
 from coral.errors import InputError
@@ -41,20 +41,25 @@ def test_settings_in_words():
     assert setting_text('{"current": 0.2}') == "current=0.2"
 
 
+def test_settings_are_put_in_order_whenever_they_were_asked_for():
+    asked = ['{"b": 2}', '{"b": 10}', '{"a": "x"}', "{}", '{"b": 2}', '{"a": 1}', '{"b": 3.5}']
+    assert in_order(asked) == ["{}", '{"b": 2}', '{"b": 3.5}', '{"b": 10}', '{"a": 1}', '{"a": "x"}']
+
+
 def test_means_stand_with_the_nominal_setting_first():
     means, _ = sweep_tables(ROWS, (COVERAGE, HITS), "Who.", ("From where.",))
     assert means.header == ("setting", "missions", "coverage (%)", "collisions")
     assert means.rows == (("nominal", "4", "100.0 [100.0, 100.0]", "0.0 [0.0, 0.0]"),
-                          ("current=0.5", "4", "50.0 [50.0, 50.0]", "1.5 [1.5, 1.5]"),
-                          ("current=0.1", "4", "100.0 [100.0, 100.0]", "0.0 [0.0, 0.0]"))
+                          ("current=0.1", "4", "100.0 [100.0, 100.0]", "0.0 [0.0, 0.0]"),
+                          ("current=0.5", "4", "50.0 [50.0, 50.0]", "1.5 [1.5, 1.5]"))
     assert means.notes[-1] == "From where."
     assert means.notes[-2].startswith("2 worlds are few")
 
 
 def test_differences_are_paired_with_the_nominal_setting():
     _, differences = sweep_tables(ROWS, (COVERAGE, HITS), "Who.", ())
-    assert differences.rows == (("current=0.5", "4", "−50.0 [−50.0, −50.0]", "+1.5 [+1.5, +1.5]"),
-                                ("current=0.1", "4", "≈ 0.0 [0.0, 0.0]", "≈ 0.0 [0.0, 0.0]"))
+    assert differences.rows == (("current=0.1", "4", "≈ 0.0 [0.0, 0.0]", "≈ 0.0 [0.0, 0.0]"),
+                                ("current=0.5", "4", "−50.0 [−50.0, −50.0]", "+1.5 [+1.5, +1.5]"))
     assert any("could be shown for: current=0.1." in note for note in differences.notes)
 
 

@@ -34,6 +34,23 @@ def setting_text(overrides: Mapping[str, Any] | str) -> str:
     return ", ".join(f"{key}={value}" for key, value in changes.items()) or NOMINAL
 
 
+def in_order(overrides: Iterable[str]) -> list[str]:
+    """Columns of overrides, each once: the nominal setting, then key by key as they come, numbers ascending.
+
+    A campaign that was extended has its values in the order in which they were asked for.
+    """
+    settings = list(dict.fromkeys(overrides))
+    keys = list(dict.fromkeys(tuple(json.loads(text)) for text in settings))
+
+    def place(text: str) -> tuple[bool, int, bool, float]:
+        changes = json.loads(text)
+        value = next(iter(changes.values()), None)
+        size = float(value) if isinstance(value, int | float) else None
+        return bool(changes), keys.index(tuple(changes)), size is None, size or 0.0
+
+    return sorted(settings, key=place)
+
+
 def _value(word: str) -> Any:
     """JSON where it is JSON, otherwise text. Infinities stay text, so that what takes numbers refuses them."""
     try:

@@ -11,6 +11,7 @@ from typing import Any
 from coral.campaign.measures import Measure, Row, mean
 from coral.campaign.overlay import COLORS, MORE_COLORS
 from coral.campaign.store import write_whole
+from coral.campaign.sweep import in_order
 
 EDGED = "#3a3000"
 """Of the markers: the paper's yellow is pale on white."""
@@ -45,7 +46,8 @@ def draw_sweep(variants: Mapping[str, Sequence[Row]], measures: Sequence[Measure
             axes.tick_params(labelsize=7, length=2)
             axes.grid(alpha=0.25, lw=0.5)
             if line == 0:
-                axes.set_title(f"{key} ({UNITS[key]})" if key in UNITS else key, fontsize=8)
+                axes.set_title(f"{key} ({UNITS[key]})" if key in UNITS else key.rsplit(".", 1)[-1],
+                               fontsize=8)
         grid[line, 0].set_ylabel(measure.label, fontsize=8)
         low, high = grid[line, 0].get_ylim()
         grid[line, 0].set_ylim(*((-4.0, 104.0) if measure.key == "coverage" else (min(low, 0.0), max(high, 1.0))))
@@ -59,15 +61,13 @@ def draw_sweep(variants: Mapping[str, Sequence[Row]], measures: Sequence[Measure
 
 
 def _values(variants: Mapping[str, Sequence[Row]]) -> dict[str, list[Any]]:
-    """Key to its values, in the order of the rows; settings that change several keys at once are left out."""
+    """Key to its values, in order; settings that change several keys at once are left out."""
     swept: dict[str, list[Any]] = {}
-    for rows in variants.values():
-        for row in rows:
-            changes = json.loads(row["overrides"])
-            if len(changes) == 1:
-                [(key, value)] = changes.items()
-                if value not in swept.setdefault(key, []):
-                    swept[key].append(value)
+    for text in in_order(row["overrides"] for rows in variants.values() for row in rows):
+        changes = json.loads(text)
+        if len(changes) == 1:
+            [(key, value)] = changes.items()
+            swept.setdefault(key, []).append(value)
     return swept
 
 

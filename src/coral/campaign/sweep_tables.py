@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from coral.campaign.measures import Measure, Row, difference, difference_text, mean_interval_text, pair
-from coral.campaign.sweep import NOMINAL, setting_text
+from coral.campaign.sweep import NOMINAL, in_order, setting_text
 from coral.campaign.table import Table
 
 BySetting = Mapping[str, Sequence[Row]]
@@ -16,10 +16,10 @@ FEW_WORLDS = 6
 
 def by_setting(rows: Sequence[Row]) -> dict[str, list[Row]]:
     """Rows of each setting, the nominal one first."""
-    found: dict[str, list[Row]] = {}
+    found: dict[str, list[Row]] = {setting_text(text): [] for text in in_order(row["overrides"] for row in rows)}
     for row in rows:
-        found.setdefault(setting_text(row["overrides"]), []).append(row)
-    return {setting: found[setting] for setting in sorted(found, key=lambda setting: setting != NOMINAL)}
+        found[setting_text(row["overrides"])].append(row)
+    return found
 
 
 def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str, notes: tuple[str, ...]) -> list[Table]:
