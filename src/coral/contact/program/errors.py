@@ -38,7 +38,7 @@ CODES: dict[str, str] = {
 }
 
 
-class CostError(ValueError):
+class CostError(RuntimeError):
     """A cost that cannot be used, with the reason that goes back to whoever wrote it.
 
     Args:

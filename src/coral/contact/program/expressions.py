@@ -50,7 +50,7 @@ def evaluate(machine: Machine, node: ast.expr) -> Value:
 def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
     """Note the first expression that is not finite in a state in which it counts."""
     trace = machine.meter.trace
-    if trace is None or trace.lost is not None or not isinstance(value, NUMBER | Vec):
+    if trace is None or trace.lost is not None or not isinstance(value, (*NUMBER, Vec)):
         return
     for item in value.items if isinstance(value, Vec) else (value,):
         if isinstance(item, NUMBER):

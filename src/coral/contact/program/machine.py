@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -40,6 +40,7 @@ class Machine:
         bullet: What `p` answers.
         terms: Names of the addends.
         sums: Variables of the cost function whose addends are kept.
+        own_names: Variables of every function, by the identity of its node.
         run: Runs the body of a function.
         stack: Frames of the running functions, the present one last.
         loops: Loops of the present function, the innermost last.
@@ -52,6 +53,7 @@ class Machine:
     bullet: PyBullet
     terms: TermNames
     sums: frozenset[str]
+    own_names: Mapping[int, frozenset[str]]
     run: Callable[[Machine, list[ast.stmt]], bool]
     stack: list[Frame] = field(default_factory=list)
     loops: list[Loop] = field(default_factory=list)

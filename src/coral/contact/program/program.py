@@ -66,7 +66,8 @@ class CostProgram:
         self.names = TermNames(self.source)
         self.sums = summed_variables(self.parsed.entry)
         self.module_names = own_names(self.parsed.tree.body)
-        self.entry_names = own_names(self.parsed.entry.body)
+        self.own_names = {id(node): own_names(node.body) for node in ast.walk(self.parsed.tree)
+                          if isinstance(node, ast.FunctionDef)}
         self.reads = self._reads()
 
     def __call__(self, state: Context) -> Terms:
@@ -118,14 +119,15 @@ class CostProgram:
 
     def _run(self, meter: Meter) -> Evaluated:
         module = Frame(None, self.module_names)
-        machine = Machine(meter, self.space, self.bullet, self.names, self.sums, run_block, [module])
+        machine = Machine(meter, self.space, self.bullet, self.names, self.sums, self.own_names,
+                          run_block, [module])
         run_block(machine, self.parsed.tree.body)
         entry = self.parsed.entry
         arguments = [*entry.args.posonlyargs, *entry.args.args]
         function = module.variables[entry.name]
         defaults = getattr(function, "defaults", {})
         variables: dict[str, Value] = {**defaults, arguments[0].arg: State()}
-        frame = Frame(module, self.entry_names | {argument.arg for argument in arguments}, True, variables)
+        frame = Frame(module, self.own_names[id(entry)] | {argument.arg for argument in arguments}, True, variables)
         if "terms" not in frame.names and "terms" not in module.names:
             variables["terms"] = Table({})
         machine.stack.append(frame)

@@ -212,7 +212,8 @@ def _pass(machine: Machine, node: Any) -> bool:
 
 
 def _define(machine: Machine, node: Any) -> bool:
-    machine.frame.variables[node.name] = make_function(machine, node.name, node.args, node.body, own_names(node.body))
+    machine.frame.variables[node.name] = make_function(machine, node.name, node.args, node.body,
+                                                         machine.own_names[id(node)])
     return True
 
 
