@@ -15,11 +15,13 @@ help:  ## list the targets
 
 setup: $(STAMP)  ## create .venv with pinned dependencies (idempotent)
 
+# robosuite's own requirements would bring an older NumPy and a second OpenCV over the first; it needs neither.
 $(STAMP): pyproject.toml constraints.txt
 	@command -v $(PYTHON) >/dev/null || { echo "make: $(PYTHON) is needed (PYTHON=... names another one, 3.11 or newer)"; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(PIP) --upgrade pip hatchling editables
-	$(PIP) --no-build-isolation --editable . --group dev
+	$(PIP) --no-build-isolation --editable '.[contact]' --group dev
+	$(PIP) --no-deps robosuite
 	@touch $@
 
 demo: setup  ## survey the S-shaped reef, make its report and a video

@@ -82,7 +82,7 @@ def make_environment(
     """
     _, manipulation_env, empty_arena, manipulation_task = _robosuite()
 
-    class TableTop(manipulation_env):  # type: ignore[misc]
+    class TableTop(manipulation_env):  # type: ignore[misc, valid-type]
         """The Panda before a table; no reward, no cameras and no observables: the world reads the state itself."""
 
         def _load_model(self) -> None:
