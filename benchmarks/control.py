@@ -1,4 +1,4 @@
-"""Time of one control step against the same work in plain NumPy, single-threaded.
+"""CPU time of one control step against the same work in plain NumPy, single-threaded.
 
 Usage: OPENBLAS_NUM_THREADS=1 python benchmarks/control.py [--steps 200]
 
@@ -154,9 +154,9 @@ def drive(controller: DdpMppi, steps: int) -> tuple[Array, list[tuple[float, flo
     vehicle = Vehicle(VehicleCfg(), VehicleState(1.5, 1.5, 0.5))
     times, commands = [], []
     for _ in range(steps):
-        begun = time.perf_counter()
+        begun = time.process_time()
         plan = controller.plan(vehicle.state, cost_field, distance)
-        times.append(1e3 * (time.perf_counter() - begun))
+        times.append(1e3 * (time.process_time() - begun))
         commands.append(plan.command)
         vehicle.step(plan.command)
         if np.hypot(vehicle.state.x - 11.0, vehicle.state.y - 11.0) < 1.0:
@@ -169,9 +169,9 @@ def median_ms(call: Callable[[], object], n: int = 50) -> float:
     """Median time of a call (ms)."""
     times = []
     for _ in range(n):
-        begun = time.perf_counter()
+        begun = time.process_time()
         call()
-        times.append(time.perf_counter() - begun)
+        times.append(time.process_time() - begun)
     return 1e3 * float(np.median(times))
 
 
