@@ -20,7 +20,7 @@ from coral.contact.program.pybullet import PyBullet
 from coral.contact.program.state import HANDLES, StateSpace
 from coral.contact.program.statements import own_names, run_block
 from coral.contact.program.sums import summed_variables
-from coral.contact.program.trace import Trace
+from coral.contact.program.trace import Trace, Traced
 from coral.contact.program.values import NUMBER, Frame, Seq, State, Table, Value, kind
 
 
@@ -97,6 +97,19 @@ class CostProgram:
             raise CostError("too_large", "too deeply nested", meter.line, self.line(meter.line)) from None
         except MemoryError:
             raise CostError("memory", "the program needs too much memory", meter.line, self.line(meter.line)) from None
+
+    def trace(self, state: Context, zeroed: int = -1) -> Traced:
+        """The terms with the distances taken on the way, finite or not.
+
+        Args:
+            state: The batch.
+            zeroed: Number of the distance to take as 0; -1 for none.
+
+        Raises:
+            CostError: The cost cannot be evaluated on this batch.
+        """
+        trace = Trace(zeroed=zeroed)
+        return Traced(self.evaluate(state, trace).terms, trace.distances)
 
     def not_finite(self, state: Context) -> CostError:
         """Where the cost stops being finite."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import cast
 
 import numpy as np
@@ -19,14 +20,18 @@ ID_ENDINGS = ("", "_id", "Id", "_uid", "_body")
 NOT_THINGS = ("hand", "left", "right")
 
 
+def objects_of(names: Collection[str]) -> list[str]:
+    """The movable objects among the names of quantities."""
+    return [name.removesuffix("_quat") for name in names if name.endswith("_quat") and name != "ee_quat" and
+            f"{name.removesuffix('_quat')}_pos" in names and not name.endswith("_init_quat")]
+
+
 class StateSpace:
     """The names that a program may read from `self`, for one schema."""
 
     def __init__(self, schema: Schema) -> None:
         self.schema = schema
-        self.objects = [name.removesuffix("_quat") for name in schema
-                        if name.endswith("_quat") and f"{name.removesuffix('_quat')}_pos" in schema
-                        and not name.endswith("_init_quat") and name != "ee_quat"]
+        self.objects = objects_of(schema)
         fixtures = {name.removeprefix(f"{thing}_").removesuffix("_contact") for thing in self.objects for name in schema
                     if name.startswith(f"{thing}_") and name.endswith("_contact")}
         self.fixtures = sorted(fixtures - set(NOT_THINGS) - set(self.objects))

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.contact.context import Terms
+
 Floats = NDArray[np.float64]
 
 
@@ -23,6 +25,14 @@ class Distance:
     line: int
     vector: tuple[Floats, ...]
     value: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """Terms of a batch with the distances that the program took."""
+
+    terms: Terms
+    distances: list[Distance]
 
 
 @dataclass

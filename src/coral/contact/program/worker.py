@@ -25,7 +25,7 @@ from coral.contact.context import Context, Schema, Terms
 from coral.contact.program.errors import CODES, CostError
 from coral.contact.program.limits import LimitsCfg
 from coral.contact.program.sandbox import HEADER, LONGEST_MESSAGE, Reply, Request
-from coral.contact.program.trace import Distance
+from coral.contact.program.trace import Distance, Traced
 
 START = "from coral.contact.program.sandbox import main; main()"
 KEPT_ENVIRONMENT = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # nothing else: keys of model providers stay outside
@@ -50,14 +50,6 @@ class WorkerCfg:
     memory_bytes: int = 1 << 30
     shared_bytes: int = 32 << 20
     limits: LimitsCfg = field(default_factory=LimitsCfg)
-
-
-@dataclass(frozen=True, eq=False)
-class Traced:
-    """Terms of a batch with the distances that the program took."""
-
-    terms: Terms
-    distances: list[Distance]
 
 
 class CostWorker:
