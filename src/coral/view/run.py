@@ -34,6 +34,7 @@ class RunFolder:
     timing: Record
     config: Record
     world: Record
+    """The reef, or the task of a contact run."""
     frame_steps: tuple[int, ...]
     """Steps at which `frames/` holds a map, ascending."""
     notes: tuple[str, ...]
@@ -91,6 +92,8 @@ class RunFolder:
         if not any((folder / name).is_file() for name in _MARKS):
             raise InputError(str(folder), "", "no run in it", f"at least one of {', '.join(_MARKS)}")
         notes: list[str] = []
+        # What was acted in: a reef, or a contact task; only the former asks an advisor in every run.
+        task = (folder / "task.yaml").is_file()
         events = _lines(folder / "events.jsonl", notes)
         whole = tuple(event for event in events if isinstance(event.get("event"), str) and _is_number(event.get("t")))
         if len(whole) < len(events):
@@ -99,15 +102,21 @@ class RunFolder:
             path=folder,
             events=whole,
             trajectory=_table(folder / "trajectory.csv", notes),
-            attempts=_lines(folder / "attempts.jsonl", notes),
+            attempts=() if task and not (folder / "attempts.jsonl").is_file()
+            else _lines(folder / "attempts.jsonl", notes),
             metrics=_document(folder / "metrics.json", json.loads, notes),
             timing=_document(folder / "timing.json", json.loads, notes),
             config=_document(folder / "config.yaml", _yaml, notes),
-            world=_document(folder / "world.yaml", _yaml, notes),
+            world=_document(folder / ("task.yaml" if task else "world.yaml"), _yaml, notes),
             frame_steps=tuple(sorted(int(file.name[:-8]) for file in (folder / "frames").glob("*_map.png")
                                      if file.name[:-8].isdigit())),
             notes=tuple(notes),
         )
+
+
+def read_table(path: Path) -> dict[str, NDArray[np.float64]]:
+    """Columns of a CSV file of numbers, as far as it was written; none where it is missing."""
+    return _table(path, [])
 
 
 def _yaml(text: str) -> Any:

@@ -1,0 +1,39 @@
+"""The progress bar of a contact episode, on standard error."""
+
+from __future__ import annotations
+
+import time
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn
+
+from coral.contact.episode import Episode
+
+
+class EpisodeProgress:
+    """Shows simulated time, the stage, what holds of the task and the speed relative to real time."""
+
+    def __init__(self, *, quiet: bool = False) -> None:
+        self._bar = Progress(
+            TextColumn("[bold]{task.description}"), BarColumn(bar_width=24), TextColumn("{task.fields[status]}"),
+            console=Console(stderr=True), transient=False, disable=quiet, refresh_per_second=5)
+        self._task = self._bar.add_task("", total=1.0, status="")
+        self._started = time.monotonic()
+        self._bar.start()
+
+    def tick(self, episode: Episode) -> None:
+        """Bring the bar up to date."""
+        factor = episode.t / max(time.monotonic() - self._started, 1e-3)
+        holding = episode.judge.holding
+        self._bar.update(
+            self._task, description=episode.drawn.task.name, completed=episode.t, total=episode.time_limit_s,
+            status=f"{episode.t:5.1f} s simulated · {episode.stage} · {sum(holding)} of {len(holding)} conditions · "
+                   f"{factor:.2f}x real time")
+
+    def stop_requested(self) -> str:
+        """A progress bar never stops an episode."""
+        return ""
+
+    def close(self) -> None:
+        """Leave the last state on the screen."""
+        self._bar.stop()

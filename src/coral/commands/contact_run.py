@@ -1,0 +1,129 @@
+"""`coral contact run`: one episode, its run folder and its report."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import tyro
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.registry import make_advisor
+from coral.commands.contact_progress import EpisodeProgress
+from coral.config import checked, read_config
+from coral.contact.draw import draw
+from coral.contact.episode import ENDS, Episode, EpisodeCfg
+from coral.contact.task import load_task
+from coral.contact.variants import ALONE, check_variant, make_mind
+from coral.contact.worlds import check_world
+from coral.errors import InputError
+from coral.runs import new_run_folder
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactRun:
+    """Attempt a contact task and write a run folder with logs, metrics, pictures and report."""
+
+    task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
+    """A shipped task (see coral contact tasks) or a task file."""
+    world: str = "panda"
+    """Where it takes place: panda, the robot in robosuite; hand, its hand alone, flying freely."""
+    advisor: str = "heuristic"
+    """Who thinks, in variants that ask: heuristic, PROVIDER:MODEL, local:URL#MODEL, desk, replay:FILE, ..."""
+    variant: str = "expert-fsm"
+    """Configuration of the pipeline. An expert's hand-written costs: expert, one stage; expert-fsm, a state machine."""
+    seed: int = 0
+    """Seed of everything random: poses, masses, frictions, sizes and the planner's noise."""
+    samples: int | None = None
+    """Rehearsals of each plan, instead of the configuration's."""
+    out: Path | None = None
+    """Run folder, new or empty; by default the next free runs/TASK-NNN."""
+    config: Path | None = None
+    """YAML file with configuration values; flags override it."""
+    json: bool = False
+    """Print one JSON object on standard output; progress stays on standard error."""
+    quiet: bool = False
+    """No progress bar."""
+    video: bool = False
+    """Also write episode.mp4."""
+    cfg: EpisodeCfg = field(default_factory=EpisodeCfg)
+    """The episode."""
+
+    @classmethod
+    def from_file(cls, words: Sequence[str]) -> ContactRun | None:
+        """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
+        for word, following in itertools.pairwise([*words, ""]):
+            flag, joined, value = word.partition("=")
+            file = value if joined else following
+            if flag == "--config" and file:
+                return cls(task=tyro.MISSING, cfg=read_config(Path(file), EpisodeCfg()))
+        return None
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Run the episode."""
+        if self.seed < 0:
+            raise InputError("--seed", "", self.seed, "a number from 0 on")
+        check_variant(self.variant)
+        check_world(self.world)
+        make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=Path("inbox"), cfg=ModelCfg())
+        task = load_task(self.task)
+        cfg = checked(with_samples(self.cfg, self.samples), "--cfg")
+        cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
+        mind = make_mind(self.variant, task)
+        folder = self.out or new_run_folder(Path("runs"), task.name)
+        advisor = "none" if self.variant in ALONE else self.advisor
+        episode = Episode(draw(task, self.seed), self.world, mind, cfg, folder, variant=self.variant, advisor=advisor)
+        progress = EpisodeProgress(quiet=self.quiet)
+        try:
+            result = episode.run([progress])
+        finally:
+            progress.close()
+        return {**result, "run": str(folder), **render(folder, cfg)}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """The outcome in a few lines, and where to look."""
+        reason = str(result["end_reason"])
+        why = "" if result["success"] else f" ({ENDS.get(reason.partition(':')[0], '')})"
+        lines = [
+            f"{self.task}: {reason}{why} after {result['sim_time_s']:.1f} s simulated in "
+            f"{result['wall_time_s']:.0f} s; {result['plans']} plans of {result['plan_ms_median']:.0f} ms, "
+            f"{result['path_length_m']:.2f} m of path, "
+            f"at most {result['peak_hand_force_n']:.0f} N on an object",
+            f"run folder: {result['run']}"]
+        lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
+        return "\n".join(lines)
+
+
+def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
+    """The configuration with another number of rehearsals.
+
+    Raises:
+        InputError: It is no count.
+    """
+    if samples is None:
+        return cfg
+    if samples < 1:
+        raise InputError("--samples", "", samples, "a number from 1 on")
+    mppi = dataclasses.replace(cfg.controller.mppi, samples=samples)
+    return dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, mppi=mppi))
+
+
+def render(folder: Path, cfg: EpisodeCfg) -> dict[str, str]:
+    """Pictures, report and video of a finished run, as configured."""
+    made: dict[str, str] = {}
+    if cfg.record.report:
+        from coral.view.contact.keyframes import write_keyframes
+        from coral.view.contact.report import write_contact_report
+
+        write_keyframes(folder)
+        made["report"] = str(write_contact_report(folder))
+    if cfg.record.video:
+        from coral.view.contact.video import write_contact_video
+
+        made["video"] = str(write_contact_video(folder))
+    return made

@@ -1,0 +1,263 @@
+"""One contact episode, end to end: a trial of a task, a world to judge it in and a mind, in; a run folder out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from coral.config import Count, to_mapping
+from coral.contact.controller import Controller, ControllerCfg, Plan
+from coral.contact.draw import Drawn, Physical
+from coral.contact.judge import Judge
+from coral.contact.metrics import compute_metrics
+from coral.contact.mind import Mind, Moment
+from coral.contact.planning import PlanningCfg, PlanningWorld
+from coral.contact.program.errors import CostError
+from coral.contact.reactive import Reactive, ReactiveCfg
+from coral.contact.record import EpisodeRecorder, RecordCfg, columns, numbers
+from coral.contact.scene import prior
+from coral.contact.strategy import Progress, Strategy
+from coral.contact.world import EvaluationWorld, HandTarget, Observation, WorldFault
+from coral.contact.worlds import make_world
+from coral.runs import RunWriter, provenance
+
+ENDS = {
+    "success": "all of the task's conditions held long enough",
+    "timeout": "the task's time was up",
+    "dropped": "an object fell off the table",
+    "tunnelling": "an object went through the table: the simulation is not to be believed",
+    "diverged": "the evaluation world's simulation diverged",
+    "unreachable": "the robot's arm cannot go on",
+    "camera-off": "the camera gives no pictures",
+    "cost-error": "the strategy's cost could not be evaluated",
+    "no-plan": "no rehearsal could be used for many plans in a row",
+    "stopped by the operator": "interrupted",
+    "failed": "an error in the program",
+}
+"""Why an episode ends; after a colon may follow which object."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EpisodeCfg:
+    """Everything that defines an episode besides the task, the world, the variant, the advisor and the seed.
+
+    Args:
+        replan_steps: Control steps that are taken from each plan. The paper takes one; two halve the time, and feedback
+            runs at every step.
+        patience_plans: After so many plans in a row without one usable rehearsal the episode ends.
+        planning: The planning world.
+        controller: MPPI.
+        reactive: Feedback and limits.
+        record: What is kept.
+    """
+
+    replan_steps: Count = 2
+    patience_plans: Count = 25
+    planning: PlanningCfg = field(default_factory=PlanningCfg)
+    controller: ControllerCfg = field(default_factory=ControllerCfg)
+    reactive: ReactiveCfg = field(default_factory=ReactiveCfg)
+    record: RecordCfg = field(default_factory=RecordCfg)
+
+
+class Observer(Protocol):
+    """Anything that watches an episode: a progress bar, a live view."""
+
+    def tick(self, episode: Episode) -> None:
+        """Called after every plan and the control steps taken from it."""
+        ...
+
+    def stop_requested(self) -> str:
+        """Reason to stop now, or ""."""
+        ...
+
+
+class Episode:
+    """Couples a world with the planner and writes what happens.
+
+    Args:
+        drawn: The trial.
+        world: Name of the evaluation world.
+        mind: Who decides on strategies.
+        cfg: The rest.
+        folder: Run folder, new or empty.
+        variant: For the record.
+        advisor: For the record.
+    """
+
+    def __init__(self, drawn: Drawn, world: str, mind: Mind, cfg: EpisodeCfg, folder: Path, *, variant: str,
+                 advisor: str = "none") -> None:
+        self.drawn, self.mind, self.cfg = drawn, mind, cfg
+        self.variant, self.advisor = variant, advisor
+        self.time_limit_s = drawn.task.time_limit_s
+        self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
+        self.plan_ms: list[float] = []
+        self.judge = Judge(drawn)
+        self.world: EvaluationWorld = make_world(world, drawn, cfg.planning.step_s)
+        # All that can be refused has been looked at: only now is a folder made.
+        objects = [item.name for item in drawn.task.objects]
+        self.writer = RunWriter(folder, columns(objects))
+        self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
+        self._without_plan = 0
+        self._wall = 0.0
+        self.now: Observation
+        self.planner: PlanningWorld
+        self.controller: Controller
+        self.reactive: Reactive
+        self.progress: Progress
+
+    @property
+    def stage(self) -> str:
+        """Name of the stage that is on."""
+        return self.progress.stage.name
+
+    def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
+        """Run to the end; returns metrics and timing together."""
+        started = time.perf_counter()
+        try:
+            self._begin()
+            while not self.end_reason:
+                self.advance()
+                for observer in observers:
+                    observer.tick(self)
+                    self.end_reason = self.end_reason or observer.stop_requested()
+        except KeyboardInterrupt:
+            self.end_reason = "stopped by the operator"
+        finally:
+            self._end()
+            self._wall = time.perf_counter() - started
+        return self._finish()
+
+    def advance(self) -> None:
+        """Plan once, and take the plan's first steps."""
+        plan = self._plan()
+        if plan is None:
+            return
+        taken = 0
+        for k in range(min(self.cfg.replan_steps, len(plan.targets))):
+            if not self._act(plan, k):
+                break
+            taken = k + 1
+            if self.end_reason:
+                break
+        self.controller.executed(plan.targets[max(taken - 1, 0)], taken)
+
+    def emit(self, event: str, **fields: Any) -> None:
+        """Append an event at the present step."""
+        self.writer.event(self.step, self.t, event, **fields)
+
+    def _plan(self) -> Plan | None:
+        stage = self.progress.stage
+        begun = time.perf_counter()
+        try:
+            plan = self.controller.plan(self.now, stage, self.step)
+            changed = self.progress.update(plan.now)
+        except CostError as error:
+            self.end_reason, self.detail = "cost-error", str(error)
+            return None
+        self.plan_ms.append(1e3 * (time.perf_counter() - begun))
+        self.emit("plan", stage=stage.name, cost=round(plan.cost, 5), ess=round(plan.update.effective_samples, 2),
+                  diverged=plan.diverged, ok=plan.update.ok,
+                  terms={name: round(value, 5) for name, value in plan.terms.items()},
+                  aim=numbers(plan.targets[-1].position, 4))
+        self._without_plan = 0 if plan.update.ok else self._without_plan + 1
+        if self._without_plan >= self.cfg.patience_plans:
+            self.end_reason = "no-plan"
+            self.detail = f"no rehearsal could be used for {self._without_plan} plans in a row"
+            return None
+        if changed:
+            self.emit("stage", before=stage.name, stage=self.stage, index=self.progress.index)
+        other = self.mind.after(Moment(self.step, self.now, plan, stage.name))
+        if other is not None:
+            self._follow(other)
+        return plan
+
+    def _act(self, plan: Plan, k: int) -> bool:
+        """One control step; false when the world could not take it."""
+        command = self.reactive.command(plan.targets[k], self.now)
+        try:
+            self.now = self.world.step(command)
+            truth = self.world.truth()
+        except WorldFault as fault:
+            self.end_reason, self.detail = fault.code, str(fault)
+            return False
+        self.step += 1
+        self.t = self.now.time_s
+        self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now)
+        self.recorder.row(self.step, self.now, truth, command, self.progress.index)
+        self.recorder.state(self.step, self.t, self.world)
+        self.recorder.contacts(self.step, truth)
+        done, lost = self.judge.success(truth), self.judge.failure(truth)
+        if lost is not None:
+            self.end_reason = lost
+        elif done:
+            self.end_reason = "success"
+        elif self.t >= self.time_limit_s - 1e-9:
+            self.end_reason = "timeout"
+        return True
+
+    def _begin(self) -> None:
+        task, cfg = self.drawn.task, self.cfg
+        self.now = self.world.reset()
+        self.t = self.now.time_s
+        self._write_head()
+        self.planner = PlanningWorld(self.drawn, prior(self.drawn), self.now, cfg.planning)
+        self.controller = Controller(self.planner, cfg.controller, np.random.default_rng([self.drawn.seed, 1]))
+        self.reactive = Reactive(cfg.reactive, cfg.planning.step_s, np.asarray(cfg.controller.workspace_low_m),
+                                 np.asarray(cfg.controller.workspace_high_m))
+        self.emit("start", task=task.name, instruction=task.instruction, world=self.world.name, variant=self.variant,
+                  advisor=self.advisor, seed=self.drawn.seed, poses="ground-truth", time_limit_s=task.time_limit_s,
+                  trial={name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
+                         for name, item in self.drawn.objects.items()})
+        first = HandTarget(self.now.tool.position, self.now.tool.quaternion, self.now.opening_m,
+                           cfg.planning.hand.stiffness_n_m)
+        truth = self.world.truth()
+        self.recorder.row(0, self.now, truth, first, 0)
+        self.recorder.state(0, self.t, self.world)
+        self.recorder.contacts(0, truth)
+        self._follow(self.mind.begin(self.drawn, self.now, self.planner))
+
+    def _write_head(self) -> None:
+        self.writer.yaml("task.yaml", self.drawn.task.model_dump(mode="json"))
+        self.writer.yaml("config.yaml", {
+            "system": "contact", "task": self.drawn.task.name, "world": self.world.name, "advisor": self.advisor,
+            "variant": self.variant, "seed": self.drawn.seed, "episode": to_mapping(self.cfg),
+            "provenance": provenance()})
+
+    def _follow(self, strategy: Strategy) -> None:
+        """Begin a strategy."""
+        self.progress = Progress(strategy)
+        self.reactive.reset()
+        self.emit("strategy", name=strategy.name, stages=[stage.name for stage in strategy.stages],
+                  beliefs=[{name: _physical(held) for name, held in one.items()} for one in self.planner.beliefs])
+        self.emit("stage", before=None, stage=self.stage, index=0)
+
+    def _end(self) -> None:
+        account = self.mind.account
+        self.recorder.state(self.step, self.t, self.world, last=True)
+        self.recorder.close(self.step)
+        self.emit("end", reason=self.end_reason or "failed", detail=self.detail, advisor_calls=account.advisor_calls,
+                  repairs=account.repairs, memory_hit=account.memory_hit)
+        self.writer.close()
+        self.world.close()
+        if hasattr(self, "planner"):
+            self.planner.close()
+
+    def _finish(self) -> dict[str, Any]:
+        plans = np.array(self.plan_ms) if self.plan_ms else np.zeros(1)
+        timing = {"wall_time_s": round(self._wall, 3),
+                  "realtime_factor": round(self.t / self._wall, 3) if self._wall else 0.0,
+                  "plan_ms_median": round(float(np.median(plans)), 3),
+                  "plan_ms_p99": round(float(np.percentile(plans, 99)), 3)}
+        metrics = compute_metrics(self.writer.folder)
+        self.writer.json("metrics.json", metrics)
+        self.writer.json("timing.json", timing)
+        return {**metrics, **timing}
+
+
+def _physical(held: Physical) -> dict[str, float]:
+    return {"mass_kg": round(held.mass_kg, 5), "friction": round(held.friction, 4)}

@@ -1,0 +1,102 @@
+"""The metrics of a contact episode, computed from its run folder alone, so that anyone can compute them again."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from coral.errors import InputError
+
+DEFINITIONS = {
+    "success": "Whether all of the task's conditions held, without a break, for its `hold_s` (paper, section 4).",
+    "end_reason": "Why the episode ended: success, timeout, or the name of a failure.",
+    "sim_time_s": "Simulated time (s) at the end; of a success the paper's completion time.",
+    "steps": "Control steps.",
+    "plans": "Times the controller planned (MPPI updates).",
+    "stages": "Changes from one stage of the strategy to another.",
+    "strategy": "Name of the strategy that was followed last.",
+    "advisor_calls": "Questions put to the advisor.",
+    "repairs": "Times the strategy or the beliefs were changed during the episode.",
+    "memory_hit": "Whether the episode began with something remembered.",
+    "path_length_m": "Length of the tool's path (m).",
+    "peak_hand_force_n": "Largest net force (N) of the hand on an object.",
+    "mean_hand_force_n": "Mean of that force (N) while the hand touched an object.",
+    "contact_time_s": "Time (s) during which the hand touched an object.",
+    "contacts": "Contacts that began during the episode, those between things that do not move left out.",
+    "effective_samples": "Mean effective sample size of the plans.",
+    "diverged_rehearsals": "Rehearsals in the planning world that were left out because they diverged.",
+    "poses": "Where the objects' poses came from: the simulator (ground-truth) or a tracker.",
+}
+
+
+def compute_metrics(folder: Path) -> dict[str, Any]:
+    """Metrics of a finished or killed run, from events.jsonl and trajectory.csv.
+
+    Raises:
+        InputError: The folder is not a run.
+    """
+    for name in ("events.jsonl", "trajectory.csv"):
+        if not (folder / name).is_file():
+            raise InputError(str(folder), name, "no such file", "a run folder")
+    return metrics_of(_events(folder / "events.jsonl"), _rows(folder / "trajectory.csv"))
+
+
+def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
+    """Metrics from the events and the rows of the trajectory, in order."""
+    start: Mapping[str, Any] = {}
+    end: Mapping[str, Any] = {}
+    plans = stages = contacts = diverged = 0
+    effective, strategy = 0.0, ""
+    for event in events:
+        kind = event["event"]
+        if kind == "start":
+            start = event
+        elif kind == "end":
+            end = event
+        elif kind == "plan":
+            plans += 1
+            effective += float(event["ess"])
+            diverged += int(event["diverged"])
+        elif kind == "stage":
+            stages += event.get("before") is not None
+        elif kind == "strategy":
+            strategy = str(event["name"])
+        elif kind == "contact":
+            contacts += event["step"] > 0
+    path, last, step, t, before = 0.0, None, 0, 0.0, 0.0
+    peak = impulse = touching = 0.0
+    for row in rows:
+        here = (float(row["x"]), float(row["y"]), float(row["z"]))
+        path += math.dist(last, here) if last else 0.0
+        last, step, before, t = here, int(float(row["step"])), t, float(row["t"])
+        force = max((float(row[name]) for name in row if name.endswith("_hand_force")), default=0.0)
+        peak = max(peak, force)
+        if force > 0:
+            impulse, touching = impulse + force * (t - before), touching + t - before
+    return {
+        "success": end.get("reason") == "success", "end_reason": str(end.get("reason", "killed")),
+        "sim_time_s": round(t, 3), "steps": step, "plans": plans, "stages": stages, "strategy": strategy,
+        "advisor_calls": int(end.get("advisor_calls", 0)), "repairs": int(end.get("repairs", 0)),
+        "memory_hit": bool(end.get("memory_hit", False)), "path_length_m": round(path, 4),
+        "peak_hand_force_n": round(peak, 2), "mean_hand_force_n": round(impulse / touching, 2) if touching else None,
+        "contact_time_s": round(touching, 3), "contacts": contacts,
+        "effective_samples": round(effective / plans, 2) if plans else None, "diverged_rehearsals": diverged,
+        "poses": str(start.get("poses", ""))}
+
+
+def _events(path: Path) -> Iterable[dict[str, Any]]:
+    with open(path, encoding="utf-8") as lines:
+        for line in lines:
+            try:
+                yield json.loads(line)
+            except json.JSONDecodeError:
+                return  # a killed run may end in half a line
+
+
+def _rows(path: Path) -> Iterable[dict[str, str]]:
+    with open(path, encoding="utf-8", newline="") as lines:
+        yield from csv.DictReader(line for line in lines if line.endswith("\n"))

@@ -1,0 +1,88 @@
+"""Who says what is to be done: asked for a strategy at the start, told of every plan, free to change its mind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from coral.contact.controller import Plan
+from coral.contact.draw import Drawn
+from coral.contact.planning import PlanningWorld
+from coral.contact.strategy import Strategy
+from coral.contact.world import Observation
+
+
+@dataclass(frozen=True)
+class Account:
+    """What a mind has done so far, as the metrics count it.
+
+    Args:
+        advisor_calls: Questions put to an advisor.
+        repairs: Times it changed the strategy or the beliefs during the episode.
+        memory_hit: Whether it began with something remembered.
+    """
+
+    advisor_calls: int = 0
+    repairs: int = 0
+    memory_hit: bool = False
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What a mind sees after a plan: nothing that the robot does not know.
+
+    Args:
+        step: Control steps since the episode began.
+        now: What the sensors say.
+        plan: What came of the plan.
+        stage: Name of the stage that was planned for.
+    """
+
+    step: int
+    now: Observation
+    plan: Plan
+    stage: str
+
+
+class Mind(Protocol):
+    """Decides on strategies, and on what is believed of masses and frictions."""
+
+    @property
+    def account(self) -> Account:
+        """What it has done so far."""
+        ...
+
+    def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
+        """The strategy to begin with; it may set the planning world's beliefs.
+
+        Args:
+            drawn: The trial, of which it may read the shapes only, not the masses and frictions.
+            first: What the sensors say at first.
+            world: The planning world.
+        """
+        ...
+
+    def after(self, moment: Moment) -> Strategy | None:
+        """Look at a plan; another strategy to go on with, or None."""
+        ...
+
+
+class Fixed:
+    """A strategy that was written beforehand and stays.
+
+    Args:
+        strategy: The strategy.
+    """
+
+    account = Account()
+
+    def __init__(self, strategy: Strategy) -> None:
+        self._strategy = strategy
+
+    def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
+        """See `Mind.begin`."""
+        return self._strategy
+
+    def after(self, moment: Moment) -> Strategy | None:
+        """See `Mind.after`."""
+        return None

@@ -1,0 +1,103 @@
+"""The reactive augmentation of the planned action (Eq. 7): nu = u + K_f (x_des - x_measured), on pose and wrench."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from coral.config import NonNegative, Positive
+from coral.contact.hand import MAX_OPENING_M
+from coral.contact.world import Array, HandTarget, Observation
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReactiveCfg:
+    """The feedback and the limits.
+
+    Every plan begins at the measured state, so that x_des - x_measured is only what went otherwise than rehearsed
+    during one control step. It is therefore summed with a leak: what is fed back is the error of the last `memory_s`,
+    as it would be had the plan not been renewed.
+
+    Args:
+        enabled: Whether K_f is anything but zero; the limits hold in any case.
+        pose_gain: K_f on the position, m/m. Below 1, as the planner answers the same error at its next plan.
+        force_gain: K_f on the force, N/N.
+        memory_s: Time constant of the leak.
+        most_m: The position's feedback is no larger: a contact's uncertainty, so that it cannot drag the hand away from
+            the plan.
+        most_n: The force's feedback is no larger.
+        force_limit_n: The impedance never pulls harder than this, and yields where the hand feels more. The spring's usual
+            lead (6 cm at 600 N/m) just stays within it.
+    """
+
+    enabled: bool = True
+    pose_gain: NonNegative = 0.3
+    force_gain: NonNegative = 0.1
+    memory_s: Positive = 0.1
+    most_m: NonNegative = 0.005
+    most_n: NonNegative = 3.0
+    force_limit_n: Positive = 45.0
+
+
+class Reactive:
+    """Turns planned targets into commands.
+
+    Args:
+        cfg: Gains and limits.
+        period_s: Of the control.
+        low_m: Shape=(3,), corner of the box that commands stay in.
+        high_m: Shape=(3,), the opposite corner.
+    """
+
+    def __init__(self, cfg: ReactiveCfg, period_s: float, low_m: Array, high_m: Array) -> None:
+        self.cfg, self._low, self._high = cfg, np.asarray(low_m, float), np.asarray(high_m, float)
+        self._keep = float(np.exp(-period_s / cfg.memory_s))
+        self.position_error, self.force_error = np.zeros(3), np.zeros(3)
+
+    def reset(self) -> None:
+        """Forget what went otherwise: another strategy, or another stiffness, has begun."""
+        self.position_error, self.force_error = np.zeros(3), np.zeros(3)
+
+    def observe(self, expected_position: Array, expected_force: Array, now: Observation) -> None:
+        """Compare what a control step brought with what the plan that it was taken from expected of it.
+
+        Args:
+            expected_position: Shape=(3,) m, of the tool.
+            expected_force: Shape=(3,) N, on the hand.
+            now: Measured after the step.
+        """
+        self.position_error = self._keep * self.position_error + expected_position - now.tool.position
+        # A force is not integrated by the world as a velocity is: its mean error counts, not its sum.
+        self.force_error = (self._keep * self.force_error
+                            + (1.0 - self._keep) * (expected_force - now.wrench[:3]))
+
+    def command(self, target: HandTarget, now: Observation) -> HandTarget:
+        """What is sent to the hand: the planned target, fed back and within the limits."""
+        cfg = self.cfg
+        position, force = target.position, target.force
+        if cfg.enabled:
+            position = position + _short(cfg.pose_gain * self.position_error, cfg.most_m)
+            # Felt and exerted force are opposite: where less was felt than expected, push further.
+            force = force - _short(cfg.force_gain * self.force_error, cfg.most_n)
+        # A force that is pushed in addition counts for the limit as the displacement that would make it.
+        lead = np.clip(position, self._low, self._high) - now.tool.position + force / target.stiffness
+        lead = _short(self._yielding(lead, now), cfg.force_limit_n / target.stiffness)
+        position = np.clip(now.tool.position + lead - force / target.stiffness, self._low, self._high)
+        opening = float(np.clip(target.opening_m, 0.0, MAX_OPENING_M))
+        return replace(target, position=position, opening_m=opening, force=force)
+
+    def _yielding(self, lead: Array, now: Observation) -> Array:
+        """The hand's lead, its part against a resistance beyond the limit scaled back to the limit."""
+        felt = float(np.linalg.norm(now.wrench[:3]))
+        if felt <= self.cfg.force_limit_n:
+            return lead
+        push = -now.wrench[:3] / felt
+        into = max(0.0, float(lead @ push))
+        return lead - into * (1.0 - self.cfg.force_limit_n / felt) * push
+
+
+def _short(vector: Array, most: float) -> Array:
+    """The vector, no longer than `most`."""
+    length = float(np.linalg.norm(vector))
+    return vector if length <= most else vector * (most / length)

@@ -1,0 +1,1 @@
+"""What people look at of a contact episode: pictures, charts, report, film."""

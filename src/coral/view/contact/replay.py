@@ -1,0 +1,81 @@
+"""A recorded episode's scene at any moment, drawn by ray casting; no OpenGL."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.draw import Drawn, draw
+from coral.contact.perception.camera import CameraCfg, RayCamera, look_at
+from coral.contact.task import load_task
+from coral.contact.worlds import make_world
+from coral.errors import InputError
+from coral.view.pictures import Image
+from coral.view.run import RunFolder, read_table
+
+Array = NDArray[np.float64]
+EYE, TARGET = (0.62, -0.78, 0.52), (-0.02, 0.0, 0.07)
+"""Opposite the robot and to its right: hand and objects are seen, the arm hides nothing."""
+VFOV_DEG = 38.0
+
+
+class Scene:
+    """The simulated world of a run folder, set to its recorded states.
+
+    Args:
+        run: The run.
+        size: Width and height of the pictures (px).
+        eye: Shape=(3,) m, where the camera stands.
+        target: Shape=(3,) m, what it looks at.
+
+    Raises:
+        InputError: The run kept no states, or not those of its world.
+        RunError: Its world cannot be built here.
+    """
+
+    def __init__(self, run: RunFolder, size: tuple[int, int], eye: tuple[float, float, float] = EYE,
+                 target: tuple[float, float, float] = TARGET) -> None:
+        states = read_table(run.path / "states.csv")
+        self.times: Array = states.get("t", np.zeros(0))
+        if not len(self.times):
+            raise InputError(str(run.path), "states.csv", "no states", "a run that kept them (record.states)")
+        self.drawn = trial(run)
+        world = make_world(str(run.config.get("world", "hand")), self.drawn, 0.02)
+        try:
+            self._model: mujoco.MjModel = getattr(world, "model")  # noqa: B009
+        finally:
+            world.close()
+        self._data = mujoco.MjData(self._model)
+        self._places = np.stack([states[name] for name in states if name.startswith("q")], axis=1)
+        if self._places.shape[1] != self._model.nq:
+            raise InputError(str(run.path), "states.csv", f"{self._places.shape[1]} joint positions",
+                             f"the {self._model.nq} of its world")
+        camera = CameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG)
+        groups = (0, 1, 2) if world.name == "hand" else (0, 1)
+        self._camera = RayCamera(self._model, camera, look_at(eye, target), {}, groups=groups, colours=True)
+
+    def at(self, t: float) -> Image:
+        """The picture of the last state until `t`, Shape=(H, W, 3) RGB."""
+        row = max(0, int(np.searchsorted(self.times, t + 1e-6)) - 1)
+        self._data.qpos[:] = self._places[row]
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+        picture = self._camera.take(self._data).rgb
+        assert picture is not None
+        return picture
+
+
+def trial(run: RunFolder) -> Drawn:
+    """The trial of a run, drawn again.
+
+    Raises:
+        InputError: The run holds no task, or no seed.
+    """
+    path = Path(run.path) / "task.yaml"
+    seed = run.config.get("seed")
+    if not path.is_file() or not isinstance(seed, int):
+        raise InputError(str(run.path), "", "no task.yaml and seed", "the folder of a contact run")
+    return draw(load_task(path), seed)
