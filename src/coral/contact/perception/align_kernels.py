@@ -6,7 +6,7 @@ and that no other part hides take part. Two residuals are minimised by Gauss-New
 * depth: measured minus drawn point along the drawn normal (point-to-plane, projective association; Chen & Medioni
   1992, Newcombe et al. 2011), where both the object's mask and its drawing are;
 * outline: signed distance (pixels, times depth over focal length) from a drawn outline to the mask, which draws
-  outlines in from free space and out to uncovered mask; an outline behind something nearer is not counted.
+  outlines in from free space and out to uncovered mask; an outline behind the robot or anything nearer does not count.
 """
 
 from __future__ import annotations
@@ -22,6 +22,12 @@ from coral.contact.perception.raycast_kernels import render
 
 AGREE, WRONG, UNCOVERED, FREE, HIDDEN, DRAWN, RESIDUAL = 0, 1, 2, 3, 4, 5, 6
 """What `count` writes."""
+ROBOT, BESIDE = 1, 2
+"""What `cover` holds."""
+_LEVER = 0.03
+"""A turn by 1 rad weighs as a shift by this (m): about the arm at which a small object's points turn."""
+NEARER = 0.012
+"""What is nearer than the object by more than this (m) hides it: six standard deviations of depth at 1 m."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -29,8 +35,8 @@ def align(
     turn: NDArray[np.float64], shift: NDArray[np.float64], pivot: NDArray[np.float64],
     kind: NDArray[np.int64], center: NDArray[np.float64], rotation: NDArray[np.float64], size: NDArray[np.float64],
     first: NDArray[np.int64], number: NDArray[np.int64], triangles: NDArray[np.float64],
-    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], lens: NDArray[np.float64],
-    iterations: int, wide: float, tight: float, outline: float,
+    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], cover: NDArray[np.uint8],
+    lens: NDArray[np.float64], iterations: int, wide: float, tight: float, outline: float, hold: float,
 ) -> int:
     """Improve a pose; returns the number of steps taken.
 
@@ -48,18 +54,21 @@ def align(
         measured: Shape=(H, W) m, 0 where nothing was measured.
         mask: Shape=(H, W), where the object is seen.
         field: Shape=(H, W) pixels, distance to the mask; 0 and below inside.
+        cover: Shape=(H, W): `ROBOT` where the robot is seen, `BESIDE` in the mask where something that
+            hides the object is what bounds the mask.
         lens: Shape=(4,): fx, fy, cx, cy in pixels.
         iterations: Largest number of steps.
         wide: Depth residuals beyond this (m) do not count in the first step.
         tight: Nor beyond this in the last one.
         outline: Weight of an outline residual against a depth residual.
+        hold: Weight of the first guess, as so many depth residuals along every direction.
     """
     height, width = measured.shape
     depth = np.empty((height, width))
     solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
     normal = np.empty((height, width, 3))
     back, eye, middle = np.empty((3, 3)), np.empty(3), np.empty(3)
-    h, b = np.empty((6, 6)), np.empty(6)
+    h, b, gone = np.empty((6, 6)), np.empty(6), np.zeros(6)
     scale = wide
     for step in range(iterations):
         for i in range(3):
@@ -70,7 +79,11 @@ def align(
                 middle[i] += turn[i, j] * pivot[j]
         render(back, eye, lens, 0.02, 20.0, kind, center, rotation, size, first, number, triangles, depth, solid, face)
         normals(back, eye, lens, kind, center, rotation, size, triangles, depth, solid, face, normal)
-        _accumulate(middle, depth, normal, solid, measured, mask, field, lens, scale, outline, h, b)
+        _accumulate(middle, depth, normal, solid, measured, mask, field, cover, lens, scale, outline, h, b)
+        for i in range(6):
+            weight = hold if i > 2 else hold * _LEVER * _LEVER
+            h[i, i] += weight
+            b[i] -= weight * gone[i]
         if not _solve(h, b):
             return step
         spin = math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
@@ -78,6 +91,7 @@ def align(
         shrink = min(1.0, 0.35 / max(spin, 1e-12), 0.1 / max(move, 1e-12))
         for i in range(6):
             b[i] *= shrink
+            gone[i] += b[i]
         _apply(turn, shift, middle, b)
         scale = max(tight, 0.6 * scale)
         if spin < 5e-4 and move < 5e-5 and scale == tight:
@@ -88,8 +102,8 @@ def align(
 @njit(cache=True, error_model="numpy")
 def _accumulate(
     middle: NDArray[np.float64], depth: NDArray[np.float64], normal: NDArray[np.float64], solid: NDArray[np.int64],
-    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], lens: NDArray[np.float64],
-    scale: float, outline: float, h: NDArray[np.float64], b: NDArray[np.float64],
+    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], cover: NDArray[np.uint8],
+    lens: NDArray[np.float64], scale: float, outline: float, h: NDArray[np.float64], b: NDArray[np.float64],
 ) -> None:
     """Normal equations of both residuals for a small turn about `middle` and a small shift."""
     height, width = depth.shape
@@ -116,8 +130,10 @@ def _accumulate(
             if solid[v, u - 1] >= 0 and solid[v, u + 1] >= 0 and solid[v - 1, u] >= 0 and solid[v + 1, u] >= 0:
                 continue
             away = field[v, u]
-            if away > 0.0 and 0.0 < seen < z - 0.012:
+            if away > 0.0 and (cover[v, u] == ROBOT or 0.0 < seen < z - NEARER):
                 continue  # behind something nearer
+            if away <= 0.0 and cover[v, u] == BESIDE:
+                continue  # the mask would go on if that were not there
             gu, gv = 0.5 * (field[v, u + 1] - field[v, u - 1]), 0.5 * (field[v + 1, u] - field[v - 1, u])
             weight = outline / max(1.0, abs(away) / 4.0)
             # The residual is what the outline's point must move along the gradient, in metres at its depth.
@@ -148,8 +164,8 @@ def _solve(h: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
     total = h[3, 3] + h[4, 4] + h[5, 5]
     if total < 1.0:
         return False
-    for i in range(3):  # a turn weighs as a shift of 2 cm
-        h[i, i] += 1e-3 * total * 4e-4
+    for i in range(3):
+        h[i, i] += 1e-3 * total * _LEVER * _LEVER
         h[i + 3, i + 3] += 1e-3 * total
     for i in range(6):
         for j in range(i + 1):
@@ -208,8 +224,8 @@ def count(
     turn: NDArray[np.float64], shift: NDArray[np.float64],
     kind: NDArray[np.int64], center: NDArray[np.float64], rotation: NDArray[np.float64], size: NDArray[np.float64],
     first: NDArray[np.int64], number: NDArray[np.int64], triangles: NDArray[np.float64],
-    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], lens: NDArray[np.float64],
-    margin: float, tally: NDArray[np.float64],
+    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], cover: NDArray[np.uint8],
+    lens: NDArray[np.float64], margin: float, tally: NDArray[np.float64],
 ) -> None:
     """How well the object at a pose explains a picture.
 
@@ -226,6 +242,7 @@ def count(
         measured: Shape=(H, W).
         mask: Shape=(H, W).
         field: Shape=(H, W).
+        cover: Shape=(H, W).
         lens: Shape=(4,).
         margin: Depth (m) by which measured and drawn may differ and still agree.
         tally: Shape=(7,), written: pixels where depths agree, where they do not, where the mask is not covered, where
@@ -257,7 +274,7 @@ def count(
                         tally[RESIDUAL] += abs(difference) / margin
                     else:
                         tally[WRONG] += 1.0
-                elif seen > 0.0 and difference < -margin:
+                elif cover[v, u] == ROBOT or (seen > 0.0 and difference < -margin):
                     tally[HIDDEN] += 1.0
                 elif field[v, u] > 1.5:
                     tally[FREE] += 1.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import mujoco
 import numpy as np
@@ -12,12 +13,14 @@ from numpy.typing import NDArray
 
 from coral.contact.perception import raycast_kernels as kernels
 from coral.contact.perception.depth_noise import DepthNoise
+from coral.contact.perception.gl_colours import GlColours
 from coral.contact.perception.normal_kernels import normals
 from coral.contact.perception.shading import shade
 from coral.contact.perception.solids import from_mujoco
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
+Colours = Literal["none", "shaded", "opengl", "best"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,12 +121,16 @@ class RayCamera:
         instances: Name of the thing that a geom belongs to, by geom id; the others are seen without a name.
         groups: Geom groups that are drawn (MuJoCo draws 0 to 2 by default).
         noise: Of the depth and of the outlines; None takes perfect pictures.
-        colours: Whether to shade an RGB picture.
+        colours: Where an RGB picture comes from: "none", "shaded" by the rays, "opengl" by MuJoCo's renderer, or
+            "best": the renderer where it works, rays elsewhere.
+
+    Raises:
+        InputError: The scene holds what rays cannot draw, or OpenGL is asked for and does not work.
     """
 
     def __init__(
         self, model: mujoco.MjModel, cfg: CameraCfg, T_world_camera: Array, instances: Mapping[int, str], *,
-        groups: Iterable[int] = (0, 1, 2), noise: DepthNoise | None = None, colours: bool = False,
+        groups: Iterable[int] = (0, 1, 2), noise: DepthNoise | None = None, colours: Colours = "none",
     ) -> None:
         visible = np.isin(model.geom_group, list(groups)) & (model.geom_rgba[:, 3] > 0.0)
         self._geoms = np.flatnonzero(visible).astype(np.int64)
@@ -138,7 +145,15 @@ class RayCamera:
         known = {i: 1 + self.names.index(name) for i, name in instances.items()}
         # One entry more than there are geoms, for the pixels (-1) that see nothing.
         self._instance = np.array([*(known.get(int(i), 0) for i in self._geoms), 0], np.uint8)
-        self.cfg, self.T_world_camera, self.noise, self.colours = cfg, T_world_camera, noise, colours
+        self.cfg, self.T_world_camera, self.noise = cfg, T_world_camera, noise
+        self._gl: GlColours | None = None
+        if colours in ("opengl", "best"):
+            try:
+                self._gl = GlColours(model, cfg.width, cfg.height, groups)
+            except InputError:
+                if colours == "opengl":
+                    raise
+        self.colours = colours != "none"
         shape = (cfg.height, cfg.width)
         self._depth, self._solid, self._face = np.empty(shape), np.empty(shape, np.int64), np.empty(shape, np.int64)
 
@@ -162,7 +177,10 @@ class RayCamera:
             normals(turn, eye, lens, s.kind, center, rotation, s.size, s.triangles, depth, self._solid,
                             self._face, normal)
             if self.colours:
-                rgb = shade(normal, self._solid, self._rgb, lens)
+                if self._gl is not None:
+                    rgb = self._gl.take(data, self.T_world_camera, cfg.vfov_deg)
+                else:
+                    rgb = shade(normal, self._solid, self._rgb, lens)
             if self.noise is not None:
                 if rng is None:
                     raise ValueError("a camera with noise needs a random generator")

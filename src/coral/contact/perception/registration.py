@@ -64,7 +64,7 @@ def orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
 
 def register(
     model: ObjectModel, turns: Array, depth: NDArray[np.float32], mask: NDArray[np.bool_], lens: Array,
-    T_world_camera: Array, cfg: RegistrationCfg,
+    T_world_camera: Array, robot: NDArray[np.bool_], cfg: RegistrationCfg,
 ) -> Array:
     """T_camera_object of the best fit. Shape=(4, 4).
 
@@ -75,14 +75,15 @@ def register(
         mask: Shape=(H, W), where the object is seen; not empty, with some depth.
         lens: Shape=(4,).
         T_world_camera: Shape=(4, 4).
+        robot: Shape=(H, W), where the robot is seen.
         cfg: How.
     """
     size = box_of(mask, 0)
     extent = max(size[1] - size[0], size[3] - size[2])
     box = box_of(mask, max(4, extent // 4))
-    coarse = cut(depth, mask, lens, box, cfg.coarse_pixels)
+    coarse = cut(depth, mask, robot, lens, box, cfg.coarse_pixels)
     if not (coarse.mask & (coarse.depth > 0)).any():
-        coarse = cut(depth, mask, lens, box, 10**9)
+        coarse = cut(depth, mask, robot, lens, box, 10**9)
     start = _start(model, coarse)
     found: list[tuple[float, int, Array]] = []
     for turn in T_world_camera[:3, :3].T @ turns:
@@ -92,7 +93,7 @@ def register(
         pose = coarse.align(model, pose, cfg.coarse_steps, cfg.wide_m, cfg.tight_m, cfg.outline)
         found.append((misfit(coarse.count(model, pose, cfg.margin_m)), len(found), pose))
     found.sort(key=lambda item: item[:2])
-    fine = cut(depth, mask, lens, box, cfg.fine_pixels)
+    fine = cut(depth, mask, robot, lens, box, cfg.fine_pixels)
     best = (math.inf, np.eye(4))
     for _, _, pose in _distinct(found, cfg.kept):
         pose = fine.align(model, pose, cfg.fine_steps, 2 * cfg.tight_m, cfg.tight_m, cfg.outline)

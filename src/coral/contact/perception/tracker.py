@@ -18,7 +18,8 @@ class Estimate:
     """Where an object is held to be.
 
     Args:
-        T_world_object: Shape=(4, 4). While it is lost, where it was last seen.
+        T_world_object: Shape=(4, 4). While it is lost, where it was last seen; before it was ever found, where it was
+            expected.
         confidence: From 0, nothing fits, to 1.
         lost: Whether the pose is not to be relied on.
         visible: Share of the object's drawing that is seen.

@@ -22,12 +22,14 @@ class View:
         depth: Shape=(H, W) m, 0 where nothing was measured.
         mask: Shape=(H, W), where the object is seen.
         field: Shape=(H, W) pixels, distance to the mask; 0 on its rim, negative further inside.
+        cover: Shape=(H, W): `ROBOT` and `BESIDE` of `align_kernels`, else 0.
         lens: Shape=(4,): fx, fy, cx, cy of the cut-out in its own pixels.
     """
 
     depth: NDArray[np.float32]
     mask: NDArray[np.bool_]
     field: NDArray[np.float32]
+    cover: NDArray[np.uint8]
     lens: Array
 
     def count(self, model: ObjectModel, T_camera_object: Array, margin_m: float) -> Array:
@@ -35,7 +37,7 @@ class View:
         s, tally = model.solids, np.empty(7)
         turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
         kernels.count(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles, self.depth,
-                      self.mask, self.field, self.lens, margin_m, tally)
+                      self.mask, self.field, self.cover, self.lens, margin_m, tally)
         return tally
 
     def place(self, model: ObjectModel, T_camera_object: Array, rounds: int = 2) -> Array:
@@ -48,20 +50,31 @@ class View:
 
     def align(
         self, model: ObjectModel, T_camera_object: Array, iterations: int, wide_m: float, tight_m: float,
-        outline: float,
+        outline: float, hold: float = 0.0,
     ) -> Array:
         """The pose after some Gauss-Newton steps of `align_kernels.align`. Shape=(4, 4)."""
         s = model.solids
         turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
         kernels.align(turn, shift, model.pivot, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles,
-                      self.depth, self.mask, self.field, self.lens, iterations, wide_m, tight_m, outline)
+                      self.depth, self.mask, self.field, self.cover, self.lens, iterations, wide_m, tight_m, outline,
+                      hold)
         return _pose(turn, shift)
 
 
 def cut(
-    depth: NDArray[np.float32], mask: NDArray[np.bool_], lens: Array, box: tuple[int, int, int, int], pixels: int,
+    depth: NDArray[np.float32], mask: NDArray[np.bool_], robot: NDArray[np.bool_], lens: Array,
+    box: tuple[int, int, int, int], pixels: int,
 ) -> View:
-    """Columns and rows of `box` (left, right, top, bottom; ends excluded), every n-th: at most `pixels` remain."""
+    """Columns and rows of `box` (left, right, top, bottom; ends excluded), every n-th: at most `pixels` remain.
+
+    Args:
+        depth: Shape=(H, W) m, 0 where nothing was measured.
+        mask: Shape=(H, W), where the object is seen.
+        robot: Shape=(H, W), where the robot is seen.
+        lens: Shape=(4,): fx, fy, cx, cy in pixels.
+        box: What to cut out.
+        pixels: How many to keep.
+    """
     left, right, top, bottom = box
     step = 1
     while (right - left) * (bottom - top) > pixels * step * step:
@@ -69,10 +82,17 @@ def cut(
     part = np.ascontiguousarray(mask[top:bottom:step, left:right:step])
     seen = np.ascontiguousarray(depth[top:bottom:step, left:right:step], np.float32)
     inside = part.astype(np.uint8)
+    cover = (robot[top:bottom:step, left:right:step] & ~part).astype(np.uint8)
     field = cv2.distanceTransform(1 - inside, cv2.DIST_L2, 5)
     if not part.all():
-        field = np.where(part, 1.0 - cv2.distanceTransform(inside, cv2.DIST_L2, 5), field)
-    return View(seen, part, field.astype(np.float32),
+        within, nearest = cv2.distanceTransformWithLabels(inside, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+        field = np.where(part, 1.0 - within, field)
+        # Every pixel of the mask gets the one outside that is nearest: the robot, or something well before the object?
+        bound = np.zeros(int(nearest.max()) + 1, np.float32)
+        bound[nearest[~part]] = np.where(cover > 0, kernels.NEARER, np.where(seen > 0, seen, np.inf))[~part]
+        hidden = bound[nearest] < seen - kernels.NEARER
+        cover = np.where(part, kernels.BESIDE * hidden, kernels.ROBOT * cover).astype(np.uint8)
+    return View(seen, part, field.astype(np.float32), cover,
                 np.array([lens[0] / step, lens[1] / step, (lens[2] - left) / step, (lens[3] - top) / step]))
 
 

@@ -1,0 +1,97 @@
+"""Whether a pose can be relied on: how well it explains the picture it was taken from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Count, Fraction, Positive
+from coral.contact.perception import align_kernels as kernels
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.shapes import ObjectModel
+from coral.contact.perception.view import View, box_of, cut, project
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConfidenceCfg:
+    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md)."""
+
+    min_pixels: Count = 30
+    """With fewer pixels of depth in its mask an object is not seen."""
+    min_visible: Fraction = 0.08
+    """Share of the object's drawing below which it is covered; confidence falls off from twice this share."""
+    lost_below: Fraction = 0.6
+    """Confidence below which an object counts as lost: half covered by a pose 4 cm off still reaches 0.5."""
+    found_above: Fraction = 0.75
+    """Confidence above which it counts as found again."""
+    margin_m: Positive = 0.012
+    """Depths that differ by less agree: five standard deviations at 1 m."""
+    robot: str = "robot"
+    """Name of the robot in pictures, where the camera tells it apart: what it hides is then known to be hidden."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What to think of a pose.
+
+    Args:
+        confidence: From 0 to 1.
+        visible: Share of the object's drawing that is seen.
+        reason: "" where the pose can be relied on; else "not seen", "covered" or "does not fit".
+    """
+
+    confidence: float
+    visible: float
+    reason: str
+
+
+def unseen(frame: RgbdFrame, mask: NDArray[np.bool_], cfg: ConfidenceCfg) -> bool:
+    """Whether there is too little to look at.
+
+    Raises:
+        ValueError: The mask does not fit the picture.
+    """
+    if mask.shape != frame.depth.shape:
+        raise ValueError(f"mask of shape {mask.shape} for a picture of shape {frame.depth.shape}")
+    return int(np.count_nonzero(mask & (frame.depth > 0))) < cfg.min_pixels
+
+
+def robot_in(frame: RgbdFrame, cfg: ConfidenceCfg) -> NDArray[np.bool_]:
+    """Where the robot is seen, Shape=(H, W); nowhere, if the camera does not tell."""
+    return frame.mask(cfg.robot) if cfg.robot in frame.names else np.zeros(frame.depth.shape, bool)
+
+
+def view_of(
+    frame: RgbdFrame, mask: NDArray[np.bool_], model: ObjectModel, poses: list[Array], cfg: ConfidenceCfg, pixels: int,
+) -> View:
+    """The cut-out that holds the mask, and the object at some poses (T_camera_object)."""
+    points = model.points[::10]
+    corners = [project(points @ pose[:3, :3].T + pose[:3, 3], frame.lens) for pose in poses]
+    box = box_of(mask, 8, np.concatenate(corners))
+    return cut(frame.depth, mask, robot_in(frame, cfg), frame.lens, box, pixels)
+
+
+def judge(model: ObjectModel, view: View, pose: Array, cfg: ConfidenceCfg, needed: float) -> Verdict:
+    """What to think of a pose.
+
+    Args:
+        model: The object.
+        view: Where it is seen.
+        pose: T_camera_object, Shape=(4, 4).
+        cfg: How.
+        needed: Confidence that it takes.
+    """
+    tally = view.count(model, pose, cfg.margin_m)
+    seen = float(tally[kernels.AGREE] + tally[kernels.WRONG])
+    visible = seen / max(1.0, float(tally[kernels.DRAWN]))
+    total = seen + float(tally[kernels.UNCOVERED] + tally[kernels.FREE])
+    confidence = float(tally[kernels.AGREE]) / max(1.0, total)
+    confidence *= min(1.0, visible / max(1e-9, 2 * cfg.min_visible))
+    if visible < cfg.min_visible and confidence < needed:
+        hidden = float(tally[kernels.HIDDEN]) > 0.5 * float(tally[kernels.DRAWN])
+        return Verdict(confidence, visible, "covered" if hidden else "does not fit")
+    return Verdict(confidence, visible, "" if confidence >= needed else "does not fit")
