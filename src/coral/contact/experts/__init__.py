@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
-from coral.contact.experts import pick
+from coral.contact.experts import pick, wall
 from coral.contact.strategy import Strategy
 from coral.contact.task import Task
 from coral.errors import InputError
 
 Kind = Literal["expert", "expert-fsm"]
-_SINGLE = {"pick-box": pick.single}
-_FSM = {"pick-box": pick.fsm}
+_SINGLE = {"pick-box": pick.single, "flip-wall": wall.single}
+_FSM = {"pick-box": pick.fsm, "flip-wall": wall.fsm}
 
 
 def expert(task: Task, kind: Kind) -> Strategy:

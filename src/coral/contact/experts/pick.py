@@ -122,10 +122,11 @@ def fsm(task: Task) -> Strategy:
     def lost(now: Context) -> bool:
         return bool(off(now)[0, 0] > 0.04)
 
+    up = Guide(lambda now: now.ee_pos[0] + [0.0, 0.0, height], opening_m=0.0)
     return Strategy("pick, stages", (
         Stage("reach", reach, (over(name, 0.08), over(name)), until=reached),
         Stage("close", close, until=held, back=("reach", lost), sigma=0.5),
-        Stage("lift", lift, back=("reach", lost), sigma=0.7),
+        Stage("lift", lift, (up,), back=("reach", lost), sigma=0.7),
     ))
 
 

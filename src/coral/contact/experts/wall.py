@@ -1,0 +1,167 @@
+"""Flipping against a wall: push the box to it, lift the near end while pressing, stand it up, let go.
+
+The wall is in front: the box is pushed along +x, and its end that faces the hand comes up. Seen from the side, the near
+face's lower edge slides up the finger's face while the far face slides into the corner of wall and table. The finger's
+friction lifts; the wall pushes back at the height of the box, which is why a flat box is easy and a cube is not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.context import Context, Terms
+from coral.contact.geometry import from_rotvec, multiply, rotate
+from coral.contact.strategy import Guide, Stage, Strategy
+from coral.contact.task import Task
+from coral.contact.vocabulary import axis, dot, near, norm
+
+Array = NDArray[np.float64]
+DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+"""Palm down, fingers side by side along the world's y: two fingers abreast hold a pushed face square."""
+PAD_M = 0.010
+"""From the tool to the finger's forward face."""
+ABREAST_M = 0.03
+"""Opening at which the fingers push: wide enough to steer, narrower than the box."""
+
+
+def wall_face(state: Context) -> Array:
+    """x of the wall's near face."""
+    return np.asarray(state.wall_pos[..., 0] - state.wall_size[..., 0] / 2)
+
+
+def raised(state: Context, name: str) -> Array:
+    """Sine of the angle to which the near end is raised: 0 flat, 1 standing."""
+    return -axis(state[f"{name}_quat"], "x")[..., 2]
+
+
+def on_box(state: Context, name: str, along: float, up: float) -> Array:
+    """A point of the box in the world; -1 to 1 over its own length and height."""
+    half = state[f"{name}_size"] / 2
+    local = half * np.array([along, 0.0, up])
+    return state[f"{name}_pos"] + rotate(state[f"{name}_quat"], local)
+
+
+def behind(state: Context, name: str, gap_m: float = 0.0, height_m: float = 0.016) -> Array:
+    """Where the tool pushes a lying box: at its near face, just above the table."""
+    ahead = axis(state[f"{name}_quat"], "x")
+    point = on_box(state, name, -1.0, 0.0) - ahead * (PAD_M + gap_m)
+    point[..., 2] = height_m
+    return point
+
+
+def under(state: Context, name: str) -> Array:
+    """Where the tool lifts: the near face's lower edge on the finger's face, a little above the tip."""
+    return on_box(state, name, -1.0, -1.0) + np.array([-PAD_M, 0.0, 0.004])
+
+
+def square(state: Context, name: str | None = None) -> Array:
+    """How far the hand is from palm down with the fingers abreast of the box's near face (or of the wall)."""
+    ahead = np.array([1.0, 0.0, 0.0]) if name is None else axis(state[f"{name}_quat"], "x")
+    return 1 + axis(state.ee_quat, "z")[..., 2] + 3.0 * np.square(dot(axis(state.ee_quat, "y"), ahead))
+
+
+def _yawed(state: Context, name: str) -> Array:
+    ahead = axis(state[f"{name}_quat"], "x")[0, 0]
+    return np.asarray(multiply(from_rotvec([0, 0, float(np.arctan2(ahead[1], ahead[0]))]), DOWN))
+
+
+def single(task: Task) -> Strategy:
+    """One cost: be behind the box, bring it to the wall, and there raise its near end."""
+    name = task.objects[0].name
+
+    def cost(state: Context) -> Terms:
+        gap = np.clip(wall_face(state) - on_box(state, name, 1.0, 0.0)[..., 0], 0, None)
+        at_wall = near(gap, 0.03)
+        up = np.clip(raised(state, name), 0, 1)
+        return {
+            "reach": 10.0 * norm(state.ee_pos - under(state, name)) * (1 - near(1 - up, 0.1)),
+            "to the wall": 15.0 * gap * (1 - up),
+            "raise": -4.0 * at_wall * up,
+            "square": 1.0 * square(state),
+            "abreast": 10.0 * np.abs(state.gripper_target - ABREAST_M),
+            "gently": 0.01 * norm(state[f"{name}_hand_force"]),
+            "let go": 0.5 * near(1 - up, 0.05) * state[f"{name}_hand_contact"],
+        }
+
+    return Strategy("flip with wall, single stage", (
+        Stage("flip", cost, (Guide(lambda now: behind(now, name)[0], lambda now: _yawed(now, name), ABREAST_M),)),))
+
+
+def fsm(task: Task) -> Strategy:
+    """Get behind, push to the wall, raise, let go."""
+    name = task.objects[0].name
+
+    def reach(state: Context) -> Terms:
+        off = state.ee_pos - behind(state, name, 0.012)
+        over = np.clip(norm(off[..., :2]) - 0.015, 0, 0.05) / 0.05
+        return {
+            "reach": 12.0 * norm(off),
+            "come from above": 30.0 * over * np.clip(0.09 - state.ee_pos[..., 2], 0, 0.1),
+            "square": 4.0 * square(state, name),
+            "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
+            "leave alone": 0.2 * norm(state[f"{name}_hand_force"]),
+        }
+
+    def gap(state: Context) -> Array:
+        return np.clip(wall_face(state) - on_box(state, name, 1.0, 0.0)[..., 0], 0, None)
+
+    def push(state: Context) -> Terms:
+        return {
+            "behind": 10.0 * norm(state.ee_pos - behind(state, name)),
+            "to the wall": 12.0 * gap(state),
+            "straight": 3.0 * np.square(axis(state[f"{name}_quat"], "x")[..., 1]),
+            "square": 3.0 * square(state, name),
+            "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
+            "gently": 0.02 * norm(state[f"{name}_hand_force"]),
+            "calm": 0.5 * norm(state[f"{name}_vel"]),
+        }
+
+    def lift(state: Context) -> Terms:
+        force = state[f"{name}_hand_force"]
+        return {
+            "raise": 6.0 * (1 - raised(state, name)),
+            "stay under": 12.0 * norm((state.ee_pos - under(state, name))),
+            "at the wall": 10.0 * np.clip(wall_face(state) - on_box(state, name, 1.0, 1.0)[..., 0], 0, None),
+            "square": 2.0 * square(state),
+            "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
+            "press": 0.05 * np.abs(force[..., 0] - 6.0),
+            "calm": 0.2 * norm(state[f"{name}_vel"]),
+        }
+
+    def let_go(state: Context) -> Terms:
+        away = on_box(state, name, -1.0, -1.0) + np.array([-0.06, 0.0, 0.02])
+        return {
+            "away": 10.0 * norm(state.ee_pos - away),
+            "let go": 1.0 * state[f"{name}_hand_contact"],
+            "leave standing": 8.0 * (1 - raised(state, name)),
+            "square": 2.0 * square(state),
+            "calm": 0.3 * norm(state.ee_vel),
+        }
+
+    def in_place(now: Context) -> bool:
+        return bool(norm(now.ee_pos - behind(now, name, 0.012))[0, 0] < 0.015 and square(now, name)[0, 0] < 0.1)
+
+    def at_wall(now: Context) -> bool:
+        return bool(gap(now)[0, 0] < 0.006 and abs(axis(now[f"{name}_quat"], "x")[0, 0, 1]) < 0.1)
+
+    def lost(now: Context) -> bool:
+        off = now.ee_pos - behind(now, name)
+        return bool(raised(now, name)[0, 0] < 0.2 and norm(off)[0, 0] > 0.06)
+
+    def standing(now: Context) -> bool:
+        return bool(raised(now, name)[0, 0] > 0.985)
+
+    def fallen(now: Context) -> bool:
+        return bool(raised(now, name)[0, 0] < 0.5)
+
+    press = Guide(lambda now: under(now, name)[0] + np.array([0.005, 0.0, 0.03]), lambda now: DOWN, ABREAST_M)
+    return Strategy("flip with wall, stages", (
+        Stage("reach", reach, (Guide(lambda now: behind(now, name, 0.012)[0], lambda now: _yawed(now, name), ABREAST_M),
+                               Guide(lambda now: behind(now, name, 0.012, 0.1)[0], lambda now: _yawed(now, name),
+                                     ABREAST_M)), until=in_place),
+        Stage("push", push, (Guide(lambda now: behind(now, name, -0.02)[0], lambda now: _yawed(now, name), ABREAST_M),),
+              until=at_wall, back=("reach", lost), sigma=0.6),
+        Stage("lift", lift, (press,), until=standing, back=("reach", lost), sigma=0.6),
+        Stage("let go", let_go, back=("reach", fallen), sigma=0.6),
+    ))
