@@ -119,7 +119,9 @@ class Pilot:
         self.trigger.planner(self.plan.ok)
         if not self.plan.ok:
             self._emit("planner_failure", reason=self.plan.failure)
-        return (0.0, 0.0) if self.cfg.synchronous and self.pending else self.plan.command
+        if self.cfg.synchronous and self.pending:
+            return 0.0, 0.0
+        return self.traffic.held(self.plan.command, pose, self.belief.others)
 
     @property
     def pending(self) -> bool:

@@ -25,6 +25,9 @@ class TrafficCfg:
     """Added to its radius: it does not follow its plan exactly."""
     reach_m: NonNegative = 1.2
     """Farther from it than this nothing changes: beyond the hull and the proximity that the controller prices."""
+    hold_m: NonNegative = 0.15
+    """With less water than this between two hulls neither drives towards the other. The controller concedes a robot
+    that is within its margin already the way to leave, and by that leave one could creep up to another that waits."""
 
 
 class Traffic:
@@ -57,6 +60,21 @@ class Traffic:
             lower_to_path(self._own, cell_m, self.reserved(other, pose), other.radius_m + self.cfg.gap_m,
                           self.cfg.reach_m)
         return self._own
+
+    def held(self, command: tuple[float, float], pose: Pose, others: Sequence[Neighbour]) -> tuple[float, float]:
+        """The command, without its speed where it would bring this robot nearer to one that is close already.
+
+        Args:
+            command: Forward speed (m/s) and yaw rate (rad/s).
+            pose: Of this robot, whose hull is as wide as theirs.
+            others: What the other robots say.
+        """
+        for other in others:
+            east, north = other.pose.x - pose.x, other.pose.y - pose.y
+            close = math.hypot(east, north) < 2.0 * other.radius_m + self.cfg.hold_m
+            if close and command[0] * (math.cos(pose.theta) * east + math.sin(pose.theta) * north) > 0.0:
+                return 0.0, command[1]
+        return command
 
     def reserved(self, other: Neighbour, pose: Pose) -> NDArray[np.float64]:
         """Line that another robot's centre is about to follow, from where it is now. Shape=(N, 2), metres.
