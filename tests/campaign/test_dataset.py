@@ -22,6 +22,7 @@ def test_every_record_is_a_row_whatever_it_lacks(tmp_path):
     assert rows[2]["nested"] == '{"a": 2, "b": 1}'
     assert rows[0]["world"] == "w", "a result cannot pass itself off as another episode"
     assert {row["overrides"] for row in rows} == {'{"k": 1}'}
+    assert {row["setting"] for row in rows} == {"k=1"}
     assert [(row["status"], row["failure"]) for row in rows[2:]] == [("done", ""), ("failed", "ValueError: no")]
     assert {row["commit"] for row in rows} == {"abc"}
 

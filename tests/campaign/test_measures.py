@@ -1,6 +1,6 @@
 import pytest
 
-from coral.campaign.measures import difference_text, field, mean_text, number, select, time_to_count
+from coral.campaign.measures import difference_text, field, mean_interval_text, mean_text, number, select, time_to_count
 from coral.campaign.stats import Estimate
 
 
@@ -29,6 +29,12 @@ def test_a_mean_says_over_how_many_missions_it_is():
     assert mean_text([row(x=1), row(seed=1, x=None)], measure) == "1.0 (1/2)"
     assert mean_text([row(x=None)], measure) == "—"
     assert mean_text([], measure) == "not run"
+
+
+def test_a_mean_has_its_interval_where_there_is_one():
+    measure = field("x", "x", "x")
+    assert mean_interval_text([row(x=1), row("l2", x=3)], measure) == "2.0 [1.0, 3.0]"
+    assert mean_interval_text([row(x=1)], measure) == "1.0"
 
 
 @pytest.mark.parametrize(("estimate", "text"), [

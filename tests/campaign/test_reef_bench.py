@@ -1,12 +1,15 @@
+import contextlib
+import io
 import json
 import pickle
 
 import numpy as np
 import pytest
+import yaml
 
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
-from coral.commands.reef_bench import ReefBench, parse_sweep
+from coral.commands.reef_bench import ReefBench
 from coral.errors import InputError
 from coral.reef.world import Cluster, Oyster, ReefWorld, Start, save_world
 
@@ -72,8 +75,9 @@ def test_again_runs_nothing_and_collect_needs_no_grid(finished, puddle):
 @pytest.mark.parametrize(("fields", "complaint"), [
     ({"variants": "full,fulll"}, "--variant.*did you mean 'full'"), ({"worlds": "l9"}, "world: found"),
     ({"seeds": "2-1"}, "--seeds"), ({"advisors": "heuristix"}, "--advisors.*heuristic"), ({"jobs": 0}, "--jobs"),
-    ({"advisors": "desk"}, "answer by themselves"), ({"sweep": "time=1"}, "--sweep: time.*time_limit_s"),
-    ({"sweep": "time_limit_s=-1"}, "time_limit_s"), ({"sweep": "time_limit_s"}, "KEY=V1"),
+    ({"advisors": "desk"}, "answer by themselves"), ({"sweep": ("time=1",)}, "--sweep: time:.*'time_limit_s'"),
+    ({"sweep": ("curent=0.1",)}, "--sweep: curent:.*'current'"), ({"sweep": ("current=2",)}, "between 0 and 1 m/s"),
+    ({"sweep": ("time_limit_s=-1",)}, "time_limit_s"), ({"sweep": ("time_limit_s",)}, "KEY=V1"),
     ({"executor": "ray", "address": "here"}, "--address|not installed")])
 def test_bad_input_is_told_before_anything_runs(puddle, tmp_path, fields, complaint):
     with pytest.raises(InputError, match=complaint):
@@ -96,9 +100,49 @@ def test_a_folder_without_a_campaign_cannot_be_collected(tmp_path):
     assert not (tmp_path / "nothing").exists()
 
 
-def test_sweeps():
-    assert parse_sweep("a.b=1,x") == ({"a.b": 1}, {"a.b": "x"})
-    assert parse_sweep("") == ({},)
+@pytest.fixture(scope="module")
+def swept(puddle, tmp_path_factory):
+    out = tmp_path_factory.mktemp("sweep") / "out"
+    words = ["reef", "bench", "--worlds", str(puddle), "--variants", "full", "--quiet", "--json", "--mix",
+             "--cfg.time-limit-s", "2", "--sweep", "current=0.2", "--sweep", "visibility=3,2", "--out", str(out)]
+    with contextlib.redirect_stdout(io.StringIO()) as told:
+        assert main(words) == 0
+    return words, out, json.loads(told.getvalue())
+
+
+def test_a_sweep_changes_one_key_at_a_time_and_runs_the_nominal_setting_too(swept):
+    _, out, result = swept
+    assert (result["done"], result["failed"]) == (4, 0)
+    assert [row["setting"] for row in read_parquet(out / "results.parquet")] == [
+        "nominal", "current=0.2", "visibility=3", "visibility=2"]
+    assert [table["name"] for table in result["results"]][-2:] == ["Sweep", "Sweep, differences"]
+    for form in ("md", "tex", "html"):
+        assert "--sweep current=0.2 --sweep visibility=3,2" in (out / f"tables.{form}").read_text()
+    assert (out / "sweep.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_run_folder_holds_its_settings_resolved(swept):
+    _, out, _ = swept
+    found = set()
+    for folder in (out / "runs").iterdir():
+        world, cfg = (yaml.safe_load((folder / name).read_text()) for name in ("world.yaml", "config.yaml"))
+        noise = cfg["mission"]["simulator"]["noise"]
+        found.add((world["current"]["x_m_s"], noise["visibility_m"]))
+    assert found == {(0.0, None), (0.2, None), (0.0, 3.0), (0.0, 2.0)}
+
+
+def test_a_sweep_is_taken_up_and_extended(swept, capsys):
+    words, _, _ = swept
+    assert main([*words, "--sweep", "visibility=1"]) == 0
+    again = json.loads(capsys.readouterr().out)
+    assert (again["found"], again["ran"]) == (4, 1)
+
+
+def test_a_bench_without_a_sweep_has_no_table_and_no_figure_of_one(finished):
+    result, out = finished
+    assert result["sweep"] == ""
+    assert not (out / "sweep.png").exists()
+    assert "Sweep" not in (out / "tables.md").read_text()
 
 
 def test_what_workers_get_can_be_sent(puddle):

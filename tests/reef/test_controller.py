@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
+from coral.errors import InputError
 from coral.reef.controller import (
     NO_FEASIBLE,
     CostCfg,
@@ -367,3 +368,9 @@ def test_few_or_no_guided_samples(share):
     controls = planner._sample(np.zeros(6))
     assert np.all(np.abs(controls) <= 0.6)
     assert np.count_nonzero(np.abs(controls).sum(axis=(1, 2)) == 0.0) <= 1 + round(share * 20)
+
+
+def test_rollouts_that_do_not_suffice_for_their_shares_are_refused():
+    with pytest.raises(InputError, match="n_rollouts: found 20, expected at least 21"):
+        MppiCfg(n_rollouts=20, warm_fraction=0.95, guided_fraction=0.0)
+    MppiCfg(n_rollouts=20, warm_fraction=0.9, guided_fraction=0.0)

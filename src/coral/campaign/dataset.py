@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.campaign.store import write_whole
+from coral.campaign.sweep import setting_text
 from coral.errors import InputError
 
 Row = dict[str, Any]
@@ -21,7 +22,8 @@ def to_rows(records: Iterable[Mapping[str, Any]], about: Mapping[str, Any] | Non
     rows = []
     for record in records:
         spec = dict(record["spec"])
-        row: Row = {**spec, "overrides": json.dumps(spec["overrides"], sort_keys=True), "status": record["status"],
+        row: Row = {**spec, "overrides": json.dumps(spec["overrides"], sort_keys=True),
+                    "setting": setting_text(spec["overrides"]), "status": record["status"],
                     "failure": record.get("message", "")}
         row |= {name: json.dumps(value, sort_keys=True) if isinstance(value, dict) else value
                 for name, value in record.get("result", {}).items() if name not in row}

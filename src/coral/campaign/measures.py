@@ -90,6 +90,15 @@ def mean_text(rows: Sequence[Row], measure: Measure) -> str:
     return number(estimate.mean, measure.digits) + share
 
 
+def mean_interval_text(rows: Sequence[Row], measure: Measure) -> str:
+    """The mean as `mean_text` has it, with its interval: `97.1 [95.0, 99.0]`."""
+    estimate = mean(rows, measure)
+    if not estimate.count or math.isnan(estimate.low):
+        return mean_text(rows, measure)
+    low, high = (number(value, measure.digits) for value in (estimate.low, estimate.high))
+    return f"{mean_text(rows, measure)} [{low}, {high}]"
+
+
 def difference_text(estimate: Estimate, digits: int) -> str:
     """Such as `−3.1 [−5.0, −1.2]`, with `≈` in front where the interval holds zero."""
     if not estimate.count:

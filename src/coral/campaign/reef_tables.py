@@ -20,6 +20,8 @@ from coral.campaign.measures import (
     time_to_count,
 )
 from coral.campaign.spec import NO_ADVISOR
+from coral.campaign.sweep import setting_text
+from coral.campaign.sweep_tables import sweep_tables
 from coral.campaign.table import Table
 
 COVERAGE = field("coverage", "coverage (%)", "coverage", 100.0)
@@ -34,6 +36,9 @@ TABLE_I = ("dream", "pd", "full")
 TABLE_II = ("full", "no-verification", "no-centroid-selection", "rule-based", "no-trigger", "no-ddp", "no-topology")
 TABLE_III = ("L", "S", "O", "K", "E")
 REFERENCE = "full"
+SWEPT = (COVERAGE, COLLISIONS, MISSION_TIME, DISTANCE, CALLS, DEVIATIONS)
+DRAWN = (COVERAGE, COLLISIONS, MISSION_TIME)
+"""Of a sweep, in its tables and in its figure."""
 
 
 @cache
@@ -44,7 +49,9 @@ def paper() -> dict[str, Any]:
 
 
 def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
-    """All tables, once for each advisor and configuration among the rows.
+    """All tables, once for each advisor among the rows: the paper's of the nominal setting, then those of the sweep.
+
+    Without the nominal setting the paper's tables are made once for each setting that is there.
 
     Args:
         rows: Of the data set.
@@ -53,11 +60,18 @@ def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> 
     """
     advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
     tables = []
-    for overrides in dict.fromkeys(row["overrides"] for row in rows):
+    settings = list(dict.fromkeys(row["overrides"] for row in rows))
+    for overrides in ("{}",) if "{}" in settings else settings:
         for advisor in advisors:
             chosen = select(rows, advisor, overrides)
             if chosen:
                 tables += _tables(chosen, _source(rows, chosen, advisor, overrides, about, command), advisor)
+    for advisor in advisors:
+        chosen = [row for overrides in settings for row in select(rows, advisor, overrides)]
+        for variant in dict.fromkeys(row["variant"] for row in chosen):
+            own = [row for row in chosen if row["variant"] == variant]
+            tables += sweep_tables(own, SWEPT, f"{name(variant)}. Advisor: {called(advisor)}.",
+                                   _source(rows, own, advisor, None, about, command))
     return tables
 
 
@@ -194,18 +208,19 @@ def called(advisor: str) -> str:
     return advisor
 
 
-def _source(rows: Sequence[Row], chosen: Sequence[Row], advisor: str, overrides: str, about: Mapping[str, Any],
+def _source(rows: Sequence[Row], chosen: Sequence[Row], advisor: str, overrides: str | None, about: Mapping[str, Any],
             command: str) -> tuple[str, ...]:
-    """Where the numbers of a table come from."""
+    """Where the numbers of a table come from; overrides None: from every setting, of the chosen rows' variants."""
+    variants = {row["variant"] for row in chosen}
     seeds = sorted({int(row["seed"]) for row in chosen})
     worlds = list(dict.fromkeys(str(row["world"]) for row in chosen))
     failed = [row for row in rows if row["status"] == "failed" and row["advisor"] in (advisor, NO_ADVISOR)
-              and row["overrides"] == overrides]
+              and (row["variant"] in variants if overrides is None else row["overrides"] == overrides)]
     versions = sorted({str(row.get("code")) for row in chosen})
     parts = [f"Worlds: {', '.join(worlds)}. Seeds: {', '.join(map(str, seeds))}. "
              f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), {about.get('machine', '?')}. "
              f"Made by: {command}"]
-    if overrides != "{}":
+    if overrides not in ("{}", None):
         parts.append(f"Configuration: {overrides}.")
     if len(versions) > 1:
         parts.append("Mixed: these missions ran on different versions of the code.")
@@ -219,4 +234,5 @@ def _source(rows: Sequence[Row], chosen: Sequence[Row], advisor: str, overrides:
 
 
 def _label(row: Row) -> str:
-    return f"{row['variant']} in {row['world']}, seed {row['seed']}"
+    setting = "" if row["overrides"] == "{}" else f", {setting_text(row['overrides'])}"
+    return f"{row['variant']} in {row['world']}, seed {row['seed']}{setting}"

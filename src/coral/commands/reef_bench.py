@@ -10,7 +10,9 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+import tyro
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
@@ -19,16 +21,18 @@ from coral.campaign.dataset import read_parquet, to_rows, write_parquet
 from coral.campaign.episode import Executor
 from coral.campaign.local import LocalExecutor
 from coral.campaign.progress import CampaignProgress
-from coral.campaign.reef_tables import REFERENCE, TABLE_I, reef_tables
+from coral.campaign.reef_tables import DRAWN, REFERENCE, TABLE_I, called, reef_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store, write_whole
+from coral.campaign.sweep import parse_sweeps
 from coral.campaign.table import Table, document
 from coral.campaign.version import code_version
-from coral.config import checked, merge, read_config, to_mapping
+from coral.config import checked, read_config, to_mapping
 from coral.errors import InputError, RunError
 from coral.reef.episode import run_episode
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
+from coral.reef.sweep import apply_setting
 from coral.reef.variants import apply_variant
 from coral.reef.world import ReefWorld, load_world, shipped_worlds
 from coral.runs import provenance
@@ -45,10 +49,10 @@ class ReefEpisode:
 
     def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
         """Run it."""
-        cfg = mission_of(spec, self.cfg)
+        cfg, world = mission_of(spec, self.cfg, self.worlds[spec.world])
         advisor = "heuristic" if spec.advisor == NO_ADVISOR else spec.advisor
         sees = not advisor.endswith("heuristic")
-        return run_episode(self.worlds[spec.world], cfg, folder, variant=spec.variant, advisor=advisor, seed=spec.seed,
+        return run_episode(world, cfg, folder, variant=spec.variant, advisor=advisor, seed=spec.seed,
                            model=self.model, draw=question_pictures if sees else None)
 
 
@@ -67,8 +71,9 @@ class ReefBench:
     """Numbers and ranges, such as 0-4 or 0,3,7-9."""
     advisors: str = "heuristic"
     """As for coral reef run, separated by commas."""
-    sweep: str = ""
-    """KEY=V1,V2,...: the whole grid once for each value of a configuration key."""
+    sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
+    """KEY=V1,V2,...: the whole grid as it is, and once more for each value. KEY: current, visibility, mask_errors,
+    depth_noise, pose_drift, or a key of the configuration. Given several times, each key is swept on its own."""
     jobs: int = 1
     """Missions at a time (executor local)."""
     executor: Literal["local", "ray"] = "local"
@@ -110,7 +115,7 @@ class ReefBench:
             with store.lock():
                 return self._collect(store, None)
         worlds = self._worlds()
-        specs = self._specs(tuple(worlds))
+        specs = self._specs(worlds)
         if self.jobs < 1:
             raise InputError("--jobs", "", self.jobs, "a number from 1 on")
         with store.lock():
@@ -127,13 +132,13 @@ class ReefBench:
         return "\n".join([
             (self.out / "tables.md").read_text(encoding="utf-8"),
             f"{result['done']} missions{failed if result['failed'] else ''}",
-            *(f"{name}: {result[name]}" for name in ("data", "tables", "figure") if result[name])])
+            *(f"{name}: {result[name]}" for name in ("data", "tables", "figure", "sweep") if result[name])])
 
     def _worlds(self) -> dict[str, ReefWorld]:
         names = shipped_worlds() if self.worlds == "all" else parse_names(self.worlds, "--worlds")
         return {name: load_world(name) for name in names}
 
-    def _specs(self, worlds: Sequence[str]) -> tuple[Spec, ...]:
+    def _specs(self, worlds: Mapping[str, ReefWorld]) -> tuple[Spec, ...]:
         variants = parse_names(self.variants, "--variants")
         alone = {variant for variant in variants if apply_variant(variant, self.cfg).decider != "advisor"}
         advisors = parse_names(self.advisors, "--advisors")
@@ -141,10 +146,10 @@ class ReefBench:
             if advisor.split(":")[-1] == "desk":
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
             make_advisor(advisor, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors")
-        specs = grid("reef", variants=variants, worlds=worlds, seeds=parse_seeds(self.seeds), advisors=advisors,
-                     alone=alone, overrides=parse_sweep(self.sweep))
+        specs = grid("reef", variants=variants, worlds=tuple(worlds), seeds=parse_seeds(self.seeds), advisors=advisors,
+                     alone=alone, overrides=parse_sweeps(self.sweep))
         for spec in {(spec.variant, spec.overrides): spec for spec in specs}.values():
-            mission_of(spec, self.cfg)  # a bad value is told now, not by every worker
+            mission_of(spec, self.cfg, worlds[spec.world])  # a bad value is told now, not by every worker
         return specs
 
     def _conditions(self, worlds: Mapping[str, ReefWorld]) -> dict[str, str]:
@@ -186,6 +191,7 @@ class ReefBench:
                 "failed": len(records) - len(done), "ran": summary.finished + summary.failed if summary else 0,
                 "found": summary.found if summary else len(records), "data": str(self.out / "results.parquet"),
                 "tables": str(self.out / "tables.md"), "figure": self._draw(store, done),
+                "sweep": self._draw_sweep(rows),
                 "results": [_as_json(table) for table in tables]}
 
     def _draw(self, store: Store, done: Sequence[Mapping[str, Any]]) -> str:
@@ -195,6 +201,7 @@ class ReefBench:
             return ""
         seed = min(spec.seed for spec in specs)
         advisor = next((spec.advisor for spec in specs if spec.advisor != NO_ADVISOR), NO_ADVISOR)
+        overrides = min((spec.overrides for spec in specs), key=len)  # the nominal setting where it is there
         there = list(dict.fromkeys(spec.variant for spec in specs))
         variants = [name for name in TABLE_I if name in there]
         variants = variants if len(variants) > 1 else there[:4]
@@ -203,7 +210,7 @@ class ReefBench:
         for variant in variants:
             for spec in specs:
                 if (spec.variant, spec.seed) == (variant, seed) and spec.advisor in (advisor, NO_ADVISOR) \
-                        and spec.overrides == specs[0].overrides and store.run_folder(spec).is_dir():
+                        and spec.overrides == overrides and store.run_folder(spec).is_dir():
                     runs.setdefault(Path(spec.world).stem, {})[variant] = store.run_folder(spec)
         if not runs:
             return ""
@@ -212,11 +219,25 @@ class ReefBench:
         draw_overlay(runs, self.out / "trajectories.png", seed=seed, advisor=advisor)
         return str(self.out / "trajectories.png")
 
+    def _draw_sweep(self, rows: Sequence[Mapping[str, Any]]) -> str:
+        """The sweep's figure under the first advisor, or "" where nothing was swept."""
+        from coral.campaign.sweep_figure import draw_sweep
+
+        done = [row for row in rows if row["status"] == "done"]
+        advisor = next((row["advisor"] for row in done if row["advisor"] != NO_ADVISOR), NO_ADVISOR)
+        variants: dict[str, list[Mapping[str, Any]]] = {}
+        for row in done:
+            if row["advisor"] in (advisor, NO_ADVISOR):
+                variants.setdefault(row["variant"], []).append(row)
+        worlds = ", ".join(dict.fromkeys(Path(row["world"]).stem for row in done))
+        drawn = draw_sweep(variants, DRAWN, self.out / "sweep.png", title=f"{worlds} · advisor {called(advisor)}")
+        return str(self.out / "sweep.png") if drawn else ""
+
     def _command(self) -> str:
         """The command that makes this campaign, without what does not change its results."""
         words = ["coral", "reef", "bench", "--variants", self.variants, "--worlds", self.worlds, "--seeds", self.seeds,
                  "--advisors", self.advisors]
-        words += ["--sweep", self.sweep] if self.sweep else []
+        words += [word for text in self.sweep for word in ("--sweep", text)]
         words += ["--config", str(self.config)] if self.config else []
         for prefix, now, default in (("cfg", self.cfg, MissionCfg()), ("model", self.model, ModelCfg())):
             words += [word for key, value in _changes(to_mapping(now), to_mapping(default), prefix)
@@ -224,39 +245,14 @@ class ReefBench:
         return shlex.join(words)
 
 
-def mission_of(spec: Spec, cfg: MissionCfg) -> MissionCfg:
-    """Configuration of a mission: the campaign's, the spec's changes, then its variant.
+def mission_of(spec: Spec, cfg: MissionCfg, world: ReefWorld) -> tuple[MissionCfg, ReefWorld]:
+    """Configuration and world of a mission: the campaign's, the spec's setting, then its variant.
 
     Raises:
         InputError: An unknown key or a bad value.
     """
-    for key, value in spec.overrides:
-        changes: Any = value
-        for part in reversed(key.split(".")):
-            changes = {part: changes}
-        cfg = merge(cfg, changes, "--sweep")
-    return checked(apply_variant(spec.variant, cfg), "--cfg")
-
-
-def parse_sweep(text: str) -> tuple[dict[str, Any], ...]:
-    """`KEY=V1,V2` as one mapping for each value; nothing swept is one empty mapping.
-
-    Raises:
-        InputError: There is no key or no value.
-    """
-    if not text:
-        return ({},)
-    key, _, rest = text.partition("=")
-    if not key.strip() or not rest.strip():
-        raise InputError("--sweep", "", repr(text), "KEY=V1,V2,..., such as time_limit_s=300,600")
-    return tuple({key.strip(): _value(word)} for word in parse_names(rest, "--sweep"))
-
-
-def _value(word: str) -> Any:
-    try:
-        return json.loads(word)
-    except ValueError:
-        return word
+    cfg, world = apply_setting(spec.overrides, cfg, world)
+    return checked(apply_variant(spec.variant, cfg), "--cfg"), world
 
 
 def _changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:

@@ -95,6 +95,9 @@ class MppiCfg:
         shares = self.warm_fraction + self.guided_fraction
         if shares > 0.95:
             raise InputError("controller", "warm_fraction + guided_fraction", f"{shares:g}", "at most 0.95 together")
+        taken = 2 + round(self.warm_fraction * self.n_rollouts) + round(self.guided_fraction * self.n_rollouts)
+        if taken > self.n_rollouts:  # two more stand still and repeat the previous plan
+            raise InputError("controller", "n_rollouts", self.n_rollouts, f"at least {taken} for these shares")
 
 
 @dataclass(frozen=True)

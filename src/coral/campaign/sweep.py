@@ -1,0 +1,42 @@
+"""One-at-a-time sweeps: the nominal setting, and each value of each swept key with all others nominal."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from coral.campaign.spec import parse_names
+from coral.errors import InputError
+
+NOMINAL = "nominal"
+"""Setting of an episode in which nothing is changed."""
+
+
+def parse_sweeps(texts: Iterable[str]) -> tuple[dict[str, Any], ...]:
+    """`KEY=V1,V2` as one mapping for each value, each once, after an empty one: the nominal setting.
+
+    Raises:
+        InputError: There is no key or no value.
+    """
+    settings: list[dict[str, Any]] = [{}]
+    for text in texts:
+        key, _, rest = (part.strip() for part in text.partition("="))
+        if not key or not rest:
+            raise InputError("--sweep", "", repr(text), "KEY=V1,V2,..., such as current=0.1,0.2")
+        settings += ({key: _value(word)} for word in parse_names(rest, "--sweep"))
+    return tuple(dict(pairs) for pairs in dict.fromkeys(tuple(setting.items()) for setting in settings))
+
+
+def setting_text(overrides: Mapping[str, Any] | str) -> str:
+    """Overrides of a spec, or the data set's column of them, in words: `current=0.2`, or `nominal`."""
+    changes: Mapping[str, Any] = json.loads(overrides) if isinstance(overrides, str) else overrides
+    return ", ".join(f"{key}={value}" for key, value in changes.items()) or NOMINAL
+
+
+def _value(word: str) -> Any:
+    """JSON where it is JSON, otherwise text. Infinities stay text, so that what takes numbers refuses them."""
+    try:
+        return json.loads(word, parse_constant=str)
+    except ValueError:
+        return word

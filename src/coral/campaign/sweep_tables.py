@@ -1,0 +1,65 @@
+"""What a sweep did to a mission: means for each setting, and paired differences from the nominal one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from coral.campaign.measures import Measure, Row, difference, difference_text, mean_interval_text, pair
+from coral.campaign.sweep import NOMINAL, setting_text
+from coral.campaign.table import Table
+
+BySetting = Mapping[str, Sequence[Row]]
+"""Setting to its finished missions."""
+FEW_WORLDS = 6
+"""Below this a bootstrap over worlds has too few different samples: three worlds make ten."""
+
+
+def by_setting(rows: Sequence[Row]) -> dict[str, list[Row]]:
+    """Rows of each setting, the nominal one first."""
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        found.setdefault(setting_text(row["overrides"]), []).append(row)
+    return {setting: found[setting] for setting in sorted(found, key=lambda setting: setting != NOMINAL)}
+
+
+def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str, notes: tuple[str, ...]) -> list[Table]:
+    """Two tables of one variant's missions under one advisor; none where nothing was swept.
+
+    Args:
+        rows: Finished missions of every setting.
+        measures: In the order of the columns.
+        caption: Which variant and advisor.
+        notes: Where the numbers come from.
+    """
+    settings = by_setting(rows)
+    worlds = len({row["world"] for row in rows})
+    if worlds < FEW_WORLDS:
+        notes = (f"{worlds} worlds are few to draw from: these intervals are narrower than they should be.", *notes)
+    if not set(settings) - {NOMINAL}:
+        return []
+    labels = [measure.label for measure in measures]
+    means = [(setting, str(len(found)), *(mean_interval_text(found, measure) for measure in measures))
+             for setting, found in settings.items()]
+    tables = [Table("Sweep", f"Means per mission under each setting. {caption}", ("setting", "missions", *labels),
+                    tuple(means), (_INTERVALS, *notes))]
+    nominal = settings.pop(NOMINAL, [])
+    if nominal:
+        lines, silent = [], []
+        for setting, found in settings.items():
+            estimates = [difference(found, nominal, measure) for measure in measures]
+            pairs = len({pair(row) for row in found} & {pair(row) for row in nominal})
+            lines.append((setting, str(pairs), *(difference_text(e, m.digits)
+                                                 for e, m in zip(estimates, measures, strict=True))))
+            if not any(estimate.tells for estimate in estimates):
+                silent.append(setting)
+        more = (f"No difference in any of these numbers could be shown for: {', '.join(silent)}.",) if silent else ()
+        tables.append(Table("Sweep, differences", f"Paired differences from the nominal setting. {caption}",
+                            ("setting", "pairs", *(f"Δ {label}" for label in labels)), tuple(lines),
+                            (_DIFFERENCES, *more, *notes)))
+    return tables
+
+
+_INTERVALS = ("One key is changed at a time; nominal: none. 95 % intervals from a seeded bootstrap that draws whole "
+              "worlds. (8/9): only 8 of 9 missions have that number.")
+_DIFFERENCES = ("Setting minus nominal in the same world with the same seed and advisor; 95 % intervals from the same "
+                "bootstrap. ≈: the interval holds zero, so these missions do not tell the difference from chance.")

@@ -1,0 +1,130 @@
+"""What a cost function may read: named quantities over a batch of rolled-out states.
+
+Every value is an array whose first two axes are rollout and time step, Shape=(K, H) for a number or a truth value and
+(K, H, n) for a vector; a quantity that does not change in a rollout has K = H = 1 and broadcasts. Frames: world, metres,
+z up, the table's top at z = 0. Quaternions are (w, x, y, z).
+
+The names are the same for expert costs, for programs that a model writes and for the reference page.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Terms = dict[str, Array]
+"""Named terms of a running cost, each broadcastable to Shape=(K, H); the cost of a state is their sum."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One name that a cost may read.
+
+    Args:
+        size: 0 for a number per state, n for a vector of n.
+        unit: SI unit, or "" where there is none.
+        text: What it is, in which frame.
+        truth: Whether it is a yes or no (0 or 1 in the array).
+        constant: Whether it stays the same during a rollout.
+    """
+
+    size: int
+    unit: str
+    text: str
+    truth: bool = False
+    constant: bool = False
+
+
+Schema = Mapping[str, Quantity]
+
+HAND: Schema = {
+    "ee_pos": Quantity(3, "m", "point midway between the two fingertips"),
+    "ee_quat": Quantity(4, "", "orientation of the hand; its z axis points out of the palm, its y axis along the fingers' opening"),
+    "ee_vel": Quantity(3, "m/s", "velocity of ee_pos"),
+    "ee_angvel": Quantity(3, "rad/s", "angular velocity of the hand, world axes"),
+    "gripper_opening": Quantity(0, "m", "distance between the finger pads, 0 to 0.08"),
+    "gripper_target": Quantity(0, "m", "commanded distance between the finger pads; below gripper_opening it squeezes"),
+    "ee_force": Quantity(3, "N", "force that everything touched exerts on the hand, world axes"),
+    "time": Quantity(0, "s", "time since the episode began"),
+    "current_step": Quantity(0, "", "control steps since the episode began"),
+    "last_action": Quantity(7, "", "what is commanded over this step: hand velocity (m/s), angular velocity (rad/s), "
+                                   "opening speed (m/s)"),
+}
+
+
+def object_quantities(name: str, points: Iterable[str] = (), fixtures: Iterable[str] = (), others: Iterable[str] = ()
+                      ) -> dict[str, Quantity]:
+    """The quantities of one movable object.
+
+    Args:
+        name: Its name in the task.
+        points: Named points on it, as `handle` on a board.
+        fixtures: Things that do not move and that it may touch, as `table` and `wall`.
+        others: Other movable objects that it may touch.
+    """
+    found = {
+        f"{name}_pos": Quantity(3, "m", f"centre of the {name}"),
+        f"{name}_quat": Quantity(4, "", f"orientation of the {name}"),
+        f"{name}_vel": Quantity(3, "m/s", f"velocity of the {name}"),
+        f"{name}_angvel": Quantity(3, "rad/s", f"angular velocity of the {name}, world axes"),
+        f"{name}_init_pos": Quantity(3, "m", f"{name}_pos when the episode began", constant=True),
+        f"{name}_init_quat": Quantity(4, "", f"{name}_quat when the episode began", constant=True),
+        f"{name}_size": Quantity(3, "m", f"full extents of the {name} along its own axes", constant=True),
+        f"{name}_mass": Quantity(0, "kg", f"believed mass of the {name}", constant=True),
+        f"{name}_friction": Quantity(0, "", f"believed friction coefficient of the {name}", constant=True),
+        f"{name}_hand_force": Quantity(3, "N", f"net contact force of the hand on the {name}, world axes"),
+        f"{name}_hand_contact": Quantity(0, "", f"whether the hand touches the {name}", truth=True),
+        f"{name}_left_contact": Quantity(0, "", f"whether the left finger touches the {name}", truth=True),
+        f"{name}_right_contact": Quantity(0, "", f"whether the right finger touches the {name}", truth=True),
+    }
+    for point in points:
+        found[f"{name}_{point}_pos"] = Quantity(3, "m", f"the {point} of the {name}")
+    for thing in (*fixtures, *others):
+        found[f"{name}_{thing}_contact"] = Quantity(0, "", f"whether the {name} touches the {thing}", truth=True)
+    return found
+
+
+class Context:
+    """A batch of states under their names; `state.box_pos` reads one."""
+
+    def __init__(self, values: Mapping[str, Array], shape: tuple[int, int]) -> None:
+        self._values = values
+        self.shape = shape
+
+    def __getattr__(self, name: str) -> Array:
+        try:
+            return self._values[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def __getitem__(self, name: str) -> Array:
+        return self._values[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._values
+
+    def names(self) -> list[str]:
+        """Everything that can be read."""
+        return sorted(self._values)
+
+
+class Cost(Protocol):
+    """A running cost over a batch of states (Eq. 5), as named terms."""
+
+    name: str
+
+    def __call__(self, state: Context) -> Terms:
+        """The terms of every state.
+
+        Raises:
+            CostError: The cost cannot be evaluated on this state.
+        """
+        ...
+
+
+Gains = Literal["stiff", "soft"]

@@ -1,0 +1,26 @@
+"""Costs written by hand for the six tasks: one stage each, and as finite-state machines (Table 1's expert baselines)."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from coral.contact.experts import pick
+from coral.contact.strategy import Strategy
+from coral.contact.task import Task
+from coral.errors import InputError
+
+Kind = Literal["expert", "expert-fsm"]
+_SINGLE = {"pick-box": pick.single}
+_FSM = {"pick-box": pick.fsm}
+
+
+def expert(task: Task, kind: Kind) -> Strategy:
+    """The hand-written strategy of a shipped task.
+
+    Raises:
+        InputError: Nobody has written one for this task.
+    """
+    table = _FSM if kind == "expert-fsm" else _SINGLE
+    if task.name not in table:
+        raise InputError("task", "name", task.name, f"one that an expert has written costs for: {', '.join(table)}")
+    return table[task.name](task)

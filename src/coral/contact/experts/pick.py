@@ -1,0 +1,131 @@
+"""Picking: come from above, close around the object, lift."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.context import Context, Terms
+from coral.contact.geometry import conjugate, multiply, rotate, rotation_of
+from coral.contact.strategy import Guide, Stage, Strategy
+from coral.contact.task import Task
+from coral.contact.vocabulary import axis, dot, near, norm
+
+Array = NDArray[np.float64]
+
+
+def across(state: Context, name: str) -> Array:
+    """How far (0 to 1) the fingers' opening is from standing square to the object's sides and to be level, from above."""
+    opening, palm = axis(state.ee_quat, "y"), axis(state.ee_quat, "z")
+    sides = rotation_of(state[f"{name}_quat"])
+    square = np.max(np.abs(np.einsum("...i,...ij->...j", opening, sides)), axis=-1)
+    return np.asarray((1 - square) + (1 + palm[..., 2]))
+
+
+def grasp_point(state: Context, name: str) -> Array:
+    """Where the tool should be: the object's centre, or 2 cm below its top where it is tall."""
+    point = state[f"{name}_pos"].copy()
+    point[..., 2] = np.maximum(point[..., 2], point[..., 2] + state[f"{name}_size"][..., 2] / 2 - 0.025)
+    return point
+
+
+def over(name: str, height_m: float = 0.0) -> Guide:
+    """Towards the grasp, opening square to the object's nearer side, fingers open."""
+    def turn(state: Context) -> Array:
+        return grasp_quaternion(state, name)
+
+    return Guide(lambda state: grasp_point(state, name)[0] + [0, 0, height_m], turn, 0.08)
+
+
+def grasp_quaternion(state: Context, name: str) -> Array:
+    """Orientation of a grasp from above that is nearest the hand's present one, Shape=(4,)."""
+    tool, body = state.ee_quat[0, 0], state[f"{name}_quat"][0, 0]
+    forward = rotation_of(body)
+    headings = [np.arctan2(side[1], side[0]) for side in forward.T if abs(side[2]) < 0.5]
+    candidates = []
+    for heading in headings:
+        for k in range(4):
+            angle = heading + k * np.pi / 2
+            candidates.append(multiply([np.cos(angle / 2), 0, 0, np.sin(angle / 2)], [0, 1.0, 0, 0]))
+    best = max(candidates, key=lambda q: abs(float(np.dot(q, tool))))
+    return np.asarray(best)
+
+
+def single(task: Task) -> Strategy:
+    """One cost: reach, and near the object close, and once held lift."""
+    name = task.objects[0].name
+    height = task.numbers.get("lift_height", 0.12)
+
+    def cost(state: Context) -> Terms:
+        distance = norm(state.ee_pos - grasp_point(state, name))
+        close = near(distance, 0.02)
+        held = state[f"{name}_left_contact"] * state[f"{name}_right_contact"]
+        lifted = np.clip(state[f"{name}_pos"][..., 2] - state[f"{name}_init_pos"][..., 2], 0, height)
+        return {
+            "reach": 12.0 * distance,
+            "square": 2.0 * across(state, name),
+            "open": 10.0 * (1 - close) * (0.08 - state.gripper_target),
+            "close": -2.0 * close * (1 - state.gripper_target / 0.08),
+            "hold": -1.5 * held,
+            "lift": -60.0 * held * lifted,
+            "calm": 0.05 * norm(state.ee_vel),
+        }
+
+    return Strategy("pick, single stage", (Stage("pick", cost, (over(name), over(name, 0.08))),))
+
+
+def fsm(task: Task) -> Strategy:
+    """Reach, close, lift; back to reaching when the object is lost."""
+    name = task.objects[0].name
+    height = task.numbers.get("lift_height", 0.12)
+
+    def off(state: Context) -> Array:
+        return norm(state.ee_pos - grasp_point(state, name))
+
+    def reach(state: Context) -> Terms:
+        rise = np.maximum(0.0, 0.09 - (state.ee_pos - grasp_point(state, name))[..., 2])
+        aside = norm((state.ee_pos - grasp_point(state, name))[..., :2])
+        return {
+            "reach": 12.0 * off(state),
+            "from above": 60.0 * np.clip(aside - 0.015, 0, 0.05) * rise / 0.05,
+            "square": 4.0 * across(state, name),
+            "open": 20.0 * (0.08 - state.gripper_target),
+            "leave alone": 3.0 * norm(state[f"{name}_vel"]),
+        }
+
+    def close(state: Context) -> Terms:
+        return {
+            "stay": 15.0 * off(state),
+            "square": 2.0 * across(state, name),
+            "close": 20.0 * state.gripper_target,
+            "hold": -1.0 * state[f"{name}_left_contact"] * state[f"{name}_right_contact"],
+        }
+
+    def lift(state: Context) -> Terms:
+        goal = state[f"{name}_init_pos"] + np.array([0, 0, height + 0.02])
+        return {
+            "lift": 10.0 * np.abs(state[f"{name}_pos"] - goal)[..., 2],
+            "stay over": 2.0 * norm((state[f"{name}_pos"] - goal)[..., :2]),
+            "hold": 20.0 * state.gripper_target + 6.0 * off(state),
+            "upright": 1.0 * (1 + axis(state.ee_quat, "z")[..., 2]),
+            "calm": 0.1 * norm(state.ee_vel),
+        }
+
+    def reached(now: Context) -> bool:
+        return bool(off(now)[0, 0] < 0.012 and across(now, name)[0, 0] < 0.05)
+
+    def held(now: Context) -> bool:
+        both = now[f"{name}_left_contact"] * now[f"{name}_right_contact"]
+        return bool(both[0, 0] > 0)
+
+    def lost(now: Context) -> bool:
+        return bool(off(now)[0, 0] > 0.04)
+
+    return Strategy("pick, stages", (
+        Stage("reach", reach, (over(name, 0.08), over(name)), until=reached),
+        Stage("close", close, until=held, back=("reach", lost), sigma=0.5),
+        Stage("lift", lift, back=("reach", lost), sigma=0.7),
+    ))
+
+
+__all__ = ["across", "conjugate", "dot", "fsm", "grasp_point", "grasp_quaternion", "over", "rotate", "single"]

@@ -1,0 +1,80 @@
+"""Rotations and the extents of objects. Quaternions are (w, x, y, z); arrays may have leading batch axes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def rotation_of(quaternion: ArrayLike) -> Array:
+    """Rotation matrices, Shape=(..., 3, 3), of unit quaternions, Shape=(..., 4)."""
+    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=float), -1, 0)
+    rows = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+            2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+            2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
+    return np.stack(rows, axis=-1).reshape(*w.shape, 3, 3)
+
+
+def quaternion_of(rotation: ArrayLike) -> Array:
+    """Unit quaternion, Shape=(4,), w >= 0, of one rotation matrix, Shape=(3, 3)."""
+    m = np.asarray(rotation, dtype=float)
+    # The eigenvector of the largest eigenvalue is exact for a rotation and the nearest one otherwise.
+    k = np.array([
+        [m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
+        [m[2, 1] - m[1, 2], m[0, 0] - m[1, 1] - m[2, 2], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]],
+        [m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], m[1, 1] - m[0, 0] - m[2, 2], m[1, 2] + m[2, 1]],
+        [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], m[2, 2] - m[0, 0] - m[1, 1]],
+    ])
+    q: Array = np.linalg.eigh(k)[1][:, -1]
+    return -q if q[0] < 0 else q
+
+
+def multiply(first: ArrayLike, second: ArrayLike) -> Array:
+    """Quaternion product, Shape=(..., 4): `second` applied first."""
+    a, b = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    aw, ax, ay, az = np.moveaxis(a, -1, 0)
+    bw, bx, by, bz = np.moveaxis(b, -1, 0)
+    return np.stack([aw * bw - ax * bx - ay * by - az * bz, aw * bx + ax * bw + ay * bz - az * by,
+                     aw * by - ax * bz + ay * bw + az * bx, aw * bz + ax * by - ay * bx + az * bw], axis=-1)
+
+
+def conjugate(quaternion: ArrayLike) -> Array:
+    """Inverse of unit quaternions, Shape=(..., 4)."""
+    return np.asarray(quaternion, dtype=float) * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def rotate(quaternion: ArrayLike, vector: ArrayLike) -> Array:
+    """Vectors, Shape=(..., 3), turned by unit quaternions, Shape=(..., 4)."""
+    q, v = np.asarray(quaternion, dtype=float), np.asarray(vector, dtype=float)
+    axis = q[..., 1:]
+    turn = 2.0 * np.cross(axis, v)
+    return np.asarray(v + q[..., :1] * turn + np.cross(axis, turn))
+
+
+def from_rotvec(rotvec: ArrayLike) -> Array:
+    """Unit quaternions, Shape=(..., 4), of rotation vectors (rad), Shape=(..., 3)."""
+    v = np.asarray(rotvec, dtype=float)
+    angle = np.linalg.norm(v, axis=-1, keepdims=True)
+    return np.concatenate([np.cos(angle / 2), v * (0.5 * np.sinc(angle / (2 * np.pi)))], axis=-1)
+
+
+def to_rotvec(quaternion: ArrayLike) -> Array:
+    """Shortest rotation vectors (rad), Shape=(..., 3), of unit quaternions, Shape=(..., 4)."""
+    q = np.asarray(quaternion, dtype=float)
+    q = np.where(q[..., :1] < 0, -q, q)
+    sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, q[..., :1])
+    return np.asarray(q[..., 1:] * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0))
+
+
+def from_rpy_deg(rpy: ArrayLike) -> Array:
+    """Unit quaternion of roll, pitch, yaw in degrees, z-y-x."""
+    roll, pitch, yaw = np.radians(np.asarray(rpy, dtype=float))
+    return multiply(from_rotvec([0, 0, yaw]), multiply(from_rotvec([0, pitch, 0]), from_rotvec([roll, 0, 0])))
+
+
+def angle_between(first: ArrayLike, second: ArrayLike) -> Array:
+    """Angles (rad, 0 to pi) between orientations, Shape=(...)."""
+    return np.asarray(np.linalg.norm(to_rotvec(multiply(conjugate(first), second)), axis=-1))

@@ -1,0 +1,47 @@
+"""Whether an episode has succeeded or can no longer succeed, by the world as it is."""
+
+from __future__ import annotations
+
+from coral.contact.draw import Drawn
+from coral.contact.world import Truth
+
+BELOW_TABLE_M = 0.03
+"""An object this far below the table's top has left the table or passed through it."""
+
+
+class Judge:
+    """Watches one episode.
+
+    Args:
+        drawn: The trial.
+    """
+
+    def __init__(self, drawn: Drawn) -> None:
+        self._drawn = drawn
+        self._success = drawn.task.success
+        self._watches = [condition.watch(drawn) for condition in self._success.conditions]
+        self._since: float | None = None
+        self.holding: tuple[bool, ...] = ()
+
+    def success(self, truth: Truth) -> bool:
+        """Whether all conditions have held long enough; to be shown every control step."""
+        self.holding = tuple(watch(truth) for watch in self._watches)
+        if not all(self.holding):
+            self._since = None
+            return False
+        if self._since is None:
+            self._since = truth.time_s
+        return truth.time_s - self._since >= self._success.hold_s - 1e-9
+
+    def failure(self, truth: Truth) -> str | None:
+        """Name of what can no longer be mended, or None."""
+        table = self._drawn.task.table
+        for name, body in truth.objects.items():
+            if self._drawn.lowest_point(name, body) > -BELOW_TABLE_M:
+                continue
+            over_table = all(abs(body.position[k] - table.center[k]) < table.size[k] / 2 for k in (0, 1))
+            if over_table and body.position[2] < 0:
+                return f"tunnelling: {name}"
+            if body.position[2] < -BELOW_TABLE_M - 0.1:
+                return f"dropped: {name}"
+        return None

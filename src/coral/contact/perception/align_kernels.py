@@ -1,0 +1,324 @@
+"""Alignment of a rendered object with what a camera measured, and how well the two agree.
+
+The object is drawn at the present guess by the ray caster of the camera, so that only the surfaces that face the camera
+and that no other part hides take part. Two residuals are minimised by Gauss-Newton steps:
+
+* depth: measured minus drawn point along the drawn normal (point-to-plane, projective association; Chen & Medioni
+  1992, Newcombe et al. 2011), where both the object's mask and its drawing are;
+* outline: signed distance (pixels, times depth over focal length) from a drawn outline to the mask, which draws
+  outlines in from free space and out to uncovered mask; an outline behind something nearer is not counted.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from coral.contact.perception.normal_kernels import normals
+from coral.contact.perception.raycast_kernels import render
+
+AGREE, WRONG, UNCOVERED, FREE, HIDDEN, DRAWN, RESIDUAL = 0, 1, 2, 3, 4, 5, 6
+"""What `count` writes."""
+
+
+@njit(cache=True, error_model="numpy")
+def align(
+    turn: NDArray[np.float64], shift: NDArray[np.float64], pivot: NDArray[np.float64],
+    kind: NDArray[np.int64], center: NDArray[np.float64], rotation: NDArray[np.float64], size: NDArray[np.float64],
+    first: NDArray[np.int64], number: NDArray[np.int64], triangles: NDArray[np.float64],
+    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], lens: NDArray[np.float64],
+    iterations: int, wide: float, tight: float, outline: float,
+) -> int:
+    """Improve a pose; returns the number of steps taken.
+
+    Args:
+        turn: Shape=(3, 3), object to camera; changed in place.
+        shift: Shape=(3,) m, likewise.
+        pivot: Shape=(3,) m, point of the object that steps turn about.
+        kind: As in `render`, as the six that follow; in the object's frame.
+        center: Shape=(N, 3).
+        rotation: Shape=(N, 3, 3).
+        size: Shape=(N, 3).
+        first: Shape=(N,).
+        number: Shape=(N,).
+        triangles: Shape=(M, 3, 3).
+        measured: Shape=(H, W) m, 0 where nothing was measured.
+        mask: Shape=(H, W), where the object is seen.
+        field: Shape=(H, W) pixels, distance to the mask; 0 and below inside.
+        lens: Shape=(4,): fx, fy, cx, cy in pixels.
+        iterations: Largest number of steps.
+        wide: Depth residuals beyond this (m) do not count in the first step.
+        tight: Nor beyond this in the last one.
+        outline: Weight of an outline residual against a depth residual.
+    """
+    height, width = measured.shape
+    depth = np.empty((height, width))
+    solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
+    normal = np.empty((height, width, 3))
+    back, eye, middle = np.empty((3, 3)), np.empty(3), np.empty(3)
+    h, b = np.empty((6, 6)), np.empty(6)
+    scale = wide
+    for step in range(iterations):
+        for i in range(3):
+            middle[i], eye[i] = shift[i], 0.0
+            for j in range(3):
+                back[i, j] = turn[j, i]
+                eye[i] -= turn[j, i] * shift[j]
+                middle[i] += turn[i, j] * pivot[j]
+        render(back, eye, lens, 0.02, 20.0, kind, center, rotation, size, first, number, triangles, depth, solid, face)
+        normals(back, eye, lens, kind, center, rotation, size, triangles, depth, solid, face, normal)
+        _accumulate(middle, depth, normal, solid, measured, mask, field, lens, scale, outline, h, b)
+        if not _solve(h, b):
+            return step
+        spin = math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
+        move = math.sqrt(b[3] * b[3] + b[4] * b[4] + b[5] * b[5])
+        shrink = min(1.0, 0.35 / max(spin, 1e-12), 0.1 / max(move, 1e-12))
+        for i in range(6):
+            b[i] *= shrink
+        _apply(turn, shift, middle, b)
+        scale = max(tight, 0.6 * scale)
+        if spin < 5e-4 and move < 5e-5 and scale == tight:
+            return step + 1
+    return iterations
+
+
+@njit(cache=True, error_model="numpy")
+def _accumulate(
+    middle: NDArray[np.float64], depth: NDArray[np.float64], normal: NDArray[np.float64], solid: NDArray[np.int64],
+    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], lens: NDArray[np.float64],
+    scale: float, outline: float, h: NDArray[np.float64], b: NDArray[np.float64],
+) -> None:
+    """Normal equations of both residuals for a small turn about `middle` and a small shift."""
+    height, width = depth.shape
+    h[:] = 0.0
+    b[:] = 0.0
+    row = np.empty(6)
+    for v in range(height):
+        q = (v - lens[3]) / lens[1]
+        for u in range(width):
+            if solid[v, u] < 0:
+                continue
+            p = (u - lens[2]) / lens[0]
+            z = depth[v, u]
+            seen = measured[v, u]
+            if mask[v, u] and seen > 0.0:
+                nx, ny, nz = normal[v, u, 0], normal[v, u, 1], normal[v, u, 2]
+                residual = (nx * p + ny * q + nz) * (seen - z)
+                ratio = residual / scale
+                if abs(ratio) < 1.0 and abs(seen - z) < 4.0 * scale:
+                    weight = (1.0 - ratio * ratio) ** 2  # Tukey
+                    _add(middle, p, q, z, nx, ny, nz, residual, weight, row, h, b)
+            if not (0 < u < width - 1 and 0 < v < height - 1):
+                continue
+            if solid[v, u - 1] >= 0 and solid[v, u + 1] >= 0 and solid[v - 1, u] >= 0 and solid[v + 1, u] >= 0:
+                continue
+            away = field[v, u]
+            if away > 0.0 and 0.0 < seen < z - 0.012:
+                continue  # behind something nearer
+            gu, gv = 0.5 * (field[v, u + 1] - field[v, u - 1]), 0.5 * (field[v + 1, u] - field[v - 1, u])
+            weight = outline / max(1.0, abs(away) / 4.0)
+            # The residual is what the outline's point must move along the gradient, in metres at its depth.
+            _add(middle, p, q, z, gu, gv, -gu * p - gv * q, -away * z / lens[0], weight, row, h, b)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _add(
+    middle: NDArray[np.float64], p: float, q: float, z: float, nx: float, ny: float, nz: float, residual: float,
+    weight: float, row: NDArray[np.float64], h: NDArray[np.float64], b: NDArray[np.float64],
+) -> None:
+    """One equation n . (turn x (point - middle) + shift) = residual."""
+    x, y, w = z * p - middle[0], z * q - middle[1], z - middle[2]
+    row[0], row[1], row[2] = y * nz - w * ny, w * nx - x * nz, x * ny - y * nx
+    row[3], row[4], row[5] = nx, ny, nz
+    for i in range(6):
+        b[i] += weight * row[i] * residual
+        for j in range(i + 1):
+            h[i, j] += weight * row[i] * row[j]
+
+
+@njit(cache=True, error_model="numpy")
+def _solve(h: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
+    """Solve h x = b into `b` by Cholesky; False where nothing was measured.
+
+    The damping leaves a direction that nothing observes, as the spin of a can, where it is.
+    """
+    total = h[3, 3] + h[4, 4] + h[5, 5]
+    if total < 1.0:
+        return False
+    for i in range(3):  # a turn weighs as a shift of 2 cm
+        h[i, i] += 1e-3 * total * 4e-4
+        h[i + 3, i + 3] += 1e-3 * total
+    for i in range(6):
+        for j in range(i + 1):
+            value = h[i, j]
+            for k in range(j):
+                value -= h[i, k] * h[j, k]
+            if i == j:
+                if value <= 0.0:
+                    return False
+                h[i, i] = math.sqrt(value)
+            else:
+                h[i, j] = value / h[j, j]
+    for i in range(6):
+        for k in range(i):
+            b[i] -= h[i, k] * b[k]
+        b[i] /= h[i, i]
+    for i in range(5, -1, -1):
+        for k in range(i + 1, 6):
+            b[i] -= h[k, i] * b[k]
+        b[i] /= h[i, i]
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def _apply(
+    turn: NDArray[np.float64], shift: NDArray[np.float64], middle: NDArray[np.float64], step: NDArray[np.float64],
+) -> None:
+    """Turn the pose about `middle` and shift it."""
+    angle = math.sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])
+    s = math.sin(angle) / angle if angle > 1e-12 else 1.0
+    c = (1.0 - math.cos(angle)) / (angle * angle) if angle > 1e-12 else 0.5
+    m = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            m[i, j] = c * step[i] * step[j]
+        m[i, i] += math.cos(angle)
+    m[0, 1] -= s * step[2]
+    m[0, 2] += s * step[1]
+    m[1, 0] += s * step[2]
+    m[1, 2] -= s * step[0]
+    m[2, 0] -= s * step[1]
+    m[2, 1] += s * step[0]
+    old = turn.copy()
+    arm = np.empty(3)
+    for i in range(3):
+        arm[i] = shift[i] - middle[i]
+    for i in range(3):
+        shift[i] = middle[i] + step[3 + i]
+        for j in range(3):
+            shift[i] += m[i, j] * arm[j]
+            turn[i, j] = m[i, 0] * old[0, j] + m[i, 1] * old[1, j] + m[i, 2] * old[2, j]
+
+
+@njit(cache=True, error_model="numpy")
+def count(
+    turn: NDArray[np.float64], shift: NDArray[np.float64],
+    kind: NDArray[np.int64], center: NDArray[np.float64], rotation: NDArray[np.float64], size: NDArray[np.float64],
+    first: NDArray[np.int64], number: NDArray[np.int64], triangles: NDArray[np.float64],
+    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], lens: NDArray[np.float64],
+    margin: float, tally: NDArray[np.float64],
+) -> None:
+    """How well the object at a pose explains a picture.
+
+    Args:
+        turn: As in `align`, as all that follow but the last two.
+        shift: Shape=(3,).
+        kind: Shape=(N,).
+        center: Shape=(N, 3).
+        rotation: Shape=(N, 3, 3).
+        size: Shape=(N, 3).
+        first: Shape=(N,).
+        number: Shape=(N,).
+        triangles: Shape=(M, 3, 3).
+        measured: Shape=(H, W).
+        mask: Shape=(H, W).
+        field: Shape=(H, W).
+        lens: Shape=(4,).
+        margin: Depth (m) by which measured and drawn may differ and still agree.
+        tally: Shape=(7,), written: pixels where depths agree, where they do not, where the mask is not covered, where
+            the object stands in free space, where something nearer hides it, where it is drawn; sum of |difference| /
+            margin over those that agree. A pixel on either side of an outline counts as neither uncovered nor free.
+    """
+    height, width = measured.shape
+    depth = np.empty((height, width))
+    solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
+    back, eye = np.empty((3, 3)), np.empty(3)
+    for i in range(3):
+        eye[i] = 0.0
+        for j in range(3):
+            back[i, j] = turn[j, i]
+            eye[i] -= turn[j, i] * shift[j]
+    render(back, eye, lens, 0.02, 20.0, kind, center, rotation, size, first, number, triangles, depth, solid, face)
+    tally[:] = 0.0
+    for v in range(height):
+        for u in range(width):
+            seen = measured[v, u]
+            if solid[v, u] >= 0:
+                tally[DRAWN] += 1.0
+                difference = seen - depth[v, u]
+                if mask[v, u]:
+                    if seen == 0.0:
+                        continue
+                    if abs(difference) < margin:
+                        tally[AGREE] += 1.0
+                        tally[RESIDUAL] += abs(difference) / margin
+                    else:
+                        tally[WRONG] += 1.0
+                elif seen > 0.0 and difference < -margin:
+                    tally[HIDDEN] += 1.0
+                elif field[v, u] > 1.5:
+                    tally[FREE] += 1.0
+            elif mask[v, u]:
+                near = False
+                for a in range(max(0, v - 1), min(height, v + 2)):
+                    for c in range(max(0, u - 1), min(width, u + 2)):
+                        near = near or solid[a, c] >= 0
+                if not near:
+                    tally[UNCOVERED] += 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def place(
+    turn: NDArray[np.float64], shift: NDArray[np.float64],
+    kind: NDArray[np.int64], center: NDArray[np.float64], rotation: NDArray[np.float64], size: NDArray[np.float64],
+    first: NDArray[np.int64], number: NDArray[np.int64], triangles: NDArray[np.float64],
+    measured: NDArray[np.float32], mask: NDArray[np.bool_], lens: NDArray[np.float64], rounds: int,
+) -> None:
+    """Shift an object until the centre and the mean depth of its drawing are those of the mask; `shift` is changed.
+
+    Args:
+        turn: As in `align`, as all that follow but the last.
+        shift: Shape=(3,).
+        kind: Shape=(N,).
+        center: Shape=(N, 3).
+        rotation: Shape=(N, 3, 3).
+        size: Shape=(N, 3).
+        first: Shape=(N,).
+        number: Shape=(N,).
+        triangles: Shape=(M, 3, 3).
+        measured: Shape=(H, W).
+        mask: Shape=(H, W).
+        lens: Shape=(4,).
+        rounds: Number of drawings.
+    """
+    height, width = measured.shape
+    depth = np.empty((height, width))
+    solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
+    back, eye = np.empty((3, 3)), np.empty(3)
+    for _ in range(rounds):
+        for i in range(3):
+            eye[i] = 0.0
+            for j in range(3):
+                back[i, j] = turn[j, i]
+                eye[i] -= turn[j, i] * shift[j]
+        render(back, eye, lens, 0.02, 20.0, kind, center, rotation, size, first, number, triangles, depth, solid, face)
+        mu, mv, mz, m, mn = 0.0, 0.0, 0.0, 0.0, 0.0
+        du, dv, dz, d = 0.0, 0.0, 0.0, 0.0
+        for v in range(height):
+            for u in range(width):
+                if mask[v, u]:
+                    mu, mv, mn = mu + u, mv + v, mn + 1.0
+                    if measured[v, u] > 0.0:
+                        mz, m = mz + measured[v, u], m + 1.0
+                if solid[v, u] >= 0:
+                    du, dv, dz, d = du + u, dv + v, dz + depth[v, u], d + 1.0
+        if m == 0.0 or d == 0.0:
+            return
+        z = mz / m
+        ratio = z / (dz / d)
+        shift[2] += z - dz / d
+        shift[0] = shift[0] * ratio + (mu / mn - du / d) / lens[0] * z
+        shift[1] = shift[1] * ratio + (mv / mn - dv / d) / lens[1] * z

@@ -1,0 +1,105 @@
+"""Unit normals of what `raycast_kernels.render` drew."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from coral.contact.perception.raycast_kernels import BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE
+
+
+@njit(cache=True, error_model="numpy")
+def normals(
+    turn: NDArray[np.float64],
+    eye: NDArray[np.float64],
+    lens: NDArray[np.float64],
+    kind: NDArray[np.int64],
+    center: NDArray[np.float64],
+    rotation: NDArray[np.float64],
+    size: NDArray[np.float64],
+    triangles: NDArray[np.float64],
+    depth: NDArray[np.float64],
+    solid: NDArray[np.int64],
+    face: NDArray[np.int64],
+    normal: NDArray[np.float64],
+) -> None:
+    """Unit normals of what `render` drew, towards the camera, in the camera frame.
+
+    Args:
+        turn: As in `render`, as all others but the last.
+        eye: Shape=(3,).
+        lens: Shape=(4,).
+        kind: Shape=(N,).
+        center: Shape=(N, 3).
+        rotation: Shape=(N, 3, 3).
+        size: Shape=(N, 3).
+        triangles: Shape=(M, 3, 3).
+        depth: Shape=(H, W).
+        solid: Shape=(H, W).
+        face: Shape=(H, W).
+        normal: Shape=(H, W, 3), written; 0 where nothing is seen.
+    """
+    height, width = depth.shape
+    h = np.empty(3)
+    n = np.empty(3)
+    for v in range(height):
+        for u in range(width):
+            i = solid[v, u]
+            for k in range(3):
+                normal[v, u, k] = 0.0
+            if i < 0:
+                continue
+            t = depth[v, u]
+            p, q = (u - lens[2]) / lens[0], (v - lens[3]) / lens[1]
+            for j in range(3):
+                h[j] = 0.0
+                for k in range(3):
+                    world = eye[k] - center[i, k] + t * (turn[k, 0] * p + turn[k, 1] * q + turn[k, 2])
+                    h[j] += rotation[i, k, j] * world
+                n[j] = 0.0
+            _normal(kind[i], h, size[i], triangles, face[v, u], n)
+            length = math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+            for k in range(3):
+                for j in range(3):
+                    for a in range(3):
+                        normal[v, u, k] += turn[a, k] * rotation[i, a, j] * n[j]
+                normal[v, u, k] /= length
+            if normal[v, u, 0] * p + normal[v, u, 1] * q + normal[v, u, 2] > 0.0:  # a mesh seen from its back
+                for k in range(3):
+                    normal[v, u, k] = -normal[v, u, k]
+
+
+@njit(cache=True, error_model="numpy")
+def _normal(
+    kind: int, h: NDArray[np.float64], size: NDArray[np.float64], triangles: NDArray[np.float64], face: int,
+    n: NDArray[np.float64],
+) -> None:
+    """Normal of one solid at its surface point `h`, both in its own frame; of any length."""
+    if kind == PLANE:
+        n[2] = 1.0
+    elif kind == BOX:
+        best = 0
+        for k in range(1, 3):
+            if abs(h[k]) - size[k] > abs(h[best]) - size[best]:
+                best = k
+        n[best] = 1.0 if h[best] > 0.0 else -1.0
+    elif kind == CYLINDER:
+        if abs(h[2]) - size[1] > math.sqrt(h[0] * h[0] + h[1] * h[1]) - size[0]:
+            n[2] = 1.0 if h[2] > 0.0 else -1.0
+        else:
+            n[0], n[1] = h[0], h[1]
+    elif kind == CAPSULE:
+        n[0], n[1] = h[0], h[1]
+        n[2] = h[2] - min(max(h[2], -size[1]), size[1])
+    elif kind == MESH:
+        for k in range(3):
+            a, b = (k + 1) % 3, (k + 2) % 3
+            n[k] = ((triangles[face, 1, a] - triangles[face, 0, a]) * (triangles[face, 2, b] - triangles[face, 0, b])
+                    - (triangles[face, 1, b] - triangles[face, 0, b]) * (triangles[face, 2, a] - triangles[face, 0, a]))
+    else:
+        for k in range(3):
+            radius = size[0] if kind == SPHERE else size[k]
+            n[k] = h[k] / (radius * radius)

@@ -1,0 +1,133 @@
+"""Finding an object without knowing where it was: many orientations, aligned coarsely, the best of them finely."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.perception import align_kernels as kernels
+from coral.contact.perception.rotation import about, spread
+from coral.contact.perception.shapes import ObjectModel
+from coral.contact.perception.view import View, box_of, cut
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RegistrationCfg:
+    """Chosen by measurement on the six tasks' objects (docs/contact-perception.md); the paper uses a network."""
+
+    orientations: int = 240
+    """Spread over all; divided by the order of the symmetry group. FoundationPose starts from 252."""
+    headings: int = 12
+    """Of every side that the object may rest on; they cost little, and objects on tables do rest on their sides."""
+    coarse_pixels: int = 1600
+    """Of the cut-out in which all orientations are tried."""
+    coarse_steps: int = 5
+    kept: int = 8
+    """Orientations that are aligned finely."""
+    fine_pixels: int = 12000
+    fine_steps: int = 15
+    outline: float = 2.0
+    """Weight of an outline pixel against a depth pixel."""
+    wide_m: float = 0.04
+    tight_m: float = 0.01
+    margin_m: float = 0.012
+    """Depths that differ by less agree."""
+
+
+def orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
+    """Orientations in the world to try, without those that look like another. Shape=(n, 3, 3)."""
+    symmetry = model.symmetry
+    if symmetry.sphere:
+        return np.eye(3)[None]
+    sides = [about(np.array(a, float), t) for a, t in (
+        ((1, 0, 0), 0.0), ((1, 0, 0), math.pi / 2), ((1, 0, 0), math.pi), ((1, 0, 0), -math.pi / 2),
+        ((0, 1, 0), math.pi / 2), ((0, 1, 0), -math.pi / 2))]
+    headings = [about(np.array([0.0, 0.0, 1.0]), 2 * math.pi * k / cfg.headings) for k in range(cfg.headings)]
+    resting = [turn @ side for side in sides for turn in headings]
+    group = symmetry.members(12)[:, :3, :3]
+    kept: list[Array] = []
+    for number, turn in enumerate([*resting, *spread(cfg.orientations)]):
+        nearest = math.radians(14.0 if number < len(resting) else 24.0)
+        # tr(A^T B) = 1 + 2 cos(angle), for every kept orientation and every member of the group at once.
+        if kept:
+            closest = np.einsum("nij,gij->ng", np.array(kept), turn @ group).max()
+            if closest > 1.0 + 2.0 * math.cos(nearest):
+                continue
+        kept.append(turn)
+    return np.array(kept)
+
+
+def register(
+    model: ObjectModel, turns: Array, depth: NDArray[np.float32], mask: NDArray[np.bool_], lens: Array,
+    T_world_camera: Array, cfg: RegistrationCfg,
+) -> Array:
+    """T_camera_object of the best fit. Shape=(4, 4).
+
+    Args:
+        model: The object.
+        turns: Shape=(n, 3, 3), orientations in the world to try, as from `orientations`.
+        depth: Shape=(H, W) m, 0 where nothing was measured.
+        mask: Shape=(H, W), where the object is seen; not empty, with some depth.
+        lens: Shape=(4,).
+        T_world_camera: Shape=(4, 4).
+        cfg: How.
+    """
+    size = box_of(mask, 0)
+    extent = max(size[1] - size[0], size[3] - size[2])
+    box = box_of(mask, max(4, extent // 4))
+    coarse = cut(depth, mask, lens, box, cfg.coarse_pixels)
+    if not (coarse.mask & (coarse.depth > 0)).any():
+        coarse = cut(depth, mask, lens, box, 10**9)
+    start = _start(model, coarse)
+    found: list[tuple[float, int, Array]] = []
+    for turn in T_world_camera[:3, :3].T @ turns:
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = turn, start - turn @ model.pivot
+        pose = coarse.place(model, pose)
+        pose = coarse.align(model, pose, cfg.coarse_steps, cfg.wide_m, cfg.tight_m, cfg.outline)
+        found.append((misfit(coarse.count(model, pose, cfg.margin_m)), len(found), pose))
+    found.sort(key=lambda item: item[:2])
+    fine = cut(depth, mask, lens, box, cfg.fine_pixels)
+    best = (math.inf, np.eye(4))
+    for _, _, pose in _distinct(found, cfg.kept):
+        pose = fine.align(model, pose, cfg.fine_steps, 2 * cfg.tight_m, cfg.tight_m, cfg.outline)
+        score = misfit(fine.count(model, pose, cfg.margin_m))
+        if score < best[0]:
+            best = (score, pose)
+    return best[1]
+
+
+def misfit(tally: Array) -> float:
+    """Share of what is seen that a pose does not explain, from a tally of `align_kernels.count`; 0 is perfect.
+
+    What something nearer hides costs a little, lest the object hide behind the hand; so does depth that is off a bit.
+    """
+    bad = tally[kernels.WRONG] + tally[kernels.UNCOVERED] + tally[kernels.FREE]
+    total = tally[kernels.AGREE] + bad
+    if total == 0.0:
+        return math.inf
+    return float((bad + 0.5 * tally[kernels.RESIDUAL] + 0.1 * tally[kernels.HIDDEN]) / total)
+
+
+def _distinct(found: list[tuple[float, int, Array]], limit: int) -> list[tuple[float, int, Array]]:
+    """The best ones, leaving out those that came to the same pose as a better one."""
+    kept: list[tuple[float, int, Array]] = []
+    for item in found:
+        if all(np.abs(item[2] - other[2]).max() > 0.03 for other in kept):
+            kept.append(item)
+        if len(kept) == limit:
+            break
+    return kept
+
+
+def _start(model: ObjectModel, view: View) -> Array:
+    """Where the middle of the object is about: behind the middle of the mask's surface by a third of its size."""
+    rows, columns = np.nonzero(view.mask & (view.depth > 0))
+    z = float(np.median(view.depth[rows, columns])) + model.diameter / 6
+    pixel = np.array([columns.mean(), rows.mean()])
+    return np.append((pixel - view.lens[2:]) / view.lens[:2] * z, z)

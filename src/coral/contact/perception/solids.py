@@ -1,0 +1,159 @@
+"""What a ray can hit: primitive solids and meshes, as arrays for the ray caster."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.perception import raycast_kernels as kernels
+from coral.errors import InputError
+
+Array = NDArray[np.float64]
+KINDS = {"box": kernels.BOX, "cylinder": kernels.CYLINDER, "capsule": kernels.CAPSULE, "sphere": kernels.SPHERE,
+         "ellipsoid": kernels.ELLIPSOID}
+_DRAWN = (kernels.PLANE, kernels.MESH, *KINDS.values())
+
+
+@dataclass(frozen=True)
+class Solids:
+    """Solids in one frame.
+
+    Args:
+        kind: Shape=(N,), a mjtGeom.
+        center: Shape=(N, 3) m.
+        rotation: Shape=(N, 3, 3), solid to frame.
+        size: Shape=(N, 3) m, as MuJoCo's geom_size; for a mesh, half the extents of a box about its origin.
+        first: Shape=(N,), index of the first triangle of a mesh.
+        count: Shape=(N,), number of its triangles.
+        triangles: Shape=(M, 3, 3) m, corners in the frame of their solid.
+    """
+
+    kind: NDArray[np.int64]
+    center: Array
+    rotation: Array
+    size: Array
+    first: NDArray[np.int64]
+    count: NDArray[np.int64]
+    triangles: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
+
+
+@dataclass(frozen=True)
+class Part:
+    """A primitive of an object.
+
+    Args:
+        kind: "box", "cylinder", "capsule", "sphere" or "ellipsoid".
+        size: As MuJoCo's geom size: half extents; radius and half length; radius; semi-axes (m).
+        position: Shape=(3,) m, in the object's frame.
+        rotation: Shape=(3, 3), part to object.
+    """
+
+    kind: str
+    size: tuple[float, ...]
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: Array = field(default_factory=lambda: np.eye(3))
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise InputError("object", "kind", self.kind, f"one of {', '.join(KINDS)}")
+        wanted = {"sphere": 1, "cylinder": 2, "capsule": 2}.get(self.kind, 3)
+        if len(self.size) < wanted or not all(0.0 < s < 10.0 for s in self.size[:wanted]):
+            raise InputError("object", "size", self.size, f"{wanted} half extents between 0 and 10 m for a {self.kind}")
+
+
+def from_parts(parts: Iterable[Part]) -> Solids:
+    """Primitives in their object's frame."""
+    parts = tuple(parts)
+    if not parts:
+        raise InputError("object", "parts", "none", "at least one part")
+    size = np.array([(*p.size, 0.0, 0.0)[:3] for p in parts], float)
+    nothing = np.zeros(len(parts), np.int64)
+    return Solids(np.array([KINDS[p.kind] for p in parts], np.int64), np.array([p.position for p in parts], float),
+                  np.array([p.rotation for p in parts], float), size, nothing, nothing)
+
+
+def from_triangles(triangles: Array) -> Solids:
+    """One mesh. `triangles` is Shape=(M, 3, 3) m."""
+    return Solids(np.array([kernels.MESH]), np.zeros((1, 3)), np.eye(3)[None], np.abs(triangles).max((0, 1))[None],
+                  np.zeros(1, np.int64), np.array([len(triangles)]), np.ascontiguousarray(triangles, float))
+
+
+def from_mujoco(model: mujoco.MjModel, geoms: NDArray[np.int64]) -> Solids:
+    """The shapes of some geoms; `center` and `rotation` are only filled in by `posed`.
+
+    Raises:
+        InputError: A geom is a height field or a signed distance field.
+    """
+    kind = model.geom_type[geoms].astype(np.int64)
+    for i, k in zip(geoms, kind, strict=True):
+        if k not in _DRAWN:
+            raise InputError("scene", model.geom(i).name or f"geom {i}", f"geom type {k}",
+                             "a plane, primitive or mesh (the ray caster draws no height fields)")
+    size = model.geom_size[geoms].astype(float)
+    first, count = np.zeros(len(geoms), np.int64), np.zeros(len(geoms), np.int64)
+    corners: list[Array] = []
+    begin: dict[int, int] = {}
+    total = 0
+    for row, i in enumerate(geoms):
+        if kind[row] == kernels.MESH:
+            mesh = int(model.geom_dataid[i])
+            start, number = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
+            if mesh not in begin:
+                vertices = model.mesh_vert[model.mesh_vertadr[mesh]:][:model.mesh_vertnum[mesh]]
+                corners.append(vertices[model.mesh_face[start:start + number]].astype(float))
+                begin[mesh] = total
+                total += number
+            first[row], count[row] = begin[mesh], number
+            size[row] = np.abs(model.geom_aabb[i, :3]) + model.geom_aabb[i, 3:]
+    n = len(geoms)
+    return Solids(kind, np.zeros((n, 3)), np.zeros((n, 3, 3)), size, first, count,
+                  np.concatenate(corners) if corners else np.zeros((0, 3, 3)))
+
+
+def read_mesh(path: Path, scale: float = 1.0) -> Array:
+    """Triangles of an STL (binary or text) or OBJ file, Shape=(M, 3, 3) m.
+
+    Args:
+        path: The file.
+        scale: Metres per unit of the file: 0.001 for one in millimetres.
+
+    Raises:
+        InputError: It cannot be read, or holds no triangles.
+    """
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        raise InputError(str(path), "", error.strerror or str(error), "a readable STL or OBJ file") from None
+    try:
+        if path.suffix.lower() == ".obj":
+            triangles = _obj(raw.decode("utf-8"))
+        elif len(raw) >= 84 and len(raw) == 84 + 50 * int.from_bytes(raw[80:84], "little"):
+            layout = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
+            triangles = np.frombuffer(raw, layout, offset=84)["corners"].astype(float)
+        else:
+            words = [line.split()[1:4] for line in raw.decode("ascii").splitlines() if line.split()[:1] == ["vertex"]]
+            triangles = np.array(words, float).reshape(-1, 3, 3)
+    except (UnicodeDecodeError, ValueError, IndexError) as error:
+        raise InputError(str(path), "", f"broken mesh ({error})", "an STL or OBJ file") from None
+    if not len(triangles) or not np.isfinite(triangles).all():
+        raise InputError(str(path), "", "no finite triangles", "an STL or OBJ file with triangles")
+    return triangles * scale
+
+
+def _obj(text: str) -> Array:
+    vertices: list[list[float]] = []
+    faces: list[tuple[int, int, int]] = []
+    for line in text.splitlines():
+        words = line.split()
+        if words[:1] == ["v"]:
+            vertices.append([float(w) for w in words[1:4]])
+        elif words[:1] == ["f"]:
+            corner = [int(w.split("/")[0]) for w in words[1:]]
+            corner = [c - 1 if c > 0 else len(vertices) + c for c in corner]
+            faces += [(corner[0], corner[k], corner[k + 1]) for k in range(1, len(corner) - 1)]
+    return np.asarray(np.array(vertices, float).reshape(-1, 3)[np.array(faces, int).reshape(-1, 3)])

@@ -1,0 +1,153 @@
+"""Motions of an object that leave its shape as it is, and which of the equal poses to report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.geometry import quaternion_of
+from coral.contact.perception import rotation
+from coral.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """A group of rotations about one point of the object, as BOP declares them (Hodan et al., 2018).
+
+    Args:
+        rotations: Shape=(n, 3, 3), the finite ones, the identity first.
+        axis: Shape=(3,), unit axis of which every turn is one; None where there is none.
+        center: Shape=(3,) m, the point that all of them leave where it is.
+        sphere: Whether every rotation is one.
+    """
+
+    rotations: Array = field(default_factory=lambda: np.eye(3)[None])
+    axis: Array | None = None
+    center: Array = field(default_factory=lambda: np.zeros(3))
+    sphere: bool = False
+
+    def __post_init__(self) -> None:
+        r = self.rotations
+        if r.ndim != 3 or r.shape[1:] != (3, 3) or not len(r) or not np.allclose(r[0], np.eye(3), atol=1e-6):
+            raise InputError("object", "symmetry", f"shape {r.shape}", "rotation matrices, the identity first")
+        if not np.allclose(r @ r.transpose(0, 2, 1), np.eye(3), atol=1e-6):
+            raise InputError("object", "symmetry", "a matrix that is no rotation", "rotation matrices")
+
+    def members(self, steps: int = 36) -> Array:
+        """Transforms of the object onto itself, a continuous one in `steps` turns. Shape=(m, 4, 4)."""
+        turns = self.rotations
+        if self.sphere:
+            turns = rotation.spread(8 * steps)
+        elif self.axis is not None:
+            spins = np.array([rotation.about(self.axis, 2 * math.pi * k / steps) for k in range(steps)])
+            turns = (turns[:, None] @ spins[None]).reshape(-1, 3, 3)
+        transforms = np.tile(np.eye(4), (len(turns), 1, 1))
+        transforms[:, :3, :3] = turns
+        transforms[:, :3, 3] = self.center - turns @ self.center
+        return transforms
+
+    def nearest(self, pose: Array, reference: Array) -> Array:
+        """The pose among the equal ones whose orientation is nearest that of `reference`. Shape=(4, 4).
+
+        Args:
+            pose: Shape=(4, 4), object to any frame.
+            reference: Shape=(4, 4), object to the same frame.
+        """
+        if self.sphere:
+            best = pose[:3, :3].T @ reference[:3, :3]
+        else:
+            angles = []
+            turns = []
+            for turn in self.rotations:
+                if self.axis is not None:
+                    turn = turn @ rotation.about(self.axis, self._spin(pose[:3, :3] @ turn, reference[:3, :3]))
+                turns.append(turn)
+                angles.append(-float(np.trace(reference[:3, :3].T @ pose[:3, :3] @ turn)))
+            best = turns[int(np.argmin(angles))]
+        result = pose.copy()
+        result[:3, :3] = pose[:3, :3] @ best
+        result[:3, 3] = pose[:3, 3] + pose[:3, :3] @ (self.center - best @ self.center)
+        return result
+
+    def _spin(self, turn: Array, reference: Array) -> float:
+        """Angle about the axis that brings `turn` nearest `reference`: the twist of the rotation between them."""
+        assert self.axis is not None
+        q = quaternion_of(turn.T @ reference)
+        return 2.0 * math.atan2(float(q[1:] @ self.axis), float(q[0]))
+
+    def difference(self, pose: Array, truth: Array) -> tuple[float, float]:
+        """Distance (m) of the symmetry's centre and angle (rad) between two poses, modulo the symmetry."""
+        equal = self.nearest(pose, truth)
+        shift = equal[:3, :3] @ self.center + equal[:3, 3] - truth[:3, :3] @ self.center - truth[:3, 3]
+        return float(np.linalg.norm(shift)), rotation.angle(equal[:3, :3], truth[:3, :3])
+
+
+def of_kind(kind: str, extents: Array, center: Array | None = None) -> Symmetry:
+    """A declared symmetry along an object's own axes.
+
+    Args:
+        kind: "none", "box" (half turns about all axes), "square-box" (quarter turns about the odd one), "cube",
+            "cylinder" (about z, and end over end) or "sphere".
+        extents: Shape=(3,) m; the odd axis of a square box is the one whose extent differs most.
+        center: Shape=(3,) m, the point that stays where it is; the origin by default.
+    """
+    middle = np.zeros(3) if center is None else np.asarray(center, float)
+    axes = np.eye(3)
+    half = [rotation.about(a, math.pi) for a in axes]
+    if kind == "none":
+        return Symmetry(center=middle)
+    if kind == "sphere":
+        return Symmetry(center=middle, sphere=True)
+    if kind == "cylinder":
+        return Symmetry(np.stack([np.eye(3), half[0]]), axes[2], middle)
+    if kind == "box":
+        return Symmetry(np.stack([np.eye(3), *half]), None, middle)
+    quarter = [rotation.about(a, math.pi / 2) for a in axes]
+    if kind == "square-box":
+        odd = int(np.argmax(np.abs(extents - np.median(extents))))
+        return Symmetry(_generated([quarter[odd], half[(odd + 1) % 3]]), None, middle)
+    if kind == "cube":
+        return Symmetry(_generated(quarter), None, middle)
+    raise InputError("object", "symmetry", kind, "none, box, square-box, cube, cylinder or sphere")
+
+
+def _generated(by: list[Array]) -> Array:
+    """The finite group that some rotations generate, the identity first. Shape=(n, 3, 3)."""
+    group = [np.eye(3)]
+    for member in group:  # grows while it is walked
+        for turn in by:
+            new = np.rint(turn @ member)
+            if not any(np.array_equal(new, known) for known in group):
+                group.append(new)
+    return np.array(group)
+
+
+def of_shape(points: Array, distance: Callable[[Array], Array], tolerance_m: float = 0.001) -> Symmetry:
+    """The symmetry of a shape about the centre of its bounding box, among those along its own axes.
+
+    Args:
+        points: Shape=(n, 3) m, on the surface.
+        distance: Distance (m) of points, Shape=(n, 3), to the surface.
+        tolerance_m: How far a turned surface point may lie from the surface.
+    """
+    center = (points.max(0) + points.min(0)) / 2
+
+    def keeps(turn: Array) -> bool:
+        return float(distance((points - center) @ turn.T + center).max()) < tolerance_m
+
+    axes = np.eye(3)
+    # Turns that no finite group of these axes holds: one that keeps the shape means that all do.
+    free = [a for a in axes if keeps(rotation.about(a, 1.0)) and keeps(rotation.about(a, 2.4))]
+    if len(free) > 1:
+        return Symmetry(center=center, sphere=True)
+    if free:
+        flip = rotation.about(axes[(int(np.argmax(free[0])) + 1) % 3], math.pi)
+        return Symmetry(np.stack([np.eye(3), flip]) if keeps(flip) else np.eye(3)[None], free[0], center)
+    cube = _generated([rotation.about(a, math.pi / 2) for a in axes])
+    return Symmetry(np.array([turn for turn in cube if keeps(turn)]), None, center)

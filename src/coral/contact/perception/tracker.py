@@ -1,0 +1,53 @@
+"""What a pose tracker is: `register` finds an object, `track` follows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.perception.camera import RgbdFrame
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Where an object is held to be.
+
+    Args:
+        T_world_object: Shape=(4, 4). While it is lost, where it was last seen.
+        confidence: From 0, nothing fits, to 1.
+        lost: Whether the pose is not to be relied on.
+        visible: Share of the object's drawing that is seen.
+        reason: Why it is lost: "not seen", "covered", "does not fit"; "" otherwise.
+        registered: Whether the pose was found anew instead of followed from the last one.
+    """
+
+    T_world_object: Array
+    confidence: float
+    lost: bool = False
+    visible: float = 1.0
+    reason: str = ""
+    registered: bool = False
+
+
+class PoseTracker(Protocol):
+    """Finds and follows one object. The verbs are FoundationPose's."""
+
+    name: str
+
+    def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
+        """Find the object without knowing where it was.
+
+        Args:
+            frame: The picture.
+            mask: Shape=(H, W), where the object is seen in it.
+        """
+        ...
+
+    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
+        """Follow the object into the next picture; the arguments are those of `register`."""
+        ...

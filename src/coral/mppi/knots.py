@@ -1,0 +1,123 @@
+"""MPPI over spline knots: sample around the last plan, weigh by cost, average (Eqs. 4-6 of the CoRAL paper)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Count, NonNegative, Positive
+from coral.mppi.spline import Kind, shift
+from coral.mppi.weights import effective_sample_size, softmax_weights
+
+Array = NDArray[np.float64]
+Evaluate = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, kw_only=True)
+class KnotMppiCfg:
+    """The paper's sampler, with knots.
+
+    Args:
+        samples: K (paper, section 4).
+        temperature: lambda (paper, section 4), in units of the spread of the costs, so that it means the same for every cost.
+        knots: Values over the horizon that are sampled; between them the sequence is interpolated.
+        spline: How.
+        ramp: The noise's factor at the first and at the last knot: near actions are refined, far ones explored.
+        iterations: Sample-and-average rounds in one plan.
+        shrink: Factor on the noise from one iteration to the next.
+        spread_quantile: Costs above this quantile do not count for the spread: one mad rollout must not flatten the others.
+    """
+
+    samples: Count = 200
+    temperature: Positive = 0.1
+    knots: Count = 6
+    spline: Kind = "linear"
+    ramp: tuple[NonNegative, NonNegative] = (0.4, 1.4)
+    iterations: Count = 1
+    shrink: Positive = 0.6
+    spread_quantile: Positive = 0.9
+
+
+@dataclass(frozen=True)
+class Update:
+    """One plan.
+
+    Args:
+        knots: Shape=(n, nu), the weighted mean.
+        sampled: Shape=(K, n, nu) of the last iteration; the first row is the plan before.
+        costs: Shape=(K,); inf where a rollout does not count.
+        weights: Shape=(K,).
+        effective_samples: 1 to K.
+        ok: False when no rollout counted, and the plan before was kept.
+    """
+
+    knots: Array
+    sampled: Array
+    costs: Array
+    weights: Array
+    effective_samples: float
+    ok: bool
+
+
+class KnotMppi:
+    """Keeps a plan of knots and betters it.
+
+    Args:
+        cfg: The sampler.
+        sigma: Shape=(nu,) standard deviation of each axis at ramp 1.
+        rng: Source of the noise.
+    """
+
+    def __init__(self, cfg: KnotMppiCfg, sigma: Array, rng: np.random.Generator) -> None:
+        self.cfg, self.sigma, self._rng = cfg, np.asarray(sigma, dtype=float), rng
+        self.knots = np.zeros((cfg.knots, self.sigma.size))
+
+    def sample(self, scale: float = 1.0) -> Array:
+        """Perturbed plans, Shape=(K, n, nu); the first is the plan itself."""
+        cfg = self.cfg
+        ramp = np.linspace(*cfg.ramp, cfg.knots)[:, None]
+        noise = self._rng.standard_normal((cfg.samples, *self.knots.shape)) * (scale * ramp * self.sigma)
+        noise[0] = 0.0
+        return np.asarray(self.knots + noise)
+
+    def improve(self, evaluate: Evaluate, proposals: Callable[[Array], Array] | None = None,
+                bound: Callable[[Array], Array] = lambda knots: knots) -> Update:
+        """One plan: sample, evaluate, average, `iterations` times over.
+
+        Args:
+            evaluate: Costs, Shape=(K,), of knots, Shape=(K, n, nu); inf or nan for what must not count.
+            proposals: Rewrites some of the samples, as towards points of contact.
+            bound: Makes sequences admissible.
+        """
+        update: Update | None = None
+        for iteration in range(self.cfg.iterations):
+            sampled = self.sample(self.cfg.shrink**iteration)
+            if proposals is not None:
+                sampled = proposals(sampled)
+            sampled = bound(sampled)
+            costs = np.asarray(evaluate(sampled), dtype=float)
+            costs = np.where(np.isfinite(costs), costs, np.inf)
+            weights = softmax_weights(costs, self.cfg.temperature * spread(costs, self.cfg.spread_quantile))
+            ok = bool(weights.any())
+            if ok:
+                self.knots = np.tensordot(weights, sampled, axes=1)
+            update = Update(self.knots.copy(), sampled, costs, weights, effective_sample_size(weights), ok)
+        assert update is not None
+        return update
+
+    def advance(self, by: float, span: float) -> None:
+        """Begin the plan `by` later (warm start)."""
+        self.knots = shift(self.knots, by, span, self.cfg.spline)
+
+
+def spread(costs: Array, quantile: float = 1.0) -> float:
+    """Standard deviation of the finite costs up to a quantile; 1 where there is none to speak of."""
+    finite = costs[np.isfinite(costs)]
+    if finite.size < 2:
+        return 1.0
+    kept = finite[finite <= np.quantile(finite, quantile)] if quantile < 1 else finite
+    deviation = float(kept.std())
+    return deviation if deviation > 1e-9 else 1.0
