@@ -20,12 +20,13 @@ from coral.errors import InputError
 class RunWriter:
     """Opens a new run folder and appends to it; every line is flushed, so a killed run keeps what it wrote."""
 
-    def __init__(self, folder: Path, columns: tuple[str, ...]) -> None:
+    def __init__(self, folder: Path, columns: tuple[str, ...], robots: int = 1) -> None:
         """Create `folder` (which must not hold anything yet).
 
         Args:
             folder: Where the run goes.
             columns: Header of trajectory.csv.
+            robots: How many have a trajectory: trajectory.csv, trajectory_1.csv, ...
 
         Raises:
             InputError: The folder holds something already, or cannot be written.
@@ -36,19 +37,21 @@ class RunWriter:
             if any(folder.iterdir()):
                 raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
             self._events: IO[str] = open(folder / "events.jsonl", "x", encoding="utf-8", buffering=1)  # noqa: SIM115
-            self._rows: IO[str] = open(folder / "trajectory.csv", "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+            self._rows: list[IO[str]] = [
+                open(folder / trajectory_name(k), "x", encoding="utf-8", buffering=1) for k in range(robots)]  # noqa: SIM115
         except OSError as error:
             raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
-        self._rows.write(",".join(columns) + "\n")
+        for rows in self._rows:
+            rows.write(",".join(columns) + "\n")
 
     def event(self, step: int, t: float, event: str, **fields: Any) -> None:
         """Append one event."""
         line = {"step": step, "t": round(t, 6), "event": event, **fields}
         self._events.write(json.dumps(line, allow_nan=False, default=float) + "\n")
 
-    def row(self, *values: float | int | str) -> None:
-        """Append one row of the trajectory."""
-        self._rows.write(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values) + "\n")
+    def row(self, *values: float | int | str, robot: int = 0) -> None:
+        """Append one row of a robot's trajectory."""
+        self._rows[robot].write(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values) + "\n")
 
     def yaml(self, name: str, content: Mapping[str, Any]) -> None:
         """Write a YAML file beside the log."""
@@ -73,7 +76,13 @@ class RunWriter:
     def close(self) -> None:
         """Close the logs; writing a finished file after this is still allowed."""
         self._events.close()
-        self._rows.close()
+        for rows in self._rows:
+            rows.close()
+
+
+def trajectory_name(robot: int) -> str:
+    """File of a robot's trajectory in a run folder."""
+    return f"trajectory_{robot}.csv" if robot else "trajectory.csv"
 
 
 def new_run_folder(root: Path, name: str) -> Path:

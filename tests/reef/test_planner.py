@@ -9,6 +9,7 @@ from coral.reef.belief import Belief
 from coral.reef.camera import CameraCfg
 from coral.reef.chain import Component
 from coral.reef.costfield import CostFieldCfg
+from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Pose
 from coral.reef.mapping import OccupancyMap
 from coral.reef.planner import Goal, HighLevelPlanner, PlannerCfg
@@ -166,3 +167,26 @@ def test_walled_off_water_is_no_frontier():
     belief = belief_with([], explored=explored)
     belief.map.obstacle[:, 280:284] = True
     assert survey(belief, CostFieldCfg(), 1.0, SurveyCfg()).frontiers == ()
+
+
+def test_a_target_that_another_robot_has_taken_is_refused_with_a_reason():
+    belief = belief_with([(14.0, 10.0), (14.0, 12.5)])
+    planner = planner_for(belief)
+    index = {(t.x, t.y): t.index for t in belief.tracks}
+    belief.others = (Neighbour(pose=Pose(12.0, 8.0, 0.0), radius_m=0.3, goal=(14.0, 10.0),
+                               index=index[14.0, 10.0]),)
+    question = planner.observe(())
+    shown = {c["index"]: c["taken"] for c in question.facts["centroids"]}
+    assert shown == {index[14.0, 10.0]: True, index[14.0, 12.5]: False}
+    assert question.facts["others"] == [
+        {"forward_m": 2.0, "left_m": -2.0, "goal_forward_m": 4.0, "goal_left_m": 0.0}]
+    refusal = planner.verify(question, CentroidChoice(selected_centroid_index=index[14.0, 10.0]))
+    assert refusal.code == "taken"
+    assert "Another robot" in refusal.reason
+    assert planner.verify(question, CentroidChoice(selected_centroid_index=index[14.0, 12.5])) is None
+
+
+def test_alone_nothing_is_said_of_others():
+    question = planner_for(belief_with([(14.0, 10.0)])).observe(())
+    assert "others" not in question.facts
+    assert "taken" not in question.facts["centroids"][0]

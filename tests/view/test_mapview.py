@@ -1,9 +1,11 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from coral.reef.geometry import Frame, Pose
+from coral.view.companions import COLORS, Companion
 from coral.view.mapview import CELL_COLORS, MapScene, MapViewCfg, camera_picture, cell_classes, draw_map, png
 from coral.view.pictures import draw_text, palette_png
 
@@ -194,3 +196,16 @@ def test_text_never_leaves_the_picture():
     draw_text(image, "long words that do not fit", 55, 38, size=20, halo=3)
     draw_text(image, "x", -500, -500)
     assert image.shape == (40, 60, 3)
+
+
+def test_other_robots_have_their_own_colours_and_a_key():
+    pair = (Companion(pose=Pose(5.0, 15.0, 0.0), goal=(15.0, 15.0), trajectory=np.array([(2.0, 15.0), (5.0, 15.0)]),
+                      color=COLORS[1]), Companion(pose=Pose(5.0, 5.0, 0.0), color=COLORS[2]))
+    whole = MapViewCfg(crop=False)
+    scene = MapScene(cells=grid(), cell_m=0.05, pose=Pose(10.0, 10.0, 0.0), others=pair)
+    drawn = draw_map(scene, whole)
+    assert pixel(drawn, 5.0, 15.0) == pixel(drawn, 3.0, 15.0) == COLORS[1]
+    assert pixel(drawn, 5.0, 5.0) == COLORS[2]
+    keyed = draw_map(replace(scene, named=True), whole)
+    assert has(keyed.rgb[22:80, -150:], COLORS[2])
+    assert not has(drawn.rgb[22:80, -150:], COLORS[2])

@@ -1,5 +1,6 @@
 import json
 import re
+import shutil
 
 import pytest
 
@@ -112,3 +113,25 @@ def test_a_picture_shown_twice_is_held_once(fresh):
     html = page(fresh)
     assert html.count("data:image/webp") == once - 1
     assert html.count('data-picture="00map"') == 2
+
+
+def test_every_robot_of_a_fleet_is_drawn_and_listed(fresh):
+    shutil.copy(fresh / "trajectory.csv", fresh / "trajectory_1.csv")
+    metrics = json.loads((fresh / "metrics.json").read_text())
+    each = [{"robot": k, "collisions": k, "distance_m": 7.25 + k} for k in range(2)]
+    (fresh / "metrics.json").write_text(json.dumps({**metrics, "robots": 2, "per_robot": each}))
+    html = page(fresh)
+    assert 'id="track-1"' in html
+    assert 'id="robot-1"' in html
+    assert "the 2 robots covered" in html
+    assert "<td>8.25</td>" in html
+    assert len(script_data(html)["o"]) == 1
+    assert len(script_data(html)["o"][0]["x"]) == len(script_data(html)["t"])
+
+
+def test_a_killed_fleet_still_has_its_figures(fresh):
+    shutil.copy(fresh / "trajectory.csv", fresh / "trajectory_1.csv")
+    (fresh / "metrics.json").unlink()
+    html = page(fresh)
+    assert "the 2 robots had covered" in html
+    assert "Each robot" in html

@@ -21,6 +21,7 @@ from coral.commands.progress import MissionProgress
 from coral.config import checked, read_config
 from coral.desk.notice import mission_notice
 from coral.errors import InputError
+from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg, Observer
 from coral.reef.variants import apply_variant
@@ -42,6 +43,8 @@ class ReefRun:
     """Who decides: heuristic, PROVIDER:MODEL, local:URL#MODEL, desk, replay:FILE, fallible:P:INNER."""
     variant: str = "full"
     """Configuration of the pipeline: full, or an ablation or baseline."""
+    robots: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """How many robots survey the reef together, 1 to 4; by default as configured, which is 1."""
     seed: int = 0
     """Seed of everything random."""
     out: Path | None = None
@@ -88,7 +91,10 @@ class ReefRun:
         world = load_world(self.world)
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
-        cfg = checked(apply_variant(self.variant, self.cfg), "--cfg")
+        cfg = self.cfg if self.robots is None else dataclasses.replace(self.cfg, robots=self.robots)
+        if not 1 <= cfg.robots <= MOST_ROBOTS:
+            raise InputError("--robots", "", cfg.robots, f"a number from 1 to {MOST_ROBOTS}")
+        cfg = checked(apply_variant(self.variant, cfg), "--cfg")
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         asks_people = self.advisor.split(":")[-1].strip() == "desk"
         if asks_people and cfg.pilot.budget == BudgetCfg():

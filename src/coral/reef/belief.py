@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from coral.config import Count
 from coral.reef.chain import CentroidTracker, ChainCfg, Component, Track, components
+from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Pose, to_robot
 from coral.reef.mapping import OccupancyMap
 
@@ -40,11 +41,25 @@ class Belief:
         self.pose = Pose(0.0, 0.0, 0.0)
         self.frame: Frame | None = None
         self.goal: tuple[float, float] | None = None
+        self.goal_index: int | None = None
+        """Label of the cluster that the goal stands for."""
+        self.others: tuple[Neighbour, ...] = ()
+        """The other robots of the mission, as they describe themselves."""
+        self._keeps_chain = True
         self._trail: list[tuple[float, float]] = []
         self._failed: list[tuple[float, float]] = []
         self._ticks = 0
         self._seen: NDArray[np.bool_] | None = None
         self._found: list[Component] = []
+
+    def companion(self) -> Belief:
+        """The belief of a further robot: the same map and chain, with what both have seen and visited.
+
+        Its pose, trajectory, goals and their failures are its own.
+        """
+        other = Belief(self.map, self.cfg)
+        other.tracker, other._keeps_chain = self.tracker, False
+        return other
 
     def update(self, frame: Frame, pose: Pose) -> None:
         """Take in one camera picture and the pose it was taken from."""
@@ -53,7 +68,8 @@ class Belief:
         if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:
             self._trail.append((pose.x, pose.y))
         if self._ticks % self.cfg.chain_period == 0:
-            self.tracker.update(self._components())
+            if self._keeps_chain:
+                self.tracker.update(self._components())
             self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
         self._ticks += 1
 
@@ -75,12 +91,24 @@ class Belief:
         return self.tracker.tracks
 
     def unvisited(self) -> list[Track]:
-        """Clusters still to be visited; those whose goals failed too often are left out."""
-        return [t for t in self.tracks if not t.visited and self.failures(t.x, t.y) < self.cfg.max_attempts]
+        """Clusters still to be visited; those whose goals failed too often, or that others go to, are left out."""
+        return [t for t in self.tracks if not t.visited and self.failures(t.x, t.y) < self.cfg.max_attempts
+                and not self.taken(t.x, t.y, t.index)]
 
     def ahead(self, forward_m: float) -> list[Track]:
         """Unvisited clusters with a forward projection of at least `forward_m`."""
         return [t for t in self.unvisited() if to_robot(self.pose, t.x, t.y)[0] >= forward_m]
+
+    def taken(self, x: float, y: float, index: int | None = None) -> bool:
+        """Whether another robot is going to a point (within d_merge of it) or to the cluster with this label."""
+        return any(n.is_going_to(x, y, index, self.cfg.chain.merge_distance_m) for n in self.others)
+
+    def nearer_to_another(self, x: float, y: float) -> bool:
+        """Whether another robot, or the goal it is going to, is nearer to a point than this robot and its goal."""
+        if not self.others:
+            return False
+        own = min(math.dist(p, (x, y)) for p in (self.pose[:2], self.goal or self.pose[:2]))
+        return any(n.distance_m(x, y) < own for n in self.others)
 
     def goal_failed(self) -> None:
         """Remember that the present goal could not be reached."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from coral.reef.belief import Belief
+from coral.reef.fleet import Neighbour
 from coral.reef.geometry import to_robot, to_world, wrap
 from coral.reef.survey import Survey
 from coral.reef.topology import Place
@@ -39,6 +40,8 @@ def describe(belief: Belief, left: Survey, around: Surroundings, cfg: VerifyCfg,
         "centroids": _centroids(belief, left),
         "frontiers": _frontiers(belief, left),
     }
+    if belief.others:
+        facts["others"] = [_other(belief, n) for n in belief.others]
     if places:
         regrets = {place.index: round(place.regret_m, 2) for place in places}
         for centroid in facts["centroids"]:
@@ -61,7 +64,7 @@ def waypoint_options(belief: Belief, left: Survey, step_m: int, separation_m: fl
     return [{"forward_m": f, "left_m": s, "path_m": round(float(path), 2),
              "unexplored": _unexplored(belief, left, x, y)}
             for (f, s), (x, y), path in zip(steps, points, paths, strict=True)
-            if math.isfinite(path) and belief.map.contains(x, y)]
+            if math.isfinite(path) and belief.map.contains(x, y) and not belief.taken(x, y)]
 
 
 def _centroids(belief: Belief, left: Survey) -> list[dict[str, Any]]:
@@ -70,7 +73,8 @@ def _centroids(belief: Belief, left: Survey) -> list[dict[str, Any]]:
     for position, t in enumerate(belief.tracker.chain()):
         described.append({
             "index": t.index, **_place(belief, t.x, t.y), "path_m": _finite(left.path_m(t.x, t.y)),
-            "visited": t.visited, "chain_position": position, "failed_attempts": belief.failures(t.x, t.y),
+            "visited": t.visited, **({"taken": belief.taken(t.x, t.y, t.index)} if belief.others else {}),
+            "chain_position": position, "failed_attempts": belief.failures(t.x, t.y),
             "area_m2": round(t.area_px * cell_m**2, 2), "unexplored": _unexplored(belief, left, t.x, t.y),
             "trajectory_m": _finite(float(np.min(np.hypot(trail[:, 0] - t.x, trail[:, 1] - t.y))))})
     return described
@@ -102,6 +106,14 @@ def _place(belief: Belief, x: float, y: float) -> dict[str, float]:
     forward, to_left = to_robot(belief.pose, x, y)
     bearing = math.degrees(math.atan2(to_left, forward))
     return {"forward_m": round(forward, 2), "left_m": round(to_left, 2), "bearing_deg": round(bearing, 1)}
+
+
+def _other(belief: Belief, other: Neighbour) -> dict[str, float | None]:
+    """Another robot and its goal, null when it has none."""
+    here = to_robot(belief.pose, other.pose.x, other.pose.y)
+    goal = (None, None) if other.goal is None else to_robot(belief.pose, *other.goal)
+    names = ("forward_m", "left_m", "goal_forward_m", "goal_left_m")
+    return {name: None if value is None else round(value, 2) for name, value in zip(names, (*here, *goal), strict=True)}
 
 
 def _unexplored(belief: Belief, left: Survey, x: float, y: float) -> float:

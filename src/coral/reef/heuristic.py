@@ -27,6 +27,8 @@ REGRET = 0.5
 """Worth of a metre by which a choice lengthens the tour of all that is left (topological memory)."""
 REEF_M = 4.0
 """Oysters settle near oysters: frontiers farther than this from the reef pay for the excess."""
+OTHERS = 1.0
+"""Worth of a metre by which another robot, or its goal, is nearer: what lies on its way is left to it."""
 
 Fact = Mapping[str, Any]
 
@@ -36,6 +38,7 @@ def choose_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCho
     refused = {r.details.get("index") for r in rejections}
     fresh = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
     later = [c for c in fresh if _from_arrival(facts, c)[0] > SEEN_M] or fresh
+    later = [c for c in later if not c.get("taken")] or later
     open_ = [c for c in later if c["index"] not in refused] or later or list(facts["centroids"])
     if not open_:
         return CentroidChoice(selected_centroid_index=None, reason="No cluster is on the map.")
@@ -56,7 +59,7 @@ def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCho
         return WaypointChoice(forward_m=0, left_m=0, reason="No waypoint can be reached.")
     aims = [(_frontier_cost(facts, f), f, "unexplored water") for f in facts["frontiers"]]
     aims += [(_centroid_cost(facts, c), c, f"cluster {c['index']}") for c in facts["centroids"]
-             if not c["visited"] and c["path_m"] is not None]
+             if not c["visited"] and not c.get("taken") and c["path_m"] is not None]
     if not aims:
         best = max(options, key=lambda o: (o["unexplored"], -o["path_m"]))
         return WaypointChoice(forward_m=best["forward_m"], left_m=best["left_m"],
@@ -97,14 +100,27 @@ def _centroid_cost(facts: Fact, c: Fact) -> float:
     path = c["path_m"] if c["path_m"] is not None else 100.0
     turn = TURN_M * _from_arrival(facts, c)[1]
     regret = REGRET * (c.get("regret_m") or 0.0)
-    return float(path + turn + regret - UNEXPLORED_M * c["unexplored"] + 5.0 * c["failed_attempts"])
+    others = OTHERS * _nearer_to_others(facts, c)
+    return float(path + turn + regret + others - UNEXPLORED_M * c["unexplored"] + 5.0 * c["failed_attempts"])
 
 
 def _frontier_cost(facts: Fact, f: Fact) -> float:
     reef = max(0.0, f["reef_m"] - REEF_M) if f["reef_m"] is not None else 0.0
     turn = 2.0 * TURN_M * _from_arrival(facts, f)[1]
     regret = REGRET * (f.get("regret_m") or 0.0)
-    return float(f["path_m"] + turn + regret + 2.0 * reef - 4.0 * UNEXPLORED_M * f["unexplored"])
+    others = OTHERS * _nearer_to_others(facts, f)
+    return float(f["path_m"] + turn + regret + others + 2.0 * reef - 4.0 * UNEXPLORED_M * f["unexplored"])
+
+
+def _nearer_to_others(facts: Fact, point: Fact) -> float:
+    """How much nearer (m) another robot or its goal is to a point than this robot and its own; 0 when none is."""
+    others = facts.get("others", ())
+    if not others:
+        return 0.0
+    own = min(math.hypot(point["forward_m"], point["left_m"]), _from_arrival(facts, point)[0])
+    places = [(o[f"{of}forward_m"], o[f"{of}left_m"]) for o in others for of in ("", "goal_")]
+    nearest = min(math.hypot(point["forward_m"] - x, point["left_m"] - y) for x, y in places if x is not None)
+    return max(0.0, own - nearest)
 
 
 REEF_RULES = {"reef-centroid": choose_centroid, "reef-waypoint": choose_waypoint}

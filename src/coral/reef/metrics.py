@@ -5,11 +5,12 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from coral.errors import InputError
+from coral.runs import trajectory_name
 
 DEFINITIONS = {
     "coverage": "Share of the true oyster clusters of which at least 60 % of the area was inside the 120° field of "
@@ -34,7 +35,15 @@ DEFINITIONS = {
     "planner_failures": "Control ticks at which no rollout was feasible and the vehicle braked.",
     "path_replans": "Reference paths planned anew because the vehicle had left the old one.",
     "end_reason": "Why the mission ended.",
+    "robots": "The number of robots; every count and the distance are sums over them, coverage is of what any of "
+              "them has seen.",
+    "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
+    "min_separation_m": "Smallest true distance between the discs of two robots (m).",
 }
+
+OF_EACH = ("collisions", "advisor_calls", "requeries", "rejections", "fallbacks", "deviations", "distance_m",
+           "mean_speed_m_s", "min_clearance_m", "planner_failures", "path_replans")
+"""What `per_robot` lists for every robot of several."""
 
 
 def compute_metrics(folder: Path) -> dict[str, Any]:
@@ -46,7 +55,11 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
     for name in ("events.jsonl", "trajectory.csv"):
         if not (folder / name).is_file():
             raise InputError(str(folder), name, "no such file", "a run folder")
-    return metrics_of(_events(folder / "events.jsonl"), _rows(folder / "trajectory.csv"))
+    events = list(_events(folder / "events.jsonl"))
+    tables = [list(_rows(folder / "trajectory.csv"))]
+    while (more := folder / trajectory_name(len(tables))).is_file():
+        tables.append(list(_rows(more)))
+    return metrics_of(events, tables[0]) if len(tables) == 1 else fleet_metrics(events, tables)
 
 
 def covered_at(folder: Path) -> list[float]:
@@ -57,7 +70,7 @@ def covered_at(folder: Path) -> list[float]:
 
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
     """Metrics from the events and the rows of the trajectory, in order."""
-    counts = dict.fromkeys(("collision", "question", "fallback", "planner_failure"), 0)
+    counts = dict.fromkeys(("collision", "robot_collision", "question", "fallback", "planner_failure"), 0)
     requeries = rejections = deviations = replans = 0
     clusters_total, covered_at, end = 0, 0.0, "killed"
     for event in events:
@@ -87,13 +100,40 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         covered, coverage = int(float(row["clusters_covered"])), float(row["coverage"])
     return {
         "coverage": coverage, "clusters_covered": covered, "clusters_total": clusters_total,
-        "collisions": counts["collision"], "advisor_calls": counts["question"], "requeries": requeries,
-        "rejections": rejections, "fallbacks": counts["fallback"], "deviations": deviations, "steps": steps,
-        "sim_time_s": round(t, 3), "coverage_time_s": round(covered_at, 3),
+        "collisions": counts["collision"] + counts["robot_collision"], "advisor_calls": counts["question"],
+        "requeries": requeries, "rejections": rejections, "fallbacks": counts["fallback"],
+        "deviations": deviations, "steps": steps, "sim_time_s": round(t, 3),
+        "coverage_time_s": round(covered_at, 3),
         "steps_per_percent": round(steps / (100.0 * coverage), 3) if coverage else None,
         "distance_m": round(distance, 3), "mean_speed_m_s": round(distance / t, 4) if t else 0.0,
         "min_clearance_m": round(clearance, 4) if math.isfinite(clearance) else None,
         "planner_failures": counts["planner_failure"], "path_replans": replans, "end_reason": end}
+
+
+def fleet_metrics(events: Sequence[Mapping[str, Any]], tables: Sequence[Sequence[Mapping[str, str]]]) -> dict[str, Any]:
+    """Metrics of several robots together, and of each.
+
+    Args:
+        events: Of all robots, in order; what concerns one of them names it. A contact of two counts for either.
+        tables: Rows of every robot's trajectory, in order of time.
+    """
+    each = [metrics_of([e for e in events if k in (e.get("robot", 0), e.get("other"))], rows)
+            for k, rows in enumerate(tables)]
+    start = next((e for e in events if e["event"] == "start"), {})
+    paths = [[(float(row["x"]), float(row["y"])) for row in rows] for rows in tables]
+    between = [math.dist(a, b) for k, path in enumerate(paths) for other in paths[k + 1:]
+               for a, b in zip(path, other, strict=False)]
+    distance = sum(one["distance_m"] for one in each)
+    clearances = [one["min_clearance_m"] for one in each if one["min_clearance_m"] is not None]
+    total = metrics_of(events, tables[0])
+    total |= {
+        "distance_m": round(distance, 3),
+        "mean_speed_m_s": round(sum(one["mean_speed_m_s"] for one in each) / len(each), 4),
+        "min_clearance_m": min(clearances, default=None), "robots": len(tables),
+        "robot_collisions": sum(e["event"] == "robot_collision" for e in events),
+        "min_separation_m": round(min(between) - 2.0 * float(start.get("hull_radius_m", 0.3)), 4) if between else None,
+        "per_robot": [{"robot": k, **{key: one[key] for key in OF_EACH}} for k, one in enumerate(each)]}
+    return total
 
 
 def _events(path: Path) -> Iterable[dict[str, Any]]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Annotated, Any, Literal, Protocol
 
 import numpy as np
+from pydantic import Field
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
@@ -21,14 +23,18 @@ from coral.config import Positive, TimeStep, to_mapping
 from coral.reef.baselines import baseline_rules
 from coral.reef.belief import Belief, BeliefCfg
 from coral.reef.controller import DdpMppi, MppiCfg
+from coral.reef.encounter import Encounters
+from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mapping import MapCfg, OccupancyMap
 from coral.reef.metrics import compute_metrics
 from coral.reef.pd import PdController
-from coral.reef.pilot import LocalPlanner, Pilot, PilotCfg
+from coral.reef.pilot import NOTHING_LEFT, LocalPlanner, Pilot, PilotCfg
 from coral.reef.planner import HighLevelPlanner, PlannerCfg
 from coral.reef.record import COLUMNS, FrameRecorder, RecordCfg
-from coral.reef.simulator import ReefSimulator, Sensed, SimulatorCfg
+from coral.reef.robot import Robot
+from coral.reef.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.starts import starts_beside
 from coral.reef.world import ReefWorld, save_world
 from coral.runs import RunWriter, provenance
 
@@ -53,6 +59,8 @@ class MissionCfg:
     """The low-level planner."""
     decider: Literal["advisor", "nearest", "frontier", "lawnmower"] = "advisor"
     """Who answers the questions: the advisor, or the rules of a baseline in its place."""
+    robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 1
+    """How many survey the reef together, on one map that all of them see at once (beyond the paper)."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
     map: MapCfg = field(default_factory=MapCfg)
     belief: BeliefCfg = field(default_factory=BeliefCfg)
@@ -75,34 +83,52 @@ class Observer(Protocol):
 
 
 class Mission:
-    """Couples the simulated reef with the pilot and writes what happens."""
+    """Couples the simulated reef with the pilots of its robots, one by default, and writes what happens."""
 
     def __init__(self, world: ReefWorld, cfg: MissionCfg, advisor: Advisor, folder: Path, *, seed: int = 0,
                  variant: str = "full", draw: Callable[[Belief], tuple[Picture, ...]] | None = None) -> None:
-        sim_rng, control_rng, clock_rng = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3))
+        # Three streams a robot: those of the first are the same however many follow.
+        streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3 * cfg.robots)]
         if cfg.decider != "advisor":
             advisor = RuleAdvisor(baseline_rules(cfg.decider), name=cfg.decider)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
         self.step, self.t = 0, 0.0
         self.control_ms: list[float] = []
+        """Wall time of every robot's own computation at every tick."""
         self.tick_ms: list[float] = []
-        self.simulator = ReefSimulator(world, cfg.simulator, sim_rng)
-        self.belief = Belief(OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map), cfg.belief)
-        planner = HighLevelPlanner(self.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()),
-                                   cfg.planner)
+        first = ReefSimulator(world, cfg.simulator, streams[0])
+        starts = starts_beside(first.pose, cfg.robots, first.scene.footprints(), world.size_m,
+                               cfg.simulator.vehicle.hull_radius_m) if cfg.robots > 1 else [first.pose]
+        simulators = [first, *(ReefSimulator(world, cfg.simulator, streams[3 * k], start=starts[k], first=first)
+                               for k in range(1, cfg.robots))]
+        belief = Belief(OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map), cfg.belief)
+        beliefs = [belief, *(belief.companion() for _ in starts[1:])]
         latency = _latency(advisor, cfg.latency)
-        self.driver: LocalPlanner = (
+        drivers: list[LocalPlanner] = [
             PdController(vehicle=cfg.simulator.vehicle) if cfg.driver == "pd"
-            else DdpMppi(cfg.controller, cfg.simulator.vehicle, control_rng))
+            else DdpMppi(cfg.controller, cfg.simulator.vehicle, streams[3 * k + 1]) for k in range(cfg.robots)]
         # All that can be refused has been looked at: only now is a folder made.
-        self.writer = RunWriter(folder, COLUMNS)
+        self.writer = RunWriter(folder, COLUMNS, cfg.robots)
         self.attempts = AttemptRecorder(folder)
         self.frames = FrameRecorder(self.writer, cfg.record)
-        self.clock = SimulatedClock(latency, clock_rng)
-        self.clock.thread.warm_up(advisor)
-        self.pilot = Pilot(self.belief, planner, self.driver, advisor, RuleAdvisor(REEF_RULES), self.clock, self.emit,
-                           self.attempts, cfg.pilot)
-        self.sensed: Sensed | None = None
+        # A clock for each robot, whose question it may withdraw; one thread, on which the one advisor thinks.
+        clocks = [SimulatedClock(latency, streams[2])]
+        clocks += [SimulatedClock(latency, streams[3 * k + 2], thread=clocks[0].thread) for k in range(1, cfg.robots)]
+        clocks[0].thread.warm_up(advisor)
+        numbers: Iterator[int] = itertools.count()
+
+        def pilot(robot: Robot) -> Pilot:
+            planner = HighLevelPlanner(robot.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()),
+                                       cfg.planner)
+            return Pilot(robot.belief, planner, robot.driver, advisor, RuleAdvisor(REEF_RULES), robot.clock,
+                         robot.emit, self.attempts, cfg.pilot, numbers)
+
+        self.robots = [Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1)
+                       for k, parts in enumerate(zip(simulators, beliefs, drivers, clocks, strict=True))]
+        lead = self.robots[0]
+        self.simulator, self.belief, self.driver, self.pilot = lead.simulator, lead.belief, lead.driver, lead.pilot
+        """Those of the first robot."""
+        self.encounters = Encounters(cfg.simulator.vehicle.hull_radius_m)
         self.collisions = self.calls = 0
         self.end_reason = ""
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
@@ -113,6 +139,7 @@ class Mission:
     def emit(self, event: str, **fields: Any) -> None:
         """Append an event at the present tick."""
         self.calls += event == "question"
+        self.collisions += event in ("collision", "robot_collision")
         self.writer.event(self.step, self.t, event, **fields)
         for hear in self.listeners:
             hear({"step": self.step, "t": self.t, "event": event, **fields})
@@ -120,7 +147,8 @@ class Mission:
     def stood_still(self, seconds: float) -> None:
         """Leave a pause of `seconds` of wall time that ends now out of the run's time and of measured latencies."""
         self._stood_still_s += seconds
-        self.clock.stood_still(seconds)
+        for robot in self.robots:
+            robot.clock.stood_still(seconds)
 
     def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
         """Run to the end; returns metrics and timing together."""
@@ -135,39 +163,53 @@ class Mission:
         except KeyboardInterrupt:
             self.end_reason = "stopped by the operator"
         finally:
-            self.clock.withdraw()
+            for robot in self.robots:
+                robot.clock.withdraw()
             self.emit("end", reason=self.end_reason or "failed")
-            self.clock.close()
+            for robot in reversed(self.robots):  # the first one's clock owns the advisor's thread
+                robot.clock.close()
             self.attempts.close()
             self.writer.close()
             self._wall = time.perf_counter() - started - self._stood_still_s
         return self._finish()
 
     def advance(self) -> None:
-        """One control tick: sense, think, act, record."""
-        cfg, dt = self.cfg, self.cfg.control_period_s
-        begun = time.perf_counter()
-        sensed = self.sensed = self.simulator.sense(dt if self.step else 0.0)
-        self.frames.offer(self.step, self.t, self.belief.map.cells, sensed.frame)
-        thinking, waited = time.perf_counter(), self.clock.waited_s
-        command = self.pilot.tick(self.t, sensed.frame, sensed.pose, sensed.velocity)
-        waited = self.clock.waited_s - waited  # simulated time stood still for a reply: no part of the control period
-        self.control_ms.append(1e3 * (time.perf_counter() - thinking - waited))
-        contacts = self.simulator.act(command, dt)
+        """One control tick: all robots sense, then each thinks, then all act; record."""
+        cfg, dt, robots = self.cfg, self.cfg.control_period_s, self.robots
+        begun, waited = time.perf_counter(), 0.0
+        for robot in robots:
+            robot.sense(dt if self.step else 0.0)
+        assert robots[0].sensed is not None
+        self.frames.offer(self.step, self.t, self.belief.map.cells, robots[0].sensed.frame)
+        for robot in robots:
+            thinking = time.perf_counter()
+            # Simulated time stands still for a reply that is due: no part of the control period.
+            idle = robot.think(self.t, (other.says() for other in robots if other is not robot))
+            waited += idle
+            self.control_ms.append(1e3 * (time.perf_counter() - thinking - idle))
         self.step += 1
         self.t = round(self.step * dt, 9)
-        for x, y, obstacle in contacts:
-            self.collisions += 1
-            self.emit("collision", x=round(x, 3), y=round(y, 3), obstacle=obstacle)
+        for robot in robots:
+            robot.act(dt, [other.position for other in robots if other is not robot])
+            for x, y, other in self.encounters.follow(robot.number, robot.simulator.track,
+                                                      [each.position for each in robots]):
+                robot.emit("robot_collision", x=round(x, 3), y=round(y, 3), other=other)
         self._cover()
-        self._row(sensed, command)
+        for robot in robots:
+            self._row(robot)
         self.tick_ms.append(1e3 * (time.perf_counter() - begun - waited))
         if cfg.stop_when_covered and len(self._covered) == len(self.world.clusters):
             self.end_reason = "coverage complete"
-        elif self.pilot.end_reason:
-            self.end_reason = self.pilot.end_reason
+        elif reason := self._given_up():
+            self.end_reason = reason
         elif self.t >= cfg.time_limit_s - 1e-9:
             self.end_reason = "time limit"
+
+    def _given_up(self) -> str:
+        """Why no robot goes on; a robot without a task waits until nobody has one, since others may find some."""
+        reasons = [robot.pilot.end_reason for robot in self.robots]
+        failed = [reason for reason in reasons if reason not in ("", NOTHING_LEFT)]
+        return failed[0] if failed else reasons[0] if all(reasons) else ""
 
     def _cover(self) -> None:
         fractions = self.simulator.coverage.fractions
@@ -176,11 +218,12 @@ class Mission:
                 self._covered.add(int(k))
                 self.emit("cluster_covered", name=self.world.clusters[k].name, fraction=round(float(fractions[k]), 4))
 
-    def _row(self, sensed: Sensed, command: tuple[float, float]) -> None:
-        state, goal, plan = self.simulator.vehicle.state, self.belief.goal, self.pilot.plan
-        self.writer.row(self.step, self.t, *(float(v) for v in state[:6]), *sensed.pose, *command,
-                        goal[0] if goal else "", goal[1] if goal else "", self.simulator.clearance_m,
-                        int(plan.ok) if plan else 1, self.coverage, len(self._covered))
+    def _row(self, robot: Robot) -> None:
+        sensed, simulator, goal, plan = robot.sensed, robot.simulator, robot.belief.goal, robot.pilot.plan
+        assert sensed is not None
+        self.writer.row(self.step, self.t, *(float(v) for v in simulator.vehicle.state[:6]), *sensed.pose,
+                        *robot.command, goal[0] if goal else "", goal[1] if goal else "", simulator.clearance_m,
+                        int(plan.ok) if plan else 1, self.coverage, len(self._covered), robot=robot.number)
 
     @property
     def coverage(self) -> float:
@@ -193,8 +236,14 @@ class Mission:
             "system": "reef", "world": self.world.name, "advisor": self.advisor.name, "variant": self.variant,
             "seed": self.seed, "mission": to_mapping(self.cfg), "provenance": provenance()})
         self.emit("start", world=self.world.name, advisor=self.advisor.name, variant=self.variant, seed=self.seed,
-                  clusters_total=len(self.world.clusters))
+                  clusters_total=len(self.world.clusters), **self._fleet())
         self._cover()
+
+    def _fleet(self) -> dict[str, Any]:
+        """What the start event tells of several robots."""
+        if len(self.robots) == 1:
+            return {}
+        return {"robots": len(self.robots), "hull_radius_m": self.cfg.simulator.vehicle.hull_radius_m}
 
     def _finish(self) -> dict[str, Any]:
         control = np.array(self.control_ms) if self.control_ms else np.zeros(1)

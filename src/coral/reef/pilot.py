@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
@@ -20,6 +21,7 @@ from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import Frame, Pose, to_world
 from coral.reef.monitor import MonitorCfg, PathMonitor
 from coral.reef.planner import Goal, HighLevelPlanner
+from coral.reef.traffic import Traffic, TrafficCfg
 from coral.reef.trigger import Firing, SmartTrigger, TriggerCfg
 from coral.reef.vehicle import VehicleState
 
@@ -31,6 +33,8 @@ Emit = Callable[..., None]
 
 FALLBACK_TRIES = 30
 """Answers of the rules that are verified before a fallback gives up for this time."""
+
+NOTHING_LEFT = "nothing left to explore"
 
 
 class LocalPlanner(Protocol):
@@ -49,6 +53,7 @@ class PilotCfg:
     trigger: TriggerCfg = field(default_factory=TriggerCfg)
     monitor: MonitorCfg = field(default_factory=MonitorCfg)
     fields: CostFieldCfg = field(default_factory=CostFieldCfg)
+    traffic: TrafficCfg = field(default_factory=TrafficCfg)
     budget: BudgetCfg = field(default_factory=BudgetCfg)
     fallback: Fallback = "heuristic"
     """Who decides when a decision was not reached within its budget: the rules, nobody (keep the goal), or abort."""
@@ -68,19 +73,24 @@ class Pilot:
 
     def __init__(self, belief: Belief, planner: HighLevelPlanner, driver: LocalPlanner, advisor: Advisor,
                  fallback: Advisor, clock: SimulatedClock | WallClock, emit: Emit, log: Callable[[Attempt], None],
-                 cfg: PilotCfg | None = None) -> None:
+                 cfg: PilotCfg | None = None, numbers: Iterator[int] | None = None) -> None:
+        """`numbers` gives each decision its number; robots that share a log share them too."""
         self.cfg = cfg or PilotCfg()
         self.belief, self.planner, self.driver = belief, planner, driver
         self.advisor, self.fallback, self.clock = advisor, fallback, clock
         self.trigger = SmartTrigger(self.cfg.trigger)
         self.monitor = PathMonitor(self.cfg.monitor)
+        self.traffic = Traffic(self.cfg.traffic)
         self.plan: Plan | None = None
         self.field: CostField | None = None
         self.open_question: Question[Any] | None = None
         self.last_attempt: Attempt | None = None
         self.end_reason = ""
+        """Why this robot has nothing more to do; "" again when it is asked anew and there is something."""
         self._emit, self._log = emit, log
+        self._numbers = numbers or itertools.count()
         self._decision = 0
+        self._decided = False
         self._attempts = 0
         self._task: asyncio.Task[Outcome[Any]] | None = None
         self._last_firing: Firing | None = None
@@ -102,12 +112,16 @@ class Pilot:
         self._route(t)
         assert self.field is not None
         cells = self.belief.map
-        self.plan = self.driver.plan(VehicleState(*pose, *velocity), self.field,
-                                     cells.distance_near(pose.x, pose.y, self.cfg.local_m), cell_m=cells.cfg.cell_m)
+        distance = cells.distance_near(pose.x, pose.y, self.cfg.local_m)
+        if self.belief.others:
+            distance = self.traffic.stamped(distance, cells.cfg.cell_m, pose, self.belief.others)
+        self.plan = self.driver.plan(VehicleState(*pose, *velocity), self.field, distance, cell_m=cells.cfg.cell_m)
         self.trigger.planner(self.plan.ok)
         if not self.plan.ok:
             self._emit("planner_failure", reason=self.plan.failure)
-        return (0.0, 0.0) if self.cfg.synchronous and self.pending else self.plan.command
+        if self.cfg.synchronous and self.pending:
+            return 0.0, 0.0
+        return self.traffic.held(self.plan.command, pose, self.belief.others)
 
     @property
     def pending(self) -> bool:
@@ -118,7 +132,7 @@ class Pilot:
         """Ask the advisor when Eq. 12 says so; log every change of its verdict."""
         if self.cfg.synchronous and t < self._acting_until - 1e-9:
             return
-        target = self.belief.goal if self._decision else None
+        target = self.belief.goal if self._decided else None
         firing = self.trigger.update(t, self.belief.pose.x, self.belief.pose.y, speed, target, self.pending)
         if firing is not None and firing != self._last_firing:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
@@ -128,10 +142,11 @@ class Pilot:
             self._collect()
         if firing is None or not firing.fired:
             return
-        if firing.cause in ("stuck", "failure", "deviation"):
+        if firing.cause in ("stuck", "failure", "deviation") and not self.end_reason:
             self.belief.goal_failed()
+        self.end_reason = ""
         self.trigger.asked(t)
-        self._attempts = 0
+        self._attempts, self._decision = 0, next(self._numbers)
         self._task = self.clock.start(consult(self.advisor, self._observe, self.planner.verify, self.cfg.budget,
                                               self.clock, self._attempted, self._decision))
         self._collect()
@@ -164,13 +179,13 @@ class Pilot:
             return
         outcome, self._task, self.open_question = self._task.result(), None, None
         if self.planner.finished:
-            self.end_reason = "nothing left to explore"
+            self.end_reason = NOTHING_LEFT
         elif outcome.failure and outcome.failure != "withdrawn":
             self._fall_back(outcome)
         elif outcome.answer is not None and outcome.question is not None:
             self._adopt(self.planner.locate(outcome.question, outcome.answer), "advisor",
                         getattr(outcome.answer, "reason", ""))
-        self._decision += 1
+        self._decided = True
         self._acting_until = self.clock.now() + self.cfg.action_s
 
     def _fall_back(self, outcome: Outcome[Any]) -> None:

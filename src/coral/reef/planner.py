@@ -63,20 +63,21 @@ class HighLevelPlanner:
         self.survey: Survey | None = None
         self.mode: Mode = "centroid"
         self.finished = False
-        """Nothing is left that the robot could visit or explore."""
+        """Nothing is left that the robot could visit or explore, and that no other robot is going to."""
 
     def observe(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
         """Make the question from the map as it is now; None when nothing is left to choose."""
         left = self.survey = survey(self.belief, self.fields, self.cfg.forward_m, self.cfg.survey)
         reachable = [t for t in self.belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
-        if not reachable and not left.frontiers:
-            self.finished = True
+        self.finished = not reachable and not left.frontiers
+        if self.finished:
             return None
         cfg = self.cfg
         self.mode = self._mode(left, bool(reachable))
         places = places_left(self.belief, left, self.fields, cfg.topology)
         facts = describe(self.belief, left, self._surroundings(left), cfg.verify, self._steps(left), places)
-        context = {"facts": facts, "rejections": [r.reason for r in rejections], "step_m": cfg.step_m}
+        context = {"facts": facts, "rejections": [r.reason for r in rejections], "step_m": cfg.step_m,
+                   "others": len(self.belief.others)}
         prompt, version = self.prompts(KIND[self.mode], context)
         return Question(kind=KIND[self.mode], prompt=prompt, prompt_version=version, facts=facts,
                         answer_type=CentroidChoice if self.mode == "centroid" else WaypointChoice,
@@ -126,6 +127,10 @@ class HighLevelPlanner:
         if not separated((goal.x, goal.y), (belief.pose.x, belief.pose.y), cfg.separation_m):
             return Rejection(code="too-close", reason=f"The chosen point is within {cfg.separation_m:g} m of the "
                                                       "robot. Choose one that makes progress.")
+        if belief.taken(goal.x, goal.y, goal.index):
+            # No matter of Eqs. 4-8: robots do not go to one place in the ablation without verification either.
+            return Rejection(code="taken", reason="Another robot is going there already. Choose a point that no "
+                                                  "other robot is going to.")
         if goal.index is not None and next(t.visited for t in belief.tracks if t.index == goal.index):
             return Rejection(code="visited", reason=f"Orange dot {goal.index} has been visited already: the yellow "
                                                     "trajectory passes it. Choose one that has not.") \
@@ -156,7 +161,7 @@ class HighLevelPlanner:
         """Make a goal the active one; True if it violates Eqs. 4-8 and no exemption applies (a "deviation")."""
         left = survey(self.belief, self.fields, self.cfg.forward_m, self.cfg.survey)
         around = self._surroundings(left)
-        self.belief.goal = (goal.x, goal.y)
+        self.belief.goal, self.belief.goal_index = (goal.x, goal.y), goal.index
         return not around.dead_end and violation((goal.x, goal.y), around, self.cfg.verify) is not None
 
     def _surroundings(self, left: Survey) -> Surroundings:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coral.reef.camera import Camera, CameraCfg
 from coral.reef.collision import ContactCounter, clearance
@@ -44,17 +46,31 @@ class Sensed:
 class ReefSimulator:
     """Truth about one mission."""
 
-    def __init__(self, world: ReefWorld, cfg: SimulatorCfg, rng: np.random.Generator) -> None:
+    def __init__(self, world: ReefWorld, cfg: SimulatorCfg, rng: np.random.Generator, *, start: Pose | None = None,
+                 first: ReefSimulator | None = None) -> None:
+        """Put a vehicle into a world.
+
+        Args:
+            world: The truth.
+            cfg: Vehicle and sensors.
+            rng: Of the sensors' noise.
+            start: Where it starts; the world's start by default.
+            first: Simulator of another vehicle in the same reef; what either sees counts as seen.
+        """
         self.world, self.cfg = world, cfg
-        self.scene = Scene.from_world(world)
+        self.scene: Scene = Scene.from_world(world) if first is None else first.scene
         self._camera = Camera(self.scene, cfg.camera)
         self._noise = SensorNoise(cfg.noise, rng, cfg.camera)
         self._drift = PoseDrift(cfg.noise, rng)
         self._footprints = self.scene.footprints()
         self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
-        self.coverage = CoverageMeter(self.scene, cfg.coverage)
-        self.vehicle = Vehicle(cfg.vehicle, VehicleState(world.start.x, world.start.y, world.start.theta))
+        self.coverage: CoverageMeter = CoverageMeter(self.scene, cfg.coverage) if first is None else first.coverage
+        begin = start or Pose(world.start.x, world.start.y, world.start.theta)
+        self.vehicle = Vehicle(cfg.vehicle, VehicleState(begin.x, begin.y, begin.theta))
         self.distance_m = 0.0
+        self.track: NDArray[np.float64] = np.array([begin[:2]])
+        """Where the vehicle was in the last tick, before contacts were resolved. Shape=(N, 2), metres."""
+        self._others: tuple[tuple[float, float], ...] = ()
         self.coverage.update(self.pose)
 
     @property
@@ -75,7 +91,10 @@ class ReefSimulator:
         return Sensed(frame=frame, pose=self._drift.step(self.pose, dt), velocity=(u, v, r))
 
     def _clearance(self, x: float, y: float) -> float:
-        return clearance(self._footprints, x, y)
+        free = clearance(self._footprints, x, y)
+        for other in self._others:
+            free = min(free, math.dist(other, (x, y)) - self.cfg.vehicle.hull_radius_m)
+        return free
 
     def _attitude(self) -> tuple[float | None, float, float]:
         """Height above the seabed (m; None: as configured), roll and pitch (rad) of the camera."""
@@ -84,13 +103,17 @@ class ReefSimulator:
         z, roll, pitch = self.vehicle.attitude
         return z - self.world.seabed.z_m, roll, pitch
 
-    def act(self, command: tuple[float, float], dt: float) -> list[tuple[float, float, int]]:
-        """Drive for `dt` seconds; returns new contacts as (x, y, obstacle index)."""
-        before = self.pose
+    def act(self, command: tuple[float, float], dt: float,
+            others: Sequence[tuple[float, float]] = ()) -> list[tuple[float, float, int]]:
+        """Drive for `dt` seconds; returns new contacts with obstacles as (x, y, obstacle index).
+
+        The hulls of other robots, at the positions `others` (m), stop the vehicle like obstacles.
+        """
+        before, self._others = self.pose, tuple(others)
         current = (self.world.current.x_m_s, self.world.current.y_m_s)
         solid = self.cfg.contact == "solid"
-        track = self.vehicle.step(command, dt, current, self._clearance if solid else None)
+        self.track = self.vehicle.step(command, dt, current, self._clearance if solid else None)
         self.distance_m += math.dist(before[:2], self.pose[:2])
-        contacts = self._contacts.follow(track)
+        contacts = self._contacts.follow(self.track)
         self.coverage.update(self.pose)
         return contacts

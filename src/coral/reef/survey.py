@@ -125,7 +125,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
         mean = np.array([px[members].mean(), py[members].mean()])
         best = members[np.argmin((px[members] - mean[0]) ** 2 + (py[members] - mean[1]) ** 2)]
         x, y = float(px[best]), float(py[best])
-        if belief.failures(x, y) >= belief.cfg.max_attempts:
+        if belief.failures(x, y) >= belief.cfg.max_attempts or belief.taken(x, y):
             continue
         forward, to_left = to_robot(belief.pose, x, y)
         found.append(Frontier(

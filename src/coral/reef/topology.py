@@ -51,11 +51,15 @@ def places_left(belief: Belief, left: Survey, fields: CostFieldCfg, cfg: Topolog
     """The graph of what is left, each place with its regret; empty when the memory is off or nothing is left."""
     if not cfg.enabled:
         return ()
-    clusters = sorted((left.path_m(t.x, t.y), t.x, t.y, t.index) for t in belief.unvisited())
+    # The tour is this robot's own: what is nearer to another robot is that one's to visit.
+    share = [t for t in belief.unvisited() if not belief.nearer_to_another(t.x, t.y)]
+    clusters = sorted((left.path_m(t.x, t.y), t.x, t.y, t.index) for t in share)
     nodes = [Place(x=x, y=y, index=index) for path, x, y, index in clusters if math.isfinite(path)][: cfg.max_nodes]
     for f in left.frontiers:
         if len(nodes) == cfg.max_nodes:
             break
+        if belief.nearer_to_another(f.x, f.y):
+            continue
         if all(math.hypot(f.x - n.x, f.y - n.y) >= cfg.frontier_gap_m for n in nodes):
             nodes.append(Place(x=f.x, y=f.y, index=None))
     if not nodes:

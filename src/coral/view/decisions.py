@@ -75,6 +75,8 @@ class Decision:
     source: str = ""
     reason: str = ""
     fallback: str = ""
+    robot: int = 0
+    """Who asked."""
 
     @property
     def outcome(self) -> str:
@@ -94,21 +96,22 @@ def decisions(run: RunFolder) -> list[Decision]:
     verdicts = {(e.get("decision"), e.get("attempt")): e for e in run.select("verdict")}
     questions: dict[Any, list[Record]] = {}
     causes: dict[Any, str] = {}
-    cause = ""
+    cause: dict[Any, str] = {}
     for event in run.events:
         if event["event"] == "trigger" and event.get("fired"):
-            cause = str(event.get("cause", ""))
+            cause[event.get("robot")] = str(event.get("cause", ""))
         elif event["event"] == "question":
             questions.setdefault(event.get("decision"), []).append(event)
-            causes.setdefault(event.get("decision"), cause)
+            causes.setdefault(event.get("decision"), cause.get(event.get("robot"), ""))
     goals = {e["decision"]: e for e in run.select("goal") if e.get("decision") is not None}
     fallbacks = run.select("fallback")
-    times, xs, ys = run.column("t"), run.column("x"), run.column("y")
     found: list[Decision] = []
     for key, asked in questions.items():
         tries = tuple(_try(q, verdicts.get((key, q.get("attempt"))), logged.get((key, q.get("attempt")), {}))
                       for q in asked)
-        t = float(asked[0]["t"])
+        t, robot = float(asked[0]["t"]), int(asked[0].get("robot") or 0)
+        there = run.robot(robot) if robot <= len(run.fleet) else run
+        times, xs, ys = (there.column(name) for name in ("t", "x", "y"))
         nearest = int(np.clip(np.searchsorted(times, t), 0, len(times) - 1)) if len(times) else -1
         goal = goals.get(key)
         ended = max(float(q["t"]) for q in asked)
@@ -122,7 +125,8 @@ def decisions(run: RunFolder) -> list[Decision]:
             y=float(ys[nearest]) if nearest >= 0 else float("nan"),
             goal=(float(goal["x"]), float(goal["y"])) if goal and _has(goal, "x", "y") else None,
             source=str(goal.get("source", "")) if goal else "", reason=str(goal.get("reason") or "") if goal else "",
-            fallback=f"{after.get('policy', '')} ({after.get('failure', '')})" if after and failed else ""))
+            fallback=f"{after.get('policy', '')} ({after.get('failure', '')})" if after and failed else "",
+            robot=robot))
     return found
 
 

@@ -92,7 +92,7 @@ def clearance_chart(run: RunFolder) -> str:
         x, low = axis(float(t[k])), y(min(2.0, lowest))
         body += [f'<circle cx="{x:.1f}" cy="{low:.1f}" r="4.5" class="dot main"/>',
                  text(axis.end_px, top - 9, f"closest pass {lowest:.2f} m at {clock(float(t[k]))}", "key main", "end")]
-    for event in run.select("collision"):
+    for event in (e for e in run.select("collision") if not e.get("robot")):
         x = axis(float(event["t"]))
         body.append(f'<path d="M{x - 5:.1f},{y(0) - 5:.1f}l10,10m0,-10l-10,10" class="cross"/>')
     return chart(208, body, axis, label="Clearance over time", top=top, bottom=bottom)
@@ -138,8 +138,8 @@ def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
             body.append(f'<rect x="{x:.1f}" y="{middle["advisor thinking"] - 8:.1f}" width="{width:.1f}" height="16" '
                         f'rx="2" class="ask {escape(one.verdict)}" data-decision="{decision.number}"><title>decision '
                         f'{decision.number}, {escape(one.verdict)} {escape(one.code)}</title></rect>')
-    body += _mode_bars(run.select("mode"), axis, run.duration_s, middle["mode"])
-    for event in run.select("collision", "planner_failure", "fallback", "monitor"):
+    body += _mode_bars([e for e in run.select("mode") if not e.get("robot")], axis, run.duration_s, middle["mode"])
+    for event in run.select("collision", "robot_collision", "planner_failure", "fallback", "monitor"):
         x, y0, kind = axis(float(event["t"])), middle["incidents"], str(event["event"])
         body.append(f'<rect x="{x - 2:.1f}" y="{y0 - 8:.1f}" width="4" height="16" class="incident {kind}"><title>'
                     f'{clock(float(event["t"]))}: {INCIDENTS[kind]}</title></rect>')
@@ -148,7 +148,8 @@ def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
 
 HELD = {"pending": "a question was already open", "cooldown": "asked too recently",
         "separation": "the new goal would be too near the old one"}
-INCIDENTS = {"collision": "collision", "planner_failure": "no safe motion found, robot brakes",
+INCIDENTS = {"collision": "collision", "robot_collision": "two robots touched",
+             "planner_failure": "no safe motion found, robot brakes",
              "fallback": "fallback policy chose the goal", "monitor": "left the planned path, planned anew"}
 
 

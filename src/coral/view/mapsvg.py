@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.view.companions import COLORS
 from coral.view.decisions import Decision
 from coral.view.mapframe import CELL_COLORS, nice_step
 from coral.view.pictures import palette_png
@@ -55,7 +56,7 @@ class MapSvg:
             '<g clip-path="url(#inside)">', self._truth(), self._path(), self._centroids(made), self._links(made),
             '<g id="goalmark" class="goal" visibility="hidden"><circle r="11"/>'
             '<path d="M-16,0h9M7,0h9M0,-16v9M0,7v9"/></g>',
-            self._decisions(made), self._collisions(), self._robot(), "</g>", self._axes(), "</svg>"))
+            self._decisions(made), self._collisions(), self._others(), self._robot(), "</g>", self._axes(), "</svg>"))
 
     def _truth(self) -> str:
         covered = {str(e.get("name")): float(e["t"]) for e in self.run.select("cluster_covered")}
@@ -85,9 +86,15 @@ class MapSvg:
 
     def _path(self) -> str:
         x, y = track(self.run)
-        d = "M" + "L".join("{:.1f},{:.1f}".format(*self.at(float(a), float(b))) for a, b in zip(x, y, strict=True))
-        return (f'<g id="layer-path"><path id="track-edge" d="{d}" class="track edge"/>'
+        d = self._line(x, y)
+        others = "".join(f'<path id="track-{k}" d="{self._line(*track(self.run.robot(k)))}" class="track" '
+                         f'style="stroke:{color_of(k)}"/>' for k in range(1, len(self.run.fleet) + 1))
+        return (f'<g id="layer-path">{others}<path id="track-edge" d="{d}" class="track edge"/>'
                 f'<path id="track" d="{d}" class="track"/></g>') if len(x) > 1 else '<g id="layer-path"></g>'
+
+    def _line(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> str:
+        spots = ("{:.1f},{:.1f}".format(*self.at(float(a), float(b))) for a, b in zip(x, y, strict=True))
+        return "M" + "L".join(spots) if len(x) else ""
 
     def _centroids(self, made: Sequence[Decision]) -> str:
         last = next((d.centroids for d in reversed(made) if d.centroids), ())
@@ -133,7 +140,7 @@ class MapSvg:
 
     def _collisions(self) -> str:
         parts = []
-        for event in self.run.select("collision"):
+        for event in self.run.select("collision", "robot_collision"):
             if isinstance(event.get("x"), int | float) and isinstance(event.get("y"), int | float):
                 x, y = self.at(float(event["x"]), float(event["y"]))
                 parts.append(f'<path d="M{x - 7:.1f},{y - 7:.1f}l14,14m0,-14l-14,14" class="cross"><title>collision at '
@@ -152,6 +159,21 @@ class MapSvg:
                 '<path d="M0,0L28,0" class="forward"/><path d="M27,-5L38,0L27,5Z" class="forward tip"/>'
                 '<circle r="6.5" class="body"/></g>')
 
+    def _others(self) -> str:
+        parts = []
+        for k in range(1, len(self.run.fleet) + 1):
+            xs, ys, thetas = (self.run.robot(k).column(name) for name in ("x", "y", "theta"))
+            if len(xs):
+                x, y = self.at(float(xs[-1]), float(ys[-1]))
+                paint = f'style="fill:{color_of(k)};stroke:{color_of(k)}"'
+                parts.append(f'<g id="robot-{k}" transform="translate({x:.1f},{y:.1f}) rotate('
+                             f'{-math.degrees(float(thetas[-1])):.1f})"><title>robot {k}</title>'
+                             f'<circle r="{0.3 * self.scale:.1f}" class="hull" {paint} fill-opacity="0.13"/>'
+                             f'<path d="M0,0L28,0" class="forward" {paint}/>'
+                             f'<path d="M27,-5L38,0L27,5Z" class="forward tip" {paint}/>'
+                             f'<circle r="6.5" class="body" style="fill:{color_of(k)}"/></g>')
+        return "".join(parts)
+
     def _axes(self) -> str:
         left, bottom = self.at(0.0, 0.0)
         right, top = self.at(*self.size_m)
@@ -168,6 +190,11 @@ class MapSvg:
         parts.append(f'<text transform="translate(11,{(top + bottom) / 2:.1f}) rotate(-90)" text-anchor="middle" '
                      'class="tick">north, m</text>')
         return "".join(parts)
+
+
+def color_of(robot: int) -> str:
+    """Colour of a robot and, from the second one on, of its track, as style sheets write it."""
+    return "#{:02x}{:02x}{:02x}".format(*COLORS[robot % len(COLORS)])
 
 
 def map_uri(cells: NDArray[Any]) -> str:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from coral.reef.geometry import Pose
 from coral.view.cameraview import camera_picture
+from coral.view.companions import Companion, draw_companions, draw_key, draw_tracks
 from coral.view.mapframe import (
     BLUE,
     CELL_COLORS,
@@ -64,6 +65,10 @@ class MapScene:
     """Shape=(R, T, 2), sampled futures of the controller."""
     reference: NDArray[np.float64] | None = None
     """Shape=(M, 2), the path the robot was meant to follow."""
+    others: tuple[Companion, ...] = ()
+    """The other robots of the mission."""
+    named: bool = False
+    """Whether a key says which of several robots has which colour."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +103,7 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     White is unexplored, gray explored free space, black obstacles, green oysters; orange dots are cluster
     centroids with their labels, pale once visited, joined by blue lines in chain order; the yellow line is where the
     robot has been; the red dot and arrow are the robot and its +X (forward), the blue arrow its +Y (left); the
-    magenta cross-hair is the present goal.
+    magenta cross-hair is the present goal. Other robots are dots with an arrow and a ring for their goal.
     """
     cfg = cfg or MapViewCfg()
     window = _window(scene, cfg)
@@ -138,6 +143,7 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
     extra = [scene.trajectory, scene.centroids]
     extra += [np.array([scene.pose[:2]])] if scene.pose is not None else []
     extra += [np.array([scene.goal])] if scene.goal is not None else []
+    extra += [np.array([one.pose[:2]]) for one in scene.others if one.pose is not None]
     points = np.concatenate([np.asarray(part, np.float64).reshape(-1, 2) for part in extra])
     if len(points):
         xs += [points[:, 0].min(), points[:, 0].max()]
@@ -188,6 +194,7 @@ def _overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
             draw_line(rgb, path, (150, 120, 200), 1)
     if scene.reference is not None:
         draw_line(rgb, view.to_pixels(scene.reference), (120, 60, 160), 2, edge=(255, 255, 255))
+    draw_tracks(view, scene.others)
     draw_line(rgb, view.to_pixels(_thinned(scene.trajectory, 1.5 / view.scale)), YELLOW, 3, edge=YELLOW_EDGE)
     dots = view.to_pixels(np.asarray(scene.centroids, np.float64).reshape(-1, 2))
     order = range(len(dots)) if scene.chain is None else scene.chain
@@ -199,6 +206,7 @@ def _overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
         draw_dot(rgb, dot, 6.5, ORANGE)
         if seen:
             draw_dot(rgb, dot, 3.5, PALE_ORANGE, edge=PALE_ORANGE, edge_width=0.5)
+    draw_companions(view, scene.others)
     robot: NDArray[np.float64] | None = None
     if scene.pose is not None:
         robot = view.to_pixels(np.array(scene.pose[:2]))
@@ -206,6 +214,8 @@ def _overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
     if cfg.labels and len(dots):
         names = [str(i) for i in (scene.indices if scene.indices is not None else range(len(dots)))]
         _labels(rgb, dots, names, robot)
+    if scene.named:
+        draw_key(view, scene.others)
 
 
 def _thinned(path: NDArray[np.float64], step: float) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ import numpy as np
 from coral.advisor.question import Picture
 from coral.reef.belief import Belief
 from coral.view.cameraview import camera_picture
+from coral.view.companions import Companion
 from coral.view.mapview import MapScene, draw_map, png
 
 
@@ -16,7 +17,8 @@ def map_scene(belief: Belief) -> MapScene:
     return MapScene(
         cells=belief.map.cells(), cell_m=belief.map.cfg.cell_m, pose=belief.pose, trajectory=belief.trajectory,
         centroids=np.array([[t.x, t.y] for t in chain]).reshape(-1, 2), indices=[t.index for t in chain],
-        visited=[t.visited for t in chain], goal=belief.goal)
+        visited=[t.visited for t in chain], goal=belief.goal,
+        others=tuple(Companion(pose=other.pose, goal=other.goal) for other in belief.others))
 
 
 def question_pictures(belief: Belief) -> tuple[Picture, ...]:

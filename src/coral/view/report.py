@@ -17,7 +17,7 @@ import yaml
 from markupsafe import Markup
 
 from coral.errors import InputError
-from coral.reef.metrics import DEFINITIONS, metrics_of
+from coral.reef.metrics import DEFINITIONS, fleet_metrics, metrics_of
 from coral.view.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
 from coral.view.decisions import Decision, decisions
 from coral.view.figures import (
@@ -28,7 +28,7 @@ from coral.view.figures import (
     event_chart,
     speed_chart,
 )
-from coral.view.mapsvg import MapSvg, map_uri
+from coral.view.mapsvg import MapSvg, color_of, map_uri
 from coral.view.pictures import palette_png
 from coral.view.run import Record, RunFolder
 from coral.view.svg import LEFT, RIGHT, WIDTH, clock
@@ -73,14 +73,16 @@ def render_report(run: RunFolder) -> str:
     environment.filters["clock"] = clock
     page = environment.get_template("report.html.j2")
     start: Record = (run.select("start") or [{}])[0]
-    collisions = len(run.select("collision"))
+    collisions = len(run.select("collision", "robot_collision"))
     return page.render(
         run=run, name=str(start.get("world") or run.config.get("world") or run.path.name),
         topology=str(run.world.get("topology", "")), size=_size(run), metrics=metrics, headline=_headline(run, metrics),
         tiles=_tiles(metrics), map=Markup(drawing.draw(made)), decisions=made,
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, made)],
         histogram=Markup(control_histogram(run.timing)), pictures=pictures,
-        rows=[(_title(key), _show(key, value), DEFINITIONS.get(key, "")) for key, value in metrics.items()],
+        rows=[(_title(key), _show(key, value), DEFINITIONS.get(key, "")) for key, value in metrics.items()
+              if key != "per_robot"],
+        each=_each(metrics), robots=[color_of(k) for k in range(1, len(run.fleet) + 1)],
         truth=_truth_counts(run), collisions=collisions, provenance=_provenance(run, start),
         config=yaml.safe_dump(dict(run.config), sort_keys=False, allow_unicode=True) if run.config else "",
         data=Markup(_script_data(run, made, pictures)), held=HELD, has_frames=bool(run.frame_steps),
@@ -92,11 +94,13 @@ def _metrics(run: RunFolder) -> Mapping[str, Any]:
     """The run's own metrics, or what can be computed from the part that was recorded."""
     if run.metrics:
         return run.metrics
-    names = list(run.trajectory)
-    columns = [run.trajectory[name].tolist() for name in names]
-    rows = [dict(zip(names, map(str, values), strict=True)) for values in zip(*columns, strict=True)]
+    tables = []
+    for table in (run.trajectory, *run.fleet):
+        columns = [table[name].tolist() for name in table]
+        tables.append([dict(zip(table, map(str, values), strict=True)) for values in zip(*columns, strict=True)])
     try:
-        return {**metrics_of(run.events, rows), "end_reason": "interrupted"}
+        found = fleet_metrics(run.events, tables) if run.fleet else metrics_of(run.events, tables[0])
+        return {**found, "end_reason": "interrupted"}
     except (KeyError, ValueError, TypeError):
         return {}
 
@@ -126,8 +130,9 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     asked = _plural(int(metrics.get("advisor_calls", 0)), "question")
     minutes, seconds = divmod(int(float(metrics.get("sim_time_s", 0.0))), 60)
     distance = float(metrics.get("distance_m", 0.0))
-    return (f"In {minutes} min {seconds} s the robot {verb} {found} oyster clusters over {distance:.0f} m of survey, "
-            f"{safe}, putting {asked} to its advisor.")
+    who, whose = (f"the {metrics['robots']} robots", "their") if metrics.get("robots") else ("the robot", "its")
+    return (f"In {minutes} min {seconds} s {who} {verb} {found} oyster clusters over {distance:.0f} m of survey, "
+            f"{safe}, putting {asked} to {whose} advisor.")
 
 
 def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
@@ -151,6 +156,14 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     ]
 
 
+def _each(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of a table of every robot's own figures; empty for one robot."""
+    each = [one for one in metrics.get("per_robot") or () if isinstance(one, dict)]
+    if not each:
+        return [], []
+    return [_title(key) for key in each[0]], [[_show(key, value) for key, value in one.items()] for one in each]
+
+
 def _title(key: str) -> str:
     """A metric's key in words, its unit in brackets."""
     for suffix, unit in (("_m_s", "m/s"), ("_ms", "ms"), ("_s", "s"), ("_m", "m")):
@@ -172,15 +185,16 @@ def _show(key: str, value: object) -> str:
 def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, str]]:
     if not len(run.column("t")) and not run.events:
         return []
+    first = " of robot 0" if run.fleet else ""
     return [
         ("Coverage", "Share of the true oyster clusters of which at least 60 % has been seen; each mark is one.",
          coverage_chart(run)),
         ("Decisions and triggers",
          "Dots: the advisor was asked. Thin bars: a trigger was held back. Wide bars: the advisor thinking, coloured "
          "by verdict; the controller goes on meanwhile.", event_chart(run, made)),
-        ("Speed", "Speed over ground and the controller's command.", speed_chart(run)),
-        ("Clearance", "True distance between the robot's hull (a 0.3 m disc) and the nearest obstacle. Shaded: nearer "
-         "than the hull's own radius; at 0 m (red line) it touches.",
+        (f"Speed{first}", "Speed over ground and the controller's command.", speed_chart(run)),
+        (f"Clearance{first}", "True distance between the robot's hull (a 0.3 m disc) and the nearest obstacle. "
+         "Shaded: nearer than the hull's own radius; at 0 m (red line) it touches.",
          clearance_chart(run)),
     ]
 
@@ -237,13 +251,23 @@ def _script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str
         "a": column(run.column("theta"), 3), "s": column(speed, 3), "c": column(run.column("clearance"), 2),
         "k": column(run.column("coverage"), 4), "gx": column(run.column("goal_x"), 2),
         "gy": column(run.column("goal_y"), 2), "end": round(run.duration_s, 2), "plot": [LEFT, WIDTH - RIGHT, WIDTH],
+        **({"o": [_motion(run.robot(k), keep) for k in range(1, len(run.fleet) + 1)]} if run.fleet else {}),
         "frames": _frames(run), "pictures": dict(pictures),
         "decisions": [{"n": d.number, "t": d.t, "end": d.end_s, "mode": d.mode, "cause": d.cause, "tries": len(d.tries),
-                       "said": d.tries[-1].said, "verdict": d.outcome, "why": d.tries[-1].why[:600],
+                       "said": d.tries[-1].said, **({"r": d.robot} if run.fleet else {}),
+                       "verdict": d.outcome, "why": d.tries[-1].why[:600],
                        "c": [[c["index"], c["x"], c["y"], bool(c.get("visited"))] for c in d.centroids]}
                       for d in made],
     }
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def _motion(run: RunFolder, keep: Any) -> dict[str, list[float]]:
+    """Another robot at the samples `keep`; it stands at its last one where it has fewer. Empty without any."""
+    length = len(run.column("t"))
+    at = np.minimum(keep, length - 1) if length else np.zeros(0, int)
+    return {key: np.nan_to_num(run.column(name)[at]).round(3).tolist() for key, name in
+            (("x", "x"), ("y", "y"), ("a", "theta"))}
 
 
 def _frames(run: RunFolder) -> list[dict[str, Any]]:

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import yaml
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.runs import trajectory_name
 
 Record = Mapping[str, Any]
 _MARKS = ("events.jsonl", "trajectory.csv", "config.yaml", "metrics.json")
@@ -39,6 +40,8 @@ class RunFolder:
     """Steps at which `frames/` holds a map, ascending."""
     notes: tuple[str, ...]
     """What was missing or unreadable, one sentence each."""
+    fleet: tuple[Mapping[str, NDArray[np.float64]], ...] = ()
+    """Columns of trajectory_1.csv and so on, when several robots surveyed."""
 
     @property
     def complete(self) -> bool:
@@ -58,6 +61,10 @@ class RunFolder:
             return self.trajectory[name]
         length = len(next(iter(self.trajectory.values()), np.zeros(0)))
         return np.full(length, np.nan)
+
+    def robot(self, number: int) -> RunFolder:
+        """The same run, with another robot's trajectory in the place of the first one's."""
+        return replace(self, trajectory=self.fleet[number - 1]) if number else self
 
     def select(self, *names: str) -> list[Record]:
         """Events of these kinds, in order."""
@@ -95,6 +102,9 @@ class RunFolder:
         # What was acted in: a reef, or a contact task; only the former asks an advisor in every run.
         task = (folder / "task.yaml").is_file()
         events = _lines(folder / "events.jsonl", notes)
+        tables: list[Mapping[str, NDArray[np.float64]]] = []
+        while (more := folder / trajectory_name(len(tables) + 1)).is_file():
+            tables.append(_table(more, notes))
         whole = tuple(event for event in events if isinstance(event.get("event"), str) and _is_number(event.get("t")))
         if len(whole) < len(events):
             notes.append(f"events.jsonl: {len(events) - len(whole)} lines have no name or time and were left out.")
@@ -111,6 +121,7 @@ class RunFolder:
             frame_steps=tuple(sorted(int(file.name[:-8]) for file in (folder / "frames").glob("*_map.png")
                                      if file.name[:-8].isdigit())),
             notes=tuple(notes),
+            fleet=tuple(tables),
         )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.geometry import Pose
+from coral.view.companions import COLORS, Companion
 from coral.view.decisions import Decision, decisions
 from coral.view.mapview import MapScene, draw_map
 from coral.view.pictures import Image, png
@@ -42,13 +43,7 @@ def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[
         t: Simulated time (s).
         cells: Map classes to use, Shape=(H, W); None takes the last snapshot that is no later than `t`.
     """
-    times = run.column("t")
-    k = int(np.searchsorted(times, t + 1e-6))
-    x, y, theta = (_interpolated(run, name, t, k) for name in ("x", "y", "theta"))
-    pose = Pose(x, y, theta) if k and np.isfinite([x, y, theta]).all() else None
-    track = np.stack([run.column("x")[:k], run.column("y")[:k]], axis=1)
-    if pose is not None:
-        track = np.vstack([track, [pose[:2]]])
+    pose, track, goal = _whereabouts(run, t)
     offered = next((d.centroids for d in reversed(made) if d.t <= t + 1e-6), ())
     size = run.world.get("size_m") or (20.0, 20.0)
     if cells is None:
@@ -56,12 +51,30 @@ def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[
     cell_m = float(size[0]) / cells.shape[1] if cells is not None else 0.05
     if cells is None:
         cells = np.zeros((round(float(size[1]) / cell_m), round(float(size[0]) / cell_m)), np.uint8)
-    goal = (run.column("goal_x")[k - 1], run.column("goal_y")[k - 1]) if k else (np.nan, np.nan)
     return MapScene(
-        cells=cells, cell_m=cell_m, pose=pose, trajectory=track[np.isfinite(track).all(axis=1)],
+        cells=cells, cell_m=cell_m, pose=pose, trajectory=track,
         centroids=np.array([(float(c["x"]), float(c["y"])) for c in offered], np.float64).reshape(-1, 2),
         indices=[int(c["index"]) for c in offered], visited=[bool(c.get("visited")) for c in offered],
-        goal=(float(goal[0]), float(goal[1])) if np.isfinite(goal).all() else None)
+        goal=goal, others=tuple(_companion(run, number, t) for number in range(1, len(run.fleet) + 1)),
+        named=bool(run.fleet))
+
+
+def _whereabouts(run: RunFolder, t: float) -> tuple[Pose | None, NDArray[np.float64], tuple[float, float] | None]:
+    """Pose at `t`, the track up to there, Shape=(N, 2), and the goal; None where not recorded."""
+    k = int(np.searchsorted(run.column("t"), t + 1e-6))
+    x, y, theta = (_interpolated(run, name, t, k) for name in ("x", "y", "theta"))
+    pose = Pose(x, y, theta) if k and np.isfinite([x, y, theta]).all() else None
+    track = np.stack([run.column("x")[:k], run.column("y")[:k]], axis=1)
+    if pose is not None:
+        track = np.vstack([track, [pose[:2]]])
+    goal = (run.column("goal_x")[k - 1], run.column("goal_y")[k - 1]) if k else (np.nan, np.nan)
+    return (pose, track[np.isfinite(track).all(axis=1)],
+            (float(goal[0]), float(goal[1])) if np.isfinite(goal).all() else None)
+
+
+def _companion(run: RunFolder, number: int, t: float) -> Companion:
+    pose, track, goal = _whereabouts(run.robot(number), t)
+    return Companion(pose=pose, goal=goal, trajectory=track, color=COLORS[number % len(COLORS)])
 
 
 def snapshot(run: RunFolder, t: float) -> Image | None:

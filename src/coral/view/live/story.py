@@ -94,7 +94,7 @@ def _noted(story: Story, event: Record, text: str) -> Story:
 
 _FOLDS: dict[str, Callable[[Story, Record], Story]] = {
     "start": _start, "trigger": _trigger, "question": _question, "verdict": _verdict, "goal": _goal,
-    "cluster_covered": _covered, "collision": _collision, "end": _end,
+    "cluster_covered": _covered, "collision": _collision, "robot_collision": _collision, "end": _end,
     "planner_failure": lambda s, e: _noted(s, e, f"no way found: {e.get('reason', '')}"),
     "fallback": lambda s, e: _noted(s, e, f"the advisor failed ({e.get('failure', '')})"),
     "monitor": lambda s, e: _noted(s, e, "left the planned path, planned again"),

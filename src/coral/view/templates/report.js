@@ -8,12 +8,17 @@
   const track = ["track", "track-edge"].map($).filter(Boolean);
 
   // Length of the drawn path up to every sample, so that the travelled part shows by a dash.
-  const lengths = [0];
-  for (let i = 1; i < T.length; i++) {
-    const [ax, ay] = px(RUN.x[i - 1], RUN.y[i - 1]), [bx, by] = px(RUN.x[i], RUN.y[i]);
-    lengths.push(lengths[i - 1] + Math.hypot(bx - ax, by - ay));
+  function travelled(xs, ys, line) {
+    const lengths = [0];
+    for (let i = 1; i < xs.length; i++) {
+      const [ax, ay] = px(xs[i - 1], ys[i - 1]), [bx, by] = px(xs[i], ys[i]);
+      lengths.push(lengths[i - 1] + Math.hypot(bx - ax, by - ay));
+    }
+    const drawn = line ? line.getTotalLength() / (lengths[lengths.length - 1] || 1) : 1;
+    return lengths.map((length) => length * drawn);
   }
-  const drawn = track.length ? track[0].getTotalLength() / (lengths[lengths.length - 1] || 1) : 1;
+  const lengths = travelled(RUN.x, RUN.y, track[0]);
+  const others = (RUN.o || []).map((o, k) => ({ ...o, body: $(`robot-${k + 1}`), line: $(`track-${k + 1}`), lengths: travelled(o.x, o.y, $(`track-${k + 1}`)) })).filter((o) => o.body && o.x.length);
 
   const before = (times, t) => {  // last index with times[i] <= t, at least 0
     let low = 0, high = times.length - 1;
@@ -47,11 +52,15 @@
       const i = before(T, t), j = Math.min(i + 1, T.length - 1);
       const w = T[j] > T[i] ? Math.min(1, Math.max(0, (t - T[i]) / (T[j] - T[i]))) : 0;
       const mix = (v) => v[i] + w * (v[j] - v[i]);
-      const turn = RUN.a[i] + w * Math.atan2(Math.sin(RUN.a[j] - RUN.a[i]), Math.cos(RUN.a[j] - RUN.a[i]));
-      const [rx, ry] = px(mix(RUN.x), mix(RUN.y));
-      if ($("robot")) $("robot").setAttribute("transform", `translate(${rx.toFixed(1)},${ry.toFixed(1)}) rotate(${(-turn * 180 / Math.PI).toFixed(1)})`);
-      const length = (lengths[i] + w * (lengths[j] - lengths[i])) * drawn;
-      for (const p of track) p.style.strokeDasharray = t >= RUN.end ? "none" : `${length} 1e6`;
+      const place = (body, xs, ys, a) => {
+        const turn = a[i] + w * Math.atan2(Math.sin(a[j] - a[i]), Math.cos(a[j] - a[i]));
+        const [rx, ry] = px(mix(xs), mix(ys));
+        body.setAttribute("transform", `translate(${rx.toFixed(1)},${ry.toFixed(1)}) rotate(${(-turn * 180 / Math.PI).toFixed(1)})`);
+      };
+      const dash = (line, length) => { line.style.strokeDasharray = t >= RUN.end ? "none" : `${length} 1e6`; };
+      if ($("robot")) place($("robot"), RUN.x, RUN.y, RUN.a);
+      for (const p of track) dash(p, mix(lengths));
+      for (const o of others) { place(o.body, o.x, o.y, o.a); if (o.line) dash(o.line, mix(o.lengths)); }
       put("now-coverage", RUN.k[i] == null ? "–" : `${Math.round(100 * RUN.k[i])} %`);
       put("now-speed", RUN.s[i] == null ? "–" : `${RUN.s[i].toFixed(2)} m/s`);
       put("now-clearance", RUN.c[i] == null ? "–" : RUN.c[i] > 99 ? "open" : `${RUN.c[i].toFixed(2)} m`);
@@ -79,7 +88,7 @@
       const box = $("now-decision");
       if (box.dataset.key !== d.n + state) {
         box.dataset.key = d.n + state;
-        box.innerHTML = `<b>Decision ${d.n}</b>, asked at ${mmss(d.t)} <span class="chip">${esc(d.cause || "asked")}</span> <span class="chip soft">${esc(d.mode)}</span>` +
+        box.innerHTML = `<b>Decision ${d.n}</b>${d.r == null ? "" : ` of robot ${d.r}`}, asked at ${mmss(d.t)} <span class="chip">${esc(d.cause || "asked")}</span> <span class="chip soft">${esc(d.mode)}</span>` +
           (open ? "<p>The advisor is thinking; the robot goes on.</p>" : `<p><b>${esc(d.said)}</b> <span class="chip ${esc(d.verdict)}">${esc(d.verdict)}${d.tries > 1 ? ` after ${d.tries} tries` : ""}</span></p><p>${esc(d.why)}</p>`) +
           `<p><a href="#decision-${d.n}" data-open="${d.n}">pictures and verdicts ↓</a></p>`;
       }

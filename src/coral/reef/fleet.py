@@ -1,0 +1,42 @@
+"""What the robots of one mission tell each other, at every tick and without loss or delay."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.geometry import Pose
+
+MOST_ROBOTS = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Neighbour:
+    """Another robot, as it describes itself."""
+
+    pose: Pose
+    """Its own estimate."""
+    radius_m: float
+    """Of its hull."""
+    goal: tuple[float, float] | None = None
+    """Where it is going (m); None while it has nothing to do."""
+    index: int | None = None
+    """Label of the cluster that its goal stands for."""
+    path: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
+    """Its plan: positions from now on. Shape=(N, 2), metres."""
+    times: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    """When it will be there, in seconds from the moment of planning. Shape=(N,)."""
+
+    def is_going_to(self, x: float, y: float, index: int | None, within_m: float) -> bool:
+        """Whether its goal is this cluster, or a point within `within_m` of this one (m)."""
+        if self.goal is None:
+            return False
+        return (index is not None and index == self.index) or math.dist(self.goal, (x, y)) < within_m
+
+    def distance_m(self, x: float, y: float) -> float:
+        """From a point to the robot or to where it is going, whichever is nearer (m)."""
+        here = math.dist(self.pose[:2], (x, y))
+        return here if self.goal is None else min(here, math.dist(self.goal, (x, y)))
