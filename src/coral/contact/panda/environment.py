@@ -17,7 +17,7 @@ import numpy as np
 
 from coral.contact.panda.names import FLOOR, JOINTS, PAD_GEOMS
 from coral.contact.scene import FINGER_FRICTION, FINGER_PRIORITY, ROLLING, TORSION
-from coral.errors import RunError
+from coral.errors import InputError, RunError
 
 _LOGGER = logging.getLogger(__name__)
 MISSING = (
@@ -78,8 +78,13 @@ def make_environment(
             (`mj_step1`); writes `data.ctrl`.
 
     Raises:
+        InputError: The control period is not a whole number of physics steps.
         RunError: robosuite is not installed.
     """
+    steps = control_period_s / cfg.physics_step_s
+    if steps < 0.5 or abs(steps - round(steps)) > 1e-6:
+        expected = f"a whole number of physics steps of {cfg.physics_step_s:g} s"
+        raise InputError("panda", "control_period_s", control_period_s, expected)
     _, manipulation_env, empty_arena, manipulation_task = _robosuite()
 
     class TableTop(manipulation_env):  # type: ignore[misc, valid-type]
@@ -96,6 +101,11 @@ def make_environment(
                 mujoco_arena=arena, mujoco_robots=[robot.robot_model for robot in self.robots], mujoco_objects=[]
             )
             self.set_xml_processor(_processor(add_scene, cfg))
+
+        def initialize_time(self, control_freq: float) -> None:
+            super().initialize_time(control_freq)
+            self.model_timestep = cfg.physics_step_s
+            self.control_timestep = control_period_s * (1.0 + 1e-9)  # robosuite cuts the ratio down to a whole number
 
         def _setup_observables(self) -> OrderedDict[str, Any]:
             return OrderedDict()
@@ -136,6 +146,9 @@ def _processor(add_scene: Callable[[mujoco.MjSpec], None], cfg: RobotCfg) -> Cal
         spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)  # a divergence must show
         for marker in ("left_eef_target", "right_eef_target"):
             spec.delete(spec.body(marker))
+        for geom in spec.geoms:
+            if geom.name.startswith("wall_"):  # of the room; cameras would see them
+                spec.delete(geom)
         spec.geom("floor").name = FLOOR
         for name in JOINTS:
             spec.joint(name).armature = cfg.motor_inertia

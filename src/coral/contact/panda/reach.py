@@ -19,9 +19,11 @@ from coral.contact.panda.names import (
     JOINTS,
     LEFT_BODIES,
     RIGHT_BODIES,
+    ROBOT_PARTS,
     SITE,
     TOOL_IN_SITE,
     is_robot_geom,
+    part_of,
 )
 from coral.contact.world import Array
 
@@ -94,6 +96,7 @@ class Reach:
         self._robot_geom = np.array([is_robot_geom(model, geom) for geom in range(model.ngeom)])
         fingers = {model.body(name).id for name in (*LEFT_BODIES, *RIGHT_BODIES)}
         self._finger_geom = np.isin(model.geom_bodyid, sorted(fingers))
+        self._own_geom = np.array([part_of(model, geom) in ROBOT_PARTS for geom in range(model.ngeom)])
         model.geom_margin[self._robot_geom] += self.cfg.clearance_m
         movable = model.body_dofnum[model.body_rootid] > 0
         self._movable_geom = movable[model.geom_bodyid] & ~self._robot_geom
@@ -133,7 +136,8 @@ class Reach:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_collision(model, data)
         geoms = data.contact.geom
-        near = data.contact.dist < self.cfg.clearance_m
+        alone = self._own_geom[geoms].all(axis=1)  # its own links, foot and mount may come close to each other
+        near = data.contact.dist < np.where(alone, 0.0, self.cfg.clearance_m)
         ours = self._robot_geom[geoms].any(axis=1) & ~self._movable_geom[geoms].any(axis=1)
         ours &= ~self._finger_geom[geoms].all(axis=1)  # closed fingers touch each other
         return bool((near & ours).any())
