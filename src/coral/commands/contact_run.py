@@ -117,10 +117,8 @@ def render(folder: Path, cfg: EpisodeCfg) -> dict[str, str]:
     """Pictures, report and video of a finished run, as configured."""
     made: dict[str, str] = {}
     if cfg.record.report:
-        from coral.view.contact.keyframes import write_keyframes
         from coral.view.contact.report import write_contact_report
 
-        write_keyframes(folder)
         made["report"] = str(write_contact_report(folder))
     if cfg.record.video:
         from coral.view.contact.video import write_contact_video

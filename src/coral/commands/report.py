@@ -12,17 +12,19 @@ import tyro
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """Write map.png and report.html of a run folder again, also of one that was killed."""
+    """Write report.html and its pictures (map.png or keyframes.png) of a run folder again, also of a killed run."""
 
     run: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN")]
     """Run folder."""
     video: bool = False
-    """Also write mission.mp4."""
+    """Also write the film, mission.mp4 or episode.mp4."""
     json: bool = False
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Write the files."""
+        if (self.run / "task.yaml").is_file():
+            return self._contact()
         from coral.view.report import write_report
         from coral.view.runmap import write_map
 
@@ -31,6 +33,19 @@ class Report:
             from coral.view.video import write_video
 
             made["video"] = str(write_video(self.run))
+        return made
+
+    def _contact(self) -> Mapping[str, Any]:
+        from coral.view.contact.report import write_contact_report
+
+        made = {}
+        if self.video:
+            from coral.view.contact.video import write_contact_video
+
+            made["video"] = str(write_contact_video(self.run))
+        made["report"] = str(write_contact_report(self.run))
+        if (self.run / "keyframes.png").is_file():
+            made["keyframes"] = str(self.run / "keyframes.png")
         return made
 
     def describe(self, result: Mapping[str, Any]) -> str:

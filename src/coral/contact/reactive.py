@@ -27,8 +27,8 @@ class ReactiveCfg:
         most_m: The position's feedback is no larger: a contact's uncertainty, so that it cannot drag the hand away from
             the plan.
         most_n: The force's feedback is no larger.
-        force_limit_n: The impedance never pulls harder than this, and yields where the hand feels more. The spring's usual
-            lead (6 cm at 600 N/m) just stays within it.
+        force_limit_n: The impedance never pulls harder than this, and yields where the hand feels more. The usual
+            lead of the spring (6 cm at 600 N/m) just stays within it.
     """
 
     enabled: bool = True

@@ -52,10 +52,19 @@ def write_report(run_folder: str | Path) -> Path:
         InputError: There is no run in the folder, or the page cannot be written.
     """
     run = RunFolder.read(run_folder)
-    path = run.path / "report.html"
+    return write_page(run.path, render_report(run))
+
+
+def write_page(folder: Path, page: str) -> Path:
+    """Write `report.html` whole or not at all, and return its path.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    path = folder / "report.html"
     partial = path.with_name("report.html.part")
     try:
-        partial.write_text(render_report(run), encoding="utf-8")
+        partial.write_text(page, encoding="utf-8")
         os.replace(partial, path)
     except OSError as error:
         raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None

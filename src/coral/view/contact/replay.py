@@ -17,9 +17,11 @@ from coral.view.pictures import Image
 from coral.view.run import RunFolder, read_table
 
 Array = NDArray[np.float64]
-EYE, TARGET = (0.62, -0.78, 0.52), (-0.02, 0.0, 0.07)
-"""Opposite the robot and to its right: hand and objects are seen, the arm hides nothing."""
+FROM = np.array([0.6, -0.68, 0.42])
+"""Direction of the camera: opposite the robot and to its right, where the arm hides nothing."""
 VFOV_DEG = 38.0
+HIDDEN = 4
+"""Geom group of what the camera leaves out."""
 
 
 class Scene:
@@ -28,16 +30,13 @@ class Scene:
     Args:
         run: The run.
         size: Width and height of the pictures (px).
-        eye: Shape=(3,) m, where the camera stands.
-        target: Shape=(3,) m, what it looks at.
 
     Raises:
         InputError: The run kept no states, or not those of its world.
         RunError: Its world cannot be built here.
     """
 
-    def __init__(self, run: RunFolder, size: tuple[int, int], eye: tuple[float, float, float] = EYE,
-                 target: tuple[float, float, float] = TARGET) -> None:
+    def __init__(self, run: RunFolder, size: tuple[int, int]) -> None:
         states = read_table(run.path / "states.csv")
         self.times: Array = states.get("t", np.zeros(0))
         if not len(self.times):
@@ -54,8 +53,8 @@ class Scene:
             raise InputError(str(run.path), "states.csv", f"{self._places.shape[1]} joint positions",
                              f"the {self._model.nq} of its world")
         camera = CameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG)
-        groups = (0, 1, 2) if world.name == "hand" else (0, 1)
-        self._camera = RayCamera(self._model, camera, look_at(eye, target), {}, groups=groups, colours=True)
+        _hide_what_is_not_looked_at(self._model, self.drawn)
+        self._camera = RayCamera(self._model, camera, _overview(run, self.drawn), {}, colours="shaded")
 
     def at(self, t: float) -> Image:
         """The picture of the last state until `t`, Shape=(H, W, 3) RGB."""
@@ -66,6 +65,31 @@ class Scene:
         picture = self._camera.take(self._data).rgb
         assert picture is not None
         return picture
+
+
+def _overview(run: RunFolder, drawn: Drawn) -> Array:
+    """T_world_camera from which all that moved is seen, Shape=(4, 4)."""
+    prefixes = ("", *(f"{name}_" for name in drawn.objects))
+    paths = [[run.column(f"{prefix}{axis}") for axis in "xyz"] for prefix in prefixes]
+    points = np.concatenate([np.stack(path, axis=1) for path in paths])
+    points = points[np.isfinite(points).all(axis=1)]
+    if not len(points):
+        points = np.zeros((1, 3))
+    low, high = np.clip(points.min(axis=0), -0.6, 0.8), np.clip(points.max(axis=0), -0.6, 0.8)
+    middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2 + 0.07
+    return look_at(middle + FROM / np.linalg.norm(FROM) * radius / np.sin(np.radians(VFOV_DEG / 2)), middle)
+
+
+def _hide_what_is_not_looked_at(model: mujoco.MjModel, drawn: Drawn) -> None:
+    """A robot model's collision shapes cover its pretty ones, and its room hides the view."""
+    ours = {"table", *(fixture.name for fixture in drawn.task.fixtures)}
+    pretty = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
+    bodies = {model.body(name).id for name in drawn.objects}
+    for k in range(model.ngeom):
+        body = int(model.geom_bodyid[k])
+        covered = model.geom_group[k] == 0 and body in pretty and body not in bodies
+        if model.geom(k).name not in ours and (covered or body == 0):
+            model.geom_group[k] = HIDDEN
 
 
 def trial(run: RunFolder) -> Drawn:

@@ -1,0 +1,76 @@
+"""Pictures of the moments that tell an episode: its beginning, each change of stage or contact, its end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coral.view.contact.figures import stage_spans
+from coral.view.contact.replay import Scene
+from coral.view.pictures import Image, draw_text
+from coral.view.run import RunFolder
+
+SIZE = (400, 300)
+MOST = 12
+COLUMNS = 4
+CAPTION = 30
+"""Height of the line above each picture (px)."""
+
+
+@dataclass(frozen=True)
+class Keyframe:
+    """A moment and why it was chosen."""
+
+    t: float
+    why: str
+    picture: Image
+
+
+def moments(run: RunFolder) -> list[tuple[float, str]]:
+    """Times (s) and why, ascending: at most MOST, evenly filled up where little happened."""
+    end = run.duration_s
+    outcome = str(run.metrics.get("end_reason", "") or "end")
+    found = [(0.0, "start"), (end, outcome)]
+    found += [(start, f"begin to {name}") for start, _, name in stage_spans(run) if start > 0]
+    ours = {"hand", "left", "right"}
+    touched: set[str] = set()
+    for event in run.select("contact"):
+        pair = {str(event["first"]), str(event["second"])}
+        for thing in sorted(pair - ours) if pair & ours else ():
+            if thing not in touched:
+                touched.add(thing)
+                found.append((float(event["t"]), f"touches the {thing}"))
+    gap = max(end / 40.0, 0.1)
+    kept: list[tuple[float, str]] = []
+    for t, why in found:  # start and end come first, then stages: what is nearer than `gap` to them gives way
+        if all(abs(t - other) >= gap for other, _ in kept) and len(kept) < MOST:
+            kept.append((t, why))
+    for t in np.linspace(0.0, end, 9)[1:-1]:
+        if len(kept) < 8 and all(abs(t - other) >= end / 16 for other, _ in kept):
+            kept.append((float(t), ""))
+    return sorted(kept)
+
+
+def keyframes(run: RunFolder) -> list[Keyframe]:
+    """The pictures, of a run that kept its states.
+
+    Raises:
+        InputError: It kept none.
+        RunError: Its world cannot be built here.
+    """
+    scene = Scene(run, SIZE)
+    return [Keyframe(t, why, scene.at(t)) for t, why in moments(run)]
+
+
+def sheet(frames: list[Keyframe]) -> Image:
+    """All of them as one picture."""
+    width, height = SIZE
+    rows = -(-len(frames) // COLUMNS)
+    columns = min(COLUMNS, len(frames))
+    canvas = np.full((rows * (height + CAPTION), columns * (width + 6) - 6, 3), 255, np.uint8)
+    for k, frame in enumerate(frames):
+        top, left = (k // COLUMNS) * (height + CAPTION), (k % COLUMNS) * (width + 6)
+        canvas[top + CAPTION:top + CAPTION + height, left:left + width] = frame.picture
+        draw_text(canvas, f"{frame.t:.2f} s   {frame.why}", left + 4, top + CAPTION / 2, size=16)
+    return canvas

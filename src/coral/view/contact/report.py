@@ -1,0 +1,215 @@
+"""The report of a contact episode: one self-contained page."""
+
+from __future__ import annotations
+
+import os
+from base64 import b64encode
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import cv2
+import jinja2
+import yaml
+from markupsafe import Markup
+
+from coral.contact.draw import Drawn
+from coral.contact.metrics import DEFINITIONS, metrics_of
+from coral.errors import InputError, RunError
+from coral.view.contact.figures import (
+    cost_chart,
+    force_chart,
+    motion_chart,
+    opening_chart,
+    samples_chart,
+    stage_spans,
+    stages_chart,
+    touching,
+)
+from coral.view.contact.keyframes import Keyframe, keyframes, sheet
+from coral.view.contact.replay import trial
+from coral.view.contact.views import three_views, touch_views
+from coral.view.pictures import png
+from coral.view.report import TEMPLATES, write_page
+from coral.view.run import Record, RunFolder
+
+ENDED = {
+    "success": "done", "timeout": "not done in time", "killed": "cut off",
+    "dropped": "failed: an object fell off the table", "tunnelling": "void: an object went through the table",
+    "diverged": "void: the simulation diverged", "unreachable": "failed: the arm could not go on",
+    "camera-off": "failed: the camera gave no pictures", "cost-error": "failed: the cost could not be evaluated",
+    "no-plan": "failed: no usable rehearsal", "failed": "ended by an error in the program"}
+
+
+def write_contact_report(run_folder: str | Path) -> Path:
+    """Write `report.html` and, where states were kept, `keyframes.png` into a run folder; returns the page's path.
+
+    The page holds its pictures and styles; it loads nothing from anywhere. What is there already is replaced.
+
+    Raises:
+        InputError: There is no run in the folder, or a file cannot be written.
+    """
+    run = RunFolder.read(run_folder)
+    notes = list(run.notes)
+    frames: list[Keyframe] = []
+    if (run.path / "states.csv").is_file():
+        try:
+            frames = keyframes(run)
+        except (InputError, RunError) as error:
+            notes.append(f"No pictures: {error}")
+    if frames:
+        path = run.path / "keyframes.png"
+        try:
+            partial = path.with_name("keyframes.png.part")
+            partial.write_bytes(png(sheet(frames)))
+            os.replace(partial, path)
+        except OSError as error:
+            raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
+    return write_page(run.path, render_contact_report(run, frames, notes))
+
+
+def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[str]) -> str:
+    """The whole page as text."""
+    try:
+        drawn: Drawn | None = trial(run)
+    except InputError as error:
+        drawn = None
+        notes = [*notes, f"The task cannot be drawn again: {error}"]
+    metrics = _metrics(run)
+    objects = list(drawn.objects) if drawn is not None else []
+    start: Record = (run.select("start") or [{}])[0]
+    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(TEMPLATES), autoescape=True, trim_blocks=True,
+                                     lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    page = environment.get_template("contact.html.j2")
+    return page.render(
+        title=str(run.world.get("title") or start.get("task") or run.path.name),
+        instruction=str(run.world.get("instruction", "")), headline=_headline(run, metrics), complete=run.complete,
+        duration=run.duration_s, tiles=_tiles(run, metrics),
+        frames=[(f"{frame.t:.2f} s", frame.why, _webp(frame)) for frame in frames],
+        charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, objects) if svg],
+        views=Markup(three_views(run, drawn)) if drawn is not None and len(run.column("t")) else "",
+        touches=[(name, Markup(svg)) for name in objects if drawn is not None
+                 and (svg := touch_views(run, drawn, name))],
+        contacts=[(f"{e['first']} – {e['second']}", f"{float(e['begun_s']):.2f}", f"{float(e['ended_s']):.2f}",
+                   f"{float(e['mean_n']):.1f}", f"{float(e['peak_n']):.1f}") for e in touching(run)][:200],
+        beliefs=_beliefs(run, start),
+        rows=[(_name(key), _show(value), DEFINITIONS.get(key, "")) for key, value in metrics.items()],
+        provenance=_provenance(run, start), notes=notes, video=(run.path / "episode.mp4").is_file(),
+        config=yaml.safe_dump(dict(run.config), sort_keys=False, allow_unicode=True) if run.config else "",
+        style=Markup((TEMPLATES / "report.css").read_text("utf-8")))
+
+
+def _metrics(run: RunFolder) -> Mapping[str, Any]:
+    """The run's own metrics, or what can be computed from the part that was recorded."""
+    if run.metrics:
+        return run.metrics
+    names = list(run.trajectory)
+    columns = [run.trajectory[name].tolist() for name in names]
+    rows = [dict(zip(names, map(str, values), strict=True)) for values in zip(*columns, strict=True)]
+    try:
+        return metrics_of(run.events, rows)
+    except (KeyError, ValueError, TypeError):
+        return {}
+
+
+def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
+    if not metrics or not metrics.get("steps"):
+        return "Nothing was recorded that could be reported on yet."
+    reason = str(metrics.get("end_reason", ""))
+    seconds, plans = float(metrics.get("sim_time_s", 0.0)), int(metrics.get("plans", 0))
+    how = f"{plans} plans, {float(metrics.get('path_length_m', 0.0)):.2f} m of path"
+    strategy = f"following “{metrics.get('strategy')}”" if metrics.get("strategy") else ""
+    stage = (stage_spans(run) or [(0.0, 0.0, "")])[-1][2]
+    if metrics.get("success"):
+        return f"Done after {seconds:.1f} s of simulated time, {strategy}: {how}."
+    if reason == "timeout":
+        return f"Not done within {seconds:.0f} s of simulated time, {strategy}; the last stage was “{stage}”: {how}."
+    if not run.complete:
+        return f"Cut off after {seconds:.1f} s of simulated time in stage “{stage}”, {strategy}: {how}."
+    detail = str((run.select("end") or [{}])[-1].get("detail", ""))
+    what = ENDED.get(reason.partition(":")[0], reason).removeprefix("failed: ").removeprefix("void: ")
+    return (f"Ended without success after {seconds:.1f} s of simulated time in stage “{stage}”, because {what}"
+            f"{f' ({detail})' if detail else ''}: {how}.")
+
+
+def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """(Value, remark, name, state) of the key numbers."""
+    if not metrics:
+        return []
+    success, reason = bool(metrics.get("success")), str(metrics.get("end_reason", ""))
+    median = run.timing.get("plan_ms_median")
+    mean = metrics.get("mean_hand_force_n")
+    wall = run.timing.get("wall_time_s")
+    return [
+        ("yes" if success else "no", ENDED.get(reason.partition(":")[0], reason), "success",
+         "good" if success else "bad"),
+        (f"{float(metrics.get('sim_time_s', 0)):.1f} s",
+         f"simulated; {wall:.0f} s on this machine" if wall else "simulated", "time", ""),
+        (str(metrics.get("plans", 0)), f"{median:.0f} ms each (median)" if median else "", "plans", ""),
+        (str(metrics.get("stages", 0)), str(metrics.get("strategy", "")), "changes of stage", ""),
+        (f"{float(metrics.get('peak_hand_force_n', 0)):.0f} N",
+         f"mean {mean:.1f} N" if mean is not None else "no touch", "largest force", ""),
+        (str(metrics.get("advisor_calls", 0)), f"{metrics.get('repairs', 0)} repairs", "advisor calls", ""),
+    ]
+
+
+def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
+    if not len(run.column("t")):
+        return []
+    drawn = [
+        ("Stages and contacts", "Which stage of the strategy was on, and what touched what.", stages_chart(run)),
+        ("Force", "The hand’s net force on each object, and what the wrist felt; a grasp’s squeeze cancels in it. "
+                  "A green band is what the task asks for.", force_chart(run, objects)),
+        ("Height above the table", "Of the tool and of each object’s centre.", motion_chart(run, objects)),
+        ("Fingers", "Distance between the finger pads.", opening_chart(run))]
+    if run.select("plan"):
+        drawn[1:1] = [("Cost, term by term", "Expected value of each term over the horizon, at every plan; dashed: the "
+                       "stage changed, and with it the terms.", cost_chart(run))]
+        drawn.append(("Effective samples", "How many of the rehearsals shared in each plan.", samples_chart(run)))
+    return drawn
+
+
+def _beliefs(run: RunFolder, start: Record) -> list[tuple[str, str, str, str, str, str]]:
+    """For each object: size, true mass, believed mass, true friction, believed friction."""
+    truth = start.get("trial")
+    held = [event["beliefs"] for event in run.select("strategy") if event.get("beliefs")]
+    if not isinstance(truth, dict) or not held:
+        return []
+    rows = []
+    for name, item in truth.items():
+        believed = held[-1][0].get(name, {})
+        size = " × ".join(f"{100 * float(v):.1f}" for v in item["size_m"])
+        rows.append((name, f"{size} cm", f"{item['mass_kg']:.3f} kg", f"{believed.get('mass_kg', float('nan')):.3f} kg",
+                     f"{item['friction']:.2f}", f"{believed.get('friction', float('nan')):.2f}"))
+    return rows
+
+
+def _provenance(run: RunFolder, start: Record) -> list[tuple[str, str]]:
+    origin = run.config.get("provenance")
+    facts: list[tuple[str, object]] = [(key, start.get(key, run.config.get(key))) for key in
+                                       ("task", "world", "variant", "advisor", "seed", "poses")]
+    facts += list(origin.items()) if isinstance(origin, dict) else []
+    facts += list(run.timing.items())
+    return [(key.replace("_", " "), str(value)) for key, value in facts if value not in (None, "")]
+
+
+def _name(key: str) -> str:
+    for suffix in ("_m", "_s", "_n"):
+        if key.endswith(suffix):
+            return f"{key.removesuffix(suffix).replace('_', ' ')} ({suffix[1:].replace('n', 'N')})"
+    return key.replace("_", " ")
+
+
+def _show(value: object) -> str:
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:,.3f}".rstrip("0").rstrip(".")
+    return str(value)
+
+
+def _webp(frame: Keyframe) -> str:
+    data = cv2.imencode(".webp", frame.picture[..., ::-1], [cv2.IMWRITE_WEBP_QUALITY, 82])[1].tobytes()
+    return "data:image/webp;base64," + b64encode(data).decode()

@@ -1,0 +1,85 @@
+"""A contact episode as a short film: the scene, the stage, and the force on the objects."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from coral.errors import InputError
+from coral.view.contact.figures import stage_spans
+from coral.view.contact.replay import Scene
+from coral.view.pictures import Image, draw_text
+from coral.view.run import RunFolder
+
+WIDTH, HEIGHT = 640, 480
+STRIP = 56
+"""Height of the status strip below the scene (px)."""
+FPS = 12.5
+LONGEST_S = 40.0
+"""Of the film; a longer episode plays faster than real time."""
+INK, MUTED, TEAL, RED = (27, 39, 51), (93, 107, 122), (11, 100, 112), (200, 53, 43)
+
+
+def write_contact_video(run_folder: str | Path) -> Path:
+    """Write `episode.mp4` (H.264) into a run folder and return its path.
+
+    Raises:
+        InputError: The folder holds no contact run or no states, or the film cannot be written.
+        RunError: Its world cannot be built here.
+    """
+    run = RunFolder.read(run_folder)
+    scene = Scene(run, (WIDTH, HEIGHT))
+    path, partial = run.path / "episode.mp4", run.path / "episode.part.mp4"
+    import imageio_ffmpeg
+
+    film = imageio_ffmpeg.write_frames(
+        str(partial), (WIDTH, HEIGHT + STRIP), fps=FPS, codec="libx264", macro_block_size=8, quality=None,
+        pix_fmt_out="yuv420p",
+        output_params=["-crf", "24", "-preset", "veryfast", "-movflags", "+faststart"], ffmpeg_log_level="error")
+    try:
+        film.send(None)
+        for picture in pictures(run, scene):
+            film.send(np.ascontiguousarray(picture))
+        film.close()
+        os.replace(partial, path)
+    except OSError as error:
+        raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
+    return path
+
+
+def moments(duration_s: float) -> list[float]:
+    """Times (s) that the film shows: real time, or faster where that would take too long."""
+    count = max(2, round(min(duration_s, LONGEST_S) * FPS) + 1)
+    return [float(t) for t in np.linspace(0.0, duration_s, count)]
+
+
+def pictures(run: RunFolder, scene: Scene) -> Iterator[Image]:
+    """The film picture by picture, Shape=(HEIGHT + STRIP, WIDTH, 3) RGB each."""
+    spans = stage_spans(run)
+    times = run.column("t")
+    forces = np.stack([run.column(f"{name}_hand_force") for name in scene.drawn.objects]).max(axis=0)
+    rate = run.duration_s / LONGEST_S
+    outcome = str(run.metrics.get("end_reason", ""))
+    for t in moments(run.duration_s):
+        canvas = np.full((HEIGHT + STRIP, WIDTH, 3), 246, np.uint8)
+        canvas[:HEIGHT] = scene.at(t)
+        strip = canvas[HEIGHT:]
+        stage = next((name for start, end, name in reversed(spans) if start <= t + 1e-6), "")
+        row = max(0, int(np.searchsorted(times, t + 1e-6)) - 1)
+        force = float(forces[row]) if len(forces) else 0.0
+        over = t >= run.duration_s - 1e-6 and outcome
+        for x, name, value, color in (
+                (16, "time", f"{t:.1f} s", INK), (130, "stage", stage[:28], TEAL),
+                (420, "force", f"{force:.1f} N", INK),
+                (530, "outcome", outcome[:14] if over else "", TEAL if outcome == "success" else RED)):
+            draw_text(strip, name, x, 14, size=13, color=MUTED, weight=400)
+            draw_text(strip, value, x, 36, size=19, color=color, weight=600)
+        if rate > 1:
+            draw_text(canvas, f"{rate:.1f}× real time", WIDTH - 10, 16, size=14, color=MUTED, anchor="rm", halo=2)
+        done = round((WIDTH - 1) * t / max(run.duration_s, 1e-6))
+        cv2.rectangle(strip, (0, STRIP - 4), (done, STRIP - 1), TEAL, -1)
+        yield canvas
