@@ -1,9 +1,10 @@
-"""What pydantic found wrong in a world file, in words for the person who wrote it."""
+"""What pydantic found wrong in a user's file, in words for the person who wrote it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, get_args
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -22,12 +23,19 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
         model: What it was validated as; tells the keys that a place in the file may have.
     """
     fault = error.errors(include_url=False)[0]
-    kind, place, value = fault["type"], fault["loc"], fault["input"]
+    kind, place, value = fault["type"], _in_file(model, fault["loc"]), fault["input"]
     field = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
     if kind in ("extra_forbidden", "invalid_key"):
-        known = _keys(model, place[:-1])
+        known = _keys(model, fault["loc"][:-1])
         field = ".".join(filter(None, (field.rpartition(".")[0], str(place[-1]))))
         return InputError(where, field, "an unknown key", f"one of {', '.join(known)}{nearest(str(place[-1]), known)}")
+    if kind in ("union_tag_not_found", "union_tag_invalid"):
+        tags = [tag.strip("'") for tag in fault["ctx"].get("expected_tags", "").split(", ") if tag]
+        tag = fault["ctx"]["discriminator"].strip("'")
+        if kind == "union_tag_not_found":
+            return InputError(where, f"{field}.{tag}", "nothing", "a value")
+        found = fault["ctx"]["tag"]
+        return InputError(where, f"{field}.{tag}", shown(found), f"one of {', '.join(tags)}{nearest(found, tags)}")
     if kind == "missing":
         return InputError(where, field, "nothing", "a value")
     if kind in ("too_short", "too_long"):
@@ -35,7 +43,8 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
         bound = "at least" if kind == "too_short" else "at most"
         return InputError(where, field, f"{len(value)} entries", f"{bound} {count}")
     if kind == "model_type":
-        return InputError(where, field, shown(value), f"a mapping with the keys {', '.join(_keys(model, place))}")
+        known = _keys(model, fault["loc"])
+        return InputError(where, field, shown(value), f"a mapping with the keys {', '.join(known)}")
     if kind == "tuple_type":
         return InputError(where, field, shown(value), "a list")
     if kind == "value_error":
@@ -50,9 +59,45 @@ def shown(value: Any) -> str:
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
-def _keys(model: type[BaseModel], place: Sequence[int | str]) -> list[str]:
-    """Keys of the mapping at some place in a file."""
+def _in_file(model: type[BaseModel], place: Sequence[int | str]) -> list[int | str]:
+    """A place as the file has it: without the tags that pydantic adds where one of several kinds was chosen."""
+    kept: list[int | str] = []
     kind: Any = model
     for part in place:
-        kind = get_args(kind)[0] if isinstance(part, int) else kind.model_fields[part].annotation
-    return list(kind.model_fields)
+        kind = _plain(kind)
+        chosen = _tagged(kind).get(part)
+        if chosen is not None:
+            kind = chosen
+            continue
+        kept.append(part)
+        kind = _inside(kind, part)
+    return kept
+
+
+def _inside(kind: Any, part: int | str) -> Any:
+    """Type of what lies under a key or at an index."""
+    if isinstance(part, int):
+        return (*get_args(kind), None)[0]
+    if get_origin(kind) is dict:
+        return get_args(kind)[1]
+    known = getattr(kind, "model_fields", {})
+    return known[part].annotation if part in known else None
+
+
+def _plain(kind: Any) -> Any:
+    return get_args(kind)[0] if get_origin(kind) is Annotated else kind
+
+
+def _tagged(kind: Any) -> dict[int | str, Any]:
+    """The members of a union of models by the value of their `kind`."""
+    members = get_args(kind) if get_origin(kind) in (Union, UnionType) else ()
+    return {member.model_fields["kind"].default: member for member in members if hasattr(member, "model_fields")}
+
+
+def _keys(model: type[BaseModel], place: Sequence[int | str]) -> list[str]:
+    """Keys of the mapping at some place in a file, as pydantic names it."""
+    kind: Any = model
+    for part in place:
+        kind = _plain(kind)
+        kind = _tagged(kind).get(part) or _inside(kind, part)
+    return list(getattr(_plain(kind), "model_fields", ()))

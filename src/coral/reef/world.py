@@ -14,8 +14,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from coral.errors import InputError, nearest
+from coral.faults import input_error, shown
 from coral.reef.world_check import check_world
-from coral.reef.world_faults import input_error, shown
 from coral.reef.world_yaml import read_mapping, to_text
 
 __all__ = ["Cluster", "Current", "Obstacle", "Oyster", "ReefWorld", "Seabed", "Start", "check_world", "load_world",
