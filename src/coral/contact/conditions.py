@@ -9,10 +9,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from coral.contact.geometry import angle_between, rotate
-from coral.contact.world import Body, Truth
+from coral.contact.geometry import rotate
+from coral.contact.world import Array, Body, Truth
 from coral.errors import InputError, nearest
 
 if TYPE_CHECKING:
@@ -20,28 +20,41 @@ if TYPE_CHECKING:
     from coral.contact.task import Task
 
 Watch = Callable[[Truth], bool]
+Angle = Annotated[float, Field(ge=0, le=180, strict=True)]
 AXES = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
+
+
+def in_order(value: tuple[float, float]) -> tuple[float, float]:
+    """A range as it is, or a ValueError."""
+    if value[0] > value[1]:
+        raise ValueError("a range, its lower end first")
+    return value
 
 
 class _Condition(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
     object: str
 
-    def check(self, task: Task, where: str) -> None:
+    def check(self, task: Task, where: str, field: str) -> None:
         """See that everything named exists.
+
+        Args:
+            task: Whose condition it is.
+            where: The file.
+            field: The condition's place in it.
 
         Raises:
             InputError: It does not.
         """
-        kind = getattr(self, "kind", "condition")
-        _known(self.object, [item.name for item in task.objects], where, f"success.conditions.{kind}.object")
+        objects = [item.name for item in task.objects]
+        _known(self.object, objects, where, f"{field}.object")
         place = getattr(self, "place", None)
         if place is not None:
-            _known(place, list(task.places), where, f"success.conditions.{kind}.place")
+            _known(place, list(task.places), where, f"{field}.place")
         thing = getattr(self, "thing", None)
         if thing is not None:
-            names = [*task.things, *(item.name for item in task.objects)]
-            _known(thing, names, where, f"success.conditions.{kind}.thing")
+            others = [name for name in (*task.things, *objects) if name != self.object]
+            _known(thing, others, where, f"{field}.thing")
 
     def watch(self, drawn: Drawn) -> Watch:
         """The judge of one episode."""
@@ -62,7 +75,7 @@ class Lifted(_Condition):
     """The lowest point of the object is `height_m` above the table, and nothing but the hand touches it."""
 
     kind: Literal["lifted"] = "lifted"
-    height_m: float = Field(gt=0, le=1)
+    height_m: float = Field(gt=0, le=1, strict=True)
 
     def watch(self, drawn: Drawn) -> Watch:
         """See `_Condition.watch`."""
@@ -100,14 +113,14 @@ class At(_Condition):
     kind: Literal["at"] = "at"
     place: str
     point: str | None = None
-    tolerance_m: float = Field(gt=0, le=1)
+    tolerance_m: float = Field(gt=0, le=1, strict=True)
     axes: Literal["xy", "xyz", "x", "y", "z"] = "xy"
 
-    def check(self, task: Task, where: str) -> None:
+    def check(self, task: Task, where: str, field: str) -> None:
         """See `_Condition.check`."""
-        super().check(task, where)
+        super().check(task, where, field)
         if self.point is not None:
-            _known(self.point, list(task.object(self.object).points), where, "success.conditions.at.point")
+            _known(self.point, list(task.object(self.object).points), where, f"{field}.point")
 
     def watch(self, drawn: Drawn) -> Watch:
         """See `_Condition.watch`."""
@@ -143,17 +156,16 @@ class Flipped(_Condition):
 
     kind: Literal["flipped"] = "flipped"
     axis: Literal["x", "y", "z"] = "z"
-    degrees: float = Field(default=90, ge=0, le=180)
-    tolerance_deg: float = Field(default=15, gt=0, le=90)
+    degrees: float = Field(default=90, ge=0, le=180, strict=True)
+    tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
     def watch(self, drawn: Drawn) -> Watch:
         """See `_Condition.watch`."""
         before = rotate(drawn.objects[self.object].pose.quaternion, AXES[self.axis])
 
         def holds(truth: Truth) -> bool:
-            now = rotate(truth.objects[self.object].quaternion, AXES[self.axis])
-            turned = np.degrees(np.arccos(np.clip(before @ now, -1, 1)))
-            return bool(abs(turned - self.degrees) <= self.tolerance_deg)
+            turned = _degrees(before, rotate(truth.objects[self.object].quaternion, AXES[self.axis]))
+            return abs(turned - self.degrees) <= self.tolerance_deg
         return holds
 
 
@@ -161,7 +173,7 @@ class Upright(_Condition):
     """The object stands as it stood at first, its z axis within `tolerance_deg`; where it points does not matter."""
 
     kind: Literal["upright"] = "upright"
-    tolerance_deg: float = Field(default=15, gt=0, le=90)
+    tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
     def watch(self, drawn: Drawn) -> Watch:
         """See `_Condition.watch`."""
@@ -169,31 +181,36 @@ class Upright(_Condition):
 
 
 class TouchedWhileTurning(_Condition):
-    """During the flip, between `between_deg` of turn, the object touched `thing` for at least `for_s` in all.
+    """While its `axis` was turned by `between_deg`, the object touched `thing` for at least `for_s` in all.
 
-    Keeps a history: a flip that was made without the wall stays one.
+    Keeps a history: a flip that was made without the wall stays one. A turn about the axis itself is none.
     """
 
     kind: Literal["touched-while-turning"] = "touched-while-turning"
     thing: str
-    between_deg: tuple[float, float] = (15, 75)
-    for_s: float = Field(default=0.1, gt=0, le=10)
+    axis: Literal["x", "y", "z"] = "z"
+    between_deg: Annotated[tuple[Angle, Angle], AfterValidator(in_order)] = (15.0, 75.0)
+    for_s: float = Field(default=0.1, gt=0, le=10, strict=True)
 
     def watch(self, drawn: Drawn) -> Watch:
         """See `_Condition.watch`."""
-        before = drawn.objects[self.object].pose.quaternion
-        touched, last = 0.0, 0.0
+        before = rotate(drawn.objects[self.object].pose.quaternion, AXES[self.axis])
+        touched, last = 0.0, None
 
         def holds(truth: Truth) -> bool:
             nonlocal touched, last
-            turned = float(np.degrees(angle_between(before, truth.objects[self.object].quaternion)))
+            span, last = truth.time_s - (truth.time_s if last is None else last), truth.time_s
+            turned = _degrees(before, rotate(truth.objects[self.object].quaternion, AXES[self.axis]))
             if turned < self.between_deg[0]:
                 touched = 0.0  # set down again: what came before was not the flip
             elif turned <= self.between_deg[1] and _touching(truth, self.object, self.thing):
-                touched += truth.time_s - last
-            last = truth.time_s
-            return touched >= self.for_s
+                touched += span
+            return touched >= self.for_s - 1e-9
         return holds
+
+
+def _degrees(first: Array, second: Array) -> float:
+    return float(np.degrees(np.arccos(np.clip(first @ second, -1, 1))))
 
 
 class SteadyForce(_Condition):
@@ -205,33 +222,33 @@ class SteadyForce(_Condition):
     """
 
     kind: Literal["steady-force"] = "steady-force"
-    newtons: float = Field(gt=0, le=200)
-    tolerance: float = Field(default=0.4, gt=0, lt=1)
-    fraction: float = Field(default=0.7, gt=0, le=1)
-    moving_m_s: float = Field(default=0.005, ge=0)
-    window_s: float = Field(default=0.2, gt=0, le=2)
-    for_s: float = Field(default=1.0, ge=0)
+    newtons: float = Field(gt=0, le=200, strict=True)
+    tolerance: float = Field(default=0.4, gt=0, lt=1, strict=True)
+    fraction: float = Field(default=0.7, gt=0, le=1, strict=True)
+    moving_m_s: float = Field(default=0.005, ge=0, strict=True)
+    window_s: float = Field(default=0.2, gt=0, le=2, strict=True)
+    for_s: float = Field(default=1.0, ge=0, strict=True)
 
     def watch(self, drawn: Drawn) -> Watch:
         """See `_Condition.watch`."""
         recent: list[tuple[float, float]] = []
-        counted, within, last = 0.0, 0.0, 0.0
+        counted, within, last = 0.0, 0.0, None
 
         def holds(truth: Truth) -> bool:
             nonlocal counted, within, last
-            span, last = truth.time_s - last, truth.time_s
+            span, last = truth.time_s - (truth.time_s if last is None else last), truth.time_s
             force = hand_force(truth, self.object)
             if force is None:
                 recent.clear()
             else:
                 recent.append((truth.time_s, force))
-                while recent and recent[0][0] < truth.time_s - self.window_s:
+                while recent[0][0] <= truth.time_s - self.window_s + 1e-9:
                     recent.pop(0)
                 if np.linalg.norm(truth.objects[self.object].velocity) > self.moving_m_s:
                     mean = float(np.mean([value for _, value in recent]))
                     counted += span
                     within += span * (abs(mean - self.newtons) <= self.tolerance * self.newtons)
-            return counted >= self.for_s and within >= self.fraction * counted
+            return counted >= self.for_s - 1e-9 and within >= self.fraction * counted - 1e-9
         return holds
 
 
@@ -249,7 +266,7 @@ class Undisturbed(_Condition):
     """The object has not been moved by more than `tolerance_m` from where it stood at first."""
 
     kind: Literal["undisturbed"] = "undisturbed"
-    tolerance_m: float = Field(default=0.05, gt=0, le=1)
+    tolerance_m: float = Field(default=0.05, gt=0, le=1, strict=True)
 
     def watch(self, drawn: Drawn) -> Watch:
         """See `_Condition.watch`."""

@@ -1,8 +1,8 @@
 """What a cost function may read: named quantities over a batch of rolled-out states.
 
 Every value is an array whose first two axes are rollout and time step, Shape=(K, H) for a number or a truth value and
-(K, H, n) for a vector; a quantity that does not change in a rollout has K = H = 1 and broadcasts. Frames: world, metres,
-z up, the table's top at z = 0. Quaternions are (w, x, y, z).
+(K, H, n) for a vector; a quantity that does not change in a rollout has K = H = 1 and broadcasts. Frames: world,
+metres, z up, the table's top at z = 0. Quaternions are (w, x, y, z).
 
 The names are the same for expert costs, for programs that a model writes and for the reference page.
 """
@@ -44,7 +44,8 @@ Schema = Mapping[str, Quantity]
 
 HAND: Schema = {
     "ee_pos": Quantity(3, "m", "point midway between the two fingertips"),
-    "ee_quat": Quantity(4, "", "orientation of the hand; its z axis points out of the palm, its y axis along the fingers' opening"),
+    "ee_quat": Quantity(4, "", "orientation of the hand; its z axis points out of the palm, its y axis along the "
+                               "fingers' opening"),
     "ee_vel": Quantity(3, "m/s", "velocity of ee_pos"),
     "ee_angvel": Quantity(3, "rad/s", "angular velocity of the hand, world axes"),
     "gripper_opening": Quantity(0, "m", "distance between the finger pads, 0 to 0.08"),

@@ -87,8 +87,8 @@ class Plan:
 class Controller:
     """Keeps a plan over poses of the hand.
 
-    Knots hold a position in the world, a rotation vector about the present target's orientation, and an opening, so that
-    the sampler works on plain vectors and no orientation is singular.
+    Knots hold a position in the world, a rotation vector about the present target's orientation, and an opening, so
+    that the sampler works on plain vectors and no orientation is singular.
     """
 
     def __init__(self, world: PlanningWorld, cfg: ControllerCfg, rng: np.random.Generator) -> None:
@@ -97,7 +97,7 @@ class Controller:
         self._sigma = sigma
         self.mppi = KnotMppi(cfg.mppi, sigma, rng)
         self.span_s = cfg.horizon * world.cfg.step_s
-        self._times = world.cfg.step_s * np.arange(1, cfg.horizon + 1)
+        self._times: Array = world.cfg.step_s * np.arange(1.0, cfg.horizon + 1)
         self._target: HandTarget | None = None
         self._centre: Array | None = None
 
@@ -191,10 +191,11 @@ class Controller:
         knots[:, 0] = np.concatenate([start.position, np.zeros(3), [start.opening_m]])
         span = self.span_s / (knots.shape[1] - 1)
         for k in range(1, knots.shape[1]):
-            for part, limit in ((slice(0, 3), cfg.speed_m_s), (slice(3, 6), cfg.turn_rad_s), (slice(6, 7), cfg.opening_m_s)):
+            for part, speed in zip((slice(0, 3), slice(3, 6), slice(6, 7)),
+                                   (cfg.speed_m_s, cfg.turn_rad_s, cfg.opening_m_s), strict=True):
                 move = knots[:, k, part] - knots[:, k - 1, part]
-                length = np.linalg.norm(move, axis=-1, keepdims=True)
-                knots[:, k, part] = knots[:, k - 1, part] + move * np.minimum(1.0, limit * span / np.maximum(length, 1e-9))
+                share = np.minimum(1.0, speed * span / np.maximum(np.linalg.norm(move, axis=-1, keepdims=True), 1e-9))
+                knots[:, k, part] = knots[:, k - 1, part] + move * share
             knots[:, k, :3] = np.clip(knots[:, k, :3], cfg.workspace_low_m, cfg.workspace_high_m)
             knots[:, k, 6] = np.clip(knots[:, k, 6], 0.0, MAX_OPENING_M)
         return knots
@@ -223,8 +224,8 @@ class Controller:
 
     def _targets(self, knots: Array, centre: Array, stiffness: float) -> tuple[HandTarget, ...]:
         controls = self._controls(knots[None], centre, stiffness)
-        return tuple(HandTarget(controls.position[0, k], controls.quaternion[0, k], float(controls.opening[0, k]), stiffness)
-                     for k in range(len(self._times)))
+        rows = zip(controls.position[0], controls.quaternion[0], controls.opening[0], strict=True)
+        return tuple(HandTarget(position, turn, float(opening), stiffness) for position, turn, opening in rows)
 
 
 def _first(context: Context) -> Context:

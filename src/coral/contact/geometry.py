@@ -28,7 +28,7 @@ def quaternion_of(rotation: ArrayLike) -> Array:
         [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], m[2, 2] - m[0, 0] - m[1, 1]],
     ])
     q: Array = np.linalg.eigh(k)[1][:, -1]
-    return -q if q[0] < 0 else q
+    return np.asarray(-q if q[0] < 0 else q)
 
 
 def multiply(first: ArrayLike, second: ArrayLike) -> Array:
@@ -42,7 +42,7 @@ def multiply(first: ArrayLike, second: ArrayLike) -> Array:
 
 def conjugate(quaternion: ArrayLike) -> Array:
     """Inverse of unit quaternions, Shape=(..., 4)."""
-    return np.asarray(quaternion, dtype=float) * np.array([1.0, -1.0, -1.0, -1.0])
+    return np.asarray(np.asarray(quaternion, dtype=float) * np.array([1.0, -1.0, -1.0, -1.0]))
 
 
 def rotate(quaternion: ArrayLike, vector: ArrayLike) -> Array:

@@ -1,7 +1,7 @@
 """A free-flying two-finger hand with the geometry of the Panda's, pulled to its target by a Cartesian impedance.
 
-The impedance is six actuators between the tool and a mocap body, the target: force = -K e - D v with the exact pose error,
-so nothing is singular below half a turn. The tool frame: z out of the palm, y along the opening.
+The impedance is six actuators between the tool and a mocap body, the target: force = -K e - D v with the exact pose
+error, so nothing is singular below half a turn. The tool frame: z out of the palm, y along the opening.
 """
 
 from __future__ import annotations

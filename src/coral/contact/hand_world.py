@@ -1,7 +1,7 @@
-"""The light evaluation world: the free-flying hand of the planner in a finer, different simulation; no robosuite needed.
+"""The light evaluation world: the planner's free-flying hand in a finer, different simulation; no robosuite needed.
 
-It differs from the planning world in what the planner cannot know (true masses and frictions) and in how it is computed:
-2 ms steps, elliptic cones, contacts that resist twisting.
+It differs from the planning world in what the planner cannot know (true masses and frictions) and in how it is
+computed: 2 ms steps, elliptic cones, contacts that resist twisting.
 """
 
 from __future__ import annotations
@@ -76,8 +76,8 @@ class HandWorld:
         """See `EvaluationWorld.step`."""
         self._pull(target)
         mujoco.mj_step(self.model, self.data, self._substeps)
-        speed = np.abs(self.data.qvel).max()
-        if not np.isfinite(speed) or self.data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
+        bad = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+        if not np.isfinite(self.data.qvel).all() or any(self.data.warning[int(kind)].number for kind in bad):
             raise WorldFault("diverged", f"the simulation diverged at {self.data.time:.2f} s")
         mujoco.mj_forward(self.model, self.data)
         return self._observe()
@@ -117,9 +117,8 @@ class HandWorld:
 
 def part_of(model: mujoco.MjModel, geom: int) -> str:
     """Name by which a geom is known to the judge."""
-    name = model.geom(geom).name
     body = int(model.geom_bodyid[geom])
-    return name if body == 0 else model.body(body).name
+    return str(model.geom(geom).name if body == 0 else model.body(body).name)
 
 
 def _body(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> Body:

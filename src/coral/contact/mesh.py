@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.task import Shape
 from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from coral.contact.task import Shape
 
 
 def mesh_vertices(part: Shape) -> NDArray[np.float64]:

@@ -16,16 +16,17 @@ from mujoco import rollout as mujoco_rollout
 from numpy.typing import NDArray
 
 from coral.config import TimeStep
-from coral.contact.context import HAND, Context, Quantity, object_quantities
+from coral.contact.context import Context, Quantity
 from coral.contact.draw import Drawn, Physical
 from coral.contact.geometry import multiply, rotate
-from coral.contact.hand import HandCfg, add_hand, set_stiffness
-from coral.contact.scene import add_scene, believing, contact_pairs
+from coral.contact.hand import HandCfg, set_stiffness
+from coral.contact.planning_model import Index, build_model, pair
+from coral.contact.quantities import constants, task_schema_of
+from coral.contact.scene import believing, contact_pairs
 from coral.contact.world import Body, Observation
 
 Array = NDArray[np.float64]
 CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_MOCAP_POS | mujoco.mjtState.mjSTATE_MOCAP_QUAT)
-FOUND, FORCE, NET = 1, 2, 3
 SANE_SPEED_M_S = 8.0
 """A rollout in which anything moves faster has diverged."""
 
@@ -36,8 +37,8 @@ class PlanningCfg:
 
     Args:
         step_s: One control step of the plan.
-        physics_dt_s: Step of the physics; a whole number of them makes a control step. 10 ms keeps the box within 12 mm of a
-            1 ms reference over a second of pushing (measured), and costs a fifth of 2 ms.
+        physics_dt_s: Step of the physics; a whole number of them makes a control step. 10 ms keeps the box within 12 mm
+            of a 1 ms reference over a second of pushing (measured), and costs a fifth of 2 ms.
         threads: Of the rollout; 0 takes every core.
         hand: The hand's apparent dynamics.
     """
@@ -89,8 +90,8 @@ class PlanningWorld:
         """Rebuild the models with new masses and frictions."""
         sets = [beliefs] if isinstance(beliefs, Mapping) else list(beliefs)
         self.beliefs: list[Mapping[str, Physical]] = sets
-        self.models = [build_model(believing(self._drawn, one), self.cfg) for one in sets]
-        self._index = _Index(self.models[0], self._names)
+        self.models = [build_model(believing(self._drawn, one), self.cfg.hand, self.cfg.physics_dt_s) for one in sets]
+        self._index = Index(self.models[0], self._names)
 
     def close(self) -> None:
         """Stop the rollout's threads."""
@@ -99,7 +100,7 @@ class PlanningWorld:
     @property
     def schema(self) -> dict[str, Quantity]:
         """What a cost can read here."""
-        return task_schema_of(self._drawn)
+        return task_schema_of(self._drawn.task)
 
     def rollout(self, now: Observation, controls: Controls, step: int = 0) -> tuple[Context, NDArray[np.bool_]]:
         """Rehearse K sequences from the state now, under each belief.
@@ -129,12 +130,13 @@ class PlanningWorld:
             np.tile(control, (len(self.models), 1, 1)), control_spec=CONTROL)
         states = np.asarray(states)[:, self._substeps - 1::self._substeps]
         sensors = np.asarray(sensors)[:, self._substeps - 1::self._substeps]
-        states, sensors, sane = _without_divergence(states, sensors, self._index.speeds)
+        states, sensors, sane = _without_divergence(
+            states, sensors, self._index.speeds, initial, self.cfg.step_s)
         values = self._values(states, sensors, controls, now, step)
         return Context(values, (total, horizon)), sane
 
     def present(self, now: Observation, step: int = 0) -> Context:
-        """The measured state as a batch of one, contacts as the model holds them one step on with the hand kept still."""
+        """The measured state as a batch of one, contacts as the model holds them a step on with the hand kept still."""
         still = Controls(now.tool.position[None, None], now.tool.quaternion[None, None],
                          np.full((1, 1), now.opening_m), self.cfg.hand.stiffness_n_m)
         context, _ = self.rollout(now, still, step)
@@ -145,11 +147,13 @@ class PlanningWorld:
         mujoco.mj_resetData(model, data)
         data.time = now.time_s
         put_state(model, data, now)
+        _shift_fingers(model, data)
         state = np.zeros(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
         mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
         return state
 
-    def _values(self, states: Array, sensors: Array, controls: Controls, now: Observation, step: int) -> dict[str, Array]:
+    def _values(self, states: Array, sensors: Array, controls: Controls, now: Observation, step: int
+                ) -> dict[str, Array]:
         index, horizon = self._index, states.shape[1]
         qpos, qvel = states[..., 1:1 + index.nq], states[..., 1 + index.nq:1 + index.nq + index.nv]
         values: dict[str, Array] = {
@@ -170,126 +174,20 @@ class PlanningWorld:
             values[f"{name}_vel"] = qvel[..., speed.start:speed.start + 3]
             # A free joint's angular velocity is held in the body's own axes.
             values[f"{name}_angvel"] = rotate(quaternion, qvel[..., speed.start + 3:speed.stop])
-            touch = sensors[..., index.sensor[f"hand_{name}"]]
+            touch = sensors[..., index.sensor[pair("hand", name)]]
             values[f"{name}_hand_contact"] = (touch[..., 0] > 0).astype(float)
             values[f"{name}_hand_force"] = touch[..., 1:4]
             for side in ("left", "right"):
-                values[f"{name}_{side}_contact"] = (sensors[..., index.sensor[f"{side}_{name}"]][..., 0] > 0).astype(float)
+                found = sensors[..., index.sensor[pair(side, name)]][..., 0]
+                values[f"{name}_{side}_contact"] = (found > 0).astype(float)
             for point, local in self._drawn.task.object(name).points.items():
                 offset = np.asarray(local) * self._drawn.objects[name].scale
                 values[f"{name}_{point}_pos"] = values[f"{name}_pos"] + rotate(quaternion, offset)
         for name, other in contact_pairs(self._drawn):
             values[f"{name}_{other}_contact"] = (
-                sensors[..., index.sensor[_pair(name, other)]][..., 0] > 0).astype(float)
+                sensors[..., index.sensor[pair(name, other)]][..., 0] > 0).astype(float)
         values |= constants(self._drawn, self._start, self.beliefs, states.shape[0])
         return values
-
-
-def constants(drawn: Drawn, start: Observation, beliefs: Sequence[Mapping[str, Physical]], total: int) -> dict[str, Array]:
-    """What does not change in a rollout: sizes, beliefs, first poses, places and numbers of the task."""
-    task = drawn.task
-    found: dict[str, Array] = {}
-    for item in task.objects:
-        name, body = item.name, start.objects[item.name]
-        found[f"{name}_init_pos"] = body.position[None, None]
-        found[f"{name}_init_quat"] = body.quaternion[None, None]
-        found[f"{name}_size"] = drawn.size(name)[None, None]
-        for key, read in (("mass", lambda one: one.mass_kg), ("friction", lambda one: one.friction)):
-            each = np.array([read(one[name]) for one in beliefs])
-            found[f"{name}_{key}"] = np.repeat(each, total // len(beliefs))[:, None]
-    half = np.asarray(task.table.size) / 2
-    center = np.array([*task.table.center, 0.0])
-    found["table_min"] = (center - [half[0], half[1], 2 * half[2]])[None, None]
-    found["table_max"] = (center + [half[0], half[1], 0.0])[None, None]
-    for fixture in task.fixtures:
-        found[f"{fixture.name}_pos"] = np.asarray(fixture.position)[None, None]
-        found[f"{fixture.name}_size"] = np.asarray(fixture.size)[None, None]
-    for name, place in task.places.items():
-        found[f"{name}_pos"] = np.asarray(place)[None, None]
-    for name, number in task.numbers.items():
-        found[name] = np.full((1, 1), number)
-    return found
-
-
-def task_schema_of(drawn: Drawn) -> dict[str, Quantity]:
-    """What a cost for this task can read."""
-    task = drawn.task
-    schema = dict(HAND)
-    for item in task.objects:
-        others = [other.name for other in task.objects if other.name != item.name]
-        schema |= object_quantities(item.name, item.points, task.things, others)
-    schema["table_min"] = Quantity(3, "m", "corner of the table with the smallest coordinates", constant=True)
-    schema["table_max"] = Quantity(3, "m", "corner of the table with the largest coordinates", constant=True)
-    for fixture in task.fixtures:
-        schema[f"{fixture.name}_pos"] = Quantity(3, "m", f"centre of the {fixture.name}", constant=True)
-        schema[f"{fixture.name}_size"] = Quantity(3, "m", f"full extents of the {fixture.name}", constant=True)
-    for name in task.places:
-        schema[f"{name}_pos"] = Quantity(3, "m", f"the place {name} of the task", constant=True)
-    for name in task.numbers:
-        schema[name] = Quantity(0, "", f"the number {name} of the task", constant=True)
-    return schema
-
-
-def build_model(drawn: Drawn, cfg: PlanningCfg) -> mujoco.MjModel:
-    """The reduced model: implicitfast, pyramidal cones, few contacts a pair, no islands (measured choices)."""
-    spec = mujoco.MjSpec()
-    option = spec.option
-    option.timestep = cfg.physics_dt_s
-    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
-    option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
-    option.iterations, option.ls_iterations = 20, 20
-    option.disableflags |= int(getattr(mujoco.mjtDisableBit, "mjDSBL_ISLAND", 0))
-    add_scene(spec, drawn, condim=3)
-    add_hand(spec, cfg.hand, condim=3)
-    _add_sensors(spec, drawn)
-    model = spec.compile()
-    set_stiffness(model, cfg.hand, cfg.hand.stiffness_n_m)
-    return model
-
-
-def _pair(name: str, other: str) -> str:
-    return f"{name}_{other}"
-
-
-def _add_sensors(spec: mujoco.MjSpec, drawn: Drawn) -> None:
-    for name, kind in (("ee_pos", mujoco.mjtSensor.mjSENS_FRAMEPOS), ("ee_quat", mujoco.mjtSensor.mjSENS_FRAMEQUAT),
-                       ("ee_vel", mujoco.mjtSensor.mjSENS_FRAMELINVEL),
-                       ("ee_angvel", mujoco.mjtSensor.mjSENS_FRAMEANGVEL)):
-        spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="tool")
-    subtree, geom, body = mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_GEOM, mujoco.mjtObj.mjOBJ_BODY
-
-    def contact(name: str, first: tuple[mujoco.mjtObj, str], second: tuple[mujoco.mjtObj, str] | None, data: int) -> None:
-        sensor = spec.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_CONTACT, objtype=first[0], objname=first[1])
-        if second is not None:
-            sensor.reftype, sensor.refname = second
-        sensor.intprm[:3] = [data, NET, 1]
-
-    contact("hand_anything", (subtree, "hand"), None, FOUND | FORCE)
-    fixed = set(drawn.task.things)
-    for item in drawn.task.objects:
-        contact(f"hand_{item.name}", (subtree, "hand"), (subtree, item.name), FOUND | FORCE)
-        for side in ("left", "right"):
-            contact(f"{side}_{item.name}", (body, side), (body, item.name), FOUND)
-    for name, other in contact_pairs(drawn):
-        contact(_pair(name, other), (body, name), (geom if other in fixed else body, other), FOUND)
-
-
-class _Index:
-    """Where things lie in the state and the sensor vectors."""
-
-    def __init__(self, model: mujoco.MjModel, names: Sequence[str]) -> None:
-        self.nq, self.nv = model.nq, model.nv
-        self.left, self.right = (int(model.joint(f"{side}_slide").qposadr[0]) for side in ("left", "right"))
-        self.pose, self.speed = {}, {}
-        for name in names:
-            joint = model.joint(f"{name}_free")
-            self.pose[name] = slice(int(joint.qposadr[0]), int(joint.qposadr[0]) + 7)
-            self.speed[name] = slice(int(joint.dofadr[0]), int(joint.dofadr[0]) + 6)
-        self.sensor = {model.sensor(k).name: slice(int(model.sensor_adr[k]), int(model.sensor_adr[k] + model.sensor_dim[k]))
-                       for k in range(model.nsensor)}
-        linear = [k for name in names for k in range(self.speed[name].start, self.speed[name].start + 3)]
-        self.speeds = np.array(linear) + 1 + model.nq
 
 
 def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation) -> None:
@@ -311,17 +209,43 @@ def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation) -> N
         data.qvel[speed + 3:speed + 6] = _own_axes(body)
 
 
+def _shift_fingers(model: mujoco.MjModel, data: mujoco.MjData, most_m: float = 0.015) -> None:
+    """Shift the pair of fingers out of what one of them would be inside of, keeping the opening.
+
+    Only the sum of the fingers' ways is measured. Held off-centre, an object would start deep inside one finger and be
+    thrown out of the rehearsed grasp, so that no lift could be found.
+    """
+    mujoco.mj_fwdPosition(model, data)
+    depth = {"left": 0.0, "right": 0.0}
+    for contact in data.contact:
+        bodies = [model.body(model.geom_bodyid[geom]).name for geom in contact.geom]
+        for side, other in (bodies, bodies[::-1]):
+            if side in depth and other not in ("world", "hand", "left", "right"):
+                # The contact's x axis points from the first geom to the second: out of a second finger's way.
+                outward = contact.frame[:3] * (1.0 if side == bodies[1] else -1.0)
+                along = data.joint(f"{side}_slide").xaxis @ outward
+                if along > 0.7:
+                    depth[side] = max(depth[side], -contact.dist / along)
+    shift = np.clip((depth["left"] - depth["right"]) / (1.0 if min(depth.values()) == 0.0 else 2.0), -most_m, most_m)
+    data.joint("left_slide").qpos[0] += shift
+    data.joint("right_slide").qpos[0] -= shift
+
+
 def _own_axes(body: Body) -> Array:
     return rotate(body.quaternion * np.array([1.0, -1, -1, -1]), body.angular_velocity)
 
 
-def _without_divergence(states: Array, sensors: Array, speeds: NDArray[np.int_]) -> tuple[Array, Array, NDArray[np.bool_]]:
-    bad = ~np.isfinite(states).all(axis=-1) | (np.abs(states[..., speeds]) > SANE_SPEED_M_S).any(axis=-1)
-    bad |= ~np.isfinite(sensors).all(axis=-1)
-    sane = ~bad.any(axis=1)
+def _without_divergence(states: Array, sensors: Array, speeds: NDArray[np.int_], initial: Array, step_s: float
+                        ) -> tuple[Array, Array, NDArray[np.bool_]]:
+    # MuJoCo resets a state that has diverged and its rollout then stands still: only its clock tells.
+    clock = initial[0] + step_s * np.arange(1.0, states.shape[1] + 1)
+    bad: NDArray[np.bool_] = ~(np.abs(states[..., 0] - clock) < 0.1 * step_s)
+    bad |= ~np.isfinite(states).all(axis=-1) | ~np.isfinite(sensors).all(axis=-1)
+    bad |= np.asarray(np.abs(states[..., speeds]) > SANE_SPEED_M_S).any(axis=-1)
+    sane: NDArray[np.bool_] = np.logical_not(bad.any(axis=1))
     for k in np.flatnonzero(~sane):
         first = int(np.argmax(bad[k]))
-        states[k, first:] = states[k, first - 1] if first else np.nan_to_num(states[k, 0], posinf=0.0, neginf=0.0)
+        states[k, first:] = states[k, first - 1] if first else np.nan_to_num(initial, posinf=0.0, neginf=0.0)
         sensors[k, first:] = sensors[k, first - 1] if first else 0.0
     return states, sensors, sane
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
@@ -11,6 +12,9 @@ import numpy as np
 from coral.contact.draw import Drawn, DrawnObject, Physical, part_size
 from coral.contact.geometry import from_rotvec, from_rpy_deg
 from coral.contact.task import Movable, Shape
+
+# MuJoCo's own way with a warning is to print it and to write a file into the working directory.
+mujoco.set_mju_user_warning(logging.getLogger(__name__).debug)
 
 OBJECT_PRIORITY = 1
 """An object's friction holds against table and walls whatever theirs is: it is what the robot has a belief about."""
@@ -26,8 +30,8 @@ _GEOMS = {"box": mujoco.mjtGeom.mjGEOM_BOX, "cylinder": mujoco.mjtGeom.mjGEOM_CY
 def add_scene(spec: mujoco.MjSpec, drawn: Drawn, condim: int = 4) -> None:
     """Add what stands in the trial.
 
-    The table's geom is "table", a fixture's its name; an object's body bears its name, its free joint "NAME_free" and its
-    geoms "NAME/0", "NAME/1", ...
+    The table's geom is "table", a fixture's its name; an object's body bears its name, its free joint "NAME_free" and
+    its geoms "NAME/0", "NAME/1", ...
 
     Args:
         spec: The model to add to.

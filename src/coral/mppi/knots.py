@@ -22,13 +22,15 @@ class KnotMppiCfg:
 
     Args:
         samples: K (paper, section 4).
-        temperature: lambda (paper, section 4), in units of the spread of the costs, so that it means the same for every cost.
+        temperature: lambda (paper, section 4), in units of the spread of the costs, so that it means the same for every
+            cost.
         knots: Values over the horizon that are sampled; between them the sequence is interpolated.
         spline: How.
         ramp: The noise's factor at the first and at the last knot: near actions are refined, far ones explored.
         iterations: Sample-and-average rounds in one plan.
         shrink: Factor on the noise from one iteration to the next.
-        spread_quantile: Costs above this quantile do not count for the spread: one mad rollout must not flatten the others.
+        spread_quantile: Costs above this quantile do not count for the spread: one mad rollout must not flatten the
+            others.
     """
 
     samples: Count = 200

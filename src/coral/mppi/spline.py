@@ -1,4 +1,4 @@
-"""Control sequences as splines: a few knots over the horizon are what is sampled, the steps between are interpolated."""
+"""Control sequences as splines: a few knots over the horizon are sampled, the steps between them interpolated."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ def _basis(times: tuple[float, ...], knots: int, span: float, kind: Kind) -> Arr
     if knots == 1:
         matrix[:, 0] = 1.0
     elif kind == "hold":
-        matrix[rows, np.minimum(place.astype(int), knots - 1)] = 1.0
+        # A time that falls on a knot must not miss it by rounding.
+        matrix[rows, np.minimum((place + 1e-9).astype(int), knots - 1)] = 1.0
     elif kind == "linear":
         matrix[rows, left] = 1.0 - share
         matrix[rows, left + 1] += share
@@ -39,6 +40,7 @@ def _basis(times: tuple[float, ...], knots: int, span: float, kind: Kind) -> Arr
         weights = (-0.5 * s3 + s2 - 0.5 * s, 1.5 * s3 - 2.5 * s2 + 1, -1.5 * s3 + 2 * s2 + 0.5 * s, 0.5 * s3 - 0.5 * s2)
         for shift, weight in zip((-1, 0, 1, 2), weights, strict=True):
             np.add.at(matrix, (rows, np.clip(left + shift, 0, knots - 1)), weight)
+    matrix.flags.writeable = False  # it is kept for the next call
     return matrix
 
 

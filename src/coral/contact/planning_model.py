@@ -1,0 +1,79 @@
+"""The reduced MuJoCo model of a scene as someone believes it to be: coarse steps, cheap contacts, sensors of touch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from coral.contact.draw import Drawn
+from coral.contact.hand import HandCfg, add_hand, set_stiffness
+from coral.contact.scene import add_scene, contact_pairs
+
+FOUND, FORCE, NET = 1, 2, 3
+"""What a contact sensor tells, as bits, and how it reduces several contacts."""
+
+
+def build_model(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjModel:
+    """The reduced model: implicitfast, pyramidal cones, few contacts a pair, no islands (measured choices)."""
+    spec = mujoco.MjSpec()
+    option = spec.option
+    option.timestep = physics_dt_s
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
+    option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    option.iterations, option.ls_iterations = 20, 20
+    option.disableflags |= int(getattr(mujoco.mjtDisableBit, "mjDSBL_ISLAND", 0))
+    add_scene(spec, drawn, condim=3)
+    add_hand(spec, hand, condim=3)
+    _add_sensors(spec, drawn)
+    model = spec.compile()
+    set_stiffness(model, hand, hand.stiffness_n_m)
+    return model
+
+
+def pair(name: str, other: str) -> str:
+    """Name of the sensor of their touch; no name holds a slash, so that no two pairs share one."""
+    return f"{name}/{other}"
+
+
+def _add_sensors(spec: mujoco.MjSpec, drawn: Drawn) -> None:
+    for name, kind in (("ee_pos", mujoco.mjtSensor.mjSENS_FRAMEPOS), ("ee_quat", mujoco.mjtSensor.mjSENS_FRAMEQUAT),
+                       ("ee_vel", mujoco.mjtSensor.mjSENS_FRAMELINVEL),
+                       ("ee_angvel", mujoco.mjtSensor.mjSENS_FRAMEANGVEL)):
+        spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="tool")
+    subtree, geom, body = mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_GEOM, mujoco.mjtObj.mjOBJ_BODY
+
+    def contact(name: str, first: tuple[mujoco.mjtObj, str], second: tuple[mujoco.mjtObj, str] | None, data: int
+                ) -> None:
+        sensor = spec.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_CONTACT, objtype=first[0], objname=first[1])
+        if second is not None:
+            sensor.reftype, sensor.refname = second
+        sensor.intprm[:3] = [data, NET, 1]
+
+    contact("hand_anything", (subtree, "hand"), None, FOUND | FORCE)
+    fixed = set(drawn.task.things)
+    for item in drawn.task.objects:
+        contact(pair("hand", item.name), (subtree, "hand"), (subtree, item.name), FOUND | FORCE)
+        for side in ("left", "right"):
+            contact(pair(side, item.name), (body, side), (body, item.name), FOUND)
+    for name, other in contact_pairs(drawn):
+        contact(pair(name, other), (body, name), (geom if other in fixed else body, other), FOUND)
+
+
+class Index:
+    """Where things lie in the state and the sensor vectors."""
+
+    def __init__(self, model: mujoco.MjModel, names: Sequence[str]) -> None:
+        self.nq, self.nv = model.nq, model.nv
+        self.left, self.right = (int(model.joint(f"{side}_slide").qposadr[0]) for side in ("left", "right"))
+        self.pose, self.speed = {}, {}
+        for name in names:
+            joint = model.joint(f"{name}_free")
+            self.pose[name] = slice(int(joint.qposadr[0]), int(joint.qposadr[0]) + 7)
+            self.speed[name] = slice(int(joint.dofadr[0]), int(joint.dofadr[0]) + 6)
+        ends = zip(model.sensor_adr, model.sensor_adr + model.sensor_dim, strict=True)
+        self.sensor = {model.sensor(k).name: slice(int(low), int(high)) for k, (low, high) in enumerate(ends)}
+        linear = [k for name in names for k in range(self.speed[name].start, self.speed[name].start + 3)]
+        self.speeds = np.array(linear) + 1 + model.nq

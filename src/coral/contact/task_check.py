@@ -1,0 +1,83 @@
+"""What a task file can have wrong though each of its values is well formed: clashing names, things that do not fit."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from coral.contact.context import HAND, object_quantities
+from coral.contact.mesh import mesh_vertices
+from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from coral.contact.task import Movable, Task
+
+RESERVED = frozenset({"table", "hand", "left", "right", "robot", "target", "world", "palm", "wrist", "tool", "ee",
+                      "gripper", "left_finger", "right_finger"})
+"""Names that the models and the costs give to the robot and to what it stands on."""
+
+
+def check_task(task: Task, where: str) -> None:
+    """See that the parts of a task fit together.
+
+    Raises:
+        InputError: They do not; the error names the field.
+    """
+    _check_names(task, where)
+    for index, item in enumerate(task.objects):
+        _check_place(task, item, where, f"objects[{index}]")
+        _check_meshes(item, where, f"objects[{index}]")
+    for index, condition in enumerate(task.success.conditions):
+        condition.check(task, where, f"success.conditions[{index}]")
+
+
+def _check_names(task: Task, where: str) -> None:
+    taken = set(RESERVED)
+    names = [(f"fixtures[{index}].name", fixture.name) for index, fixture in enumerate(task.fixtures)]
+    names += [(f"objects[{index}].name", item.name) for index, item in enumerate(task.objects)]
+    for field, name in names:
+        if name in taken:
+            raise InputError(where, field, repr(name), "a name that is not taken")
+        taken.add(name)
+    # Costs read everything by one flat name, as box_pos: no two may be the same.
+    others = [item.name for item in task.objects]
+    found = [(key, "") for key in (*HAND, "table_min", "table_max")]
+    for index, fixture in enumerate(task.fixtures):
+        found += [(f"{fixture.name}_{key}", f"fixtures[{index}].name") for key in ("pos", "size")]
+    for index, item in enumerate(task.objects):
+        keys = object_quantities(item.name, item.points, task.things, [name for name in others if name != item.name])
+        found += [(key, f"objects[{index}].name") for key in keys]
+        if len(keys) < len(object_quantities(item.name)) + len(item.points) + len(task.things) + len(others) - 1:
+            raise InputError(where, f"objects[{index}].points", ", ".join(item.points),
+                             "points named unlike init and what an object has by itself")
+    found += [(f"{name}_pos", f"places.{name}") for name in task.places]
+    found += [(name, f"numbers.{name}") for name in task.numbers]
+    count = Counter(key for key, _ in found)
+    for key, field in reversed(found):
+        if count[key] > 1:
+            raise InputError(where, field, f"a second meaning of {key}", "a name that is not taken")
+
+
+def _check_place(task: Task, item: Movable, where: str, field: str) -> None:
+    if item.z is not None:
+        return
+    table = task.table
+    for axis, ends in (("x", item.x), ("y", item.y)):
+        k = "xy".index(axis)
+        low, high = table.center[k] - table.size[k] / 2, table.center[k] + table.size[k] / 2
+        if not low <= ends[0] <= ends[1] <= high:
+            raise InputError(where, f"{field}.{axis}", list(ends), f"on the table, from {low:g} to {high:g}")
+
+
+def _check_meshes(item: Movable, where: str, field: str) -> None:
+    for index, part in enumerate(item.parts):
+        if part.file is None:
+            continue
+        place = f"{field}.parts[{index}].file"
+        if Path(part.file).suffix.lower() not in (".stl", ".obj") or not Path(part.file).is_file():
+            raise InputError(where, place, part.file, "an STL or OBJ file, its path relative to the task file")
+        try:
+            mesh_vertices(part)
+        except InputError as error:
+            raise InputError(where, place, f"{Path(part.file).name} ({error.found})", error.expected) from None
