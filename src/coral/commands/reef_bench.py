@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
-import json
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -16,16 +14,15 @@ import tyro
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
+from coral.campaign.bench import changes, digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.dataset import read_parquet, to_rows, write_parquet
-from coral.campaign.episode import Executor
-from coral.campaign.local import LocalExecutor
 from coral.campaign.progress import CampaignProgress
 from coral.campaign.reef_tables import DRAWN, REFERENCE, TABLE_I, called, reef_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store, write_whole
 from coral.campaign.sweep import parse_sweeps
-from coral.campaign.table import Table, document
+from coral.campaign.table import document
 from coral.campaign.version import code_version
 from coral.config import checked, read_config, to_mapping
 from coral.errors import InputError, RunError
@@ -156,18 +153,12 @@ class ReefBench:
         """What must be the same for every mission of a table, as digests."""
         cfg = {"mission": to_mapping(self.cfg), "model": to_mapping(self.model)}
         cfg["mission"].pop("record")
-        return {"code version": f"{code_version()}", "configuration": _digest(cfg),
-                **{f"world {name}": _digest(world.model_dump(mode="json")) for name, world in worlds.items()}}
+        return {"code version": f"{code_version()}", "configuration": digest(cfg),
+                **{f"world {name}": digest(world.model_dump(mode="json")) for name, world in worlds.items()}}
 
     def _run(self, store: Store, specs: Sequence[Spec], worlds: Mapping[str, ReefWorld]) -> Summary:
         episode = ReefEpisode(self.cfg, self.model, worlds)
-        executor: Executor
-        if self.executor == "ray":
-            from coral.campaign.cluster import RayExecutor
-
-            executor = RayExecutor(self.address)
-        else:
-            executor = LocalExecutor(self.jobs)
+        executor = make_executor(self.executor, self.jobs, self.address)
         try:
             return run_campaign(store, specs, episode, executor, retry_failed=self.retry_failed, mix=self.mix,
                                 progress=CampaignProgress(quiet=self.quiet))
@@ -192,7 +183,7 @@ class ReefBench:
                 "found": summary.found if summary else len(records), "data": str(self.out / "results.parquet"),
                 "tables": str(self.out / "tables.md"), "figure": self._draw(store, done),
                 "sweep": self._draw_sweep(rows),
-                "results": [_as_json(table) for table in tables]}
+                "results": [table_json(table) for table in tables]}
 
     def _draw(self, store: Store, done: Sequence[Mapping[str, Any]]) -> str:
         """Overlay of the first seed and advisor in every world: the paper's three variants, or the first four."""
@@ -240,7 +231,7 @@ class ReefBench:
         words += [word for text in self.sweep for word in ("--sweep", text)]
         words += ["--config", str(self.config)] if self.config else []
         for prefix, now, default in (("cfg", self.cfg, MissionCfg()), ("model", self.model, ModelCfg())):
-            words += [word for key, value in _changes(to_mapping(now), to_mapping(default), prefix)
+            words += [word for key, value in changes(to_mapping(now), to_mapping(default), prefix)
                       for word in (f"--{key.replace('_', '-')}", str(value))] if not self.config else []
         return shlex.join(words)
 
@@ -255,31 +246,7 @@ def mission_of(spec: Spec, cfg: MissionCfg, world: ReefWorld) -> tuple[MissionCf
     return checked(apply_variant(spec.variant, cfg), "--cfg"), world
 
 
-def _changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
-    found: list[tuple[str, Any]] = []
-    for key, value in now.items():
-        if isinstance(value, Mapping) and isinstance(default.get(key), Mapping):
-            found += _changes(value, default[key], f"{prefix}.{key}")
-        elif value != default.get(key):
-            found.append((f"{prefix}.{key}", value))
-    return found
-
-
-def _digest(content: Any) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:12]
-
-
 def _rng() -> Any:
     import numpy as np
 
     return np.random.default_rng(0)
-
-
-def _as_json(table: Table) -> dict[str, Any]:
-    return {"name": table.name, "caption": table.caption,
-            "rows": [dict(zip(_unique(table.header), row, strict=True)) for row in table.rows]}
-
-
-def _unique(header: Sequence[str]) -> list[str]:
-    """Column names, a `paper` column named after the one that it stands beside."""
-    return [f"{header[k - 1]}, paper" if label == "paper" else label for k, label in enumerate(header)]

@@ -1,0 +1,48 @@
+"""What the bench commands of both applications share: digests of conditions, flags, executors, tables as JSON."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from coral.campaign.episode import Executor
+from coral.campaign.local import LocalExecutor
+from coral.campaign.table import Table
+
+
+def digest(content: Any) -> str:
+    """Twelve hexadecimal digits that tell contents apart."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:12]
+
+
+def changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
+    """Dotted keys, after a prefix, and values in which a configuration differs from the default."""
+    found: list[tuple[str, Any]] = []
+    for key, value in now.items():
+        if isinstance(value, Mapping) and isinstance(default.get(key), Mapping):
+            found += changes(value, default[key], f"{prefix}.{key}")
+        elif value != default.get(key):
+            found.append((f"{prefix}.{key}", value))
+    return found
+
+
+def make_executor(kind: str, jobs: int, address: str) -> Executor:
+    """Where episodes run: "local", processes of this machine; "ray", a cluster."""
+    if kind == "ray":
+        from coral.campaign.cluster import RayExecutor
+
+        return RayExecutor(address)
+    return LocalExecutor(jobs)
+
+
+def table_json(table: Table) -> dict[str, Any]:
+    """A table as plain values, its rows by column name."""
+    return {"name": table.name, "caption": table.caption,
+            "rows": [dict(zip(_unique(table.header), row, strict=True)) for row in table.rows]}
+
+
+def _unique(header: Sequence[str]) -> list[str]:
+    """Column names, a `paper` column named after the one that it stands beside."""
+    return [f"{header[k - 1]}, paper" if label == "paper" else label for k, label in enumerate(header)]

@@ -1,0 +1,178 @@
+"""Table 1 of the CoRAL paper from a campaign's rows, beside the paper's own numbers."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from statistics import fmean, median
+from typing import Any
+
+from coral.campaign.measures import Row, number
+from coral.campaign.spec import NO_ADVISOR
+from coral.campaign.table import Table
+
+
+@cache
+def paper() -> dict[str, Any]:
+    """The paper's numbers and names."""
+    content: dict[str, Any] = json.loads((Path(__file__).parent / "contact_paper.json").read_text(encoding="utf-8"))
+    return content
+
+
+def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
+    """All tables, once for each evaluation world and each advisor among the rows.
+
+    Args:
+        rows: Of the data set; `world` is the task, `evaluation_world` where it took place.
+        about: Of the campaign: commit, machine.
+        command: That makes the tables.
+    """
+    done = [row for row in rows if row["status"] == "done"]
+    advisors = list(dict.fromkeys(row["advisor"] for row in done if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
+    tables: list[Table] = []
+    for place in dict.fromkeys(str(row["evaluation_world"]) for row in done):
+        for advisor in advisors:
+            chosen = [row for row in done
+                      if row["evaluation_world"] == place and row["advisor"] in (advisor, NO_ADVISOR)]
+            failed = [row for row in rows
+                      if row["status"] == "failed" and json.loads(row["overrides"])["world"] == place]
+            source = _source(chosen, failed, about, command)
+            caption = f"World: {place}. Advisor: {called(advisor)}."
+            tables += [make(chosen, caption, source) for make in (_success, _times, _each)]
+    return tables
+
+
+def called(advisor: str) -> str:
+    """An advisor for a caption; rules are called rules."""
+    if advisor == NO_ADVISOR:
+        return "none"
+    return f"{advisor} (rules, no language model)" if advisor.endswith("heuristic") else advisor
+
+
+def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
+    """Successes of trials, beside the paper's of ten."""
+    tasks, variants = _tasks(rows), _variants(rows)
+    lines = []
+    for variant in variants:
+        line = [_name(variant)]
+        for task in tasks:
+            own = _of(rows, variant, task)
+            printed = _printed(variant, task)
+            line += [f"{sum(map(_won, own))}/{len(own)}" if own else "not run", f"{printed[0]}/10" if printed else "–"]
+        lines.append(tuple(line))
+    header = ["method", *(label for task in tasks for label in (_task(task), "paper"))]
+    return Table("Table 1, success", f"Successful trials beside the paper’s. {caption}", tuple(header), tuple(lines),
+                 (*paper()["notes"], *source))
+
+
+def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
+    """Mean completion time of the successes: simulated and wall seconds, beside the paper's."""
+    tasks, variants = _tasks(rows), _variants(rows)
+    lines = []
+    for variant in variants:
+        line = [_name(variant)]
+        for task in tasks:
+            won = [row for row in _of(rows, variant, task) if _won(row)]
+            simulated, wall = (_mean([row[key] for row in won]) for key in ("sim_time_s", "wall_time_s"))
+            printed = _printed(variant, task)
+            seconds = printed[1] if printed else None
+            line += [f"{simulated} ({wall})" if won else "–", str(seconds) if seconds is not None else "–"]
+        lines.append(tuple(line))
+    header = ["method", *(label for task in tasks for label in (f"{_task(task)} (s)", "paper"))]
+    return Table("Table 1, time", f"Mean completion time of the successes: simulated seconds (wall seconds). {caption}",
+                 tuple(header), tuple(lines), (*paper()["notes"], *source))
+
+
+def _each(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
+    """A line for each variant and task."""
+    lines = []
+    for variant in dict.fromkeys(str(row["variant"]) for row in rows):
+        for task in _tasks(rows):
+            own = _of(rows, variant, task)
+            if not own:
+                continue
+            won = [row for row in own if _won(row)]
+            low, high = wilson(len(won), len(own))
+            ends = Counter(str(row["end_reason"]) for row in own if not _won(row))
+            lines.append((
+                f"{_name(variant)}, {Path(task).stem}", f"{len(won)}/{len(own)}",
+                f"{number(100 * low, 0)}–{number(100 * high, 0)}", _mean([row["sim_time_s"] for row in won]),
+                _mean([row["wall_time_s"] for row in won]), _mean([row["path_length_m"] for row in own], 2),
+                _mean([row["peak_hand_force_n"] for row in own]),
+                number(median(float(row["plan_ms_median"]) for row in own), 0),
+                ", ".join(f"{reason} {count}" for reason, count in ends.most_common()) or "–"))
+    return Table("Every task", f"Trials of each task. {caption}",
+                 ("method, task", "success", "95 % interval (%)", "time (s)", "wall time (s)", "path (m)",
+                  "peak force (N)", "ms a plan", "otherwise ended by"), tuple(lines),
+                 ("Times: means over successes; path and force: over all trials. Interval: Wilson’s, of the success "
+                  "rate.", *source))
+
+
+def wilson(won: int, trials: int, z: float = 1.96) -> tuple[float, float]:
+    """Wilson's score interval of a proportion (Wilson 1927): it keeps its level at 0/n and n/n, with few trials."""
+    if not trials:
+        return 0.0, 1.0
+    share, spread = won / trials, z * z / trials
+    middle = (share + spread / 2) / (1 + spread)
+    half = z / (1 + spread) * math.sqrt(share * (1 - share) / trials + spread / (4 * trials))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def _won(row: Row) -> bool:
+    return bool(row["success"])
+
+
+def _of(rows: Sequence[Row], variant: str, task: str) -> list[Row]:
+    return [row for row in rows if (row["variant"], row["world"]) == (variant, task)]
+
+
+def _tasks(rows: Sequence[Row]) -> list[str]:
+    """Those that were run, the paper's first and in its order."""
+    there = dict.fromkeys(str(row["world"]) for row in rows)
+    known = list(paper()["tasks"])
+    return [task for task in known if task in there] + [task for task in there if task not in known]
+
+
+def _variants(rows: Sequence[Row]) -> list[str]:
+    """The paper's rows in its order, then what only we have."""
+    return [*paper()["1"], *dict.fromkeys(str(row["variant"]) for row in rows if row["variant"] not in paper()["1"])]
+
+
+def _printed(variant: str, task: str) -> list[int | None] | None:
+    tasks = list(paper()["tasks"])
+    if variant not in paper()["1"] or task not in tasks:
+        return None
+    cell: list[int | None] = paper()["1"][variant][tasks.index(task)]
+    return cell
+
+
+def _task(task: str) -> str:
+    return str(paper()["tasks"].get(task, Path(task).stem))
+
+
+def _name(variant: str) -> str:
+    return str(paper()["names"].get(variant, variant))
+
+
+def _mean(values: Sequence[float], digits: int = 1) -> str:
+    return number(fmean(float(value) for value in values), digits) if values else "–"
+
+
+def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, Any], command: str) -> tuple[str, ...]:
+    """How the table was made."""
+    seeds = sorted({int(row["seed"]) for row in chosen})
+    versions = sorted({str(row.get("code")) for row in chosen})
+    poses = sorted({str(row.get("poses")) for row in chosen})
+    parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {', '.join(poses)}. "
+             f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), {about.get('machine', '?')}. Made by: {command}"]
+    if len(versions) > 1:
+        parts.append("Mixed: these trials ran on different versions of the code.")
+    if failed:
+        names = ", ".join(f"{row['variant']} in {Path(row['world']).stem}, seed {row['seed']}" for row in failed[:4])
+        parts.append(f"{len(failed)} trials broke off with an error and are left out: {names}"
+                     f"{', …' if len(failed) > 4 else ''}.")
+    return tuple(parts)

@@ -1,0 +1,192 @@
+"""`coral contact bench`: variants compared over many trials, and the paper's Table 1 made of them."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.registry import make_advisor
+from coral.campaign.bench import changes, digest, make_executor, table_json
+from coral.campaign.campaign import Summary, run_campaign
+from coral.campaign.contact_tables import contact_tables
+from coral.campaign.dataset import read_parquet, to_rows, write_parquet
+from coral.campaign.progress import CampaignProgress
+from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
+from coral.campaign.store import Store, write_whole
+from coral.campaign.table import document
+from coral.campaign.version import code_version
+from coral.commands.contact_run import with_samples
+from coral.config import checked, read_config, to_mapping
+from coral.contact.episode import EpisodeCfg
+from coral.contact.task import Task, load_task, shipped_tasks
+from coral.contact.trial import run_trial
+from coral.contact.variants import ALONE, check_variant, make_mind
+from coral.contact.worlds import check_world
+from coral.errors import InputError, RunError
+from coral.runs import provenance
+
+
+@dataclass(frozen=True)
+class ContactEpisode:
+    """A spec into an episode. The tasks travel along, so that a worker needs none of the caller's files."""
+
+    cfg: EpisodeCfg
+    tasks: Mapping[str, Task]
+
+    def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
+        """Run it."""
+        return run_trial(self.tasks[spec.world], self.cfg, folder, world=dict(spec.overrides)["world"],
+                         variant=spec.variant, advisor=spec.advisor, seed=spec.seed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactBench:
+    """Compare variants of the contact pipeline over tasks, evaluation worlds and seeds.
+
+    The same command goes on where a stopped one left off; a larger grid in the same folder extends it.
+    """
+
+    variants: str = "expert,expert-fsm"
+    """Names, separated by commas."""
+    tasks: str = "all"
+    """Shipped tasks or task files, separated by commas; all: the shipped ones."""
+    worlds: str = "panda"
+    """Evaluation worlds, separated by commas: panda, hand."""
+    seeds: str = "0-9"
+    """Numbers and ranges, such as 0-4 or 0,3,7-9; the paper makes ten trials of each task."""
+    advisors: str = "heuristic"
+    """As for coral contact run, separated by commas."""
+    samples: int | None = None
+    """Rehearsals of each plan, instead of the configuration's."""
+    jobs: int = 1
+    """Episodes at a time (executor local); several share the machine's cores, one each."""
+    executor: Literal["local", "ray"] = "local"
+    """local: processes of this machine; ray: a Ray cluster."""
+    address: str = "auto"
+    """Of the Ray cluster: auto, HOST:PORT, or ray://HOST:PORT."""
+    out: Path = Path("runs/contact-bench")
+    """Folder of the campaign."""
+    config: Path | None = None
+    """YAML file with configuration values; flags override it."""
+    retry_failed: bool = False
+    """Run episodes again whose failure is recorded."""
+    mix: bool = False
+    """Accept results of other code or another configuration in the same folder."""
+    collect: bool = False
+    """Run nothing: make the data set and the tables from what is there."""
+    json: bool = False
+    """Print one JSON object on standard output; progress stays on standard error."""
+    quiet: bool = False
+    """No progress."""
+    cfg: EpisodeCfg = field(default_factory=EpisodeCfg)
+    """The episode."""
+
+    @classmethod
+    def from_file(cls, words: Sequence[str]) -> ContactBench | None:
+        """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
+        for flag, value in itertools.pairwise(words):
+            if flag == "--config":
+                return cls(cfg=read_config(Path(value), EpisodeCfg()))
+        return None
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Run what is missing, then make the tables."""
+        store = Store(self.out)
+        if self.collect:
+            store.manifest()
+            with store.lock():
+                return self._collect(store, None)
+        if self.jobs < 1:
+            raise InputError("--jobs", "", self.jobs, "a number from 1 on")
+        names = shipped_tasks() if self.tasks == "all" else parse_names(self.tasks, "--tasks")
+        tasks = {name: load_task(name) for name in names}
+        cfg = checked(with_samples(self.cfg, self.samples), "--cfg")
+        specs = self._specs(tasks)
+        with store.lock():
+            store.open(specs, self._conditions(cfg, tasks), command=self._command(), mix=self.mix, about=provenance())
+            summary = self._run(store, specs, cfg, tasks)
+            result = self._collect(store, summary)
+        if summary.failed and not result["done"]:
+            raise RunError(f"every episode failed; see {self.out / 'failures'}")
+        return result
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """The tables, and where everything is."""
+        failed = f"; {result['failed']} broke off (see {self.out / 'failures'}; --retry-failed runs them again)"
+        return "\n".join([
+            (self.out / "tables.md").read_text(encoding="utf-8"),
+            f"{result['done']} episodes{failed if result['failed'] else ''}",
+            *(f"{name}: {result[name]}" for name in ("data", "tables"))])
+
+    def _specs(self, tasks: Mapping[str, Task]) -> tuple[Spec, ...]:
+        variants, worlds = parse_names(self.variants, "--variants"), parse_names(self.worlds, "--worlds")
+        advisors = parse_names(self.advisors, "--advisors")
+        for variant in variants:
+            check_variant(variant, "--variants")
+            for task in tasks.values():
+                make_mind(variant, task)  # what it lacks is told now, not by every worker
+        for world in worlds:
+            check_world(world, "--worlds")
+        for advisor in advisors:
+            if advisor.split(":")[-1] == "desk":
+                raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
+            make_advisor(advisor, rules={}, rng=np.random.default_rng(0), cfg=ModelCfg(), where="--advisors")
+        return grid("contact", variants=variants, worlds=tuple(tasks), seeds=parse_seeds(self.seeds), advisors=advisors,
+                    alone=[name for name in variants if name in ALONE],
+                    overrides=[{"world": world} for world in worlds])
+
+    def _conditions(self, cfg: EpisodeCfg, tasks: Mapping[str, Task]) -> dict[str, str]:
+        """What must be the same for every episode of a table, as digests."""
+        content = to_mapping(cfg)
+        content.pop("record")
+        content["planning"].pop("threads")  # changes how long it takes, and nothing else
+        return {"code version": f"{code_version()}", "configuration": digest(content),
+                **{f"task {name}": digest(task.model_dump(mode="json")) for name, task in tasks.items()}}
+
+    def _run(self, store: Store, specs: Sequence[Spec], cfg: EpisodeCfg, tasks: Mapping[str, Task]) -> Summary:
+        if (self.jobs > 1 or self.executor == "ray") and not cfg.planning.threads:
+            cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
+        executor = make_executor(self.executor, self.jobs, self.address)
+        try:
+            return run_campaign(store, specs, ContactEpisode(cfg, tasks), executor, retry_failed=self.retry_failed,
+                                mix=self.mix, progress=CampaignProgress(quiet=self.quiet))
+        except KeyboardInterrupt:
+            print(f"stopped; the same command goes on from here ({self.out})", file=sys.stderr)
+            raise
+
+    def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
+        manifest, records = store.manifest(), store.records()
+        about = manifest["about"]
+        rows = to_rows(records, {name: about.get(name, "") for name in ("commit", "machine")})
+        if not rows:
+            raise RunError(f"no episode is recorded in {self.out} yet")
+        write_parquet(rows, self.out / "results.parquet")
+        rows = read_parquet(self.out / "results.parquet")
+        command = manifest["commands"][-1] if manifest["commands"] else "coral contact bench"
+        tables = contact_tables(rows, about, command)
+        for form in ("md", "tex", "html"):
+            write_whole(self.out / f"tables.{form}", document(tables, form, "Contact tasks").encode())
+        done = [record for record in records if record["status"] == "done"]
+        return {"out": str(self.out), "episodes": len(store.specs()), "done": len(done),
+                "failed": len(records) - len(done), "ran": summary.finished + summary.failed if summary else 0,
+                "found": summary.found if summary else len(records), "data": str(self.out / "results.parquet"),
+                "tables": str(self.out / "tables.md"), "results": [table_json(table) for table in tables]}
+
+    def _command(self) -> str:
+        """The command that makes this campaign, without what does not change its results."""
+        words = ["coral", "contact", "bench", "--variants", self.variants, "--tasks", self.tasks,
+                 "--worlds", self.worlds, "--seeds", self.seeds, "--advisors", self.advisors]
+        words += ["--samples", str(self.samples)] if self.samples is not None else []
+        words += ["--config", str(self.config)] if self.config else [
+            word for key, value in changes(to_mapping(self.cfg), to_mapping(EpisodeCfg()), "cfg")
+            for word in (f"--{key.replace('_', '-')}", str(value))]
+        return shlex.join(words)
