@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from coral.config import Count, Fraction, NonNegative, Positive, Signed
 from coral.contact.context import Context, Terms
 from coral.contact.geometry import conjugate, from_rotvec, multiply, to_rotvec
-from coral.contact.hand import MAX_OPENING_M
+from coral.contact.hand import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.planning import Controls, PlanningWorld
 from coral.contact.strategy import Guide, Stage
 from coral.contact.world import HandTarget, Observation
@@ -144,14 +144,18 @@ class Controller:
             propose = lambda sampled: self._towards(sampled, start, aims)  # noqa: E731
         update = self.mppi.improve(evaluate, propose, lambda knots: self._bound(knots, start))
         context, sane, terms, _ = rehearsed[0]
-        weights = np.tile(update.weights, len(self.world.models)) / len(self.world.models)
+        # Where no rehearsal counted the plan before is kept: the first of the samples.
+        each = update.weights if update.ok else np.eye(1, len(update.weights))[0]
+        weights = np.tile(each, len(self.world.models)) / len(self.world.models)
+        counted = weights > 0  # what else there is may be no number
         targets = self._targets(update.knots, start.quaternion, stage.stiffness_n_m)
         return Plan(
             targets=targets,
-            expected_position=np.tensordot(weights, context.ee_pos, axes=1),
-            expected_force=np.tensordot(weights, context.ee_force, axes=1),
+            expected_position=np.tensordot(weights[counted], context.ee_pos[counted], axes=1),
+            expected_force=np.tensordot(weights[counted], context.ee_force[counted], axes=1),
             update=update,
-            terms={name: float(weights @ self._total({name: term}, context.shape)) for name, term in terms.items()},
+            terms={name: float(weights[counted] @ self._total({name: term}, context.shape)[counted])
+                   for name, term in terms.items()},
             now=_first(context),
             diverged=int((~sane).sum()),
         )
@@ -197,7 +201,7 @@ class Controller:
                 share = np.minimum(1.0, speed * span / np.maximum(np.linalg.norm(move, axis=-1, keepdims=True), 1e-9))
                 knots[:, k, part] = knots[:, k - 1, part] + move * share
             knots[:, k, :3] = np.clip(knots[:, k, :3], cfg.workspace_low_m, cfg.workspace_high_m)
-            knots[:, k, 6] = np.clip(knots[:, k, 6], 0.0, MAX_OPENING_M)
+            knots[:, k, 6] = np.clip(knots[:, k, 6], SQUEEZE_M, MAX_OPENING_M)
         return knots
 
     def _towards(self, sampled: Array, start: HandTarget, aims: list[tuple[Guide, Array, Array | None]]) -> Array:

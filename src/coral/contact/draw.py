@@ -66,14 +66,24 @@ class Drawn:
         return float(body.position[2] + (self.corners(name) @ rotation_of(body.quaternion).T)[:, 2].min())
 
 
-def part_size(part: Shape, scale: Array) -> Array:
-    """Full size of a part (m) under the object's scale; what is round grows evenly in its round directions."""
-    size = np.asarray(part.size) * scale
+def part_scale(part: Shape, scale: Array) -> Array:
+    """Factors along a part's own axes, Shape=(3,), of the object's factors along its axes.
+
+    They are what the scale makes of the part's unit vectors. What is round grows evenly in its round directions, and a
+    part that is neither square to the object nor scaled evenly keeps its right angles.
+    """
+    turned = rotation_of(from_rpy_deg(part.rpy_deg))
+    own = np.sqrt(np.square(scale) @ np.square(turned))
     if part.shape == "cylinder":
-        size[:2] = part.size[0] * np.sqrt(scale[0] * scale[1])
+        own[:2] = np.sqrt(own[0] * own[1])
     elif part.shape == "sphere":
-        size[:] = part.size[0] * float(np.prod(scale)) ** (1 / 3)
-    return size
+        own[:] = float(np.prod(own)) ** (1 / 3)
+    return np.asarray(own)
+
+
+def part_size(part: Shape, scale: Array) -> Array:
+    """Full size of a part (m; of a mesh, its factors) under the object's scale."""
+    return np.asarray(part.size) * part_scale(part, scale)
 
 
 def corners(item: Movable, scale: Array) -> Array:
@@ -82,14 +92,13 @@ def corners(item: Movable, scale: Array) -> Array:
     for part in item.parts:
         half = part_size(part, scale) / 2
         if part.shape == "mesh":
-            local = mesh_vertices(part) * scale
+            local = mesh_vertices(part) * part_scale(part, scale)
         elif part.shape == "cylinder":
             turns = np.arange(16) * np.pi / 8
-            rim = np.stack([half[0] * np.cos(turns), half[0] * np.sin(turns), np.zeros(16)], axis=1)
-            local = np.concatenate([rim + [0, 0, half[2]], rim - [0, 0, half[2]]])
+            rim = np.stack([half[0] * np.cos(turns), half[0] * np.sin(turns), np.full(16, half[2])], axis=1)
+            local = np.concatenate([rim, rim * np.array([1, 1, -1])])
         else:
-            signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
-            local = signs * half
+            local = box_corners(2 * half)
         placed = local @ rotation_of(from_rpy_deg(part.rpy_deg)).T + np.asarray(part.position) * scale
         found.append(placed)
     return np.concatenate(found)
@@ -102,12 +111,15 @@ def draw(task: Task, seed: int) -> Drawn:
         InputError: The objects do not fit beside each other in a hundred attempts.
     """
     rng = np.random.default_rng([seed, *task.name.encode()])
+    clash = None
     for _ in range(100):
         objects = {item.name: _draw_object(item, rng) for item in task.objects}
         drawn = Drawn(task, seed, objects)
-        if _apart(drawn):
+        clash = _clash(drawn)
+        if clash is None:
             return drawn
-    raise InputError(task.name, "objects", "overlapping ranges", "room for all objects beside each other")
+    raise InputError(task.name, "objects", f"{clash} in each other's place",
+                     "ranges of x, y and yaw_deg with room for all beside each other")
 
 
 def _draw_object(item: Movable, rng: np.random.Generator) -> DrawnObject:
@@ -119,12 +131,30 @@ def _draw_object(item: Movable, rng: np.random.Generator) -> DrawnObject:
     return DrawnObject(scale, physical, Body(np.array([x, y, z]), quaternion))
 
 
-def _apart(drawn: Drawn, gap_m: float = 0.01) -> bool:
-    """Whether the objects' upright bounding boxes keep clear of each other."""
-    boxes = []
-    for name, item in drawn.objects.items():
-        placed = drawn.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
-        boxes.append((placed.min(axis=0) - gap_m / 2, placed.max(axis=0) + gap_m / 2))
-    return not any(
-        bool(np.all(a[0] < b[1]) and np.all(b[0] < a[1])) for k, a in enumerate(boxes) for b in boxes[k + 1:]
-    )
+def _clash(drawn: Drawn, gap_m: float = 0.01) -> str | None:
+    """Two objects whose upright bounding boxes come too near, or an object that stands in a fixture."""
+    placed = {name: drawn.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
+              for name, item in drawn.objects.items()}
+    names = list(placed)
+    for k, name in enumerate(names):
+        for other in names[k + 1:]:
+            if not _separated(placed[name], placed[other], np.eye(3), gap_m):
+                return f"{name} and {other}"
+        for fixture in drawn.task.fixtures:
+            turn = rotation_of(from_rotvec([0, 0, np.radians(fixture.yaw_deg)]))
+            walls = box_corners(np.asarray(fixture.size)) @ turn.T + fixture.position
+            # It may stand on a fixture or against it, but not in it.
+            if not _separated(placed[name], walls, np.concatenate([np.eye(3), turn.T]), -1e-3):
+                return f"{name} and {fixture.name}"
+    return None
+
+
+def _separated(first: Array, second: Array, axes: Array, gap_m: float) -> bool:
+    """Whether the points, Shape=(n, 3), lie further apart than the gap along one of the axes, Shape=(m, 3)."""
+    a, b = first @ axes.T, second @ axes.T
+    return bool(np.any((b.min(axis=0) - a.max(axis=0) >= gap_m) | (a.min(axis=0) - b.max(axis=0) >= gap_m)))
+
+
+def box_corners(size: Array) -> Array:
+    """The corners, Shape=(8, 3), of a box with these full edges about the origin."""
+    return np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T * (size / 2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from coral.contact.draw import Drawn
+from coral.contact.geometry import rotate
 from coral.contact.world import Truth
 
 BELOW_TABLE_M = 0.03
@@ -20,6 +21,9 @@ class Judge:
         self._drawn = drawn
         self._success = drawn.task.success
         self._watches = [condition.watch(drawn) for condition in self._success.conditions]
+        # An object's own origin may lie anywhere, as at its foot.
+        corners = {name: drawn.corners(name) for name in drawn.objects}
+        self._middle = {name: (found.min(axis=0) + found.max(axis=0)) / 2 for name, found in corners.items()}
         self._since: float | None = None
         self.holding: tuple[bool, ...] = ()
 
@@ -39,9 +43,10 @@ class Judge:
         for name, body in truth.objects.items():
             if self._drawn.lowest_point(name, body) > -BELOW_TABLE_M:
                 continue
-            over_table = all(abs(body.position[k] - table.center[k]) < table.size[k] / 2 for k in (0, 1))
-            if over_table and body.position[2] < 0:
+            middle = body.position + rotate(body.quaternion, self._middle[name])
+            over_table = all(abs(middle[k] - table.center[k]) < table.size[k] / 2 for k in (0, 1))
+            if over_table and middle[2] < 0:
                 return f"tunnelling: {name}"
-            if body.position[2] < -BELOW_TABLE_M - 0.1:
+            if middle[2] < -BELOW_TABLE_M - 0.1:
                 return f"dropped: {name}"
         return None

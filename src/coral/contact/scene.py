@@ -70,7 +70,7 @@ def _add_object(spec: mujoco.MjSpec, item: Movable, found: DrawnObject, condim: 
             geom.size = [size[0] / 2, 0, 0]
         else:
             mesh = spec.add_mesh(name=f"{item.name}/{index}", file=str(part.file))
-            mesh.scale = np.asarray(part.size) * found.scale
+            mesh.scale = size
             geom.meshname = mesh.name
 
 
