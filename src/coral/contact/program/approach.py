@@ -95,7 +95,7 @@ def contact_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: Veri
                 line = cost.term_line(name)
                 found.append(Fault("barrier", line, f"line {line} (`{cost.line(line)}`): the term {name!r} begins when "
                                    f"the hand touches the {thing} and adds {np.median(begun):.3g}, so touching gets "
-                                   "dearer; let it count before the touch too, or subtract a larger bonus for the touch"))
+                                   "dearer; let it count before the touch too, or subtract a larger bonus for it"))
     return found
 
 

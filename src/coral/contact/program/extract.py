@@ -8,7 +8,8 @@ import textwrap
 FENCE = re.compile(r"^[ \t]*(```+|~~~+)[ \t]*([\w+-]*)[ \t]*$", re.MULTILINE)
 DEFINITION = re.compile(r"^([ \t]*)def[ \t]+\w+[ \t]*\(", re.MULTILINE)
 COST = re.compile(r"^[ \t]*def[ \t]+state_cost[ \t]*\(", re.MULTILINE)
-START = re.compile(r"^(def|from|import|@|#|[A-Za-z_]\w*(\[.*\])?\s*([-+*/]?=)|\"\"\"|''')")
+NAMES = r"[A-Za-z_]\w*(\s*,\s*[A-Za-z_]\w*)*"
+START = re.compile(rf"^(def|from|import|@|#|{NAMES}(\[.*\])?(\s*:\s*[\w\[\], ]+)?\s*([-+*/]?=)|\"\"\"|\'\'\')")
 RULE = re.compile(r"^[ \t]*---+[ \t]*$", re.MULTILINE)
 WRAPPED = "def state_cost(self):\n"
 

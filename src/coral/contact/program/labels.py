@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import ast
+import contextlib
+import io
 import re
+import tokenize
 
-COMMENT = re.compile(r"^\s*#(.*)$")
-TRAILING = re.compile(r"^[^#\"']*\S[^#\"']*#(.*)$")
 WEIGHT = re.compile(r"^(w|k|c|weight|gain|scale|alpha|beta|lambda|coef)(_|\d|$)|_(w|weight|gain|coef)$", re.IGNORECASE)
 LONGEST = 40
 
@@ -20,6 +21,7 @@ class TermNames:
 
     def __init__(self, source: str) -> None:
         self.lines = source.split("\n")
+        self.comments = _comments(source)
         self.names: dict[int, str] = {}
         self.line_of: dict[str, int] = {}
 
@@ -43,18 +45,27 @@ class TermNames:
         return self.names[key]
 
     def _trailing(self, line: int) -> str:
-        found = TRAILING.match(self.lines[line - 1]) if line <= len(self.lines) else None
-        return _clean(found.group(1)) if found else ""
+        return self.comments[line][1] if line in self.comments and not self.comments[line][0] else ""
 
     def _above(self, line: int) -> str:
         """The nearest comment on a line of its own, not beyond the beginning of the function."""
-        for text in reversed(self.lines[:line - 1]):
-            found = COMMENT.match(text)
-            if found and _clean(found.group(1)):
-                return _clean(found.group(1))
-            if text.lstrip().startswith("def "):
+        for number in range(line - 1, 0, -1):
+            alone, text = self.comments.get(number, (False, ""))
+            if alone and text:
+                return text
+            if self.lines[number - 1].lstrip().startswith("def "):
                 break
         return ""
+
+
+def _comments(source: str) -> dict[int, tuple[bool, str]]:
+    """Comments by line: whether one has the line for itself, and its text."""
+    found: dict[int, tuple[bool, str]] = {}
+    with contextlib.suppress(tokenize.TokenError, SyntaxError):
+        for token in tokenize.generate_tokens(io.StringIO(source).readline):
+            if token.type == tokenize.COMMENT:
+                found[token.start[0]] = (token.line.lstrip().startswith("#"), _clean(token.string))
+    return found
 
 
 def _clean(comment: str) -> str:

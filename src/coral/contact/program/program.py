@@ -171,8 +171,8 @@ class CostProgram:
             if not isinstance(value, NUMBER):
                 raise meter.fault("wrong_return", f"the cost is a number or a dict of named numbers, not {kind(value)}")
             total = value
-            terms = self._terms(machine, ledger) if isinstance(ledger, Table) and ledger.items else {}
-            terms = terms or {"cost": value}
+            named = isinstance(ledger, Table) and 0 < len(ledger.items) <= self.limits.terms
+            terms = self._terms(machine, ledger) if named and isinstance(ledger, Table) else {"cost": value}
         cost = self._batch(machine, total)
         return Evaluated(cost, {name: self._batch(machine, term) for name, term in terms.items()}, meter.steps,
                          meter.arrays)

@@ -1,0 +1,142 @@
+"""The process that runs costs: it gives what this process gives, it cannot do more, and it is replaced when it dies."""
+
+from __future__ import annotations
+
+import os
+import signal
+import struct
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from coral.contact.context import Context
+from coral.contact.program import CostError, CostProgram, CostWorker, LimitsCfg, WorkerCfg
+from coral.contact.program.seccomp import MACHINES, available, filter_program
+
+LINUX = sys.platform.startswith("linux")
+
+
+@pytest.fixture(scope="module")
+def worker():
+    with CostWorker() as found:
+        yield found
+
+
+def test_it_gives_the_same_bits_as_this_process(worker, board, schema, states):
+    state = states(np.random.default_rng(1), 20, 10)
+    cost, program = worker.load(board, schema), CostProgram(board, schema)
+    found, wanted = cost(state), program(state)
+    assert list(found) == list(wanted)
+    assert all(np.array_equal(found[name], wanted[name]) for name in wanted)
+    assert cost.term_line("drift") == program.term_line("drift")
+
+
+def test_its_trace_is_that_of_this_process(worker, board, schema, states):
+    state = states(np.random.default_rng(2))
+    there, here = worker.load(board, schema).trace(state, 3), CostProgram(board, schema).trace(state, 3)
+    assert [d.line for d in there.distances] == [d.line for d in here.distances]
+    assert all(np.array_equal(a.value, b.value) for a, b in zip(there.distances, here.distances, strict=True))
+    assert all(np.array_equal(there.terms[name], here.terms[name]) for name in here.terms)
+
+
+def test_a_refusal_comes_back_with_its_line(worker, schema):
+    with pytest.raises(CostError) as caught:
+        worker.load("def state_cost(self):\n    x = 1\n    import os\n    return x", schema)
+    assert (caught.value.code, caught.value.line, caught.value.shown) == ("not_allowed", 3, "import os")
+
+
+def test_a_killed_process_is_started_again_with_its_programs(worker, board, schema, states):
+    state = states(np.random.default_rng(3))
+    cost = worker.load(board, schema)
+    before, starts = cost(state), worker.starts
+    os.kill(worker.pid, signal.SIGKILL)
+    os.waitid(os.P_PID, worker.pid, os.WEXITED | os.WNOWAIT)
+    after = cost(state)
+    assert worker.starts == starts + 1
+    assert all(np.array_equal(before[name], after[name]) for name in before)
+
+
+@pytest.mark.skipif(not LINUX, reason="processor time is limited by a Linux timer here")
+def test_a_cost_that_takes_too_long_takes_only_its_process_down(schema, states):
+    slow = "def state_cost(self):\n    s = self.time\n" + "    for i in range(64):\n        s = np.tan(np.exp(s))\n" * 55 + (
+        "    return s")
+    state = states(np.random.default_rng(4), 100, 100)
+    with CostWorker(WorkerCfg(cpu_s=0.05)) as one:
+        cost = one.load(slow, schema)
+        with pytest.raises(CostError, match="processor time") as caught:
+            cost(state)
+        assert caught.value.code == "deadline"
+        assert one.load("def state_cost(self):\n    return self.time", schema)(state)["cost"].shape == (100, 100)
+        assert one.starts == 2
+
+
+@pytest.mark.skipif(not LINUX, reason="memory is limited on Linux here")
+def test_memory_ends_at_the_limit(schema, states):
+    state = states(np.random.default_rng(5), 400, 200)
+    keeping = ("def state_cost(self):\n    xs = [" + ", ".join(["self.time * 2.0"] * 60) + "]\n    ys = ["
+               + ", ".join(["self.time * 3.0"] * 60) + "]\n    return sum(xs) + sum(ys)")
+    with CostWorker(WorkerCfg(memory_bytes=40 << 20, shared_bytes=1 << 20)) as one:
+        cost = one.load(keeping, schema)
+        with pytest.raises(CostError) as caught:
+            cost(state)
+    assert caught.value.code in ("memory", "killed")
+
+
+def test_a_larger_batch_gets_more_shared_memory(schema, states):
+    state = states(np.random.default_rng(6), 50, 40)
+    with CostWorker(WorkerCfg(shared_bytes=4096)) as one:
+        cost = one.load("def state_cost(self):\n    return self.time + norm(self.ee_pos)", schema)
+        assert next(iter(cost(state).values())).shape == (50, 40)
+
+
+def test_limits_hold_in_the_process_too(schema):
+    with CostWorker(WorkerCfg(limits=LimitsCfg(characters=30))) as one, pytest.raises(CostError) as caught:
+        one.load("def state_cost(self):\n    return self.time", schema)
+    assert caught.value.code == "too_large"
+
+
+def test_a_quantity_of_the_wrong_shape_is_named(worker, schema, states):
+    state = states(np.random.default_rng(7))
+    cost = worker.load("def state_cost(self):\n    return norm(self.ee_pos)", schema)
+    wrong = Context({name: state[name] for name in state.names()} | {"ee_pos": np.zeros((4, 5, 2))}, (4, 5))
+    with pytest.raises(CostError, match="ee_pos has shape"):
+        cost(wrong)
+
+
+@pytest.mark.parametrize("reply", [b'{"terms": ["a"], "lines": {}}', b'[]', b'not json', b'{"terms": 3}',
+                                   b'{"error": ["made up", "x", "y", "z"]}'])
+def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(reply, schema, states, monkeypatch):
+    honest = "import sys,os,struct\nr = " + repr(reply) + (
+        "\ndef send(b): os.write(1, struct.pack('<I', len(b)) + b)\nsend(b'{\"ready\": true}')\nn = 0\n"
+        "while (h := os.read(0, 4)):\n    os.read(0, struct.unpack('<I', h)[0])\n    n += 1\n"
+        "    send(b'{\"reads\": [], \"source\": \"\"}' if n == 1 else r)\n")
+    monkeypatch.setattr("coral.contact.program.worker.START", honest)
+    with CostWorker() as one:
+        cost = one.load("def state_cost(self):\n    return 1.0", schema)
+        with pytest.raises(CostError) as caught:
+            cost(states(np.random.default_rng(8)))
+    assert caught.value.code in ("killed", "internal")
+
+
+@pytest.mark.skipif(not LINUX or not available(), reason="the kernel or the machine has no such filter")
+@pytest.mark.parametrize("code", ["open('/etc/hostname')", "import os; os.fork()", "import socket; socket.socket()",
+                                  "import os; os.execv('/bin/true', ['true'])", "import os; os.kill(1, 0)",
+                                  "import os; os.read(5, 1)", "import os; os.write(2, b'x')",
+                                  "import mmap; mmap.mmap(-1, 4096, prot=mmap.PROT_READ | 4)"])
+def test_the_filter_kills_what_reaches_for_more(code):
+    script = f"import os, socket, mmap\nfrom coral.contact.program.seccomp import install\nassert install()\n{code}"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False,
+                          env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+    assert done.returncode == -signal.SIGSYS
+
+
+@pytest.mark.parametrize("machine", sorted(MACHINES))
+def test_every_jump_of_the_filter_stays_inside(machine):
+    code = [struct.unpack("HBBI", filter_program(MACHINES[machine])[i:i + 8])
+            for i in range(0, len(filter_program(MACHINES[machine])), 8)]
+    for i, (kind, met, unmet, _) in enumerate(code):
+        if kind & 0x07 == 0x05:
+            assert i + 1 + max(met, unmet) < len(code)
+    assert code[-1][0] == 0x06
