@@ -1,0 +1,74 @@
+"""Putting a question to the advisor from inside an episode and waiting for a verified answer."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from coral.advisor.clock import WallClock
+from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
+from coral.advisor.prompt import render
+from coral.advisor.question import Advisor, Picture, Question, Rejection
+
+A = TypeVar("A", bound=BaseModel)
+
+
+class Asker:
+    """One advisor, one event loop, one count of questions. The robot stands still while it waits.
+
+    Simulated time does not pass meanwhile: a contact task is thought about before it is begun, or while the hand holds.
+
+    Args:
+        advisor: Who is asked.
+        budget: Attempts and time for each decision; time is wall time.
+        log: Receives every attempt.
+        pictures: What the robot's camera sees now, for advisors with eyes.
+    """
+
+    def __init__(self, advisor: Advisor, budget: BudgetCfg | None = None, log: Callable[[Attempt], None] | None = None,
+                 pictures: Callable[[], tuple[Picture, ...]] | None = None) -> None:
+        self.advisor, self.budget = advisor, budget or BudgetCfg()
+        self.log, self.pictures = log, pictures
+        self.calls = 0
+        self._decisions = 0
+        self._loop = asyncio.new_event_loop()
+
+    def ask(self, kind: str, answer_type: type[A], facts: Mapping[str, Any], prompt: Mapping[str, Any],
+            verify: Callable[[A], Rejection | None], seen: bool = False) -> Outcome[A]:
+        """Ask, verify, ask again with the reasons.
+
+        Args:
+            kind: Of question; names the prompt's template.
+            answer_type: What the answer must validate against.
+            facts: For advisors without eyes.
+            prompt: What the template's placeholders stand for.
+            verify: Why an answer is refused, or None.
+            seen: Whether pictures go with it.
+        """
+        text, version = render(kind, prompt)
+        pictures = self.pictures() if seen and self.pictures else ()
+        question: Question[A] = Question(kind=kind, prompt=text, answer_type=answer_type, facts=facts,
+                                         pictures=pictures, prompt_version=version)
+
+        def observe(rejections: Sequence[Rejection]) -> Question[A]:
+            return question
+
+        def heard(attempt: Attempt) -> None:
+            self.calls += 1
+            if self.log is not None:
+                self.log(attempt)
+
+        decision, self._decisions = self._decisions, self._decisions + 1
+        return self._loop.run_until_complete(consult(
+            self.advisor, observe, lambda _, answer: verify(answer), self.budget, WallClock(), heard, decision))
+
+    def close(self) -> None:
+        """Close the advisor and the loop."""
+        if self._loop.is_closed():
+            return
+        if (aclose := getattr(self.advisor, "aclose", None)) is not None:
+            self._loop.run_until_complete(aclose())
+        self._loop.close()

@@ -1,0 +1,111 @@
+import json
+import math
+
+import pytest
+
+from coral.advisor.question import Reply
+from coral.advisor.rules import RuleAdvisor
+from coral.contact.draw import draw
+from coral.contact.hand_world import HandWorld, HandWorldCfg
+from coral.contact.task import load_task
+from coral.contact.thinking.ask import Asker
+from coral.contact.thinking.beliefs import Estimates, belief_prompt, estimate, verify_estimates
+from coral.contact.thinking.scene_facts import interface_text, scene_facts
+
+SIZES = {"mug": (0.08, 0.08, 0.1)}
+
+
+def answer(**objects):
+    return Estimates.model_validate(
+        {name: {"mass_kg": mass, "friction_coeff": friction} for name, (mass, friction) in objects.items()})
+
+
+def clutter():
+    drawn = draw(load_task("pick-clutter"), 3)
+    return drawn, HandWorld(drawn, HandWorldCfg()).reset()
+
+
+def test_plausible_estimates_pass():
+    assert verify_estimates(answer(mug=(0.3, 0.5)), SIZES) is None
+
+
+@pytest.mark.parametrize(("given", "code", "words"), [
+    (answer(), "objects", "mug is missing"),
+    (answer(mug=(0.3, 0.5), cup=(0.3, 0.5)), "objects", "cup is no object"),
+    (answer(mug=(-1.0, 0.5)), "bounds", "mass_kg of mug is -1"),
+    (answer(mug=(0.3, 9.0)), "bounds", "between 0.02 and 2"),
+    (answer(mug=(math.nan, 0.5)), "bounds", "nan"),
+    (answer(mug=(15.0, 0.5)), "density", "kg/m3"),
+])
+def test_impossible_estimates_are_refused_with_a_reason(given, code, words):
+    found = verify_estimates(given, SIZES)
+    assert found.code == code
+    assert words in found.reason
+
+
+def test_heuristic_answers_for_every_object_within_what_the_task_states():
+    drawn, now = clutter()
+    facts = scene_facts(drawn, now)
+    found = estimate(facts)
+    assert verify_estimates(found, {name: item["size_m"] for name, item in facts["objects"].items()}) is None
+    for item in drawn.task.objects:
+        assert item.mass_kg[0] <= found.root[item.name].mass_kg <= item.mass_kg[1]
+
+
+def test_facts_do_not_hold_the_true_parameters():
+    drawn, now = clutter()
+    text = json.dumps(scene_facts(drawn, now)) + json.dumps(belief_prompt(scene_facts(drawn, now)))
+    for item in drawn.objects.values():
+        assert not any(f"{value:.{digits}f}" in text for digits in (3, 4, 5)
+                       for value in (item.physical.mass_kg, item.physical.friction))
+
+
+def test_steel_is_heavier_than_cardboard():
+    item = {"size_m": [0.1, 0.1, 0.1], "stated_mass_kg": [0.005, 20], "stated_friction": [0.02, 2]}
+    found = estimate({"objects": {"a": {**item, "label": "steel block"}, "b": {**item, "label": "cardboard box"}}})
+    assert found.root["a"].mass_kg > 5 * found.root["b"].mass_kg
+
+
+class Mistaken:
+    """Wrong at first; minds the reason."""
+
+    name, reasons = "mistaken", ()
+
+    async def answer(self, question, rejections):
+        self.reasons = [rejection.reason for rejection in rejections]
+        given = estimate(question.facts)
+        if not rejections:
+            given.root.popitem()
+        return Reply(value=given, raw="")
+
+
+def test_a_refused_answer_is_asked_for_again_with_the_reason():
+    drawn, now = clutter()
+    facts = scene_facts(drawn, now)
+    advisor, heard = Mistaken(), []
+    sizes = {name: item["size_m"] for name, item in facts["objects"].items()}
+    asker = Asker(advisor, log=heard.append)
+    outcome = asker.ask("physical-parameters", Estimates, facts, belief_prompt(facts),
+                        lambda given: verify_estimates(given, sizes))
+    asker.close()
+    assert outcome.answer is not None
+    assert [attempt.verdict for attempt in heard] == ["rejected", "accepted"]
+    assert "is missing" in advisor.reasons[0]
+    assert asker.calls == 2
+
+
+def test_an_advisor_without_the_rule_fails_by_name():
+    asker = Asker(RuleAdvisor({}))
+    facts = scene_facts(*clutter())
+    outcome = asker.ask("physical-parameters", Estimates, facts, belief_prompt(facts), lambda given: None)
+    asker.close()
+    assert outcome.failure == "no-rule"
+
+
+def test_interface_names_every_quantity():
+    drawn, _ = clutter()
+    from coral.contact.quantities import task_schema_of
+
+    schema = task_schema_of(drawn.task)
+    text = interface_text(schema)
+    assert all(f"self.{name} " in text for name in schema)
