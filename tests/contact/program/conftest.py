@@ -224,17 +224,17 @@ class Bullet:
         self.state = state
         self.getDifferenceQuaternion = xyzw_difference
 
-    def getLinkState(self, body, link, **_):  # noqa: N802
+    def getLinkState(self, body, link, **_):
         s = self.state
         return s.ee_pos, s.ee_ori, None, None, s.ee_pos, s.ee_ori, s.ee_vel, s.ee_angvel
 
-    def getBasePositionAndOrientation(self, body, **_):  # noqa: N802
+    def getBasePositionAndOrientation(self, body, **_):
         return getattr(self.state, f"{body}_pos"), getattr(self.state, f"{body}_ori")
 
-    def getBaseVelocity(self, body, **_):  # noqa: N802
+    def getBaseVelocity(self, body, **_):
         return getattr(self.state, f"{body}_vel"), getattr(self.state, f"{body}_angvel")
 
-    def getContactPoints(self, a, b):  # noqa: N802
+    def getContactPoints(self, a, b):
         names = {a: b, b: a}
         for thing in ("board", "box"):
             if thing in names:

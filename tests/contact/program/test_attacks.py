@@ -123,14 +123,15 @@ REFUSED = {
     "many nots": body("return " + "not " * 4000 + "1"),
     "many attributes": body("return self" + ".a" * 6000),
     "many ternaries": body("return " + "1 if 1 else " * 1500 + "1"),
-    "deep blocks": "def state_cost(self):\n" + "".join(" " * i + "if 1:\n" for i in range(1, 90)) + " " * 90 + "return 1",
+    "deep blocks": "def state_cost(self):\n" + "".join(
+        " " * i + "if 1:\n" for i in range(1, 90)) + " " * 90 + "return 1",
     "too long": body("x = 1\n" * 9000 + "return x"),
     "too many nodes": body("return " + "+".join(["1"] * 4000)),
     "zero byte": body("return 1.0\0"),
     "lone surrogate": body("return '\ud800'"),
     # definitions that run early
     "decorator": "@eval\n" + body("return 1.0"),
-    "class body": "class A:\n    x = open('/etc/passwd')\n\ndef cost(self):\n    return A.x\n\ndef other(self):\n    pass",
+    "class body": "class A:\n    x = open('/etc/passwd')\n\ndef cost(self):\n    return A.x\n\ndef b(self):\n    pass",
     "default argument": "def state_cost(self, x=open('/etc/passwd')):\n    return 1.0",
     "top-level call": "x = open('/etc/passwd')\n" + body("return 1.0"),
     "metaclass": "class A(metaclass=print): pass\n" + body("class B(A): pass\nreturn 1.0"),

@@ -24,7 +24,8 @@ def test_the_terms_add_up_to_the_cost_and_carry_the_names_of_comments(board, sch
     program = CostProgram(board, schema)
     found = program.evaluate(states(np.random.default_rng(3)))
     assert np.array_equal(sum(found.terms.values()), found.cost)
-    assert list(found.terms)[2:] == ["progress", "keep touching", "align", "drift", "rotation", "lift", "effort", "time"]
+    assert list(found.terms)[2:] == ["progress", "keep touching", "align", "drift", "rotation", "lift", "effort",
+                                     "time"]
     assert program.line(program.term_line("drift")).endswith("# drift")
 
 
@@ -56,8 +57,8 @@ def test_named_terms_come_as_returned(schema, states):
 
 
 def test_terms_filled_without_a_return_are_the_cost(schema, states):
-    program = CostProgram('def state_cost(self):\n    terms["reach"] = norm(self.ee_pos)\n    terms["time"] = self.time',
-                          schema)
+    source = 'def state_cost(self):\n    terms["reach"] = norm(self.ee_pos)\n    terms["time"] = self.time'
+    program = CostProgram(source, schema)
     assert list(program(states(np.random.default_rng(7)))) == ["reach", "time"]
 
 
@@ -74,7 +75,8 @@ def test_a_term_of_one_branch_is_zero_in_the_other(schema, states):
 
 
 def test_only_what_is_read_is_asked_for(schema):
-    program = CostProgram("def state_cost(self):\n    return norm(self.ee_pos) + p.getBaseVelocity(self.box)[0][2]", schema)
+    source = "def state_cost(self):\n    return norm(self.ee_pos) + p.getBaseVelocity(self.box)[0][2]"
+    program = CostProgram(source, schema)
     assert program.reads == ["board_angvel", "board_vel", "box_angvel", "box_vel", "ee_pos"]
 
 

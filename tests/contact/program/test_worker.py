@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import platform
 import signal
 import struct
 import subprocess
@@ -13,7 +14,7 @@ import pytest
 
 from coral.contact.context import Context
 from coral.contact.program import CostError, CostProgram, CostWorker, LimitsCfg, WorkerCfg
-from coral.contact.program.seccomp import MACHINES, available, filter_program
+from coral.contact.program.seccomp import MACHINES, filter_program
 
 LINUX = sys.platform.startswith("linux")
 
@@ -60,15 +61,15 @@ def test_a_killed_process_is_started_again_with_its_programs(worker, board, sche
 
 @pytest.mark.skipif(not LINUX, reason="processor time is limited by a Linux timer here")
 def test_a_cost_that_takes_too_long_takes_only_its_process_down(schema, states):
-    slow = "def state_cost(self):\n    s = self.time\n" + "    for i in range(64):\n        s = np.tan(np.exp(s))\n" * 55 + (
-        "    return s")
+    loop = "    for i in range(64):\n        s = np.tan(np.exp(s))\n"
+    slow = "def state_cost(self):\n    s = self.time\n" + loop * 55 + "    return s"
     state = states(np.random.default_rng(4), 100, 100)
     with CostWorker(WorkerCfg(cpu_s=0.05)) as one:
         cost = one.load(slow, schema)
         with pytest.raises(CostError, match="processor time") as caught:
             cost(state)
         assert caught.value.code == "deadline"
-        assert one.load("def state_cost(self):\n    return self.time", schema)(state)["cost"].shape == (100, 100)
+        assert one.load("def state_cost(self):\n    return self.time", schema)(state)["time"].shape == (100, 100)
         assert one.starts == 2
 
 
@@ -120,15 +121,17 @@ def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(reply, schem
     assert caught.value.code in ("killed", "internal")
 
 
-@pytest.mark.skipif(not LINUX or not available(), reason="the kernel or the machine has no such filter")
+@pytest.mark.skipif(not LINUX or platform.machine() not in MACHINES, reason="the machine has no such filter")
 @pytest.mark.parametrize("code", ["open('/etc/hostname')", "import os; os.fork()", "import socket; socket.socket()",
                                   "import os; os.execv('/bin/true', ['true'])", "import os; os.kill(1, 0)",
                                   "import os; os.read(5, 1)", "import os; os.write(2, b'x')",
                                   "import mmap; mmap.mmap(-1, 4096, prot=mmap.PROT_READ | 4)"])
 def test_the_filter_kills_what_reaches_for_more(code):
-    script = f"import os, socket, mmap\nfrom coral.contact.program.seccomp import install\nassert install()\n{code}"
+    script = f"import os, socket, mmap\nfrom coral.contact.program.seccomp import install\ninstall() or os._exit(77)\n{code}"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False,
                           env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+    if done.returncode == 77:
+        pytest.skip("the kernel has no such filter")
     assert done.returncode == -signal.SIGSYS
 
 

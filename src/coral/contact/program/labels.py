@@ -36,7 +36,8 @@ class TermNames:
         key = id(node)
         if key not in self.names:
             guess = (self._trailing(node.lineno) if whole else "") or _variable(node, variable) or (
-                self._above(node.lineno) if whole else "") or f"line {node.lineno}"
+                self._above(node.lineno) if whole else "") or (
+                "cost" if whole and not variable else f"line {node.lineno}")
             name, count = guess, 2
             while name in self.line_of:
                 name, count = f"{guess} {count}", count + 1
@@ -93,4 +94,6 @@ def _factors(node: ast.expr) -> list[str] | None:
         return _factors(node.left)
     if isinstance(node, ast.Constant):
         return []
+    if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+        return [node.attr]
     return [node.id] if isinstance(node, ast.Name) else None

@@ -222,9 +222,17 @@ class CostWorker:
             raise self._died() from None
         reply = self._receive(time.monotonic() + self.cfg.wait_s)
         if "error" in reply:
-            code, text, line, shown = reply["error"]
-            raise CostError(code if code in CODES else "internal", str(text)[:4000], int(line), str(shown)[:200])
+            raise self._told(reply["error"])
         return reply
+
+    def _told(self, error: Any) -> CostError:
+        """The error that the process tells of."""
+        try:
+            code, text, line, shown = error
+            return CostError(code if code in CODES else "internal", str(text)[:4000], int(line), str(shown)[:200])
+        except (TypeError, ValueError):
+            self._stop()
+            return CostError("killed", "the process of the cost answered nonsense and was killed")
 
     def _receive(self, until: float) -> Reply:
         try:
