@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from coral.config import Count, TimeStep
 from coral.contact.draw import Drawn
-from coral.contact.perception.camera import CameraCfg, RgbdFrame
+from coral.contact.perception.camera import CameraCfg, Colours, RgbdFrame
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.metrics import add, add_s, mssd
 from coral.contact.perception.motions import motion_of
@@ -30,6 +30,8 @@ class AccuracyCfg:
 
     camera: CameraCfg
     noise: DepthNoise | None
+    colours: Colours = "none"
+    """Whether pictures have colours: networks need them."""
     period_s: TimeStep = 0.1
     """Between pictures: 10 Hz, the lower end of what closed loops need."""
     registrations: Count = 8
@@ -79,7 +81,7 @@ class Accuracy:
 def measure(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]:
     """Follow every object of a trial through the motion of its task."""
     motion = motion_of(drawn)
-    stage = Stage(drawn, cfg.camera, cfg.noise)
+    stage = Stage(drawn, cfg.camera, cfg.noise, colours=cfg.colours)
     rng = np.random.default_rng([drawn.seed, 1])
     times = np.arange(round(motion.duration_s / cfg.period_s) + 1) * cfg.period_s
     truths = [motion.at(float(t)) for t in times]

@@ -26,8 +26,8 @@ class ConfidenceCfg:
     """Share of the object's drawing below which it is covered; confidence falls off from twice this share."""
     lost_below: Fraction = 0.6
     """Confidence below which an object counts as lost: half covered by a pose 4 cm off still reaches 0.5."""
-    found_above: Fraction = 0.75
-    """Confidence above which it counts as found again."""
+    found_above: Fraction = 0.9
+    """Confidence above which it counts as found: a box explains a can of its size by 0.87."""
     margin_m: Positive = 0.012
     """Depths that differ by less agree: five standard deviations at 1 m."""
     robot: str = "robot"

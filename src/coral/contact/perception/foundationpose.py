@@ -101,7 +101,8 @@ class FoundationPoseTracker:
     def _judge(self, frame: RgbdFrame, mask: NDArray[np.bool_], pose: Array, registered: bool = False) -> Estimate:
         cfg = self.cfg.confidence
         view = view_of(frame, mask, self.model, [pose, inverse(frame.T_world_camera) @ self._reference], cfg, 12000)
-        verdict = judge(self.model, view, pose, cfg, cfg.found_above if self._lost else cfg.lost_below)
+        following = self._found and not self._lost
+        verdict = judge(self.model, view, pose, cfg, cfg.lost_below if following else cfg.found_above)
         if verdict.reason:
             return self._give_up(verdict.reason, verdict.confidence, verdict.visible)
         self._reference = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)

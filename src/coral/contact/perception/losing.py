@@ -51,7 +51,7 @@ class Loss:
 
 def lose(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg, how: How) -> Loss:
     """Follow the first object of a trial for a second, take it away for one, and give it back for one."""
-    stage = Stage(drawn, cfg.camera, cfg.noise)
+    stage = Stage(drawn, cfg.camera, cfg.noise, colours=cfg.colours)
     name = drawn.task.objects[0].name
     model = object_model(stage.model, drawn, name)
     start = motion_of(drawn).at(0.0)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Count, NonNegative, Positive
 from coral.contact.perception import align_kernels as kernels
 from coral.contact.perception.rotation import about, spread
 from coral.contact.perception.shapes import ObjectModel
@@ -20,22 +21,22 @@ Array = NDArray[np.float64]
 class RegistrationCfg:
     """Chosen by measurement on the six tasks' objects (docs/contact-perception.md); the paper uses a network."""
 
-    orientations: int = 240
+    orientations: Count = 240
     """Spread over all; divided by the order of the symmetry group. FoundationPose starts from 252."""
-    headings: int = 12
+    headings: Count = 12
     """Of every side that the object may rest on; they cost little, and objects on tables do rest on their sides."""
-    coarse_pixels: int = 1600
+    coarse_pixels: Count = 1600
     """Of the cut-out in which all orientations are tried."""
-    coarse_steps: int = 5
-    kept: int = 8
+    coarse_steps: Count = 8
+    kept: Count = 16
     """Orientations that are aligned finely."""
-    fine_pixels: int = 12000
-    fine_steps: int = 15
-    outline: float = 2.0
+    fine_pixels: Count = 12000
+    fine_steps: Count = 20
+    outline: NonNegative = 2.0
     """Weight of an outline pixel against a depth pixel."""
-    wide_m: float = 0.04
-    tight_m: float = 0.01
-    margin_m: float = 0.012
+    wide_m: Positive = 0.04
+    tight_m: Positive = 0.01
+    margin_m: Positive = 0.012
     """Depths that differ by less agree."""
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from coral.contact.draw import Drawn
 from coral.contact.geometry import quaternion_of
 from coral.contact.hand import HandCfg, add_hand
-from coral.contact.perception.camera import CameraCfg, RayCamera, RgbdFrame, look_at
+from coral.contact.perception.camera import CameraCfg, Colours, RayCamera, RgbdFrame, look_at
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.motions import Moment
 from coral.contact.perception.shapes import ObjectModel, from_body
@@ -31,10 +31,12 @@ class Stage:
         cfg: The camera.
         noise: Of its depth; None for none.
         T_world_camera: Shape=(4, 4); `EYE` looking at `TARGET` by default.
+        colours: As of `RayCamera`.
     """
 
     def __init__(
         self, drawn: Drawn, cfg: CameraCfg, noise: DepthNoise | None, T_world_camera: Array | None = None,
+        colours: Colours = "none",
     ) -> None:
         spec = mujoco.MjSpec()
         add_scene(spec, drawn)
@@ -42,7 +44,8 @@ class Stage:
         self.model = spec.compile()
         self._data = mujoco.MjData(self.model)
         placed = look_at(EYE, TARGET) if T_world_camera is None else T_world_camera
-        self.camera = RayCamera(self.model, cfg, placed, instances(self.model, drawn), noise=noise)
+        self.camera = RayCamera(self.model, cfg, placed, instances(self.model, drawn), noise=noise,
+                                colours=colours)
 
     def take(self, moment: Moment, rng: np.random.Generator, time_s: float = 0.0) -> RgbdFrame:
         """A picture of one moment."""

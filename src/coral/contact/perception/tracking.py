@@ -115,7 +115,8 @@ class ModelTracker:
     def _judge(self, frame: RgbdFrame, view: View, pose: Array, *, registered: bool = False) -> Estimate:
         """What to think of a pose (T_camera_object); it is kept if it is good enough."""
         cfg = self.cfg.confidence
-        verdict = judge(self.model, view, pose, cfg, cfg.found_above if self._lost else cfg.lost_below)
+        following = self._last is not None and not self._lost
+        verdict = judge(self.model, view, pose, cfg, cfg.lost_below if following else cfg.found_above)
         if verdict.reason:
             return self._give_up(verdict.reason, verdict.confidence, verdict.visible)
         world = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)

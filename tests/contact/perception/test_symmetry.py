@@ -1,0 +1,92 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from coral.contact.perception.metrics import add, add_s, mssd
+from coral.contact.perception.rotation import about, angle, pose, spread
+from coral.contact.perception.shapes import from_mesh, from_primitives
+from coral.contact.perception.solids import Part
+from coral.contact.perception.symmetry import Symmetry, of_kind
+from coral.errors import InputError
+
+BOARD = (Part("box", (0.15, 0.1, 0.006)), Part("box", (0.05, 0.045, 0.006), (0.2, 0.0, 0.0)))
+
+
+@pytest.mark.parametrize(("parts", "order", "continuous"), [
+    ([Part("box", (0.05, 0.04, 0.03))], 4, False), ([Part("box", (0.04, 0.04, 0.03))], 8, False),
+    ([Part("box", (0.03, 0.03, 0.03))], 24, False), (BOARD, 2, False),
+    ([Part("cylinder", (0.03, 0.06))], 2, True),
+    ([Part("cylinder", (0.03, 0.06)), Part("cylinder", (0.01, 0.02), (0, 0, 0.07))], 1, True),
+])
+def test_the_group_of_a_shape(parts, order, continuous):
+    symmetry = from_primitives("thing", parts).symmetry
+    assert len(symmetry.rotations) == order
+    assert (symmetry.axis is not None) == continuous
+
+
+def test_declared_groups_have_their_orders():
+    orders = {kind: len(of_kind(kind, np.array([0.1, 0.1, 0.2])).rotations)
+              for kind in ("none", "box", "square-box", "cube", "cylinder")}
+    assert orders == {"none": 1, "box": 4, "square-box": 8, "cube": 24, "cylinder": 2}
+    with pytest.raises(InputError, match="pyramid"):
+        of_kind("pyramid", np.ones(3))
+
+
+def test_a_mug_has_none(mug_obj):
+    model = from_mesh("mug", mug_obj)
+    assert len(model.symmetry.rotations) == 1
+    assert model.symmetry.axis is None
+    assert model.diameter == pytest.approx(0.13, abs=0.005)
+
+
+@given(st.integers(0, 99), st.integers(0, 99), st.sampled_from(["box", "square-box", "cube", "cylinder", "sphere"]))
+@settings(max_examples=40, deadline=None)
+def test_equal_poses_are_brought_to_the_same_one(k, j, kind):
+    center = np.array([0.01, -0.02, 0.03])
+    symmetry = of_kind(kind, np.array([0.1, 0.1, 0.2]), center)
+    truth = pose(spread(100)[k], np.array([0.3, 0.1, 0.2]))
+    members = symmetry.members(36)
+    equal = truth @ members[j % len(members)]
+    assert symmetry.difference(equal, truth) == (pytest.approx(0.0, abs=1e-9), pytest.approx(0.0, abs=1e-5))
+    np.testing.assert_allclose(symmetry.nearest(equal, truth), truth, atol=1e-6)
+
+
+def test_the_twist_of_a_can_is_taken_out_and_its_tilt_is_not():
+    can = of_kind("cylinder", np.array([0.06, 0.06, 0.12]))
+    tilted = pose(about(np.array([1.0, 0, 0]), 0.2) @ about(np.array([0, 0, 1.0]), 2.5), np.zeros(3))
+    _, turn = can.difference(tilted, np.eye(4))
+    assert turn == pytest.approx(0.2, abs=1e-6)
+    assert angle(can.nearest(tilted, np.eye(4))[:3, :3], np.eye(3)) == pytest.approx(0.2, abs=1e-6)
+
+
+def test_rotations_only():
+    with pytest.raises(InputError, match="symmetry"):
+        Symmetry(np.stack([np.eye(3), 2 * np.eye(3)]))
+
+
+def test_measures_of_a_shift():
+    points = np.random.default_rng(0).uniform(-0.05, 0.05, (200, 3))
+    moved = pose(np.eye(3), np.array([0.003, 0.004, 0.0]))
+    assert add(moved, np.eye(4), points) == pytest.approx(0.005)
+    assert mssd(moved, np.eye(4), points, Symmetry()) == pytest.approx(0.005)
+    assert 0 < add_s(moved, np.eye(4), points) <= 0.005
+    assert add_s(np.eye(4), np.eye(4), points) == 0.0
+
+
+def test_measures_of_a_turned_ring():
+    turn = 2 * np.pi * np.arange(360) / 360
+    ring = np.stack([0.1 * np.cos(turn), 0.1 * np.sin(turn), 0 * turn], 1)
+    turned = pose(about(np.array([0, 0, 1.0]), np.radians(30)), np.zeros(3))
+    chord = 2 * 0.1 * np.sin(np.radians(15))
+    assert add(turned, np.eye(4), ring) == pytest.approx(chord)
+    assert mssd(turned, np.eye(4), ring, Symmetry()) == pytest.approx(chord)
+    assert add_s(turned, np.eye(4), ring) == pytest.approx(0.0, abs=1e-9)
+    assert mssd(turned, np.eye(4), ring, of_kind("cylinder", np.ones(3))) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_mssd_takes_the_largest_point_of_the_best_member():
+    corners = np.array(np.meshgrid([-0.1, 0.1], [-0.05, 0.05], [-0.02, 0.02])).reshape(3, -1).T
+    flipped = pose(about(np.array([0, 0, 1.0]), np.pi), np.array([0.0, 0.0, 0.01]))
+    assert mssd(flipped, np.eye(4), corners, of_kind("box", np.ones(3))) == pytest.approx(0.01)
+    assert mssd(flipped, np.eye(4), corners, Symmetry()) > 0.2

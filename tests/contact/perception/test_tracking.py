@@ -1,0 +1,160 @@
+import itertools
+
+import numpy as np
+import pytest
+
+from coral.contact.perception.accuracy import AccuracyCfg, measure
+from coral.contact.perception.camera import CameraCfg
+from coral.contact.perception.depth_noise import DepthNoise
+from coral.contact.perception.follow import Followed
+from coral.contact.perception.losing import lose
+from coral.contact.perception.motions import MOTIONS, Moment, motion_of
+from coral.contact.perception.rotation import about, pose
+from coral.contact.perception.stage import Stage, object_model
+from coral.contact.perception.tracking import ModelTracker
+from coral.errors import InputError
+
+CFG = AccuracyCfg(camera=CameraCfg(width=240, height=180), noise=DepthNoise(), period_s=0.2, registrations=3)
+
+
+@pytest.fixture(scope="module")
+def stage(trial):
+    return Stage(trial, CFG.camera, CFG.noise)
+
+
+@pytest.fixture(scope="module")
+def at_rest(trial):
+    start = motion_of(trial).at(0.0)
+    return Moment(start.objects, pose(start.tool[:3, :3], np.array([-0.5, 0.4, 0.5])), 0.04)
+
+
+def error(tracker, estimate, truth):
+    shift, turn = tracker.model.symmetry.difference(estimate.T_world_object, truth)
+    return 1e3 * shift, np.degrees(turn)
+
+
+@pytest.mark.parametrize("kind", MOTIONS)
+def test_motions_are_smooth_and_stay_above_the_table(trial, kind):
+    motion = motion_of(trial, kind)
+    times = np.arange(0, motion.duration_s, 0.05)
+    moments = [motion.at(float(t)) for t in times]
+    for before, after in itertools.pairwise(moments):
+        assert np.linalg.norm(after.objects["box"][:3, 3] - before.objects["box"][:3, 3]) < 0.02
+        assert np.trace(before.objects["box"][:3, :3].T @ after.objects["box"][:3, :3]) > 1 + 2 * np.cos(0.12)
+        np.testing.assert_array_equal(after.objects["can"], moments[0].objects["can"])
+    lowest = min((trial.corners("box") @ m.objects["box"][:3, :3].T + m.objects["box"][:3, 3])[:, 2].min()
+                 for m in moments)
+    assert lowest > -1e-6
+    assert np.linalg.norm(moments[-1].objects["box"] - moments[0].objects["box"]) > 0.1
+
+
+def test_an_unknown_motion_is_refused(trial):
+    with pytest.raises(InputError, match="flip-box"):
+        motion_of(trial, "flip-boxes")
+
+
+def test_every_object_is_followed_within_5_mm_and_3_degrees(trial):
+    for row in measure(trial, ModelTracker, CFG):
+        assert row.mm < 5
+        assert row.deg < 3
+        assert row.lost == 0
+        assert row.registered == row.registrations
+        assert row.add_s_mm <= row.add_mm + 1e-9
+
+
+@pytest.mark.parametrize("how", ["out of view", "covered"])
+def test_a_loss_is_noticed_reported_and_recovered(trial, how):
+    loss = lose(trial, ModelTracker, CFG, how)
+    assert loss.noticed_frames == 1
+    assert loss.reported == 1.0
+    assert loss.reason == "not seen"
+    assert loss.recovered_frames == 1
+    assert loss.mm < 5
+    assert loss.deg < 3
+
+
+def test_a_mask_of_something_else_is_noticed_and_forgotten(stage, at_rest, trial):
+    rng = np.random.default_rng(0)
+    tracker = ModelTracker(object_model(stage.model, trial, "box"))
+    frame = stage.take(at_rest, rng)
+    first = tracker.register(frame, frame.mask("box"))
+    wrong = tracker.track(frame, frame.instance == 0)
+    assert wrong.lost
+    assert wrong.reason == "does not fit"
+    np.testing.assert_array_equal(wrong.T_world_object, first.T_world_object)
+    found = tracker.track(frame, frame.mask("box"))
+    assert not found.lost
+    assert error(tracker, found, at_rest.objects["box"])[0] < 5
+
+
+def test_a_narrow_strip_beside_the_hand_is_called_covered(stage, at_rest, trial):
+    tracker = ModelTracker(object_model(stage.model, trial, "box"))
+    frame = stage.take(at_rest, np.random.default_rng(0))
+    tracker.register(frame, frame.mask("box"))
+    mask = frame.mask("box")
+    columns = np.flatnonzero(mask.any(0))
+    hidden = mask.copy()
+    hidden[:, columns[0]:columns[0] + 3] = False
+    depth = np.where(hidden, 0.4, frame.depth).astype(np.float32)
+    covered = type(frame)(depth, frame.instance, frame.names, frame.lens, frame.T_world_camera)
+    estimate = tracker.track(covered, mask & ~hidden)
+    assert estimate.lost
+    assert estimate.reason in ("covered", "not seen")
+
+
+def test_a_jump_within_one_picture_is_found_again(stage, at_rest, trial):
+    rng = np.random.default_rng(0)
+    tracker = ModelTracker(object_model(stage.model, trial, "box"))
+    frame = stage.take(at_rest, rng)
+    tracker.register(frame, frame.mask("box"))
+    here = at_rest.objects["box"]
+    there = pose(about(np.array([0, 0, 1.0]), 0.9) @ here[:3, :3], here[:3, 3] + [-0.05, -0.15, 0.05])
+    frame = stage.take(Moment(at_rest.objects | {"box": there}, at_rest.tool, 0.04), rng)
+    estimate = tracker.track(frame, frame.mask("box"))
+    assert not estimate.lost
+    assert error(tracker, estimate, there)[0] < 5
+
+
+def test_the_first_pose_is_the_expected_one_among_equals(stage, at_rest, trial):
+    model = object_model(stage.model, trial, "box")
+    frame = stage.take(at_rest, np.random.default_rng(0))
+    truth = at_rest.objects["box"]
+    expected = truth @ pose(about(np.array([0, 0, 1.0]), np.pi), np.zeros(3))
+    estimate = ModelTracker(model, expected=expected).register(frame, frame.mask("box"))
+    assert np.trace(expected[:3, :3].T @ estimate.T_world_object[:3, :3]) > 2.9
+
+
+def test_before_anything_is_seen_the_object_is_lost_where_expected(stage, at_rest, trial):
+    tracker = ModelTracker(object_model(stage.model, trial, "box"))
+    frame = stage.take(at_rest, np.random.default_rng(0))
+    estimate = tracker.track(frame, np.zeros(frame.depth.shape, bool))
+    assert estimate.lost
+    np.testing.assert_array_equal(estimate.T_world_object, np.eye(4))
+    with pytest.raises(ValueError, match="mask of shape"):
+        tracker.track(frame, np.zeros((3, 3), bool))
+
+
+def test_the_same_pictures_give_the_same_poses(stage, at_rest, trial):
+    frame = stage.take(at_rest, np.random.default_rng(5))
+    model = object_model(stage.model, trial, "can")
+    first, second = (ModelTracker(model).register(frame, frame.mask("can")) for _ in range(2))
+    np.testing.assert_array_equal(first.T_world_object, second.T_world_object)
+
+
+def test_bodies_have_the_speed_of_the_motion(trial, at_rest):
+    stage = Stage(trial, CFG.camera, None)
+    followed = Followed({name: ModelTracker(object_model(stage.model, trial, name)) for name in trial.objects})
+    rng = np.random.default_rng(0)
+    for k in range(6):
+        here = at_rest.objects["box"]
+        there = pose(about(np.array([0, 0, 1.0]), 0.02 * k) @ here[:3, :3], here[:3, 3] + [0.01 * k, 0, 0])
+        moment = Moment(at_rest.objects | {"box": there}, at_rest.tool, 0.04)
+        bodies = followed.update(stage.take(moment, rng, 0.1 * k))
+    np.testing.assert_allclose(bodies["box"].velocity, [0.1, 0, 0], atol=0.02)
+    np.testing.assert_allclose(bodies["box"].angular_velocity, [0, 0, 0.2], atol=0.08)
+    np.testing.assert_allclose(bodies["can"].velocity, 0, atol=0.01)
+    assert followed.lost == {}
+    gone = Moment(at_rest.objects | {"box": pose(np.eye(3), np.array([0, 0, -3.0]))}, at_rest.tool, 0.04)
+    bodies = followed.update(stage.take(gone, rng, 0.6))
+    assert followed.lost == {"box": "not seen"}
+    np.testing.assert_array_equal(bodies["box"].velocity, 0)
