@@ -1,0 +1,95 @@
+"""Rotations, against values known by heart and against each other."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from coral.contact.geometry import (
+    angle_between,
+    conjugate,
+    from_rotvec,
+    from_rpy_deg,
+    multiply,
+    quaternion_of,
+    rotate,
+    rotation_of,
+    to_rotvec,
+)
+
+ROOT = np.sqrt(0.5)
+VECTORS = arrays(float, 3, elements=st.floats(-10, 10))
+TURNS = VECTORS.map(lambda v: from_rotvec(v))
+
+
+@pytest.mark.parametrize(("rpy", "quaternion", "x_goes_to"), [
+    ((0, 0, 0), (1, 0, 0, 0), (1, 0, 0)), ((0, 0, 90), (ROOT, 0, 0, ROOT), (0, 1, 0)),
+    ((0, 90, 0), (ROOT, 0, ROOT, 0), (0, 0, -1)), ((90, 0, 0), (ROOT, ROOT, 0, 0), (1, 0, 0)),
+    ((180, 0, 0), (0, 1, 0, 0), (1, 0, 0)), ((90, 0, 90), (0.5, 0.5, 0.5, 0.5), (0, 1, 0)),
+])
+def test_known_turns(rpy, quaternion, x_goes_to):
+    found = from_rpy_deg(rpy)
+    assert found == pytest.approx(quaternion, abs=1e-12)
+    assert rotate(found, [1, 0, 0]) == pytest.approx(x_goes_to, abs=1e-12)
+    assert rotation_of(found)[:, 0] == pytest.approx(x_goes_to, abs=1e-12)
+
+
+@given(TURNS, VECTORS)
+def test_matrix_and_quaternion_turn_alike(q, v):
+    assert rotate(q, v) == pytest.approx(rotation_of(q) @ v, abs=1e-9)
+
+
+@given(TURNS)
+def test_matrix_round_trip(q):
+    back = quaternion_of(rotation_of(q))
+    assert back[0] >= 0
+    assert abs(back @ q) == pytest.approx(1.0)
+
+
+@given(TURNS)
+def test_rotation_vector_round_trip(q):
+    vector = to_rotvec(q)
+    assert np.linalg.norm(vector) <= np.pi + 1e-9
+    assert abs(from_rotvec(vector) @ q) == pytest.approx(1.0)
+
+
+@given(TURNS, TURNS, VECTORS)
+def test_product_applies_the_second_first(a, b, v):
+    assert rotate(multiply(a, b), v) == pytest.approx(rotate(a, rotate(b, v)), abs=1e-9)
+
+
+@given(TURNS, VECTORS)
+def test_conjugate_undoes(q, v):
+    assert rotate(conjugate(q), rotate(q, v)) == pytest.approx(v, abs=1e-9)
+
+
+@given(TURNS, TURNS)
+def test_angle_is_symmetric_and_does_not_mind_the_sign(a, b):
+    assert angle_between(a, b) == pytest.approx(angle_between(b, a), abs=1e-7)
+    assert angle_between(a, b) == pytest.approx(angle_between(-a, b), abs=1e-7)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 1e-7, 1.0, 90.0, 179.0, 180.0])
+def test_angles(degrees):
+    turn = from_rotvec(np.radians(degrees) * np.array([0.6, 0, 0.8]))
+    assert np.degrees(angle_between([1, 0, 0, 0], turn)) == pytest.approx(degrees, abs=1e-6)
+
+
+def test_more_than_half_a_turn_comes_back_the_short_way():
+    assert to_rotvec(from_rotvec([0, 0, np.radians(200)])) == pytest.approx([0, 0, np.radians(-160)])
+
+
+def test_batches_as_one_by_one():
+    rng = np.random.default_rng(0)
+    q = from_rotvec(rng.normal(size=(4, 2, 3)))
+    v = rng.normal(size=(4, 2, 3))
+    assert rotate(q, v)[3, 1] == pytest.approx(rotate(q[3, 1], v[3, 1]))
+    assert rotation_of(q)[3, 1] == pytest.approx(rotation_of(q[3, 1]))
+    assert multiply(q, q[0, 0])[2, 1] == pytest.approx(multiply(q[2, 1], q[0, 0]))
+    assert to_rotvec(q)[1, 0] == pytest.approx(to_rotvec(q[1, 0]))
+
+
+def test_a_matrix_that_is_nearly_a_rotation_gives_the_nearest():
+    turn = from_rpy_deg((20, -30, 40))
+    assert abs(quaternion_of(rotation_of(turn) + 1e-4) @ turn) == pytest.approx(1, abs=1e-6)

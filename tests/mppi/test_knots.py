@@ -1,0 +1,101 @@
+"""MPPI over knots: sampling, the update law and the warm start."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from coral.mppi.knots import KnotMppi, KnotMppiCfg, spread
+
+CFG = KnotMppiCfg(samples=64, knots=4)
+
+
+def planner(cfg=CFG, sigma=(0.1, 0.5), seed=0):
+    return KnotMppi(cfg, np.array(sigma), np.random.default_rng(seed))
+
+
+def test_the_plan_itself_is_the_first_sample():
+    mppi = planner()
+    mppi.knots[:] = 3.0
+    assert np.array_equal(mppi.sample()[0], mppi.knots)
+
+
+def test_noise_grows_along_the_ramp():
+    cfg = dataclasses.replace(CFG, samples=20000, ramp=(0.5, 2.0))
+    deviation = planner(cfg).sample()[1:].std(axis=0)
+    assert deviation == pytest.approx(np.linspace(0.5, 2.0, 4)[:, None] * [0.1, 0.5], rel=0.03)
+
+
+def test_weights_by_hand():
+    cfg = KnotMppiCfg(samples=2, knots=1, temperature=0.5, spread_quantile=1.0)
+    update = planner(cfg, (1.0,)).improve(lambda knots: np.array([0.0, 2.0]))
+    # The spread of (0, 2) is 1, so lambda = 0.5 and the weights are as 1 to exp(-4).
+    assert update.weights == pytest.approx(np.array([1.0, np.exp(-4)]) / (1 + np.exp(-4)))
+    assert update.knots == pytest.approx(np.tensordot(update.weights, update.sampled, axes=1))
+    assert update.effective_samples == pytest.approx(1 / np.square(update.weights).sum())
+
+
+def test_rollouts_that_do_not_count_have_no_weight():
+    update = planner().improve(lambda knots: np.where(np.arange(64) < 62, np.nan, [1.0] * 64))
+    assert update.ok
+    assert update.weights[:62].sum() == 0
+    assert update.weights[62:] == pytest.approx([0.5, 0.5])
+
+
+def test_the_plan_stays_where_nothing_counts():
+    mppi = planner()
+    mppi.knots[:] = 2.0
+    update = mppi.improve(lambda knots: np.full(64, np.inf))
+    assert not update.ok
+    assert np.array_equal(update.knots, np.full((4, 2), 2.0))
+    assert update.effective_samples == 0
+
+
+def test_finds_the_bottom_of_a_bowl():
+    mppi, goal = planner(sigma=(0.3, 0.3)), np.array([1.0, -2.0])
+    for _ in range(40):
+        mppi.improve(lambda knots: np.square(knots - goal).sum(axis=(1, 2)))
+    assert mppi.knots == pytest.approx(np.tile(goal, (4, 1)), abs=0.25)
+
+
+def test_bounds_hold_for_every_sample_and_for_the_plan():
+    mppi = planner(sigma=(5.0, 5.0))
+    update = mppi.improve(lambda knots: -knots.sum(axis=(1, 2)), bound=lambda knots: np.clip(knots, -1, 1))
+    assert np.abs(update.sampled).max() <= 1
+    assert np.abs(update.knots).max() <= 1
+
+
+def test_proposals_are_weighed_like_samples():
+    def propose(sampled):
+        sampled[-1] = 9.0
+        return sampled
+
+    update = planner(sigma=(0.01, 0.01)).improve(lambda knots: np.abs(knots - 9).sum(axis=(1, 2)), propose)
+    assert update.weights[-1] == pytest.approx(1.0)
+
+
+def test_later_iterations_search_nearer():
+    cfg = dataclasses.replace(CFG, samples=4000, iterations=2, shrink=0.1)
+    seen = []
+    planner(cfg).improve(lambda knots: seen.append(knots[1:].std(axis=0)) or np.zeros(4000))
+    assert seen[1] == pytest.approx(0.1 * seen[0], rel=0.1)
+
+
+def test_same_seed_same_plan_bit_for_bit():
+    first, second = (planner(seed=5).improve(lambda knots: knots.sum(axis=(1, 2))).knots for _ in range(2))
+    assert np.array_equal(first, second)
+
+
+def test_advance_begins_the_plan_later():
+    mppi = planner()
+    mppi.knots[:, 0] = [0.0, 1.0, 2.0, 3.0]
+    mppi.advance(0.5, 3.0)
+    assert mppi.knots[:, 0] == pytest.approx([0.5, 1.5, 2.5, 3.0])
+
+
+@pytest.mark.parametrize(("costs", "quantile", "expected"), [
+    ([1.0, 3.0], 1.0, 1.0), ([1.0, 3.0, np.inf], 1.0, 1.0), ([4.0, 4.0], 1.0, 1.0), ([2.0], 1.0, 1.0),
+    ([], 1.0, 1.0), ([0.0, 1.0, 2.0, 1e9], 0.75, np.sqrt(2 / 3)),
+])
+def test_spread(costs, quantile, expected):
+    assert spread(np.array(costs), quantile) == pytest.approx(expected)
