@@ -168,7 +168,8 @@ def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, An
     versions = sorted({str(row.get("code")) for row in chosen})
     poses = sorted({str(row.get("poses")) for row in chosen})
     parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {', '.join(poses)}. "
-             f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), {about.get('machine', '?')}. Made by: {command}"]
+             f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), "
+             f"{about.get('machine', '?')}. Made by: {command}"]
     if len(versions) > 1:
         parts.append("Mixed: these trials ran on different versions of the code.")
     if failed:

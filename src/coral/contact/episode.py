@@ -35,7 +35,7 @@ ENDS = {
     "unreachable": "the robot's arm cannot go on",
     "camera-off": "the camera gives no pictures",
     "cost-error": "the strategy's cost could not be evaluated",
-    "no-plan": "no rehearsal could be used for many plans in a row",
+    "no-plan": "no rehearsal could be used for many plans in a row, or the plan was no motion",
     "stopped by the operator": "interrupted",
     "failed": "an error in the program",
 }
@@ -119,7 +119,10 @@ class Episode:
         """Run to the end; returns metrics and timing together."""
         started = time.perf_counter()
         try:
-            self._begin()
+            try:
+                self._begin()
+            except WorldFault as fault:
+                self.end_reason, self.detail = fault.code, str(fault)
             while not self.end_reason:
                 self.advance()
                 for observer in observers:
@@ -160,10 +163,14 @@ class Episode:
             self.end_reason, self.detail = "cost-error", str(error)
             return None
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
-        self.emit("plan", stage=stage.name, cost=round(plan.cost, 5), ess=round(plan.update.effective_samples, 2),
+        self.emit("plan", stage=stage.name, cost=_number(plan.cost), ess=round(plan.update.effective_samples, 2),
                   diverged=plan.diverged, ok=plan.update.ok,
-                  terms={name: round(value, 5) for name, value in plan.terms.items()},
+                  terms={name: _number(value) for name, value in plan.terms.items()},
                   aim=numbers(plan.targets[-1].position, 4))
+        if not all(np.isfinite([*target.position, *target.quaternion, target.opening_m]).all()
+                   for target in plan.targets[:self.cfg.replan_steps]):
+            self.end_reason, self.detail = "no-plan", "the plan holds something that is no number"
+            return None
         self._without_plan = 0 if plan.update.ok else self._without_plan + 1
         if self._without_plan >= self.cfg.patience_plans:
             self.end_reason = "no-plan"
@@ -257,6 +264,11 @@ class Episode:
         self.writer.json("metrics.json", metrics)
         self.writer.json("timing.json", timing)
         return {**metrics, **timing}
+
+
+def _number(value: float) -> float | None:
+    """A number for JSON; None for a cost that is none."""
+    return round(value, 5) if np.isfinite(value) else None
 
 
 def _physical(held: Physical) -> dict[str, float]:

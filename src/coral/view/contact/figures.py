@@ -49,8 +49,12 @@ def cost_chart(run: RunFolder) -> str:
     plans = run.select("plan")
     names = list(dict.fromkeys(name for plan in plans for name in plan.get("terms", {})))
     t = np.array([float(plan["t"]) for plan in plans])
-    curves = {name: np.array([float(plan["terms"].get(name, np.nan)) for plan in plans]) for name in names}
+    curves = {name: np.array([_value(plan["terms"].get(name)) for plan in plans]) for name in names}
     return curves_chart(run, t, curves, "expected cost", stages=True)
+
+
+def _value(value: object) -> float:
+    return float(value) if isinstance(value, int | float) else float("nan")
 
 
 def samples_chart(run: RunFolder) -> str:

@@ -1,0 +1,76 @@
+"""A short pick-box, a coarse planner, and a world that does as it is told, for tests of the episode."""
+
+import dataclasses
+
+import numpy as np
+
+from coral.contact.controller import ControllerCfg
+from coral.contact.draw import draw
+from coral.contact.episode import EpisodeCfg
+from coral.contact.planning import PlanningCfg
+from coral.contact.strategy import Stage, Strategy
+from coral.contact.task import load_task
+from coral.contact.world import Body, Contact, Observation, Truth
+from coral.mppi.knots import KnotMppiCfg
+
+COARSE = EpisodeCfg(
+    controller=ControllerCfg(horizon=8, mppi=KnotMppiCfg(samples=6, knots=3)),
+    planning=PlanningCfg(threads=1))
+DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+
+
+def short_task(seconds=0.2):
+    return load_task("pick-box").model_copy(update={"time_limit_s": seconds})
+
+
+def trial(seconds=0.2, seed=0):
+    return draw(short_task(seconds), seed)
+
+
+def with_planning(cfg, **changes):
+    return dataclasses.replace(cfg, **changes)
+
+
+def stay(state):
+    return {"stay": np.square(state.ee_pos).sum(axis=-1)}
+
+
+def strategy(cost=stay):
+    return Strategy("stay", (Stage("stay", cost),))
+
+
+class ObedientWorld:
+    """The hand is where the command says; the box stays, unless `script` says otherwise."""
+
+    name = "obedient"
+    control_period_s = 0.02
+
+    def __init__(self, drawn, script=lambda k, box: box, fault=None):
+        self._drawn, self._script, self._fault, self.commands, self.closed = drawn, script, fault, [], False
+
+    def reset(self):
+        self._tool, self._k = Body(np.array([0.0, 0.0, 0.25]), DOWN), 0
+        return self._observe()
+
+    def step(self, target):
+        self._k += 1
+        if self._fault is not None and self._k >= self._fault[0]:
+            raise self._fault[1]
+        self.commands.append(target)
+        self._tool = Body(np.asarray(target.position), np.asarray(target.quaternion))
+        return self._observe()
+
+    def truth(self):
+        seen = self._observe()
+        held = self._script(self._k, seen.objects["box"]) is not seen.objects["box"]
+        up = np.array([0.0, 0.0, 2.0])
+        contacts = tuple(Contact("box", side, -up, seen.tool.position) for side in ("left", "right")) if held else ()
+        objects = {name: self._script(self._k, body) for name, body in seen.objects.items()}
+        return Truth(seen.time_s, seen.tool, seen.opening_m, objects, contacts)
+
+    def close(self):
+        self.closed = True
+
+    def _observe(self):
+        objects = {name: item.pose for name, item in self._drawn.objects.items()}
+        return Observation(0.02 * self._k, self._tool, 0.08, np.zeros(6), objects)

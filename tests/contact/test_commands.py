@@ -1,0 +1,108 @@
+import json
+
+import pytest
+import yaml
+
+from coral.campaign.dataset import read_parquet
+from coral.cli import main
+from coral.contact.task import load_task, shipped_tasks
+
+COARSE = ["--samples", "6", "--cfg.controller.horizon", "8", "--cfg.planning.threads", "1", "--quiet"]
+
+
+@pytest.fixture(scope="module")
+def task(tmp_path_factory):
+    """pick-box with a time limit of 0.2 s, as a file."""
+    path = tmp_path_factory.mktemp("task") / "short.yaml"
+    content = load_task("pick-box").model_copy(update={"time_limit_s": 0.2}).model_dump(mode="json")
+    path.write_text(yaml.safe_dump(content))
+    return str(path)
+
+
+def answer(capsys):
+    return json.loads(capsys.readouterr().out)
+
+
+def test_run_prints_one_object_with_the_promised_keys_and_leaves_a_run(task, tmp_path, capsys):
+    assert main(["contact", "run", task, "--world", "hand", "--out", str(tmp_path / "run"), "--json", *COARSE]) == 0
+    result = answer(capsys)
+    assert {"success", "sim_time_s", "steps", "advisor_calls", "repairs", "memory_hit", "path_length_m", "end_reason",
+            "poses", "wall_time_s", "plan_ms_median"} <= set(result)
+    assert (result["success"], result["end_reason"], result["poses"]) == (False, "timeout", "ground-truth")
+    assert {path.name for path in (tmp_path / "run").iterdir()} == {
+        "config.yaml", "task.yaml", "events.jsonl", "trajectory.csv", "states.csv", "metrics.json", "timing.json",
+        "report.html", "keyframes.png"}
+
+
+def test_run_says_in_words_how_it_ended(task, tmp_path, capsys):
+    assert main(["contact", "run", task, "--world", "hand", "--out", str(tmp_path / "run"), *COARSE]) == 0
+    assert "timeout (the task's time was up) after 0.2 s simulated" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (["pick-bx"], "did you mean 'pick-box'?"),
+    (["pick-box", "--world", "pand"], "did you mean 'panda'?"),
+    (["pick-box", "--variant", "expertt"], "did you mean 'expert'?"),
+    (["pick-box", "--advisor", "heuristics"], "did you mean 'heuristic'?"),
+    (["pick-box", "--seed", "-1"], "--seed"),
+    (["pick-box", "--samples", "0"], "--samples"),
+    (["pick-box", "--cfg.reactive.memory-s", "0"], "reactive.memory_s"),
+    (["absent.yaml"], "no such file"),
+])
+def test_bad_input_is_one_line_and_exit_code_2(words, said, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["contact", "run", *words, "--quiet"]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_tasks_are_listed_and_one_is_shown_with_its_ranges(capsys):
+    assert main(["contact", "tasks"]) == 0
+    listed = capsys.readouterr().out
+    assert all(name in listed for name in shipped_tasks())
+    assert main(["contact", "tasks", "pick-box"]) == 0
+    shown = capsys.readouterr().out
+    assert "mass      0.1 to 0.4 kg" in shown
+    assert main(["contact", "tasks", "--json"]) == 0
+    assert [task["name"] for task in answer(capsys)["tasks"]] == list(shipped_tasks())
+
+
+@pytest.fixture(scope="module")
+def bench(task, tmp_path_factory):
+    """The words of a bench of two trials, and where it goes."""
+    out = tmp_path_factory.mktemp("bench") / "out"
+    return ["contact", "bench", "--tasks", task, "--worlds", "hand", "--variants", "expert-fsm", "--seeds", "0-1",
+            "--out", str(out), "--mix", "--json", *COARSE], out
+
+
+def test_a_bench_runs_what_is_missing_and_makes_tables(bench, task, tmp_path, capsys):
+    words, out = bench
+    assert main(words) == 0
+    result = answer(capsys)
+    assert (result["episodes"], result["done"], result["failed"], result["ran"]) == (2, 2, 0, 2)
+    assert main([word if word != "0-1" else "0-2" for word in words]) == 0
+    result = answer(capsys)
+    assert (result["episodes"], result["done"], result["ran"], result["found"]) == (3, 3, 1, 2)
+    rows = read_parquet(out / "results.parquet")
+    assert [(row["seed"], row["evaluation_world"], row["success"]) for row in rows] == [
+        (0, "hand", False), (1, "hand", False), (2, "hand", False)]
+    assert "0/3" in (out / "tables.md").read_text()
+
+    # A trial of a bench is the trial of coral contact run.
+    assert main(["contact", "run", task, "--world", "hand", "--seed", "1", "--out", str(tmp_path / "run"), "--json",
+                 "--cfg.record.no-report", *COARSE]) == 0
+    (folder,) = [path for path in (out / "runs").iterdir() if "_s1_" in path.name]
+    for name in ("metrics.json", "trajectory.csv", "events.jsonl"):
+        assert (folder / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
+
+
+@pytest.mark.parametrize(("flag", "value"), [("--variants", "expert,nobody"), ("--worlds", "hand,moon"),
+                                             ("--tasks", "pick-bx"), ("--seeds", "x"), ("--advisors", "desk"),
+                                             ("--jobs", "0")])
+def test_a_bad_bench_is_refused_before_anything_runs(flag, value, tmp_path, capsys):
+    words = ["contact", "bench", "--tasks", "pick-box", "--out", str(tmp_path / "out"), flag, value]
+    assert main(words) == 2
+    assert value.split(",")[-1] in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,176 @@
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+import yaml
+
+from coral.contact import episode as module
+from coral.contact.episode import ENDS, Episode
+from coral.contact.mind import Account, Fixed
+from coral.contact.program.errors import CostError
+from coral.contact.reactive import ReactiveCfg
+from coral.contact.strategy import Stage, Strategy
+from coral.contact.world import Body, WorldFault
+from coral.errors import InputError
+
+from .episodes import COARSE, ObedientWorld, stay, strategy, trial
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """Run an episode in an obedient world; returns result, folder and world."""
+    def start(mind=None, cfg=COARSE, seconds=0.2, observers=(), **world):
+        drawn = trial(seconds)
+        made = ObedientWorld(drawn, **world)
+        monkeypatch.setattr(module, "make_world", lambda name, drawn, period: made)
+        folder = tmp_path / "run"
+        one = Episode(drawn, "obedient", mind or Fixed(strategy()), cfg, folder, variant="expert")
+        return one.run(observers), folder, made
+    return start
+
+
+def events(folder, *names):
+    lines = [json.loads(line) for line in (folder / "events.jsonl").read_text().splitlines()]
+    return [line for line in lines if not names or line["event"] in names]
+
+
+def lifted_from(step):
+    return lambda k, box: Body(box.position + np.array([0, 0, 0.2]), box.quaternion) if k >= step else box
+
+
+def test_time_runs_out(run):
+    result, folder, world = run()
+    assert (result["success"], result["end_reason"]) == (False, "timeout")
+    assert (result["sim_time_s"], result["steps"]) == (0.2, 10)
+    assert result["plans"] == 5  # two steps from each
+    assert world.closed
+    assert events(folder)[-1]["event"] == "end"
+
+
+def test_success_needs_all_conditions_held_long_enough(run):
+    result, _, _ = run(seconds=2.0, script=lifted_from(5))
+    assert (result["success"], result["end_reason"], result["sim_time_s"]) == (True, "success", 0.6)
+
+
+def test_a_lift_that_ends_too_soon_is_no_success(run):
+    result, _, _ = run(seconds=0.7, script=lambda k, box: lifted_from(5)(k, box) if k < 20 else box)
+    assert (result["success"], result["end_reason"]) == (False, "timeout")
+
+
+def test_an_object_that_falls_ends_the_episode(run):
+    fallen = Body(np.array([2.0, 0.0, -0.5]), np.array([1.0, 0, 0, 0]))
+    result, _, _ = run(script=lambda k, box: fallen if k >= 3 else box)
+    assert (result["success"], result["end_reason"], result["steps"]) == (False, "dropped: box", 3)
+
+
+@pytest.mark.parametrize("code", ["diverged", "tunnelling", "unreachable", "camera-off"])
+def test_a_fault_of_the_world_is_named_and_no_success(run, code):
+    result, folder, _ = run(script=lifted_from(0), fault=(3, WorldFault(code, "it broke")))
+    assert (result["success"], result["end_reason"], result["steps"]) == (False, code, 2)
+    assert events(folder, "end")[0]["detail"] == "it broke"
+    assert code in ENDS
+
+
+def test_a_cost_that_cannot_be_evaluated_ends_the_episode_with_its_reason(run):
+    def broken(state):
+        raise CostError("not_finite", "the term is nan")
+
+    result, folder, _ = run(Fixed(strategy(broken)))
+    assert (result["end_reason"], result["steps"]) == ("cost-error", 0)
+    assert "the term is nan" in events(folder, "end")[0]["detail"]
+
+
+def test_without_a_usable_rehearsal_the_episode_ends_long_before_its_time(run):
+    def nothing(state):
+        return {"nothing": np.full(state.shape, np.nan)}
+
+    result, _, _ = run(Fixed(strategy(nothing)), dataclasses.replace(COARSE, patience_plans=3), seconds=60.0)
+    assert (result["end_reason"], result["steps"]) == ("no-plan", 4)
+
+
+def test_an_error_in_the_program_is_not_swallowed_and_leaves_a_readable_run(run, tmp_path):
+    def broken(state):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        run(Fixed(strategy(broken)))
+    assert events(tmp_path / "run")[-1]["reason"] == "failed"
+
+
+def test_an_observer_stops_the_episode(run):
+    class Impatient:
+        def tick(self, episode):
+            pass
+
+        def stop_requested(self):
+            return "stopped by the operator"
+
+    result, _, _ = run(observers=[Impatient()], seconds=30.0)
+    assert (result["end_reason"], result["steps"]) == ("stopped by the operator", 2)
+
+
+def test_stages_are_told_as_they_change(run):
+    stages = Strategy("two", (Stage("first", stay, until=lambda now: True), Stage("second", stay)))
+    result, folder, _ = run(Fixed(stages))
+    assert [(e["before"], e["stage"]) for e in events(folder, "stage")] == [(None, "first"), ("first", "second")]
+    assert result["stages"] == 1
+    assert [e["stage"] for e in events(folder, "plan")] == ["first"] + ["second"] * 4
+
+
+def test_a_mind_may_change_its_mind(run):
+    class Second:
+        account = Account(advisor_calls=2, repairs=1, memory_hit=True)
+
+        def begin(self, drawn, first, world):
+            return strategy()
+
+        def after(self, moment):
+            return Strategy("other", (Stage("other", stay),)) if moment.step == 4 else None
+
+    result, folder, _ = run(Second())
+    assert [e["name"] for e in events(folder, "strategy")] == ["stay", "other"]
+    counted = [result[key] for key in ("strategy", "advisor_calls", "repairs", "memory_hit")]
+    assert counted == ["other", 2, 1, True]
+    assert [e["stage"] for e in events(folder, "plan")] == ["stay"] * 3 + ["other"] * 2
+
+
+def test_commands_stay_within_the_force_limit(run):
+    def away(state):
+        return {"away": -10.0 * state.ee_pos[..., 0]}
+
+    cfg = dataclasses.replace(COARSE, reactive=ReactiveCfg(force_limit_n=3.0))
+    _, _, world = run(Fixed(strategy(away)), cfg)
+    here = np.array([0.0, 0.0, 0.25])
+    for command in world.commands:
+        assert np.linalg.norm(command.position - here) * command.stiffness <= 3.0 + 1e-9
+        here = command.position
+
+
+def test_a_run_folder_tells_what_was_run(run):
+    result, folder, _ = run()
+    config = yaml.safe_load((folder / "config.yaml").read_text())
+    assert (config["system"], config["task"], config["seed"]) == ("contact", "pick-box", 0)
+    assert config["episode"]["controller"]["horizon"] == 8
+    assert yaml.safe_load((folder / "task.yaml").read_text())["name"] == "pick-box"
+    plan = events(folder, "plan")[0]
+    assert plan["cost"] == pytest.approx(sum(plan["terms"].values()), abs=1e-4)
+    written = json.loads((folder / "metrics.json").read_text()) | json.loads((folder / "timing.json").read_text())
+    assert written == result
+
+
+def test_a_folder_that_holds_something_is_left_alone(run, tmp_path):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "mine.txt").write_text("x")
+    with pytest.raises(InputError, match="not empty"):
+        run()
+
+
+def test_the_same_seed_gives_the_same_files_whatever_the_number_of_threads(tmp_path):
+    folders = []
+    for threads in (1, 2):
+        cfg = dataclasses.replace(COARSE, planning=dataclasses.replace(COARSE.planning, threads=threads))
+        folders.append(tmp_path / str(threads))
+        Episode(trial(0.3), "hand", Fixed(strategy()), cfg, folders[-1], variant="expert").run()
+    for name in ("metrics.json", "events.jsonl", "trajectory.csv", "states.csv", "task.yaml"):
+        assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes()

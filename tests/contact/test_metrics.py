@@ -1,0 +1,44 @@
+import pytest
+
+from coral.contact.metrics import DEFINITIONS, compute_metrics, metrics_of
+from coral.errors import InputError
+
+EVENTS = [
+    {"step": 0, "t": 0.0, "event": "start", "poses": "ground-truth"},
+    {"step": 0, "t": 0.0, "event": "strategy", "name": "pick"},
+    {"step": 0, "t": 0.0, "event": "stage", "before": None, "stage": "reach"},
+    {"step": 0, "t": 0.0, "event": "contact", "first": "box", "second": "table"},
+    {"step": 0, "t": 0.0, "event": "plan", "ess": 2.0, "diverged": 1},
+    {"step": 2, "t": 0.04, "event": "plan", "ess": 4.0, "diverged": 0},
+    {"step": 2, "t": 0.04, "event": "contact", "first": "box", "second": "left"},
+    {"step": 2, "t": 0.04, "event": "stage", "before": "reach", "stage": "close"},
+    {"step": 4, "t": 0.08, "event": "end", "reason": "success", "advisor_calls": 3, "repairs": 1, "memory_hit": True},
+]
+ROWS = [{"step": str(k), "t": str(0.02 * k), "x": "0", "y": str(0.01 * k), "z": "0.1", "box_hand_force": str(force)}
+        for k, force in enumerate((0.0, 0.0, 0.0, 3.0, 5.0))]
+
+
+def test_metrics_of_a_finished_episode():
+    found = metrics_of(EVENTS, ROWS)
+    assert found == {
+        "success": True, "end_reason": "success", "sim_time_s": 0.08, "steps": 4, "plans": 2, "stages": 1,
+        "strategy": "pick", "advisor_calls": 3, "repairs": 1, "memory_hit": True, "path_length_m": 0.04,
+        "peak_hand_force_n": 5.0, "mean_hand_force_n": 4.0, "contact_time_s": 0.04, "contacts": 1,
+        "effective_samples": 3.0, "diverged_rehearsals": 1, "poses": "ground-truth"}
+    assert set(found) == set(DEFINITIONS)
+
+
+def test_a_killed_episode_is_no_success():
+    found = metrics_of(EVENTS[:-1], ROWS[:3])
+    assert (found["success"], found["end_reason"], found["mean_hand_force_n"]) == (False, "killed", None)
+
+
+def test_half_a_last_line_is_left_out(tmp_path):
+    (tmp_path / "events.jsonl").write_text('{"step": 0, "t": 0, "event": "start", "poses": "x"}\n{"step": 1, "t"')
+    (tmp_path / "trajectory.csv").write_text("step,t,x,y,z,box_hand_force\n0,0,0,0,0,0\n1,0.02,0,0,0.01,0\n2,0.04,9")
+    assert compute_metrics(tmp_path)["steps"] == 1
+
+
+def test_a_folder_without_a_run_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"events\.jsonl"):
+        compute_metrics(tmp_path)
