@@ -127,7 +127,8 @@ def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(reply, schem
                                   "import os; os.read(5, 1)", "import os; os.write(2, b'x')",
                                   "import mmap; mmap.mmap(-1, 4096, prot=mmap.PROT_READ | 4)"])
 def test_the_filter_kills_what_reaches_for_more(code):
-    script = f"import os, socket, mmap\nfrom coral.contact.program.seccomp import install\ninstall() or os._exit(77)\n{code}"
+    script = ("import os, socket, mmap\nfrom coral.contact.program.seccomp import install\n"
+              f"install() or os._exit(77)\n{code}")
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False,
                           env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
     if done.returncode == 77:
