@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from coral.contact.program import arrays, functions
+from coral.contact.program import arrays, functions, orientations
 from coral.contact.program.arithmetic import dot, number, truth
 from coral.contact.program.functions import of_one, of_two
 from coral.contact.program.limits import Meter
@@ -25,6 +25,9 @@ def builtin(name: str, function: Callable[..., Value]) -> Builtin:
 
     def call(meter: Meter, args: list[Value], named: dict[str, Value]) -> Value:
         given = {key: value for key, value in named.items() if key not in SILENT or key in names}
+        kind_given = given.get("dtype", named.get("dtype", args[1] if name == "astype" and len(args) > 1 else None))
+        if isinstance(kind_given, Builtin) and kind_given.name not in ("float", "np.float64", "np.float32"):
+            raise meter.fault("wrong_call", "arrays hold float64 only; leave dtype out or use float")
         missing = [n for n in needed[len(args):] if n not in given]
         doubled = [n for n in names[:len(args)] if n in given]
         unknown = [n for n in given if n not in names]
@@ -130,9 +133,10 @@ OURS: dict[str, Callable[..., Value]] = {
     "norm": functions.linalg_norm, "dist": functions.dist, "dot": dot, "cross": functions.cross,
     "clip": functions.clip, "clip01": functions.clip01, "sigmoid": functions.sigmoid, "near": functions.near,
     "exp": of_one("exp"), "log": of_one("log"), "sqrt": of_one("sqrt"), "tanh": of_one("tanh"), "sin": of_one("sin"),
-    "cos": of_one("cos"), "quat_angle": functions.quat_angle, "quat_axis": functions.quat_axis,
-    "quat_rotate": functions.quat_rotate, "quat_multiply": functions.quat_multiply,
-    "quat_inverse": functions.quat_inverse, "quat_matrix": functions.quat_matrix, "quat_euler": functions.quat_euler}
+    "cos": of_one("cos"), "quat_angle": orientations.quat_angle, "quat_axis": orientations.quat_axis,
+    "quat_rotate": orientations.quat_rotate, "quat_multiply": orientations.quat_multiply,
+    "quat_inverse": orientations.quat_inverse, "quat_matrix": orientations.quat_matrix,
+    "quat_euler": orientations.quat_euler}
 PYTHON: dict[str, Callable[..., Value]] = {
     "abs": of_one("abs"), "max": _extreme(">"), "min": _extreme("<"), "sum": functions.add_up, "len": functions.length,
     "float": arrays.to_float, "int": arrays.to_int, "bool": _bool, "range": _range, "zip": _zip,
@@ -141,6 +145,8 @@ PYTHON: dict[str, Callable[..., Value]] = {
 ARRAY: dict[str, Callable[..., Value]] = {
     **{name: of_one(name) for name in functions.UNARY},
     **{name: of_two(name) for name in functions.BINARY},
+    "add": functions.operator_call("+"), "subtract": functions.operator_call("-"),
+    "multiply": functions.operator_call("*"), "divide": functions.operator_call("/"),
     "array": arrays.array, "asarray": arrays.asarray, "asfarray": arrays.asarray, "zeros": arrays.zeros,
     "ones": arrays.ones, "full": arrays.full, "zeros_like": arrays.like(0.0), "ones_like": arrays.like(1.0),
     "eye": arrays.eye, "identity": arrays.eye, "concatenate": arrays.concatenate, "hstack": arrays.concatenate,

@@ -7,7 +7,7 @@ import warnings
 from dataclasses import dataclass
 
 from coral.contact.program.errors import CostError
-from coral.contact.program.extract import extract
+from coral.contact.program.extract import WRAPPED, extract
 from coral.contact.program.library import IMPORTABLE
 from coral.contact.program.limits import LimitsCfg
 
@@ -55,7 +55,12 @@ def parse(text: str, cfg: LimitsCfg) -> Parsed:
     if not source.strip():
         raise CostError("empty", "the reply holds no code; answer with `def state_cost(self):`")
     _check_nesting(source)
-    tree = _tree(source)
+    try:
+        tree = _tree(source)
+    except CostError:
+        if "def " not in source.replace(WRAPPED, "") and "=" not in source and "return" not in source:
+            raise CostError("no_function", "the reply holds no code; answer with `def state_cost(self):`") from None
+        raise
     try:
         _check(tree, cfg, source)
     except RecursionError:

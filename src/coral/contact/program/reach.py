@@ -20,6 +20,10 @@ SHIFT = np.array([0.011, -0.017, 0.013])
 """A shift of the hand, m, whose components differ so that they can be told apart."""
 
 
+MOST = 24
+"""Distances looked into, so that a program full of them does not hold up the planner."""
+
+
 @dataclass(frozen=True, eq=False)
 class Paid:
     """A distance from the hand to a target that the cost grows with.
@@ -68,7 +72,7 @@ def paid_distances(cost: Traceable, pool: Context) -> list[Paid]:
     total, found = summed(base.terms), []
     for index, (before, after) in enumerate(zip(base.distances, moved.distances, strict=True)):
         target = _target(before, after, hand[:, 0, :])
-        if target is None:
+        if target is None or len(found) >= MOST:
             continue
         saved = total - summed(cost.trace(pool, zeroed=index).terms)
         value = np.broadcast_to(before.value, total.shape)[:, 0]
