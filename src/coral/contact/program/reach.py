@@ -69,7 +69,8 @@ def paid_distances(cost: Traceable, pool: Context) -> list[Paid]:
     moved = cost.trace(changed(pool, {"ee_pos": hand + SHIFT}))
     if len(moved.distances) != len(base.distances):
         return []
-    total, found = summed(base.terms), []
+    total = summed(base.terms)
+    found: list[Paid] = []
     for index, (before, after) in enumerate(zip(base.distances, moved.distances, strict=True)):
         target = _target(before, after, hand[:, 0, :])
         if target is None or len(found) >= MOST:
