@@ -6,6 +6,7 @@ are degrees. A range `[low, high]` is drawn anew in each trial; one number stand
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -209,3 +210,7 @@ def task_schema() -> dict[str, Any]:
     schema = Task.model_json_schema()
     schema["title"] = "CoRAL contact task"
     return schema
+
+
+if __name__ == "__main__":
+    (TASKS_DIR / "schema.json").write_text(json.dumps(task_schema(), indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,118 @@
+"""Trials: the same for the same seed, within the ranges, with nothing inside anything."""
+
+import numpy as np
+import pytest
+from contact_bench import body, changed, plain, trial
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from coral.contact.draw import draw, part_scale
+from coral.contact.geometry import rotation_of
+from coral.contact.task import Shape, Task, load_task, shipped_tasks
+from coral.errors import InputError
+
+RANGES = plain()["objects"][0] | {"mass_kg": [0.1, 0.4], "friction": [0.3, 0.7], "x": [-0.2, 0.1], "y": [-0.1, 0.2],
+                                  "yaw_deg": [-90, 90], "scale": [[0.5, 1], [1, 1.5], [1, 2]]}
+
+
+def test_same_seed_same_trial_bit_for_bit():
+    first, again, other = (trial(objects=[RANGES], seed=seed).objects["box"] for seed in (4, 4, 5))
+    assert np.array_equal(first.pose.position, again.pose.position)
+    assert np.array_equal(first.pose.quaternion, again.pose.quaternion)
+    assert first.physical == again.physical
+    assert first.physical != other.physical
+
+
+def test_tasks_of_other_names_are_drawn_otherwise():
+    first, second = (trial(objects=[RANGES], name=name).objects["box"].physical for name in ("bench", "other"))
+    assert first != second
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6))
+def test_values_lie_in_their_ranges_and_objects_on_the_table(seed):
+    drawn = trial(objects=[RANGES], seed=seed)
+    box = drawn.objects["box"]
+    assert 0.1 <= box.physical.mass_kg <= 0.4
+    assert 0.3 <= box.physical.friction <= 0.7
+    assert -0.2 <= box.pose.position[0] <= 0.1
+    assert -0.1 <= box.pose.position[1] <= 0.2
+    assert np.all(box.scale >= [0.5, 1, 1])
+    assert np.all(box.scale <= [1, 1.5, 2])
+    assert drawn.lowest_point("box", box.pose) == pytest.approx(0, abs=1e-12)
+    assert drawn.size("box") == pytest.approx(0.06 * box.scale)
+
+
+@pytest.mark.parametrize("name", shipped_tasks())
+def test_objects_keep_a_centimetre_apart(name):
+    task = load_task(name)
+    for seed in range(10):
+        drawn = draw(task, seed)
+        boxes = []
+        for key, item in drawn.objects.items():
+            placed = drawn.corners(key) @ rotation_of(item.pose.quaternion).T + item.pose.position
+            boxes.append((placed.min(axis=0), placed.max(axis=0)))
+        for k, (low, high) in enumerate(boxes):
+            for other_low, other_high in boxes[k + 1:]:
+                assert np.maximum(other_low - high, low - other_high).max() >= 0.01 - 1e-9
+
+
+def test_two_objects_in_one_place_are_refused():
+    box = plain()["objects"][0]
+    with pytest.raises(InputError, match="box and other in each other's place"):
+        trial(objects=[box, box | {"name": "other", "x": 0.065}])
+
+
+@pytest.mark.parametrize(("x", "z", "fits"), [(0.2, None, True), (0.199, None, True), (0.203, None, False),
+                                              (0.25, 0.23, True), (0.25, None, False)])
+def test_objects_stand_against_or_on_a_fixture_but_not_in_it(x, z, fits):
+    box = plain()["objects"][0] | {"x": x} | ({} if z is None else {"z": z})
+    if fits:
+        trial(objects=[box])
+    else:
+        with pytest.raises(InputError, match="box and wall"):
+            trial(objects=[box])
+
+
+def test_a_slanted_wall_leaves_the_room_beside_it():
+    wall = plain()["fixtures"][0] | {"yaw_deg": 45, "position": [0.15, 0, 0.1]}
+    trial(fixtures=[wall], objects=[plain()["objects"][0] | {"x": 0.1, "y": 0.15}])  # inside the wall's upright box
+    with pytest.raises(InputError):
+        trial(fixtures=[wall], objects=[plain()["objects"][0] | {"x": 0.15}])
+
+
+def test_laid_on_its_side():
+    drawn = trial(objects=[plain()["objects"][0] | {"parts": [{"size": [0.02, 0.04, 0.1]}], "rpy_deg": [90, 0, 0]}])
+    assert drawn.objects["box"].pose.position[2] == pytest.approx(0.02)
+
+
+def test_named_points_and_the_lowest_point_follow_the_object():
+    drawn = trial(objects=[plain()["objects"][0] | {"scale": [1, 2, 1]}])
+    pose = body((1, 0, 0.5), (0, 0, 90))
+    assert drawn.point("box", "corner", pose) == pytest.approx([1 - 0.06, 0.03, 0.53])
+    assert drawn.lowest_point("box", body((0, 0, 0.5), (0, 45, 0))) == pytest.approx(0.5 - 0.03 * np.sqrt(2))
+
+
+@pytest.mark.parametrize(("shape", "rpy", "expected"), [
+    ("box", (0, 0, 0), (1, 2, 4)), ("box", (0, 0, 90), (2, 1, 4)), ("box", (90, 0, 0), (1, 4, 2)),
+    ("cylinder", (0, 0, 0), (np.sqrt(2), np.sqrt(2), 4)), ("cylinder", (90, 0, 0), (2, 2, 2)),
+    ("sphere", (0, 0, 0), (2, 2, 2)),
+])
+def test_a_turned_part_is_scaled_along_the_objects_axes(shape, rpy, expected):
+    part = Shape(shape=shape, size=(0.1, 0.1, 0.1), rpy_deg=rpy)
+    assert part_scale(part, np.array([1.0, 2.0, 4.0])) == pytest.approx(expected)
+
+
+def test_an_even_scale_keeps_any_shape():
+    part = Shape(size=(0.1, 0.2, 0.3), rpy_deg=(10, 20, 30))
+    assert part_scale(part, np.full(3, 1.5)) == pytest.approx([1.5, 1.5, 1.5])
+
+
+@pytest.mark.parametrize(("part", "size"), [
+    ({"shape": "cylinder", "size": [0.1, 0.1, 0.3]}, (0.1, 0.1, 0.3)),
+    ({"shape": "sphere", "size": [0.1] * 3}, [0.1] * 3),
+    ({"size": [0.1, 0.2, 0.3], "rpy_deg": [0, 0, 90]}, (0.2, 0.1, 0.3)),
+])
+def test_extents(part, size):
+    drawn = draw(Task.model_validate(changed("objects.0.parts", [part])), 0)
+    assert drawn.size("box") == pytest.approx(size)

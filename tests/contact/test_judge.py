@@ -1,0 +1,49 @@
+"""Episodes that succeed and episodes that cannot any more."""
+
+import pytest
+from contact_bench import body, plain, touch, trial, truth
+
+from coral.contact.judge import Judge
+
+
+def test_success_needs_an_unbroken_hold():
+    judge = Judge(trial({"kind": "released"}))
+    assert not judge.success(truth(0.0))
+    assert not judge.success(truth(0.08))
+    assert not judge.success(truth(0.09, body(), touch("box", "hand")))  # broken
+    assert not judge.success(truth(0.10))
+    assert not judge.success(truth(0.19))
+    assert judge.success(truth(0.20))
+
+
+def test_all_conditions_hold_at_once():
+    judge = Judge(trial({"kind": "released"}, {"kind": "undisturbed"}))
+    for k in range(20):
+        away = body((0.2, 0, 0.03)) if k % 2 else body()
+        contacts = () if k % 2 else (touch("box", "hand"),)
+        assert not judge.success(truth(0.05 * k, away, *contacts))
+    assert judge.holding == (True, False)
+
+
+@pytest.mark.parametrize(("position", "failure"), [
+    ((0, 0, 0.03), None), ((0, 0, 0.005), None), ((0, 0, -0.02), "tunnelling: box"),
+    ((0.41, 0, -0.02), None),  # over the edge, not yet lost
+    ((0.5, 0, -0.2), "dropped: box"), ((0, -0.5, -0.2), "dropped: box"), ((0.5, 0, 0.3), None),
+])
+def test_failures(position, failure):
+    assert Judge(trial()).failure(truth(0, body(position))) == failure
+
+
+def test_tunnelling_is_told_wherever_an_objects_origin_lies():
+    tall = plain()["objects"][0] | {"parts": [{"size": [0.04, 0.04, 0.1], "position": [0, 0, -0.3]}]}
+    judge = Judge(trial(objects=[tall]))
+    assert judge.failure(truth(0, body((0, 0, 0.35)))) is None
+    assert judge.failure(truth(0, body((0, 0, 0.2)))) == "tunnelling: box"
+
+
+def test_the_table_may_stand_elsewhere():
+    moved = plain() | {"table": {"center": [1.0, 0.0]}}
+    moved["objects"][0]["x"] = 1.0
+    judge = Judge(trial(**moved))
+    assert judge.failure(truth(0, body((1.0, 0, -0.02)))) == "tunnelling: box"
+    assert judge.failure(truth(0, body((0.0, 0, -0.2)))) == "dropped: box"
