@@ -112,5 +112,6 @@ def _idle(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[Fault]:
         low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
         if high - low <= 1e-12 * (1.0 + abs(high)):
             line = cost.term_line(name) if isinstance(cost, Traceable) else 0
-            found.append(Fault("constant", line, f"the term {name!r} is {high + 0.0:g} in every sampled state", fatal=False))
+            text = f"the term {name!r} is {high + 0.0:g} in every sampled state"
+            found.append(Fault("constant", line, text, fatal=False))
     return found
