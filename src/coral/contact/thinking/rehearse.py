@@ -1,0 +1,89 @@
+"""Trying things out in the planning world before they are relied on: states for checking costs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.context import Context
+from coral.contact.geometry import conjugate, from_rotvec, multiply, rotation_of, to_rotvec
+from coral.contact.hand import MAX_OPENING_M
+from coral.contact.planning import Controls, PlanningWorld
+from coral.contact.thinking.regions import PAD_M, tool_quaternion
+from coral.contact.world import Body, Observation
+
+Array = NDArray[np.float64]
+ABOVE_M = 0.06
+DOWNWARD = np.array([0.0, 0.0, -1.0])
+
+
+def sample_states(world: PlanningWorld, now: Observation, sizes: Mapping[str, Array], rng: np.random.Generator,
+                  count: int = 24, horizon: int = 60) -> list[Context]:
+    """Rolled-out states around the hand and the objects, varied enough to tell good futures from bad ones.
+
+    Half of them go where a hand can go: around each object from above, and down beside each of its sides and against
+    it. The others go anywhere. Without the former a check of what can be reached would judge by bad luck.
+
+    Args:
+        world: The planning world, as it believes.
+        now: Where the rollouts begin.
+        sizes: Full extents of the objects, m.
+        rng: Chooses the ways.
+        count: Rollouts that go anywhere.
+        horizon: Control steps of each.
+    """
+    ways = [way for name, body in now.objects.items() for way in _around(body, np.asarray(sizes[name]), now)]
+    ways += [_anywhere(now, rng) for _ in range(count)]
+    share = np.linspace(0, 1, horizon)
+    position = np.stack([_along(now.tool.position, way[0], share) for way in ways])
+    quaternion = np.stack([_turning(now.tool.quaternion, way[1], share) for way in ways])
+    opening = np.stack([now.opening_m + (way[2] - now.opening_m) * np.minimum(1, 2 * share) for way in ways])
+    context, _ = world.rollout(now, Controls(position, quaternion, opening, world.cfg.hand.stiffness_n_m))
+    return [context]
+
+
+Way = tuple[list[Array], Array, float]
+
+
+def _around(body: Body, size: Array, now: Observation) -> list[Way]:
+    rotation = rotation_of(body.quaternion)
+    up = int(np.argmax(np.abs(rotation[2])))
+    top = body.position + np.array([0, 0, size[up] / 2])
+    found: list[Way] = []
+    for axis in (k for k in range(3) if k != up):
+        side = rotation[:, axis]
+        if size[axis] < MAX_OPENING_M - 0.004:
+            grasp = body.position + np.array([0, 0, max(0.0, size[up] / 2 - 0.025, 0.012 - size[up] / 2)])
+            turn = tool_quaternion(DOWNWARD, side, now.tool.quaternion)
+            found.append(([top + np.array([0, 0, ABOVE_M]), grasp, grasp], turn, MAX_OPENING_M))
+        for sign in (1.0, -1.0):
+            turn = tool_quaternion(DOWNWARD, np.cross(side, DOWNWARD), now.tool.quaternion)
+            for high in (-0.6, 0.6):
+                face = body.position + sign * side * (size[axis] / 2 + PAD_M) + np.array([0, 0, high * size[up] / 2])
+                face[2] = max(face[2], 0.012)
+                beside = face + sign * side * 0.02
+                over = np.array([beside[0], beside[1], top[2] + ABOVE_M])
+                found.append(([over, beside, face - sign * side * 0.06], turn, 0.03))
+    return found
+
+
+def _anywhere(now: Observation, rng: np.random.Generator) -> Way:
+    places = [now.tool.position, *(body.position for body in now.objects.values())]
+    first = places[int(rng.integers(len(places)))] + rng.normal(0, [0.07, 0.07, 0.05])
+    second = first + rng.normal(0, [0.06, 0.06, 0.03])
+    way = [np.maximum(point, [-1.0, -1.0, 0.01]) for point in (first, second)]
+    turn = multiply(now.tool.quaternion, from_rotvec(rng.normal(0, 0.3, 3)))
+    return way, turn, float(rng.uniform(0, MAX_OPENING_M))
+
+
+def _along(start: Array, way: list[Array], share: Array) -> Array:
+    points = np.stack([start, *way])
+    at = share * len(way)
+    return np.stack([np.interp(at, np.arange(len(points)), points[:, k]) for k in range(3)], axis=1)
+
+
+def _turning(start: Array, end: Array, share: Array) -> Array:
+    turn = to_rotvec(multiply(conjugate(start), end))
+    return multiply(start, from_rotvec(np.minimum(1, 3 * share)[:, None] * turn))
