@@ -194,7 +194,7 @@ class Episode:
             return False
         self.step += 1
         self.t = self.now.time_s
-        self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now)
+        self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k)
         self.recorder.row(self.step, self.now, truth, command, self.progress.index)
         self.recorder.state(self.step, self.t, self.world)
         self.recorder.contacts(self.step, truth)
