@@ -26,7 +26,7 @@ ABREAST_M = 0.03
 
 
 def wall_face(state: Context) -> Array:
-    """x of the wall's near face."""
+    """Where the wall's near face stands along x."""
     return np.asarray(state.wall_pos[..., 0] - state.wall_size[..., 0] / 2)
 
 
@@ -39,7 +39,7 @@ def on_box(state: Context, name: str, along: float, up: float) -> Array:
     """A point of the box in the world; -1 to 1 over its own length and height."""
     half = state[f"{name}_size"] / 2
     local = half * np.array([along, 0.0, up])
-    return state[f"{name}_pos"] + rotate(state[f"{name}_quat"], local)
+    return np.asarray(state[f"{name}_pos"] + rotate(state[f"{name}_quat"], local))
 
 
 def behind(state: Context, name: str, gap_m: float = 0.0, height_m: float = 0.016) -> Array:
@@ -109,7 +109,7 @@ def fsm(task: Task) -> Strategy:
     def push(state: Context) -> Terms:
         return {
             "behind": 10.0 * norm(state.ee_pos - behind(state, name)),
-            "to the wall": 12.0 * gap(state),
+            "to the wall": 20.0 * gap(state),
             "straight": 3.0 * np.square(axis(state[f"{name}_quat"], "x")[..., 1]),
             "square": 3.0 * square(state, name),
             "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
@@ -121,11 +121,13 @@ def fsm(task: Task) -> Strategy:
         force = state[f"{name}_hand_force"]
         return {
             "raise": 6.0 * (1 - raised(state, name)),
-            "stay under": 12.0 * norm((state.ee_pos - under(state, name))),
+            "stay under": 12.0 * norm(state.ee_pos - under(state, name)),
             "at the wall": 10.0 * np.clip(wall_face(state) - on_box(state, name, 1.0, 1.0)[..., 0], 0, None),
             "square": 2.0 * square(state),
             "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
             "press": 0.05 * np.abs(force[..., 0] - 6.0),
+            # Without this the finger jams between box and wall with 40 N when the box is half way up.
+            "gently": 0.1 * np.clip(norm(state.ee_force) - 12.0, 0, None),
             "calm": 0.2 * norm(state[f"{name}_vel"]),
         }
 
@@ -135,6 +137,7 @@ def fsm(task: Task) -> Strategy:
             "away": 10.0 * norm(state.ee_pos - away),
             "let go": 1.0 * state[f"{name}_hand_contact"],
             "leave standing": 8.0 * (1 - raised(state, name)),
+            "gently": 0.05 * norm(state.ee_force),
             "square": 2.0 * square(state),
             "calm": 0.3 * norm(state.ee_vel),
         }
@@ -143,7 +146,7 @@ def fsm(task: Task) -> Strategy:
         return bool(norm(now.ee_pos - behind(now, name, 0.012))[0, 0] < 0.015 and square(now, name)[0, 0] < 0.1)
 
     def at_wall(now: Context) -> bool:
-        return bool(gap(now)[0, 0] < 0.006 and abs(axis(now[f"{name}_quat"], "x")[0, 0, 1]) < 0.1)
+        return bool(gap(now)[0, 0] < 0.008 and abs(axis(now[f"{name}_quat"], "x")[0, 0, 1]) < 0.1)
 
     def lost(now: Context) -> bool:
         off = now.ee_pos - behind(now, name)

@@ -1,0 +1,126 @@
+"""Flipping a standing box: push near its top so that it tips about its far lower edge, and let it lie.
+
+Tipped past its balance the box falls by itself; what the hand decides is where it pushes. High enough, the lower edge's
+friction holds and the box tips; too low, it slides.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.context import Context, Terms
+from coral.contact.experts.wall import ABREAST_M, PAD_M, on_box
+from coral.contact.geometry import from_rotvec, multiply, rotation_of
+from coral.contact.strategy import Guide, Stage, Strategy
+from coral.contact.task import Task
+from coral.contact.vocabulary import axis, dot, near, norm
+
+Array = NDArray[np.float64]
+DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+HIGH = 0.75
+"""Where to push, -1 at the bottom to 1 at the top: as high as leaves the fingertip some face below the upper edge."""
+
+
+def ahead(state: Context, name: str) -> Array:
+    """Unit vector across the broad side as the box stood at first: where it is to fall."""
+    return rotation_of(state[f"{name}_init_quat"])[..., 0]
+
+
+def tipped(state: Context, name: str) -> Array:
+    """Sine of the angle by which the box leans ahead: 0 standing, 1 lying."""
+    return dot(axis(state[f"{name}_quat"], "z"), ahead(state, name))
+
+
+def behind(state: Context, name: str, gap_m: float = 0.0) -> Array:
+    """Where the tool pushes: behind the broad side, near its top."""
+    return on_box(state, name, -1.0, HIGH) - ahead(state, name) * (PAD_M + gap_m)
+
+
+def facing(state: Context, name: str) -> Array:
+    """Orientation for that: palm down, fingers abreast of the broad side, Shape=(4,)."""
+    toward = ahead(state, name)[0, 0]
+    return np.asarray(multiply(from_rotvec([0, 0, float(np.arctan2(toward[1], toward[0]))]), DOWN))
+
+
+def _squareness(state: Context, name: str) -> Array:
+    return 1 + axis(state.ee_quat, "z")[..., 2] + 3.0 * np.square(dot(axis(state.ee_quat, "y"), ahead(state, name)))
+
+
+def single(task: Task) -> Strategy:
+    """One cost: be behind the top of the box until it leans, and away from it once it lies."""
+    name = task.objects[0].name
+
+    def cost(state: Context) -> Terms:
+        lean = np.clip(tipped(state, name), 0, 1)
+        lying = near(1 - lean, 0.15)
+        return {
+            "reach": 10.0 * norm(state.ee_pos - behind(state, name)) * (1 - lying),
+            "tip": -4.0 * lean,
+            "square": 1.0 * _squareness(state, name),
+            "abreast": 10.0 * np.abs(state.gripper_target - ABREAST_M),
+            "do not slide": 3.0 * norm((on_box(state, name, 1.0, -1.0) - state[f"{name}_init_pos"])[..., :2]),
+            "gently": 0.02 * norm(state[f"{name}_hand_force"]),
+            "let go": 1.0 * lying * state[f"{name}_hand_contact"],
+        }
+
+    return Strategy("flip, single stage", (Stage("flip", cost, (
+        Guide(lambda now: behind(now, name, 0.01)[0], lambda now: facing(now, name), ABREAST_M),)),))
+
+
+def fsm(task: Task) -> Strategy:
+    """Get behind the top, tip, draw back."""
+    name = task.objects[0].name
+
+    def reach(state: Context) -> Terms:
+        return {
+            "reach": 12.0 * norm(state.ee_pos - behind(state, name, 0.015)),
+            # On the way round the box: a push from above or from a side would topple it elsewhere.
+            "leave alone": 1.0 * state[f"{name}_hand_contact"] + 0.2 * norm(state[f"{name}_hand_force"]),
+            "square": 4.0 * _squareness(state, name),
+            "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
+        }
+
+    def tip(state: Context) -> Terms:
+        return {
+            "behind": 10.0 * norm(state.ee_pos - behind(state, name)),
+            "tip": 5.0 * (1 - tipped(state, name)),
+            "square": 3.0 * _squareness(state, name),
+            "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
+            "gently": 0.05 * norm(state[f"{name}_hand_force"]),
+            "calm": 0.3 * norm(state.ee_vel),
+        }
+
+    def draw_back(state: Context) -> Terms:
+        away = state[f"{name}_init_pos"] - 0.08 * ahead(state, name)
+        away[..., 2] = 0.14
+        return {
+            "away": 8.0 * norm(state.ee_pos - away),
+            "let go": 1.0 * state[f"{name}_hand_contact"],
+            "square": 2.0 * _squareness(state, name),
+            "calm": 0.3 * norm(state.ee_vel),
+        }
+
+    def in_place(now: Context) -> bool:
+        return bool(norm(now.ee_pos - behind(now, name, 0.015))[0, 0] < 0.015 and _squareness(now, name)[0, 0] < 0.1)
+
+    def strayed(now: Context) -> bool:
+        return bool(tipped(now, name)[0, 0] < 0.15 and norm(now.ee_pos - behind(now, name))[0, 0] > 0.06)
+
+    def falling(now: Context) -> bool:
+        return bool(tipped(now, name)[0, 0] > 0.75)
+
+    def standing(now: Context) -> bool:
+        return bool(tipped(now, name)[0, 0] < 0.3)
+
+    beyond = Guide(lambda now: behind(now, name, -0.05)[0], lambda now: facing(now, name), ABREAST_M)
+    return Strategy("flip, stages", (
+        Stage("reach", reach, (Guide(lambda now: behind(now, name, 0.015)[0], lambda now: facing(now, name), ABREAST_M),
+                               Guide(lambda now: behind(now, name, 0.015)[0] + np.array([0, 0, 0.06]),
+                                     lambda now: facing(now, name), ABREAST_M)), until=in_place),
+        Stage("tip", tip, (beyond,), until=falling, back=("reach", strayed), sigma=0.6),
+        Stage("draw back", draw_back, back=("reach", standing), sigma=0.6),
+    ))
+
+
+__all__ = ["ahead", "behind", "facing", "fsm", "single", "tipped"]
