@@ -53,21 +53,27 @@ class Reactive:
     def __init__(self, cfg: ReactiveCfg, period_s: float, low_m: Array, high_m: Array) -> None:
         self.cfg, self._low, self._high = cfg, np.asarray(low_m, float), np.asarray(high_m, float)
         self._keep = float(np.exp(-period_s / cfg.memory_s))
-        self.position_error, self.force_error = np.zeros(3), np.zeros(3)
+        self.reset()
 
     def reset(self) -> None:
-        """Forget what went otherwise: another strategy, or another stiffness, has begun."""
+        """Forget what went otherwise: another strategy has begun."""
         self.position_error, self.force_error = np.zeros(3), np.zeros(3)
+        self._before, self._since = np.zeros(3), np.zeros(3)
 
-    def observe(self, expected_position: Array, expected_force: Array, now: Observation) -> None:
+    def observe(self, expected_position: Array, expected_force: Array, now: Observation, k: int = 0) -> None:
         """Compare what a control step brought with what the plan that it was taken from expected of it.
 
         Args:
             expected_position: Shape=(3,) m, of the tool.
             expected_force: Shape=(3,) N, on the hand.
             now: Measured after the step.
+            k: Which step of its plan it was: a plan's error grows from its beginning, and is summed over plans.
         """
-        self.position_error = self._keep * self.position_error + expected_position - now.tool.position
+        if k == 0:
+            self._before = self._before + self._since
+        self._before = self._keep * self._before
+        self._since = expected_position - now.tool.position
+        self.position_error = self._before + self._since
         # A force is not integrated by the world as a velocity is: its mean error counts, not its sum.
         self.force_error = (self._keep * self.force_error
                             + (1.0 - self._keep) * (expected_force - now.wrench[:3]))
