@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coral.config import NonNegative, Positive
-from coral.contact.hand import MAX_OPENING_M
+from coral.contact.hand import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.world import Array, HandTarget, Observation
 
 
@@ -90,7 +90,7 @@ class Reactive:
         lead = np.clip(position, self._low, self._high) - now.tool.position + force / target.stiffness
         lead = _short(self._yielding(lead, now), cfg.force_limit_n / target.stiffness)
         position = np.clip(now.tool.position + lead - force / target.stiffness, self._low, self._high)
-        opening = float(np.clip(target.opening_m, 0.0, MAX_OPENING_M))
+        opening = float(np.clip(target.opening_m, SQUEEZE_M, MAX_OPENING_M))
         return replace(target, position=position, opening_m=opening, force=force)
 
     def _yielding(self, lead: Array, now: Observation) -> Array:

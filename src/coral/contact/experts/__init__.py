@@ -4,14 +4,28 @@ from __future__ import annotations
 
 from typing import Literal
 
-from coral.contact.experts import pick, wall
+from coral.contact.experts import board, flip, pick, place, push, wall
 from coral.contact.strategy import Strategy
 from coral.contact.task import Task
 from coral.errors import InputError
 
 Kind = Literal["expert", "expert-fsm"]
-_SINGLE = {"pick-box": pick.single, "flip-wall": wall.single}
-_FSM = {"pick-box": pick.fsm, "flip-wall": wall.fsm}
+_SINGLE = {
+    "push-pick-board": board.single,
+    "pick-box": pick.single,
+    "pick-clutter": place.single,
+    "push-force": push.single,
+    "flip-box": flip.single,
+    "flip-wall": wall.single,
+}
+_FSM = {
+    "push-pick-board": board.fsm,
+    "pick-box": pick.fsm,
+    "pick-clutter": place.fsm,
+    "push-force": push.fsm,
+    "flip-box": flip.fsm,
+    "flip-wall": wall.fsm,
+}
 
 
 def expert(task: Task, kind: Kind) -> Strategy:

@@ -15,6 +15,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from coral.contact.hand import MAX_OPENING_M
 from coral.contact.panda.names import FLOOR, JOINTS, PAD_GEOMS
 from coral.contact.scene import FINGER_FRICTION, FINGER_PRIORITY, ROLLING, TORSION
 from coral.errors import InputError, RunError
@@ -159,6 +160,9 @@ def _processor(add_scene: Callable[[mujoco.MjSpec], None], cfg: RobotCfg) -> Cal
             pad = spec.geom(name)
             pad.priority, pad.friction = FINGER_PRIORITY, [FINGER_FRICTION, TORSION, ROLLING]
             pad.solref = [0.01, 1.0]
+        for finger in spec.actuators:
+            if "finger" in finger.name:  # squeezing: commanded further than closed
+                finger.ctrlrange = [-MAX_OPENING_M / 2, MAX_OPENING_M / 2]
         add_scene(spec)
         spec.compile()
         return str(spec.to_xml())

@@ -1,0 +1,185 @@
+"""The cutting board: push it from behind until its handle is beyond the edge, go round, pinch the handle, lift."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.context import Context, Terms
+from coral.contact.geometry import quaternion_of
+from coral.contact.strategy import Guide, Stage, Strategy
+from coral.contact.task import Task
+from coral.contact.vocabulary import axis, near, norm, turned
+
+Array = NDArray[np.float64]
+
+DOWN_WIDE = np.array([0.0, np.sqrt(0.5), -np.sqrt(0.5), 0.0])
+"""Pointing down, the fingers opening along x: two points of contact behind the board."""
+POINTING = np.array([0.87, -0.5, 0.0]) / np.hypot(0.87, 0.5)
+"""Along the edge and inward: what a Panda on the board's near side reaches with the opening upright."""
+
+
+def pinch_quaternion(tool: Array) -> Array:
+    """Pointing along `POINTING`, the opening's y axis up (the grip from the other side is at the arm's limits)."""
+    y = np.array([0.0, 0.0, 1.0])
+    found = quaternion_of(np.column_stack([np.cross(y, POINTING), y, POINTING]))
+    return found if np.dot(found, tool) >= 0 else -found
+
+
+PINCH = pinch_quaternion(np.array([1.0, 0, 0, 0]))
+
+
+def edge(state: Context) -> Array:
+    """How far the handle's middle is beyond the left edge (m)."""
+    return np.asarray(state.board_handle_pos[..., 1] - state.table_max[..., 1])
+
+
+def behind(state: Context, gap_m: float = 0.02) -> Array:
+    """Where the tool stands to push: behind the rear edge, tips just above the table."""
+    point = state.board_rear_pos + gap_m * -axis(state.board_quat, "y")
+    point[..., 2] = 0.014
+    return np.asarray(point)
+
+
+def grip(state: Context) -> Array:
+    """Where the tool pinches: short of the handle's middle, so that the palm stays clear of the handle's near side."""
+    return state.board_handle_pos - 0.024 * POINTING
+
+
+def _off(first: Array, second: Array) -> Array:
+    return norm(first - second)
+
+
+def _turn(state: Context, quaternion: Array) -> Array:
+    return turned(state.ee_quat, quaternion)
+
+
+def push_terms(state: Context, overhang: float) -> Terms:
+    """Terms of pushing the board straight out over the edge."""
+    short = np.clip(overhang - edge(state), 0.0, None)
+    too_far = np.clip(edge(state) - overhang - 0.02, 0.0, None)
+    drift = np.abs((state.board_pos - state.board_init_pos)[..., 0])
+    return {
+        "overhang": 20.0 * short + 60.0 * too_far,
+        "stay behind": 8.0 * _off(state.ee_pos, behind(state, 0.008)),
+        "straight": 3.0 * turned(state.board_quat, np.array([1.0, 0, 0, 0])) + 5.0 * drift,
+        "point down": 2.0 * _turn(state, DOWN_WIDE),
+        "fingers wide": 15.0 * np.abs(state.gripper_target - 0.07),
+        "gently": 1.0 * norm(state.board_vel) + 0.01 * norm(state.ee_force),
+    }
+
+
+def fsm(task: Task) -> Strategy:
+    """Go behind, push, rise, turn, go down beside the handle, reach in, pinch, lift."""
+    overhang, height = task.numbers["overhang"], task.numbers["lift_height"]
+
+    def leave(state: Context) -> Array:
+        return 5.0 * norm(state.board_vel)
+
+    def calm(state: Context) -> Array:
+        return 0.1 * norm(state.ee_vel)
+
+    def approach(state: Context) -> Terms:
+        goal = behind(state, 0.03)
+        above = np.clip(0.06 - state.ee_pos[..., 2], 0, None) * np.clip(_off(state.ee_pos, goal) - 0.05, 0, 0.1) * 100
+        return {"reach": 10.0 * _off(state.ee_pos, goal), "from above": above, "point down": 3.0 * _turn(state, DOWN_WIDE),
+                "fingers wide": 15.0 * np.abs(state.gripper_target - 0.07), "leave alone": leave(state)}
+
+    def push(state: Context) -> Terms:
+        return push_terms(state, overhang)
+
+    def pose(goal: Array, quaternion: Array, opening: float, state: Context) -> Terms:
+        return {"reach": 10.0 * _off(state.ee_pos, goal), "turn": 2.0 * _turn(state, quaternion),
+                "opening": 15.0 * np.abs(state.gripper_target - opening), "leave alone": leave(state), "calm": calm(state)}
+
+    def high(state: Context) -> Array:
+        return behind(state, 0.05) + np.array([0.0, 0.0, 0.15])
+
+    def beside(state: Context, back_m: float, up_m: float) -> Array:
+        return grip(state) - back_m * POINTING + np.array([0.0, 0.0, up_m])
+
+    def rise(state: Context) -> Terms:
+        return pose(high(state), DOWN_WIDE, 0.07, state)
+
+    def turn(state: Context) -> Terms:
+        return pose(beside(state, 0.12, 0.17), PINCH, 0.07, state)
+
+    def descend(state: Context) -> Terms:
+        return pose(beside(state, 0.11, 0.0), PINCH, 0.07, state)
+
+    def insert(state: Context) -> Terms:
+        return pose(beside(state, 0.0, 0.0), PINCH, 0.07, state)
+
+    def pinch(state: Context) -> Terms:
+        both = state.board_left_contact * state.board_right_contact
+        return {"stay": 10.0 * _off(state.ee_pos, grip(state)), "turn": 2.0 * _turn(state, PINCH),
+                "close": 20.0 * (state.gripper_target + 0.04), "hold": -1.0 * both, "leave alone": leave(state)}
+
+    def lift(state: Context) -> Terms:
+        lowest = np.minimum(state.board_rear_pos[..., 2], state.board_pos[..., 2])
+        return {
+            "lift": 10.0 * np.clip(height - lowest, 0, None),
+            "carry level": 1.0 * turned(state.board_quat, state.board_init_quat),
+            "hold": 20.0 * (state.gripper_target + 0.04) + 6.0 * _off(state.ee_pos, grip(state)),
+            "turn": 0.5 * _turn(state, PINCH), "calm": calm(state),
+            "stay near": 2.0 * norm((state.ee_pos - state.board_init_pos)[..., :1]),
+        }
+
+    def at(goal: Array, quaternion: Array, now: Context, near_m: float = 0.02, angle: float = 0.15) -> bool:
+        return bool(_off(now.ee_pos, goal)[0, 0] < near_m and _turn(now, quaternion)[0, 0] < angle)
+
+    def to(goal: object, quaternion: Array | None, opening: float) -> tuple[Guide, ...]:
+        turn_to = None if quaternion is None else (lambda now: quaternion)
+        return (Guide(lambda now: goal(now)[0], turn_to, opening),)  # type: ignore[operator]
+
+    def lost(now: Context) -> bool:
+        return bool(_off(now.ee_pos, grip(now))[0, 0] > 0.06)
+
+    def short(now: Context) -> bool:
+        return bool(edge(now)[0, 0] < overhang - 0.015)
+
+    return Strategy("board, stages", (
+        Stage("approach", approach, to(lambda s: behind(s, 0.03), DOWN_WIDE, 0.07),
+              until=lambda now: at(behind(now, 0.03), DOWN_WIDE, now)),
+        Stage("push", push, to(lambda s: behind(s, 0.0) + np.array([0, 0.1, 0.0]), DOWN_WIDE, 0.07), sigma=0.7,
+              until=lambda now: bool(edge(now)[0, 0] > overhang - 0.004)),
+        Stage("rise", rise, to(high, DOWN_WIDE, 0.07), until=lambda now: at(high(now), DOWN_WIDE, now, 0.04, 0.5)),
+        Stage("turn", turn, to(lambda s: beside(s, 0.12, 0.17), PINCH, 0.07), back=("approach", short),
+              until=lambda now: at(beside(now, 0.12, 0.17), PINCH, now, 0.03)),
+        Stage("descend", descend, to(lambda s: beside(s, 0.11, 0.0), PINCH, 0.07), sigma=0.6,
+              until=lambda now: at(beside(now, 0.11, 0.0), PINCH, now, 0.012, 0.1)),
+        Stage("insert", insert, to(lambda s: beside(s, 0.0, 0.0), PINCH, 0.07), sigma=0.5,
+              until=lambda now: at(grip(now), PINCH, now, 0.012, 0.12)),
+        Stage("pinch", pinch, to(grip, PINCH, -0.04), sigma=0.4, back=("turn", lost),
+              until=lambda now: bool((now.board_left_contact * now.board_right_contact)[0, 0] > 0
+                                     and now.gripper_target[0, 0] < -0.01)),
+        Stage("lift", lift, to(lambda s: s.ee_pos + np.array([0, 0, 0.15]), None, -0.04), sigma=0.5, back=("turn", lost)),
+    ))
+
+
+def single(task: Task) -> Strategy:
+    """One cost with a soft switch from pushing to picking by the handle's overhang."""
+    overhang, height = task.numbers["overhang"], task.numbers["lift_height"]
+
+    def cost(state: Context) -> Terms:
+        ready = 1.0 / (1.0 + np.exp(-200.0 * (edge(state) - overhang + 0.012)))
+        pushing = {f"push: {name}": (1 - ready) * term for name, term in push_terms(state, overhang).items()}
+        distance = _off(state.ee_pos, grip(state))
+        close = near(distance, 0.02)
+        both = state.board_left_contact * state.board_right_contact
+        lowest = np.minimum(state.board_rear_pos[..., 2], state.board_pos[..., 2])
+        return {
+            **pushing,
+            "pick: reach": ready * 10.0 * (distance - 1.0),
+            "pick: turn": ready * 2.0 * _turn(state, PINCH),
+            "pick: close": ready * close * 20.0 * (state.gripper_target - 0.08),
+            "pick: lift": -40.0 * ready * both * np.clip(lowest, 0, height),
+            "calm": 0.05 * norm(state.ee_vel),
+        }
+
+    return Strategy("board, single stage", (
+        Stage("all", cost, (Guide(lambda now: behind(now, 0.02)[0], lambda now: DOWN_WIDE, 0.07),
+                            Guide(lambda now: grip(now)[0], lambda now: PINCH))),))
+
+
+

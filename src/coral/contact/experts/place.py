@@ -1,0 +1,130 @@
+"""Pick and place: grasp as in picking, carry above what stands around, set down, let go, retire."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.context import Context, Terms
+from coral.contact.experts import pick
+from coral.contact.strategy import Guide, Stage, Strategy
+from coral.contact.task import Task
+from coral.contact.vocabulary import axis, near, norm
+
+Array = NDArray[np.float64]
+CARRY_M = 0.14
+"""Height of the object's centre while it is carried: over everything that stands on the table."""
+
+
+def _others(state: Context, task: Task) -> Array:
+    """How much what stands around is moved (m/s, summed)."""
+    moved = [norm(state[f"{item.name}_vel"]) for item in task.objects[1:]]
+    return np.asarray(sum(moved)) if moved else np.zeros(state.shape)
+
+
+def single(task: Task) -> Strategy:
+    """One cost: reach, close, and once held go up, over and down by a geometric switch."""
+    name = task.objects[0].name
+
+    def cost(state: Context) -> Terms:
+        place = state[f"{name}_pos"]
+        distance = norm(state.ee_pos - pick.grasp_point(state, name))
+        close = near(distance, 0.02)
+        held = state[f"{name}_left_contact"] * state[f"{name}_right_contact"]
+        aside = norm((place - state.goal_pos)[..., :2])
+        height = np.where(aside > 0.03, CARRY_M, state[f"{name}_init_pos"][..., 2] + 0.01)
+        there = near(aside, 0.03) * near(place[..., 2] - state[f"{name}_init_pos"][..., 2], 0.02)
+        return {
+            "reach": 12.0 * distance * (1 - there),
+            "square": 2.0 * pick.across(state, name),
+            "open": 10.0 * (1 - close * (1 - there)) * (0.08 - state.gripper_target),
+            "close": -2.0 * close * (1 - there) * (1 - state.gripper_target / 0.08),
+            "hold": -1.5 * held * (1 - there),
+            "carry": 8.0 * held * (np.abs(place[..., 2] - height) - CARRY_M) + 6.0 * held * (aside - 0.5),
+            "retire": -20.0 * there * np.clip((state.ee_pos - place)[..., 2], 0, 0.12),
+            "leave alone": 3.0 * _others(state, task),
+        }
+
+    return Strategy("pick and place, single stage", (Stage("all", cost, (pick.over(name), pick.over(name, 0.1))),))
+
+
+def fsm(task: Task) -> Strategy:
+    """Reach, close, raise, carry, lower, let go, retire; back to reaching when the object is lost."""
+    name = task.objects[0].name
+    picking = pick.fsm(task)
+    reach, close = picking.stages[:2]
+
+    def with_care(stage: Stage) -> Stage:
+        def cost(state: Context) -> Terms:
+            return {**stage.cost(state), "leave others alone": 3.0 * _others(state, task)}
+        return Stage(stage.name, cost, stage.guides, stage.stiffness_n_m, stage.until, stage.back, stage.sigma)
+
+    def holding(state: Context) -> Terms:
+        return {
+            "hold": 20.0 * state.gripper_target + 6.0 * norm(state.ee_pos - pick.grasp_point(state, name)),
+            "upright": 2.0 * (1 + axis(state.ee_quat, "z")[..., 2]) + 2.0 * (1 - axis(state[f"{name}_quat"], "z")[..., 2]),
+            "calm": 0.1 * norm(state.ee_vel),
+            "leave others alone": 3.0 * _others(state, task),
+        }
+
+    def to(goal: Array, weight: float = 10.0) -> dict[str, Array]:
+        return {"carry": weight * goal}
+
+    def aside(state: Context) -> Array:
+        return norm((state[f"{name}_pos"] - state.goal_pos)[..., :2])
+
+    def raise_(state: Context) -> Terms:
+        return {**holding(state), **to(np.abs(state[f"{name}_pos"][..., 2] - CARRY_M))}
+
+    def carry(state: Context) -> Terms:
+        height = np.abs(state[f"{name}_pos"][..., 2] - CARRY_M)
+        return {**holding(state), **to(aside(state) + height)}
+
+    def lower(state: Context) -> Terms:
+        floor = state.goal_pos[..., 2] + state[f"{name}_size"][..., 2] / 2
+        height = np.abs(state[f"{name}_pos"][..., 2] - floor)
+        return {**holding(state), **to(aside(state) + height), "gently": 1.0 * norm(state[f"{name}_vel"])}
+
+    def release(state: Context) -> Terms:
+        return {
+            "open": 20.0 * (0.08 - state.gripper_target),
+            "stay": 6.0 * norm(state.ee_vel),
+            "leave alone": 5.0 * norm(state[f"{name}_vel"]),
+        }
+
+    def retire(state: Context) -> Terms:
+        above = state[f"{name}_pos"][..., 2] + state[f"{name}_size"][..., 2] / 2 + 0.1
+        return {
+            "up": 10.0 * np.abs(state.ee_pos[..., 2] - above),
+            "straight": 10.0 * norm((state.ee_pos - state[f"{name}_pos"])[..., :2]),
+            "open": 20.0 * (0.08 - state.gripper_target),
+            "leave alone": 5.0 * norm(state[f"{name}_vel"]) + 3.0 * _others(state, task),
+        }
+
+    def lost(now: Context) -> bool:
+        return bool(norm(now.ee_pos - pick.grasp_point(now, name))[0, 0] > 0.05)
+
+    def guide(goal: str) -> Guide:
+        def points(now: Context) -> Array:
+            offset = now.ee_pos[0] - now[f"{name}_pos"][0]
+            end = now[f"{name}_pos"][0].copy()
+            end[:, 2] = CARRY_M
+            if goal != "up":
+                end[:, :2] = now.goal_pos[0, 0, :2]
+            if goal == "down":
+                end[:, 2] = now.goal_pos[0, 0, 2] + now[f"{name}_size"][0, 0, 2] / 2
+            return np.asarray(end + offset)
+        return Guide(points, opening_m=0.0)
+
+    back = ("reach", lost)
+    return Strategy("pick and place, stages", (
+        with_care(reach), with_care(close),
+        Stage("raise", raise_, (guide("up"),), sigma=0.7, back=back,
+              until=lambda now: bool(now[f"{name}_pos"][0, 0, 2] > CARRY_M - 0.03)),
+        Stage("carry", carry, (guide("over"),), sigma=0.7, back=back, until=lambda now: bool(aside(now)[0, 0] < 0.02)),
+        Stage("lower", lower, (guide("down"),), sigma=0.7, back=back,
+              until=lambda now: bool(now[f"{name}_mat_contact"][0, 0] > 0 or now[f"{name}_table_contact"][0, 0] > 0)),
+        Stage("release", release, (Guide(lambda now: now.ee_pos[0], opening_m=0.08),), sigma=0.5,
+              until=lambda now: bool(now.gripper_opening[0, 0] > 0.07)),
+        Stage("retire", retire, (Guide(lambda now: now.ee_pos[0] + [0, 0, 0.1], opening_m=0.08),), sigma=0.7),
+    ))
