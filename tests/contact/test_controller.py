@@ -1,0 +1,138 @@
+"""The planner of hand motions on a reach: better plans, within bounds, the same for the same seed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from contact_bench import seen, trial
+
+from coral.contact.controller import Controller, ControllerCfg
+from coral.contact.geometry import angle_between
+from coral.contact.hand import MAX_OPENING_M
+from coral.contact.planning import PlanningCfg, PlanningWorld
+from coral.contact.scene import prior
+from coral.contact.strategy import Guide, Progress, Stage, Strategy
+from coral.mppi.knots import KnotMppiCfg
+
+GOAL = np.array([0.1, 0.1, 0.2])
+CFG = ControllerCfg(horizon=12, mppi=KnotMppiCfg(samples=24, knots=3))
+REACH = Stage("reach", lambda state: {"reach": np.linalg.norm(state.ee_pos - GOAL, axis=-1)})
+
+
+def controller(cfg=CFG, seed=0, beliefs=None):
+    drawn = trial()
+    world = PlanningWorld(drawn, beliefs or prior(drawn), seen(drawn), PlanningCfg(threads=1))
+    return Controller(world, cfg, np.random.default_rng(seed)), seen(drawn)
+
+
+def replanned(planner, now, times=6, stage=REACH):
+    return [planner.plan(now, stage, 0) for _ in range(times)]
+
+
+def test_replanning_betters_the_plan():
+    plans = replanned(*controller())
+    costs = [plan.update.costs[0] for plan in plans]  # of the plan before
+    assert costs[-1] < costs[0] - 0.05
+    assert min(costs) == costs[-1]
+    assert plans[-1].targets[-1].position @ (GOAL - [-0.1, 0, 0.25]) > plans[0].targets[0].position @ (
+        GOAL - [-0.1, 0, 0.25])
+
+
+def test_targets_keep_to_speed_workspace_and_opening():
+    cfg = replace(CFG, sigma_m=(1.0, 1.0, 1.0), sigma_rad=(3.0, 3.0, 3.0), sigma_opening_m=1.0,
+                  workspace_low_m=(-0.11, -1, 0.2))
+    planner, now = controller(cfg)
+    for plan in replanned(planner, now, 3):
+        positions = np.array([now.tool.position, *(target.position for target in plan.targets)])
+        turns = np.array([now.tool.quaternion, *(target.quaternion for target in plan.targets)])
+        openings = np.array([now.opening_m, *(target.opening_m for target in plan.targets)])
+        step = planner.world.cfg.step_s
+        assert np.linalg.norm(np.diff(positions, axis=0), axis=1).max() <= cfg.speed_m_s * step + 1e-9
+        assert angle_between(turns[1:], turns[:-1]).max() <= cfg.turn_rad_s * step + 1e-6
+        assert np.abs(np.diff(openings)).max() <= cfg.opening_m_s * step + 1e-9
+        assert positions[:, 0].min() >= -0.11 - 1e-9
+        assert positions[:, 2].min() >= 0.2 - 1e-9
+        assert openings.min() >= 0
+        assert openings.max() <= MAX_OPENING_M
+
+
+def test_the_next_plan_begins_where_the_last_one_was_left():
+    planner, now = controller()
+    plan = replanned(planner, now)[-1]
+    left = plan.targets[2]
+    planner.executed(left, 3)
+    planner._sigma = np.zeros(7)
+    again = planner.plan(replace(now, tool=replace(now.tool, position=left.position)), REACH, 3)
+    assert again.targets[0].position == pytest.approx(plan.targets[3].position, abs=5e-3)
+    assert again.targets[5].position == pytest.approx(plan.targets[8].position, abs=5e-3)
+
+
+def test_the_target_does_not_run_ahead_of_a_hand_that_is_held():
+    planner, now = controller()
+    planner.restart(now)
+    planner.executed(replace(planner._target, position=now.tool.position + np.array([0.5, 0, 0])), 1)
+    plan = planner.plan(now, REACH, 1)
+    assert np.linalg.norm(plan.update.sampled[0, 0, :3] - now.tool.position) == pytest.approx(CFG.lead_m)
+
+
+def test_same_seed_same_plan_bit_for_bit():
+    first, second = (replanned(*controller(seed=3), 2)[-1] for _ in range(2))
+    assert np.array_equal(first.update.knots, second.update.knots)
+    assert first.terms == second.terms
+
+
+def test_where_no_rehearsal_counts_the_plan_is_kept():
+    planner, now = controller()
+    before = planner.plan(now, REACH, 0)
+    plan = planner.plan(now, replace(REACH, cost=lambda state: {"x": np.full(state.shape, np.nan)}), 0)
+    assert not plan.update.ok
+    assert plan.update.knots == pytest.approx(before.update.knots, abs=1e-12)
+    assert np.linalg.norm(plan.expected_position[0] - now.tool.position) < 0.02
+
+
+def test_a_cost_without_a_value_somewhere_spoils_only_that_rehearsal():
+    def cost(state):
+        value = np.linalg.norm(state.ee_pos - GOAL, axis=-1)
+        value[5] = np.nan
+        return {"reach": value}
+
+    planner, now = controller()
+    plan = planner.plan(now, replace(REACH, cost=cost), 0)
+    assert plan.update.weights[5] == 0
+    assert np.isfinite(plan.cost)
+
+
+def test_terms_are_the_plans_expected_cost():
+    planner, now = controller()
+    plan = planner.plan(now, REACH, 0)
+    assert plan.cost == pytest.approx(plan.update.weights @ plan.update.costs)
+
+
+def test_guided_samples_head_for_their_point():
+    guide = Guide(lambda state: GOAL[None], opening_m=0.01)
+    planner, now = controller(replace(CFG, guided=0.5))
+    plan = planner.plan(now, replace(REACH, guides=(guide,)), 0)
+    gap = np.linalg.norm(plan.update.sampled[:, -1, :3] - GOAL, axis=-1)
+    assert gap[12:].mean() < gap[:12].mean() - 0.05
+
+
+def test_plans_over_several_beliefs():
+    drawn = trial()
+    planner, now = controller(beliefs=[prior(drawn), prior(drawn)])
+    alone, _ = controller()
+    assert planner.plan(now, REACH, 0).update.costs == pytest.approx(alone.plan(now, REACH, 0).update.costs)
+
+
+def test_stages_follow_each_other_and_fall_back():
+    said = {"done": False, "lost": False}
+    progress = Progress(Strategy("two", (
+        Stage("first", REACH.cost, until=lambda now: said["done"]),
+        Stage("second", REACH.cost, until=lambda now: True, back=("first", lambda now: said["lost"])))))
+    assert not progress.update(None)
+    said["done"] = True
+    assert progress.update(None)
+    assert progress.stage.name == "second"
+    assert not progress.update(None)  # the last stage stays
+    said["lost"] = True
+    assert progress.update(None)
+    assert progress.stage.name == "first"

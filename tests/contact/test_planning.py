@@ -1,0 +1,195 @@
+"""Rehearsals: each as MuJoCo would step it alone, under what is believed, and safe from each other."""
+
+import mujoco
+import numpy as np
+import pytest
+from contact_bench import DOWN, body, plain, seen, trial
+
+from coral.contact.draw import Physical
+from coral.contact.hand import set_stiffness
+from coral.contact.planning import Controls, PlanningCfg, PlanningWorld
+
+CFG = PlanningCfg(threads=1)
+LIGHT, HEAVY = {"box": Physical(0.1, 0.3)}, {"box": Physical(1.5, 0.6)}
+
+
+def world(drawn=None, beliefs=LIGHT, cfg=CFG):
+    drawn = drawn or trial()
+    return PlanningWorld(drawn, beliefs, seen(drawn), cfg)
+
+
+def controls(positions, quaternion=DOWN, opening=0.02, stiffness=600.0):
+    """Shape=(K, H, 3) targets, the hand otherwise kept."""
+    positions = np.asarray(positions, dtype=float)
+    shape = positions.shape[:2]
+    return Controls(positions, np.broadcast_to(quaternion, (*shape, 4)), np.full(shape, opening), stiffness)
+
+
+def pushes(count=3, steps=12, seed=0):
+    """The closed hand goes from beside the box into it, each a little otherwise."""
+    way = np.linspace([-0.08, 0, 0.03], [0.06, 0, 0.03], steps)
+    return way + np.random.default_rng(seed).normal(scale=0.01, size=(count, steps, 3))
+
+
+def beside(drawn):
+    return seen(drawn, tool=(-0.08, 0.0, 0.03), opening_m=0.02)
+
+
+def test_each_rehearsal_is_what_stepping_it_alone_gives():
+    drawn = trial()
+    planner, now, plan = world(drawn), beside(drawn), controls(pushes())
+    context, sane = planner.rollout(now, plan)
+    assert sane.all()
+    model, states = planner.models[0], mujoco.mjtState.mjSTATE_FULLPHYSICS
+    set_stiffness(model, CFG.hand, plan.stiffness)
+    moved = []
+    for k in range(3):
+        data = mujoco.MjData(model)
+        mujoco.mj_setState(model, data, planner._initial(now), states)
+        for step in range(12):
+            data.ctrl[:2] = plan.opening[k, step] / 2
+            data.mocap_pos[0], data.mocap_quat[0] = plan.position[k, step], plan.quaternion[k, step]
+            for _ in range(round(CFG.step_s / CFG.physics_dt_s)):
+                mujoco.mj_step(model, data)
+            assert context.box_pos[k, step] == pytest.approx(data.joint("box_free").qpos[:3], abs=1e-12)
+            assert context.gripper_opening[k, step] == pytest.approx(
+                data.joint("left_slide").qpos[0] + data.joint("right_slide").qpos[0], abs=1e-12)
+        moved.append(data.joint("box_free").qpos[0])
+    assert min(moved) > 0.01
+
+
+def test_threads_and_order_do_not_matter():
+    drawn = trial()
+    plan = pushes(5)
+    one, _ = world(drawn).rollout(beside(drawn), controls(plan))
+    two, _ = world(drawn, cfg=PlanningCfg(threads=2)).rollout(beside(drawn), controls(plan[::-1]))
+    assert np.array_equal(one.box_pos, two.box_pos[::-1])
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_one_that_diverges_leaves_the_others_alone(bad, capfd, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    drawn = trial()
+    plan = pushes(4)
+    good, _ = world(drawn).rollout(beside(drawn), controls(plan))
+    plan[1, 5:] = bad
+    with np.errstate(invalid="ignore"):
+        context, sane = world(drawn).rollout(beside(drawn), controls(plan))
+    assert sane.tolist() == [True, False, True, True]
+    assert np.array_equal(context.box_pos[sane], good.box_pos[sane])
+    assert np.isfinite(context.box_pos).all()
+    assert np.array_equal(context.box_pos[1, :5], good.box_pos[1, :5])
+    assert np.array_equal(context.box_pos[1, 5:], np.repeat(good.box_pos[1, 4:5], 7, axis=0))
+    assert capfd.readouterr() == ("", "")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("box", [body(velocity=(-20.0, 0, 0)), body(velocity=(1e12, 0, 0)), body((np.nan, 0, 0))])
+def test_nothing_holds_from_a_mad_state(box):
+    drawn = trial()
+    context, sane = world(drawn).rollout(seen(drawn, box=box), controls(pushes()))
+    assert not sane.any()
+    assert np.isfinite(context.box_pos).all()
+
+
+def test_starts_exactly_from_what_is_measured():
+    drawn = trial()
+    planner = world(drawn)
+    box = body((0.05, -0.1, 0.4), (20, 30, 40), (0.1, 0.2, 0.3), (1.0, -2.0, 0.5))
+    now = seen(drawn, box=box)
+    initial = planner._initial(now)
+    index = planner._index
+    qpos, qvel = initial[1:1 + index.nq], initial[1 + index.nq:1 + index.nq + index.nv]
+    assert np.array_equal(qpos[index.pose["box"]][:3], box.position)
+    assert np.array_equal(qpos[index.pose["box"]][3:], box.quaternion)
+    planner.rollout(beside(drawn), controls(pushes()))
+    assert np.array_equal(planner._initial(now), initial)
+    assert np.array_equal(qvel[index.speed["box"]][:3], box.velocity)
+    # A free turn goes on: the spin is read back in the world's axes.
+    context, _ = planner.rollout(now, controls(np.full((1, 1, 3), now.tool.position)))
+    assert context.box_angvel[0, 0] == pytest.approx(box.angular_velocity, rel=0.02)
+    assert context.box_vel[0, 0] == pytest.approx([0.1, 0.2, 0.3 - 9.81 * CFG.step_s], abs=2e-3)
+
+
+def test_what_is_believed_is_felt():
+    drawn = trial()
+    sliding = seen(drawn, box=body(velocity=(0.6, 0, 0)))
+    still = controls(np.full((1, 20, 3), sliding.tool.position))
+    planner = world(drawn)
+    ways = []
+    for belief in (LIGHT, HEAVY):
+        planner.believe(belief)
+        context, _ = planner.rollout(sliding, still)
+        ways.append(context.box_pos[0, -1, 0])
+        assert context.box_mass[0, 0] == belief["box"].mass_kg
+    assert ways[0] == pytest.approx(0.6**2 / (2 * 9.81 * 0.3), rel=0.15)
+    assert ways[1] == pytest.approx(0.6**2 / (2 * 9.81 * 0.6), rel=0.15)
+
+
+def test_a_heavier_box_is_pushed_less_far():
+    drawn = trial()
+    far = []
+    for mass in (0.1, 4.0):
+        planner = world(drawn, {"box": Physical(mass, 0.5)})
+        context, _ = planner.rollout(beside(drawn), controls(pushes(1, 25), stiffness=200.0))
+        far.append(context.box_pos[0, -1, 0])
+    assert far[1] < far[0] - 0.005
+
+
+def test_several_beliefs_are_rehearsed_side_by_side():
+    drawn = trial()
+    plan = pushes(3)
+    both, sane = world(drawn, [LIGHT, HEAVY]).rollout(beside(drawn), controls(plan))
+    assert both.shape == (6, 12)
+    assert sane.shape == (6,)
+    for k, belief in enumerate((LIGHT, HEAVY)):
+        alone, _ = world(drawn, belief).rollout(beside(drawn), controls(plan))
+        rows = slice(3 * k, 3 * k + 3)
+        assert np.array_equal(both.box_pos[rows], alone.box_pos)
+        assert both.box_mass[rows, 0] == pytest.approx(belief["box"].mass_kg)
+        assert np.array_equal(both.last_action[rows], alone.last_action)
+
+
+def test_every_quantity_is_there_in_its_shape():
+    two = [plain()["objects"][0], plain()["objects"][0] | {"name": "tin", "x": -0.2}]
+    drawn = trial(objects=two)
+    beliefs = {"box": Physical(0.2, 0.5), "tin": Physical(0.2, 0.5)}
+    planner = world(drawn, beliefs)
+    context, _ = planner.rollout(beside(drawn), controls(pushes()))
+    assert context.names() == sorted(planner.schema)
+    for name, quantity in planner.schema.items():
+        shape = () if quantity.size == 0 else (quantity.size,)
+        np.broadcast_to(context[name], (3, 12, *shape))
+        assert context[name].shape[2:] == shape, name
+        if quantity.constant:
+            assert context[name].shape[1] == 1, name
+        if quantity.truth:
+            assert np.isin(context[name], (0, 1)).all(), name
+
+
+def test_contacts_are_read():
+    drawn = trial()
+    context, _ = world(drawn).rollout(beside(drawn), controls(pushes(1, 20)))
+    assert context.box_table_contact[0, :10].all()
+    assert not context.box_wall_contact.any()
+    assert not context.box_hand_contact[0, 0]
+    assert context.box_hand_contact[0, -8:].any()
+    touched = context.box_hand_contact[0] > 0
+    assert context.box_hand_force[0, touched, 0].max() > 0.5  # towards +x, on the box
+    assert context.ee_force[0, touched, 0].min() < -0.5  # and back on the hand
+    assert not context.box_hand_force[0, ~touched].any()
+
+
+def test_clock_and_actions():
+    drawn = trial()
+    plan = np.tile([0, 0, 0.3], (1, 3, 1))
+    plan[0, 2] += [0.01, 0, 0]
+    context, _ = world(drawn).rollout(seen(drawn), controls(plan), step=7)
+    assert context.time[0] == pytest.approx([0.02, 0.04, 0.06])
+    assert context.current_step[0] == pytest.approx([8, 9, 10])
+    assert context.last_action[0, :, 0] == pytest.approx([0, 0, 0.5])
+
+
+def test_the_present_is_a_batch_of_one():
+    drawn = trial()
+    assert world(drawn).present(seen(drawn)).shape == (1, 1)

@@ -1,0 +1,141 @@
+"""The simulated scene: masses, frictions, shapes and what the hand feels."""
+
+import mujoco
+import numpy as np
+import pytest
+from contact_bench import plain, trial
+
+from coral.contact.draw import Physical
+from coral.contact.geometry import from_rotvec
+from coral.contact.hand import FINGER_FRICTION, HandCfg
+from coral.contact.hand_world import HandWorld, HandWorldCfg
+from coral.contact.planning_model import build_model
+from coral.contact.scene import add_scene, believing, prior
+from coral.contact.world import HandTarget, WorldFault
+
+
+def scene(drawn):
+    spec = mujoco.MjSpec()
+    spec.option.timestep = 0.005
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 10
+    add_scene(spec, drawn)
+    return spec
+
+
+def test_mass_is_shared_by_volume():
+    parts = [{"size": [0.02, 0.02, 0.04]}, {"shape": "cylinder", "size": [0.02, 0.02, 0.02], "position": [0, 0, 0.05]}]
+    model = scene(trial(objects=[plain()["objects"][0] | {"parts": parts, "mass_kg": 0.3}])).compile()
+    body_id = model.body("box").id
+    assert model.body_mass[body_id] == pytest.approx(0.3)
+    share = 2 / (2 + np.pi / 4)
+    assert model.body_ipos[body_id][2] == pytest.approx((1 - share) * 0.05)
+
+
+@pytest.mark.parametrize(("friction", "slope", "slides"), [(0.3, 0.25, False), (0.3, 0.36, True), (0.8, 0.7, False)])
+def test_the_objects_friction_holds_against_the_table(friction, slope, slides):
+    drawn = trial(objects=[plain()["objects"][0] | {"friction": friction}], fixtures=[])
+    spec = scene(drawn)
+    spec.option.gravity = [9.81 * slope, 0, -9.81]
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 100)
+    assert (data.body("box").xpos[0] > 0.03) is np.bool_(slides)
+
+
+def test_between_pad_and_object_the_pads_friction_holds():
+    drawn = believing(trial(), {"box": Physical(0.2, 0.1)})
+    model = build_model(drawn, HandCfg(), 0.01)
+    data = mujoco.MjData(model)
+    data.joint("hand_x").qpos[0], data.joint("hand_z").qpos[0] = 0.0, 0.03
+    data.qpos[3:7] = [0, 1, 0, 0]
+    mujoco.mj_fwdPosition(model, data)
+    pairs = {}
+    for contact in data.contact:
+        names = sorted(model.geom(geom).name for geom in contact.geom)
+        pairs[tuple(names)] = contact.friction[0]
+    assert pairs["box/0", "left_finger"] == pytest.approx(FINGER_FRICTION)
+    assert pairs["box/0", "table"] == pytest.approx(0.1)
+
+
+def test_prior_is_the_middle_and_belief_leaves_the_truth_alone():
+    drawn = trial(objects=[plain()["objects"][0] | {"mass_kg": [0.1, 0.5], "friction": [0.2, 0.4]}])
+    assert prior(drawn)["box"] == Physical(pytest.approx(0.3), pytest.approx(0.3))
+    believed = believing(drawn, {"box": Physical(9, 1)})
+    assert believed.objects["box"].physical.mass_kg == 9
+    assert believed.objects["box"].pose is drawn.objects["box"].pose
+    assert drawn.objects["box"].physical.mass_kg < 1
+
+
+def hand_world(**changes):
+    far = plain()["objects"][0] | {"x": -0.35, "y": -0.35}
+    return HandWorld(trial(objects=[far], fixtures=[], **changes), HandWorldCfg())
+
+
+def pulled(world, target, steps=100):
+    observed = world.reset()
+    for _ in range(steps):
+        observed = world.step(target)
+    return observed
+
+
+@pytest.mark.parametrize("turn", [(0, 0, 0), (np.radians(170), 0, 0), (0, np.radians(-170), 0), (0, 0, np.radians(170)),
+                                  (1.0, -1.2, 0.7)])
+def test_the_tool_comes_to_its_target_at_any_orientation(turn):
+    turned = from_rotvec(turn)
+    start = np.array([0.0, 1.0, 0.0, 0.0])
+    w, x, y, z = start
+    target = np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]) @ turned
+    found = pulled(hand_world(), HandTarget(np.array([0.1, 0.1, 0.4]), target, 0.03, 600.0))
+    assert found.tool.position == pytest.approx([0.1, 0.1, 0.4], abs=1e-3)
+    assert abs(found.tool.quaternion @ target) == pytest.approx(1.0, abs=1e-4)
+    assert found.opening_m == pytest.approx(0.03, abs=2e-3)
+
+
+@pytest.mark.parametrize(("stiffness", "depth"), [(300.0, 0.02), (600.0, 0.02), (600.0, 0.04)])
+def test_pressed_on_a_fixed_block_the_hand_pushes_with_stiffness_times_depth(stiffness, depth):
+    down = np.array([0.0, 1.0, 0.0, 0.0])
+    # The fingertips reach 8 mm beyond the tool.
+    found = pulled(hand_world(), HandTarget(np.array([-0.1, 0.0, 0.008 - depth]), down, 0.02, stiffness), 150)
+    pressed = stiffness * (found.tool.position[2] - (0.008 - depth))
+    assert found.wrench[2] == pytest.approx(pressed, rel=0.02)
+    assert found.wrench[2] == pytest.approx(stiffness * depth, rel=0.1)
+
+
+def test_force_is_pushed_in_world_axes_whichever_way_the_hand_points():
+    down = np.array([0.0, 1.0, 0.0, 0.0])
+    target = HandTarget(np.array([0.0, 0.0, 0.3]), down, 0.04, 500.0, np.array([5.0, 0.0, -10.0]))
+    assert pulled(hand_world(), target).tool.position == pytest.approx([0.01, 0.0, 0.28], abs=1e-3)
+
+
+def test_contacts_say_which_way_the_force_goes():
+    world = HandWorld(trial(), HandWorldCfg())
+    world.reset()
+    world.step(HandTarget(np.array([-0.1, 0, 0.25]), np.array([0.0, 1.0, 0, 0]), 0.08, 600.0))
+    for _ in range(10):
+        world.step(HandTarget(np.array([-0.1, 0, 0.25]), np.array([0.0, 1.0, 0, 0]), 0.08, 600.0))
+    [contact] = world.truth().contacts
+    assert (contact.first, contact.second) == ("box", "table")
+    assert contact.force == pytest.approx([0, 0, -0.2 * 9.81], abs=1e-2)  # of the box on the table
+    assert contact.point == pytest.approx([0, 0, 0], abs=2e-3)
+
+
+def test_a_world_that_diverges_says_so():
+    world = HandWorld(trial(), HandWorldCfg())
+    world.reset()
+    world.data.joint("box_free").qvel[:] = 1e12
+    with pytest.raises(WorldFault) as caught:
+        world.step(HandTarget(np.array([-0.1, 0, 0.25]), np.array([0.0, 1.0, 0, 0]), 0.08, 600.0))
+    assert caught.value.code == "diverged"
+
+
+def test_reset_begins_the_same_trial_bit_for_bit():
+    world = HandWorld(trial(), HandWorldCfg())
+    target = HandTarget(np.array([0.0, 0, 0.03]), np.array([0.0, 1.0, 0, 0]), 0.08, 600.0)
+    ends = []
+    for _ in range(2):
+        world.reset()
+        for _ in range(30):
+            ends.append(world.step(target).objects["box"].position)
+    assert np.array_equal(ends[29], ends[59])
