@@ -1,11 +1,14 @@
 import json
+from pathlib import Path
 
 import pytest
 import yaml
 
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
+from coral.contact.episode import ENDS
 from coral.contact.task import load_task, shipped_tasks
+from coral.contact.variants import VARIANTS
 
 COARSE = ["--samples", "6", "--cfg.controller.horizon", "8", "--cfg.planning.threads", "1", "--quiet"]
 
@@ -106,3 +109,9 @@ def test_a_bad_bench_is_refused_before_anything_runs(flag, value, tmp_path, caps
     assert main(words) == 2
     assert value.split(",")[-1] in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_every_variant_and_end_is_explained():
+    page = (Path(__file__).parents[2] / "docs" / "contact-run.md").read_text()
+    assert [variant for variant in VARIANTS if f"| `{variant}` |" not in page] == []
+    assert [reason for reason in ENDS if f"| `{reason}" not in page] == []

@@ -39,9 +39,9 @@ def poke():
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """A run of 0.8 s in the hand's world."""
+    """A run of 1.2 s in the hand's world."""
     folder = tmp_path_factory.mktemp("contact") / "run"
-    task = load_task("pick-box").model_copy(update={"time_limit_s": 0.8})
+    task = load_task("pick-box").model_copy(update={"time_limit_s": 1.2})
     Episode(draw(task, 3), "hand", Fixed(poke()), COARSE, folder, variant="expert").run()
     return folder
 
@@ -166,7 +166,7 @@ def test_a_film_has_a_picture_for_each_moment(recorded, monkeypatch):
     monkeypatch.setattr("coral.view.contact.video.WIDTH", 160)
     monkeypatch.setattr("coral.view.contact.video.HEIGHT", 120)
     film = list(pictures(run, Scene(run, (160, 120))))
-    assert len(film) == 11
+    assert len(film) == len(film_moments(1.2))
     assert all(picture.shape == film[0].shape for picture in film)
 
 

@@ -12,7 +12,7 @@ from coral.view.pictures import Image, draw_text
 from coral.view.run import RunFolder
 
 SIZE = (400, 300)
-MOST = 12
+FEWEST, MOST = 8, 12
 COLUMNS = 4
 CAPTION = 30
 """Height of the line above each picture (px)."""
@@ -28,7 +28,7 @@ class Keyframe:
 
 
 def moments(run: RunFolder) -> list[tuple[float, str]]:
-    """Times (s) and why, ascending: at most MOST, evenly filled up where little happened."""
+    """Times (s) and why, ascending: at most MOST; where little happened, the widest gaps are halved."""
     end = run.duration_s
     outcome = str(run.metrics.get("end_reason", "") or "end")
     found = [(0.0, "start"), (end, outcome)]
@@ -46,9 +46,12 @@ def moments(run: RunFolder) -> list[tuple[float, str]]:
     for t, why in found:  # start and end come first, then stages: what is nearer than `gap` to them gives way
         if all(abs(t - other) >= gap for other, _ in kept) and len(kept) < MOST:
             kept.append((t, why))
-    for t in np.linspace(0.0, end, 9)[1:-1]:
-        if len(kept) < 8 and all(abs(t - other) >= end / 16 for other, _ in kept):
-            kept.append((float(t), ""))
+    while len(kept) < FEWEST:
+        times = sorted(t for t, _ in kept)
+        widest = int(np.argmax(np.diff(times))) if len(times) > 1 else -1
+        if widest < 0 or times[widest + 1] - times[widest] < 0.2:
+            break
+        kept.append(((times[widest] + times[widest + 1]) / 2, ""))
     return sorted(kept)
 
 

@@ -76,7 +76,7 @@ def _overview(run: RunFolder, drawn: Drawn) -> Array:
     if not len(points):
         points = np.zeros((1, 3))
     low, high = np.clip(points.min(axis=0), -0.6, 0.8), np.clip(points.max(axis=0), -0.6, 0.8)
-    middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2 + 0.07
+    middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2 + 0.1
     return look_at(middle + FROM / np.linalg.norm(FROM) * radius / np.sin(np.radians(VFOV_DEG / 2)), middle)
 
 
