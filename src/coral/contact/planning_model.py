@@ -16,7 +16,14 @@ FOUND, FORCE, NET = 1, 2, 3
 
 
 def build_model(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjModel:
-    """The reduced model: implicitfast, pyramidal cones, few contacts a pair (measured choices)."""
+    """The reduced model, as stiff as the hand is when nothing else is asked for."""
+    model = reduced(drawn, hand, physics_dt_s).compile()
+    set_stiffness(model, hand, hand.stiffness_n_m)
+    return model
+
+
+def reduced(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjSpec:
+    """Hand and scene: implicitfast, pyramidal cones, few contacts a pair (measured choices)."""
     spec = mujoco.MjSpec()
     option = spec.option
     option.timestep = physics_dt_s
@@ -29,9 +36,7 @@ def build_model(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjMo
     add_scene(spec, drawn, condim=3)
     add_hand(spec, hand, condim=3)
     _add_sensors(spec, drawn)
-    model = spec.compile()
-    set_stiffness(model, hand, hand.stiffness_n_m)
-    return model
+    return spec
 
 
 def pair(name: str, other: str) -> str:
