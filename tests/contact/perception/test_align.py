@@ -27,6 +27,26 @@ def picture(model, T, background=1.5):
     return np.where(solid >= 0, depth, background).astype(np.float32), solid >= 0
 
 
+def slope(model, T):
+    """|normal . ray| of every pixel of a drawing, with the normals of finite differences of inverse depth."""
+    depth, drawn = picture(model, T, np.nan)
+    inverse_depth = 1.0 / depth.astype(float)
+    # On a plane n . (p, q, 1) z = d: the inverse depth is linear in p and q, with gradient n / d and offset.
+    p, q = (np.arange(160) - LENS[2]) / LENS[0], (np.arange(120) - LENS[3]) / LENS[1]
+    best = np.full((120, 160, 3), np.nan)
+    for du in (-1, 1):
+        for dv in (-1, 1):
+            a = (np.roll(inverse_depth, -du, 1) - inverse_depth) * du * LENS[0]
+            b = (np.roll(inverse_depth, -dv, 0) - inverse_depth) * dv * LENS[1]
+            n = np.stack([a, b, inverse_depth - a * p[None, :] - b * q[:, None]], -1)
+            n /= np.linalg.norm(n, axis=-1, keepdims=True)
+            corner = np.roll(np.roll(inverse_depth, -du, 1), -dv, 0)
+            flat = np.abs(corner - inverse_depth - a * du / LENS[0] - b * dv / LENS[1]) < 1e-5
+            best = np.where((np.isnan(best[..., :1]) & flat[..., None]), n, best)
+    rays = np.stack(np.broadcast_arrays(p[None, :], q[:, None], 1.0), -1)
+    return np.where(drawn, np.abs((best * rays).sum(-1)), 0.0)
+
+
 def view(model, T, robot=None, pixels=10**6):
     depth, mask = picture(model, T)
     if robot is not None:
@@ -96,7 +116,7 @@ def test_the_tally_against_numpy():
     for a in range(3):
         for b in range(3):
             near |= padded[a:a + 120, b:b + 160]
-    both, gap = drawn & seen.mask, np.abs(seen.depth - depth)
+    both, gap = drawn & seen.mask, np.abs(seen.depth - depth) * slope(BOX, guess).clip(0.25)
     behind = drawn & ~seen.mask & (robot | (seen.depth - depth < -0.012))
     expected = [(both & (gap < 0.012)).sum(), (both & (gap >= 0.012)).sum(), (seen.mask & ~drawn & ~near).sum(),
                 (drawn & ~seen.mask & ~behind & (seen.field > 1.5)).sum(), behind.sum(), drawn.sum()]

@@ -10,12 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, TimeStep
+from coral.config import Count, Fraction, TimeStep
 from coral.contact.draw import Drawn
+from coral.contact.perception.align_kernels import AGREE, DRAWN, WRONG
 from coral.contact.perception.camera import CameraCfg, Colours, RgbdFrame
+from coral.contact.perception.confidence import ConfidenceCfg, view_of
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.metrics import add, add_s, mssd
 from coral.contact.perception.motions import motion_of
+from coral.contact.perception.rotation import inverse
 from coral.contact.perception.shapes import ObjectModel
 from coral.contact.perception.stage import Stage, object_model
 from coral.contact.perception.tracker import PoseTracker
@@ -35,7 +38,9 @@ class AccuracyCfg:
     period_s: TimeStep = 0.1
     """Between pictures: 10 Hz, the lower end of what closed loops need."""
     registrations: Count = 8
-    """Fresh starts, spread evenly over the motion."""
+    """Fresh starts, spread evenly over the pictures that show enough."""
+    enough: Fraction = 0.25
+    """Share of the object that must be seen for a fresh start."""
     within_mm: float = 5.0
     within_deg: float = 5.0
     """A fresh start closer than both to the truth counts as a success."""
@@ -53,7 +58,7 @@ class Accuracy:
         mm_95, deg_95: What 95 % of the pictures stay below.
         add_mm, add_s_mm, mssd_mm: Medians.
         lost: Pictures that the tracker reported as lost.
-        least_visible: Smallest share of the object that was seen.
+        least_visible: Smallest share of the object that was seen, at its true pose.
         update_ms, update_ms_95: Time of one update.
         registrations, registered: Fresh starts, and how many were within the limits.
         registration_s: Median time of a fresh start.
@@ -86,13 +91,14 @@ def measure(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]
     times = np.arange(round(motion.duration_s / cfg.period_s) + 1) * cfg.period_s
     truths = [motion.at(float(t)) for t in times]
     frames = [stage.take(truth, rng, float(t)) for truth, t in zip(truths, times, strict=True)]
-    fresh = np.linspace(0, len(times) - 1, cfg.registrations).round().astype(int)
     found = []
     for name in drawn.objects:
         model = object_model(stage.model, drawn, name)
         _warm(make(model), frames[0].mask(name), frames[0])
         tracker = make(model)
-        errors, spent, poses, visible, lost = [], [], [], [], 0
+        visible = [_seen(model, frame, frame.mask(name), truth.objects[name])
+                   for frame, truth in zip(frames, truths, strict=True)]
+        errors, spent, poses, lost = [], [], [], 0
         for k, frame in enumerate(frames):
             mask = frame.mask(name)
             begin = time.perf_counter()
@@ -100,10 +106,10 @@ def measure(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]
             spent.append(time.perf_counter() - begin)
             errors.append(_error(model, estimate.T_world_object, truths[k].objects[name]))
             poses.append((estimate.T_world_object, truths[k].objects[name]))
-            visible.append(estimate.visible)
             lost += estimate.lost
         starts, start_times = [], []
-        for k in fresh:
+        shown = np.flatnonzero(np.array(visible) >= cfg.enough)
+        for k in shown[np.linspace(0, len(shown) - 1, cfg.registrations).round().astype(int)] if len(shown) else ():
             tracker = make(model)
             mask = frames[k].mask(name)
             begin = time.perf_counter()
@@ -120,7 +126,7 @@ def measure(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]
             1e3 * float(np.median([add_s(a, b, model.points) for a, b in some])),
             1e3 * float(np.median([mssd(a, b, model.points, model.symmetry) for a, b in some])),
             lost, float(min(visible)), float(np.median(updates)), float(np.percentile(updates, 95)),
-            len(starts), int(sum(starts)), float(np.median(start_times))))
+            len(starts), int(sum(starts)), float(np.median(start_times)) if start_times else 0.0))
     return found
 
 
@@ -128,6 +134,16 @@ def _warm(tracker: PoseTracker, mask: NDArray[np.bool_], frame: RgbdFrame) -> No
     """One start and one update that are not timed: the first ones compile."""
     tracker.register(frame, mask)
     tracker.track(frame, mask)
+
+
+def _seen(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_], truth: Array) -> float:
+    """Share of the object at its true pose that is seen."""
+    if not mask.any():
+        return 0.0
+    cfg = ConfidenceCfg()
+    pose = inverse(frame.T_world_camera) @ truth
+    tally = view_of(frame, mask, model, [pose], cfg, frame.depth.size).count(model, pose, cfg.margin_m)
+    return float((tally[AGREE] + tally[WRONG]) / max(1.0, tally[DRAWN]))
 
 
 def _error(model: ObjectModel, estimate: Array, truth: Array) -> tuple[float, float]:

@@ -244,7 +244,8 @@ def count(
         field: Shape=(H, W).
         cover: Shape=(H, W).
         lens: Shape=(4,).
-        margin: Depth (m) by which measured and drawn may differ and still agree.
+        margin: Distance (m) along the normal by which measured and drawn may differ and still agree; along the optical
+            axis it may be four times that, since depth is noisier the more a surface is slanted.
         tally: Shape=(7,), written: pixels where depths agree, where they do not, where the mask is not covered, where
             the object stands in free space, where something nearer hides it, where it is drawn; sum of |difference| /
             margin over those that agree. A pixel on either side of an outline counts as neither uncovered nor free.
@@ -252,6 +253,7 @@ def count(
     height, width = measured.shape
     depth = np.empty((height, width))
     solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
+    normal = np.empty((height, width, 3))
     back, eye = np.empty((3, 3)), np.empty(3)
     for i in range(3):
         eye[i] = 0.0
@@ -259,9 +261,12 @@ def count(
             back[i, j] = turn[j, i]
             eye[i] -= turn[j, i] * shift[j]
     render(back, eye, lens, 0.02, 20.0, kind, center, rotation, size, first, number, triangles, depth, solid, face)
+    normals(back, eye, lens, kind, center, rotation, size, triangles, depth, solid, face, normal)
     tally[:] = 0.0
     for v in range(height):
+        q = (v - lens[3]) / lens[1]
         for u in range(width):
+            p = (u - lens[2]) / lens[0]
             seen = measured[v, u]
             if solid[v, u] >= 0:
                 tally[DRAWN] += 1.0
@@ -269,9 +274,11 @@ def count(
                 if mask[v, u]:
                     if seen == 0.0:
                         continue
-                    if abs(difference) < margin:
+                    slope = abs(normal[v, u, 0] * p + normal[v, u, 1] * q + normal[v, u, 2])
+                    gap = max(slope, 0.25) * abs(difference)
+                    if gap < margin:
                         tally[AGREE] += 1.0
-                        tally[RESIDUAL] += abs(difference) / margin
+                        tally[RESIDUAL] += gap / margin
                     else:
                         tally[WRONG] += 1.0
                 elif cover[v, u] == ROBOT or (seen > 0.0 and difference < -margin):

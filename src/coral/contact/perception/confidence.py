@@ -22,12 +22,15 @@ class ConfidenceCfg:
 
     min_pixels: Count = 30
     """With fewer pixels of depth in its mask an object is not seen."""
-    min_visible: Fraction = 0.08
-    """Share of the object's drawing below which it is covered; confidence falls off from twice this share."""
+    min_visible: Fraction = 0.1
+    """Share of the object's drawing below which it is covered; confidence falls off from twice this
+    share: with less than a fifth to see, one pose in ten is more than a centimetre off."""
     lost_below: Fraction = 0.6
     """Confidence below which an object counts as lost: half covered by a pose 4 cm off still reaches 0.5."""
     found_above: Fraction = 0.9
     """Confidence above which it counts as found: a box explains a can of its size by 0.87."""
+    found_visible: Fraction = 0.25
+    """Share that must be seen for that: from less of it, an object fits in many places."""
     margin_m: Positive = 0.012
     """Depths that differ by less agree: five standard deviations at 1 m."""
     robot: str = "robot"
@@ -75,7 +78,7 @@ def view_of(
     return cut(frame.depth, mask, robot_in(frame, cfg), frame.lens, box, pixels)
 
 
-def judge(model: ObjectModel, view: View, pose: Array, cfg: ConfidenceCfg, needed: float) -> Verdict:
+def judge(model: ObjectModel, view: View, pose: Array, cfg: ConfidenceCfg, following: bool) -> Verdict:
     """What to think of a pose.
 
     Args:
@@ -83,15 +86,16 @@ def judge(model: ObjectModel, view: View, pose: Array, cfg: ConfidenceCfg, neede
         view: Where it is seen.
         pose: T_camera_object, Shape=(4, 4).
         cfg: How.
-        needed: Confidence that it takes.
+        following: Whether the object was not lost before, so that less is asked of the pose.
     """
+    needed = cfg.lost_below if following else cfg.found_above
     tally = view.count(model, pose, cfg.margin_m)
     seen = float(tally[kernels.AGREE] + tally[kernels.WRONG])
     visible = seen / max(1.0, float(tally[kernels.DRAWN]))
     total = seen + float(tally[kernels.UNCOVERED] + tally[kernels.FREE])
     confidence = float(tally[kernels.AGREE]) / max(1.0, total)
     confidence *= min(1.0, visible / max(1e-9, 2 * cfg.min_visible))
-    if visible < cfg.min_visible and confidence < needed:
+    if visible < (cfg.min_visible if following else cfg.found_visible):
         hidden = float(tally[kernels.HIDDEN]) > 0.5 * float(tally[kernels.DRAWN])
         return Verdict(confidence, visible, "covered" if hidden else "does not fit")
     return Verdict(confidence, visible, "" if confidence >= needed else "does not fit")

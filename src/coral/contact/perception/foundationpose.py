@@ -102,7 +102,7 @@ class FoundationPoseTracker:
         cfg = self.cfg.confidence
         view = view_of(frame, mask, self.model, [pose, inverse(frame.T_world_camera) @ self._reference], cfg, 12000)
         following = self._found and not self._lost
-        verdict = judge(self.model, view, pose, cfg, cfg.lost_below if following else cfg.found_above)
+        verdict = judge(self.model, view, pose, cfg, following)
         if verdict.reason:
             return self._give_up(verdict.reason, verdict.confidence, verdict.visible)
         self._reference = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)

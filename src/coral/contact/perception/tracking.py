@@ -11,7 +11,7 @@ from coral.config import Count, NonNegative, Positive
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.confidence import ConfidenceCfg, judge, robot_in, unseen, view_of
 from coral.contact.perception.registration import RegistrationCfg, misfit, orientations, register
-from coral.contact.perception.rotation import about, from_vector, inverse, vector
+from coral.contact.perception.rotation import about, angle, from_vector, inverse, vector
 from coral.contact.perception.rotation import pose as to_pose
 from coral.contact.perception.shapes import ObjectModel
 from coral.contact.perception.tracker import Estimate
@@ -37,6 +37,8 @@ class TrackerCfg:
     """Weight of the predicted pose, as so many pixels: it settles what a small rest of an object leaves open."""
     search_above: NonNegative = 0.35
     """Share of the picture that a pose leaves unexplained above which other poses nearby are tried too."""
+    reluctance: NonNegative = 0.3
+    """What it costs there to be away from the guesses by the object's size or a radian, in the same share."""
     search_rad: Positive = 0.25
     """How far they are turned: half of what the alignment corrects by itself."""
     confidence: ConfidenceCfg = field(default_factory=ConfidenceCfg)
@@ -110,13 +112,21 @@ class ModelTracker:
             for sign in (1.0, -1.0):
                 turn = about(axis, sign * self.cfg.search_rad)
                 guesses.append(to_pose(turn @ poses[0][:3, :3], turn @ (poses[0][:3, 3] - middle) + middle))
-        return min((self._align(view, guess) for guess in guesses), key=lambda pose: self._misfit(view, pose))
+        found = [self._align(view, guess) for guess in guesses]
+        return min(found, key=lambda pose: self._misfit(view, pose) + self.cfg.reluctance * self._effort(pose, poses))
+
+    def _effort(self, pose: Array, guesses: list[Array]) -> float:
+        """How far a pose is from the nearest guess: in parts of the object's size, and turns of a radian."""
+        pivot = self.model.pivot
+        return min(
+            float(np.linalg.norm((pose[:3, :3] - g[:3, :3]) @ pivot + pose[:3, 3] - g[:3, 3])) / self.model.diameter
+            + angle(g[:3, :3], pose[:3, :3]) for g in guesses)
 
     def _judge(self, frame: RgbdFrame, view: View, pose: Array, *, registered: bool = False) -> Estimate:
         """What to think of a pose (T_camera_object); it is kept if it is good enough."""
         cfg = self.cfg.confidence
         following = self._last is not None and not self._lost
-        verdict = judge(self.model, view, pose, cfg, cfg.lost_below if following else cfg.found_above)
+        verdict = judge(self.model, view, pose, cfg, following)
         if verdict.reason:
             return self._give_up(verdict.reason, verdict.confidence, verdict.visible)
         world = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)

@@ -1,0 +1,35 @@
+"""`coral contact track`."""
+
+import json
+
+import pytest
+
+from coral.cli import main
+
+
+def test_the_tables(capsys):
+    assert main(["contact", "track", "flip-box", "--width", "160", "--rate-hz", "2"]) == 0
+    text = capsys.readouterr().out
+    assert text.count("flip-box") == 3  # one motion, two losses
+    assert "never" not in text
+
+
+def test_the_numbers_are_the_seed_s(capsys):
+    words = ["contact", "track", "flip-box", "--width", "160", "--rate-hz", "2", "--no-losses", "--seed", "1", "--json"]
+    rows = []
+    for _ in range(2):
+        assert main(words) == 0
+        result = json.loads(capsys.readouterr().out)
+        assert result["lost"] == []
+        rows.append({k: v for k, v in result["tracked"][0].items() if not k.endswith(("_s", "_ms", "_ms_95"))})
+    assert rows[0] == rows[1]
+    assert rows[0]["mm"] < 5
+    assert rows[0]["deg"] < 3
+
+
+@pytest.mark.parametrize(("flags", "named"), [
+    (["--tracker", "magic"], "magic"), (["--width", "8"], "--width"), (["--rate-hz", "0"], "--rate-hz"),
+    (["--seed", "-1"], "--seed"), (["no-such-task"], "no-such-task")])
+def test_bad_flags_are_named(flags, named, capsys):
+    assert main(["contact", "track", *flags]) == 2
+    assert named in capsys.readouterr().err
