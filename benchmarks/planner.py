@@ -2,10 +2,10 @@
 
 Usage: python benchmarks/planner.py [--peer-python /path/to/venv/bin/python] [--out docs/results] [--json]
 
-All do the same work: K sequences of H control steps (two physics steps each) of the hand near the box of pick-box, and
-all must end in the same place. Ours also reads everything that a cost may use. judo pins an older MuJoCo, so it runs in an
-environment of its own, where MuJoCo's rollout is timed alone too. Medians; CPU time is summed over threads. With --out,
-the curves are written as contact-planner.csv and contact-planner.png.
+All do the same work: K sequences of H control steps (two physics steps each) of the hand near the box of pick-box,
+and all must end in the same place. Ours also reads everything that a cost may use. judo pins an older MuJoCo, so it
+runs in an environment of its own, where MuJoCo's rollout is timed alone too. Medians; CPU time is summed over threads.
+With --out, the curves are written as contact-planner.csv and contact-planner.png.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def timed(call: Callable[[], Any], repeats: int) -> dict[str, float]:
 
 
 def plain_loop(world: PlanningWorld, problem: Problem) -> NDArray[np.float64]:
-    """The same with mj_step in a loop over rollouts, control steps and physics steps; states after each control step."""
+    """The same with mj_step in three nested loops; states, Shape=(K, H, nq + nv), after each control step."""
     model, controls = world.models[0], problem.controls
     data, initial = mujoco.MjData(model), world._initial(problem.now)
     samples, horizon = controls.opening.shape

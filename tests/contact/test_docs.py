@@ -1,0 +1,42 @@
+"""The page on task files: its example loads, its tables name everything there is."""
+
+import re
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from coral.contact.conditions import Condition
+from coral.contact.draw import draw
+from coral.contact.hand_world import HandWorld, HandWorldCfg
+from coral.contact.task import Fixture, Movable, Shape, Task, load_task
+
+PAGE = (Path(__file__).parents[2] / "docs" / "contact-tasks.md").read_text(encoding="utf-8")
+KINDS = get_args(get_args(Condition)[0])
+
+
+def test_the_example_is_a_task_that_can_be_simulated(tmp_path):
+    [example] = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
+    path = tmp_path / "drawer-stop.yaml"
+    path.write_text(example, encoding="utf-8")
+    task = load_task(path)
+    assert task.name == path.stem
+    for seed in range(5):
+        assert HandWorld(draw(task, seed), HandWorldCfg()).reset().objects.keys() == {"mug"}
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.model_fields["kind"].default)
+def test_every_condition_has_its_row_with_its_keys(kind):
+    [row] = [line for line in PAGE.splitlines() if line.startswith(f"| `{kind.model_fields['kind'].default}` |")]
+    for key, field in kind.model_fields.items():
+        if key in ("kind", "object"):
+            continue
+        assert f"`{key}`" in row
+        if isinstance(field.default, float | int):
+            assert f"({field.default:g}" in row or f"({field.default}" in row
+
+
+@pytest.mark.parametrize("part", [Task, Movable, Shape, Fixture])
+def test_every_key_is_on_the_page(part):
+    hidden = {"format", "friction"} if part is Fixture else {"format"}
+    assert [key for key in part.model_fields if key not in hidden and f"`{key}`" not in PAGE] == []
