@@ -62,3 +62,14 @@ def test_the_parts_of_a_tick_add_up_to_the_tick():
     assert row["ticks"] == 10
     parts = sum(row[f"{part}_ms"] for part in ("sense", "map", "decide", "control", "act"))
     assert parts == pytest.approx(row["tick_ms"])
+
+
+def test_rehearsals_end_where_the_plain_loop_ends_and_plans_take_time(tmp_path):
+    out = result("planner.py", "--samples", "8", "--horizon", "4", "--repeats", "1", "--out", str(tmp_path),
+                 "--peer-python", "no-such-python")
+    assert list(out["rows"]) == ["ours, 1 thread", "ours, 2 threads", "plain Python loop"]
+    assert out["peer"] is None
+    assert [row["samples"] for row in out["curves"]["samples"]] == [1, 2, 4, 8, 16]
+    assert [row["horizon"] for row in out["curves"]["horizon"]] == [2, 2, 4, 6, 8]
+    assert (tmp_path / "contact-planner.png").stat().st_size > 5000
+    assert len((tmp_path / "contact-planner.csv").read_text().splitlines()) == 11
