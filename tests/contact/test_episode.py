@@ -135,6 +135,20 @@ def test_a_mind_may_change_its_mind(run):
     assert [e["stage"] for e in events(folder, "plan")] == ["stay"] * 3 + ["other"] * 2
 
 
+def test_a_mind_is_not_told_the_true_masses_and_frictions(run):
+    class Curious(Fixed):
+        def begin(self, drawn, first, world):
+            self.told = drawn
+            return super().begin(drawn, first, world)
+
+    mind = Curious(strategy())
+    run(mind)
+    item = mind.told.task.object("box")
+    held = mind.told.objects["box"].physical
+    assert held.mass_kg == pytest.approx(np.mean(item.mass_kg))
+    assert held.friction == pytest.approx(np.mean(item.friction))
+
+
 def test_commands_stay_within_the_force_limit(run):
     def away(state):
         return {"away": -10.0 * state.ee_pos[..., 0]}

@@ -176,6 +176,11 @@ def test_coral_report_makes_page_keyframes_and_film(copy, capsys):
     assert "episode.mp4" in (copy / "report.html").read_text()
 
 
+def test_coral_replay_refuses_a_contact_run(copy, capsys):
+    assert main(["replay", str(copy)]) == 2
+    assert "coral report --video" in capsys.readouterr().err
+
+
 def test_a_world_that_cannot_be_built_costs_the_pictures_only(copy):
     config = (copy / "config.yaml").read_text().replace("world: hand", "world: elsewhere")
     (copy / "config.yaml").write_text(config)

@@ -15,6 +15,7 @@ from typing import Annotated, Any
 import tyro
 
 from coral.config import Positive, checked
+from coral.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +40,8 @@ class Replay:
         from coral.view.run import RunFolder
 
         checked(self, "coral replay")
+        if (self.run / "task.yaml").is_file():
+            raise InputError(str(self.run), "", "a contact run", "a reef mission (coral report --video films the other)")
         recording = RecordedRun(RunFolder.read(self.run))
         pace = Pace(self.speed)
         player = Player(recording, pace)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,10 +18,11 @@ from coral.contact.judge import Judge
 from coral.contact.metrics import compute_metrics
 from coral.contact.mind import Mind, Moment
 from coral.contact.planning import PlanningCfg, PlanningWorld
+from coral.contact.policy.cfg import PolicyCfg
 from coral.contact.program.errors import CostError
 from coral.contact.reactive import Reactive, ReactiveCfg
 from coral.contact.record import EpisodeRecorder, RecordCfg, columns, numbers
-from coral.contact.scene import prior
+from coral.contact.scene import believing, prior
 from coral.contact.strategy import Progress, Strategy
 from coral.contact.world import EvaluationWorld, HandTarget, Observation, WorldFault
 from coral.contact.worlds import make_world
@@ -36,6 +38,7 @@ ENDS = {
     "camera-off": "the camera gives no pictures",
     "cost-error": "the strategy's cost could not be evaluated",
     "no-plan": "no rehearsal could be used for many plans in a row, or the plan was no motion",
+    "policy": "a served policy gave no actions that could be taken",
     "stopped by the operator": "interrupted",
     "failed": "an error in the program",
 }
@@ -54,6 +57,7 @@ class EpisodeCfg:
         controller: MPPI.
         reactive: Feedback and limits.
         record: What is kept.
+        policy: A served policy, where one drives instead of the planner.
     """
 
     replan_steps: Count = 2
@@ -62,6 +66,7 @@ class EpisodeCfg:
     controller: ControllerCfg = field(default_factory=ControllerCfg)
     reactive: ReactiveCfg = field(default_factory=ReactiveCfg)
     record: RecordCfg = field(default_factory=RecordCfg)
+    policy: PolicyCfg = field(default_factory=PolicyCfg)
 
 
 class Observer(Protocol):
@@ -217,7 +222,8 @@ class Episode:
         self.reactive = Reactive(cfg.reactive, cfg.planning.step_s, np.asarray(cfg.controller.workspace_low_m),
                                  np.asarray(cfg.controller.workspace_high_m))
         self.emit("start", task=task.name, instruction=task.instruction, world=self.world.name, variant=self.variant,
-                  advisor=self.advisor, seed=self.drawn.seed, poses="ground-truth", time_limit_s=task.time_limit_s,
+                  advisor=self.advisor, seed=self.drawn.seed, poses=getattr(self.world, "poses", "ground-truth"),
+                  time_limit_s=task.time_limit_s,
                   trial={name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
                          for name, item in self.drawn.objects.items()})
         first = HandTarget(self.now.tool.position, self.now.tool.quaternion, self.now.opening_m,
@@ -226,7 +232,7 @@ class Episode:
         self.recorder.row(0, self.now, truth, first, 0)
         self.recorder.state(0, self.t, self.world)
         self.recorder.contacts(0, truth)
-        self._follow(self.mind.begin(self.drawn, self.now, self.planner))
+        self._follow(self.mind.begin(known(self.drawn, self.now), self.now, self.planner))
 
     def _write_head(self) -> None:
         self.writer.yaml("task.yaml", self.drawn.task.model_dump(mode="json"))
@@ -264,6 +270,13 @@ class Episode:
         self.writer.json("metrics.json", metrics)
         self.writer.json("timing.json", timing)
         return {**metrics, **timing}
+
+
+def known(drawn: Drawn, now: Observation) -> Drawn:
+    """The trial as the robot knows it at first: seen poses, and masses and frictions in the middle of their ranges."""
+    held = believing(drawn, prior(drawn))
+    return dataclasses.replace(held, objects={
+        name: dataclasses.replace(item, pose=now.objects[name]) for name, item in held.objects.items()})
 
 
 def _number(value: float) -> float | None:

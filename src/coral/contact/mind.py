@@ -56,7 +56,7 @@ class Mind(Protocol):
         """The strategy to begin with; it may set the planning world's beliefs.
 
         Args:
-            drawn: The trial, of which it may read the shapes only, not the masses and frictions.
+            drawn: The trial as the robot knows it: true shapes, seen poses, masses and frictions as believed before.
             first: What the sensors say at first.
             world: The planning world.
         """
