@@ -41,7 +41,7 @@ class Replay:
 
         checked(self, "coral replay")
         if (self.run / "task.yaml").is_file():
-            raise InputError(str(self.run), "", "a contact run", "a reef mission (coral report --video films the other)")
+            raise InputError(str(self.run), "", "a contact run", "a reef mission (coral report --video films it)")
         recording = RecordedRun(RunFolder.read(self.run))
         pace = Pace(self.speed)
         player = Player(recording, pace)
