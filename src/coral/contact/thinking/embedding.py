@@ -1,0 +1,85 @@
+"""Task texts as vectors, offline and without torch: WordLlama's own weights if installed, else hashed word counts.
+
+Nearness of texts is no proof of sameness ("flip against the wall" is near "flip away from the wall"): it ranks what the
+goals and the numbers have let through, and decides nothing.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float32]
+STOP = frozenset(("a", "an", "and", "as", "at", "by", "for", "from", "in", "into", "is", "it", "its", "of", "on", "onto",
+                  "or", "out", "over", "that", "the", "then", "to", "up", "with"))
+
+
+class Embedder(Protocol):
+    """Turns a text into a unit vector; vectors of different embedders cannot be compared."""
+
+    name: str
+
+    def embed(self, text: str) -> Vector:
+        """Shape=(n,), length 1."""
+        ...
+
+
+class HashedWords:
+    """Words and their neighbours, hashed into bins, rare to frequent alike; no weights, no download, weak.
+
+    Args:
+        size: Bins.
+    """
+
+    name = "hashed-words"
+
+    def __init__(self, size: int = 512) -> None:
+        self.size = size
+
+    def embed(self, text: str) -> Vector:
+        """See `Embedder.embed`."""
+        words = [word for word in re.findall(r"[a-z]+", text.lower()) if word not in STOP]
+        grams = [*words, *(f"{a} {b}" for a, b in itertools.pairwise(words)),
+                 *(word[:5] for word in words if len(word) > 5)]
+        found = np.zeros(self.size, dtype=np.float32)
+        for gram in grams:
+            digest = hashlib.blake2b(gram.encode(), digest_size=8).digest()
+            found[int.from_bytes(digest[:4], "big") % self.size] += 1.0 if digest[4] % 2 else -1.0
+        return _unit(found)
+
+
+class WordLlamaEmbedder:
+    """WordLlama's 256 dimensions, from the weights that its package ships."""
+
+    name = "wordllama-256"
+
+    def __init__(self) -> None:
+        import wordllama  # type: ignore[import-untyped,import-not-found,unused-ignore]
+
+        # Its loader looks for the tokenizer in the wrong folder unless it is told where the package lies.
+        self._model: Any = wordllama.WordLlama.load(cache_dir=Path(wordllama.__file__).parent, disable_download=True)
+
+    def embed(self, text: str) -> Vector:
+        """See `Embedder.embed`."""
+        return _unit(np.asarray(self._model.embed([text])[0], dtype=np.float32))
+
+
+@cache
+def best_embedder() -> Embedder:
+    """WordLlama where it is installed and loads, else hashed words; its name says which."""
+    try:
+        return WordLlamaEmbedder()
+    except Exception:  # whatever an optional package does when it cannot load
+        return HashedWords()
+
+
+def _unit(vector: Vector) -> Vector:
+    length = float(np.linalg.norm(vector))
+    return vector / np.float32(length) if length else vector

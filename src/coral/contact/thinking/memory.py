@@ -1,0 +1,294 @@
+"""The experience memory (Eq. 1): plans that have succeeded, kept in one SQLite file, found again by task and numbers.
+
+Rows are written in one transaction each, with a write-ahead log that is synchronised fully: a process killed at any
+moment loses nothing that was acknowledged, and several processes may write.
+"""
+
+from __future__ import annotations
+
+import math
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from coral.config import Fraction, Positive
+from coral.contact.thinking.embedding import Embedder, best_embedder
+from coral.contact.thinking.plan_answer import PlanAnswer
+from coral.contact.thinking.regions import RegionsAnswer
+from coral.errors import InputError
+
+FORMAT = "coral-memory/1"
+TABLE = """CREATE TABLE IF NOT EXISTS experience (
+    id INTEGER PRIMARY KEY AUTOINCREMENT, created TEXT NOT NULL, record TEXT NOT NULL, embedder TEXT NOT NULL,
+    vector BLOB NOT NULL, used INTEGER NOT NULL DEFAULT 0, helped INTEGER NOT NULL DEFAULT 0)"""
+
+
+class Experience(BaseModel):
+    """One success.
+
+    Args:
+        task, instruction: What was asked.
+        goals: The task file's conditions.
+        numbers: What the scene measures, by name (`box.size_m.0`, `box.mass_kg`).
+        plan, regions: What succeeded.
+        beliefs: Mass and friction as believed at the end.
+        provenance: Where it was proved: world, seed, variant, advisor, run, metrics.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+    task: str
+    instruction: str
+    goals: list[dict[str, Any]]
+    numbers: dict[str, float]
+    plan: PlanAnswer
+    regions: RegionsAnswer
+    beliefs: dict[str, tuple[float, float]]
+    provenance: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Stored:
+    """An experience as the memory holds it, with how often it was used and how often that ended in success."""
+
+    id: int
+    created: str
+    experience: Experience
+    used: int
+    helped: int
+
+
+@dataclass(frozen=True)
+class Match:
+    """A remembered experience that fits.
+
+    Args:
+        stored: It.
+        similarity: Cosine of the texts.
+        distance: Largest of the numbers' differences, 1 being the most that is allowed.
+    """
+
+    stored: Stored
+    similarity: float
+    distance: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemoryCfg:
+    """When an experience fits.
+
+    Args:
+        similarity: Least cosine of the instructions.
+        size_factor, mass_factor, friction_factor: Most that a number may differ by, as a factor.
+        number_factor: The same for what the goals ask (heights, forces, tolerances) and the task's own numbers.
+        place_m: Most that places and fixtures may lie apart.
+    """
+
+    similarity: Fraction = 0.5
+    size_factor: Positive = 1.35
+    mass_factor: Positive = 4.0
+    friction_factor: Positive = 2.5
+    number_factor: Positive = 1.3
+    place_m: Positive = 0.08
+
+
+class Memory:
+    """A file of experiences.
+
+    Args:
+        path: The SQLite file; made at the first success.
+        cfg: When an experience fits.
+        embedder: For texts; by default the best that is installed.
+    """
+
+    def __init__(self, path: Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
+        self.path, self.cfg, self.embedder = path, cfg or MemoryCfg(), embedder or best_embedder()
+
+    def add(self, experience: Experience) -> int:
+        """Store a success; its id.
+
+        Raises:
+            InputError: It is no verified success, or the file cannot be written.
+        """
+        if experience.provenance.get("success") is not True or not experience.provenance.get("world"):
+            raise InputError("memory", "provenance", dict(experience.provenance),
+                             "success: true and the world that it was judged in")
+        vector = self.embedder.embed(experience.instruction).astype("<f4").tobytes()
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        with self._open(write=True) as base:
+            row = base.execute("INSERT INTO experience (created, record, embedder, vector) VALUES (?, ?, ?, ?)",
+                               (now, experience.model_dump_json(), self.embedder.name, vector))
+            return int(row.lastrowid or 0)
+
+    def all(self) -> list[Stored]:
+        """Everything that is remembered and can be read, oldest first."""
+        if not self.path.exists():
+            return []
+        with self._open() as base:
+            rows = base.execute("SELECT id, created, record, used, helped FROM experience ORDER BY id").fetchall()
+        found = []
+        for row in rows:
+            try:
+                found.append(Stored(row[0], row[1], Experience.model_validate_json(row[2]), row[3], row[4]))
+            except ValidationError:
+                continue  # of another version: kept in the file, of no use here
+        return found
+
+    def get(self, number: int) -> Stored:
+        """One experience.
+
+        Raises:
+            InputError: There is none of this id.
+        """
+        for stored in self.all():
+            if stored.id == number:
+                return stored
+        raise InputError(str(self.path), "id", number, f"one of {', '.join(str(s.id) for s in self.all()) or 'none'}")
+
+    def forget(self, number: int) -> None:
+        """Remove one experience.
+
+        Raises:
+            InputError: There is none of this id.
+        """
+        self.get(number)
+        with self._open(write=True) as base:
+            base.execute("DELETE FROM experience WHERE id = ?", (number,))
+
+    def used(self, number: int, helped: bool) -> None:
+        """Note that an experience was used, and whether the episode succeeded."""
+        with self._open(write=True) as base:
+            base.execute("UPDATE experience SET used = used + 1, helped = helped + ? WHERE id = ?",
+                         (int(helped), number))
+
+    def find(self, facts: Mapping[str, Any], most: int = 3) -> list[Match]:
+        """Experiences that fit a scene, best first: same goals, numbers near, then by the texts.
+
+        Args:
+            facts: The scene (`scene_facts`).
+            most: How many.
+        """
+        goals, numbers = facts["goals"], scene_numbers(facts)
+        candidates = []
+        for stored in self.all():
+            held = stored.experience
+            distance = _distance(held.numbers, numbers, self.cfg) if _shape(held.goals) == _shape(goals) else math.inf
+            if distance <= 1.0:
+                candidates.append((stored, distance))
+        here = self.embedder.embed(facts["instruction"])
+        found = []
+        for stored, distance in candidates:
+            there = self.embedder.embed(stored.experience.instruction)
+            similarity = float(np.dot(here, there))
+            if similarity >= self.cfg.similarity:
+                found.append(Match(stored, round(similarity, 4), round(distance, 4)))
+
+        def rank(match: Match) -> tuple[float, int]:
+            # An experience that was used and did not help counts less.
+            luck = (match.stored.helped + 1) / (match.stored.used + 1)
+            return (-(match.similarity - 0.5 * match.distance + 0.3 * luck), -match.stored.id)
+
+        return sorted(found, key=rank)[:most]
+
+    def export(self) -> dict[str, Any]:
+        """Everything as JSON."""
+        return {"format": FORMAT, "experiences": [
+            {"created": stored.created, **stored.experience.model_dump(mode="json")} for stored in self.all()]}
+
+    def load(self, content: Mapping[str, Any], where: str) -> int:
+        """Take in what `export` gave; how many were new.
+
+        Raises:
+            InputError: It is no export, or an experience in it is wrong.
+        """
+        if content.get("format") != FORMAT or not isinstance(content.get("experiences"), list):
+            raise InputError(where, "format", content.get("format"), FORMAT)
+        known = {stored.experience.model_dump_json() for stored in self.all()}
+        count = 0
+        for index, item in enumerate(content["experiences"]):
+            try:
+                one = Experience.model_validate({key: value for key, value in dict(item).items() if key != "created"})
+            except (ValidationError, TypeError, ValueError) as error:
+                raise InputError(where, f"experiences[{index}]", str(error).splitlines()[0], "an exported experience"
+                                 ) from None
+            if one.model_dump_json() not in known:
+                self.add(one)
+                count += 1
+        return count
+
+    @contextmanager
+    def _open(self, write: bool = False) -> Iterator[sqlite3.Connection]:
+        try:
+            if write:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+            with closing(sqlite3.connect(self.path, timeout=30.0)) as base:
+                if write:
+                    base.execute("PRAGMA journal_mode=WAL")
+                    base.execute("PRAGMA synchronous=FULL")
+                base.execute(TABLE)
+                with base:
+                    yield base
+        except (sqlite3.Error, OSError) as error:
+            raise InputError(str(self.path), "", error, "an SQLite file of experiences that can be opened") from None
+
+
+def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:
+    """The numbers of a scene by name, objects by their place in the goals so that names do not matter."""
+    order = {name: index for index, name in enumerate(roles(facts))}
+    found: dict[str, float] = {}
+    for name, item in facts["objects"].items():
+        if name not in order:
+            continue
+        key = f"object{order[name]}"
+        found |= {f"{key}.size.{k}": float(value) for k, value in enumerate(item["size_m"])}
+        for field in ("mass_kg", "friction"):
+            if field in item:
+                found[f"{key}.{field}"] = float(item[field])
+    for index, goal in enumerate(facts["goals"]):
+        found |= {f"goal{index}.{key}": float(value) for key, value in goal.items()
+                  if isinstance(value, int | float) and not isinstance(value, bool)}
+    found |= {f"number.{key}": float(value) for key, value in facts["numbers"].items()}
+    for name, item in facts["fixtures"].items():
+        found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(item["position"])}
+    for name, place in facts["places"].items():
+        found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(place)}
+    return found
+
+
+def roles(facts: Mapping[str, Any]) -> list[str]:
+    """The objects that goals ask to be moved, in the order of the goals."""
+    return list(dict.fromkeys(goal["object"] for goal in facts["goals"] if goal["kind"] != "undisturbed"))
+
+
+def _shape(goals: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
+    """The goals without numbers and names: kinds, which role they are about, what words they hold besides."""
+    order = {name: f"object{k}" for k, name in enumerate(dict.fromkeys(goal["object"] for goal in goals))}
+    return [(goal["kind"], order[goal["object"]], *(f"{key}={value}" for key, value in sorted(goal.items())
+                                                    if isinstance(value, str) and key not in ("kind", "object")))
+            for goal in goals if goal["kind"] != "undisturbed"]
+
+
+def _distance(one: Mapping[str, float], other: Mapping[str, float], cfg: MemoryCfg) -> float:
+    """The largest difference, 1 being the most that is allowed; infinite where something is missing."""
+    if set(one) != set(other):
+        return math.inf
+    worst = 0.0
+    for key, a in one.items():
+        b = other[key]
+        if key.startswith("place."):
+            worst = max(worst, abs(a - b) / cfg.place_m)
+            continue
+        factor = cfg.size_factor if ".size." in key else cfg.mass_factor if key.endswith("mass_kg") else (
+            cfg.friction_factor if key.endswith(".friction") else cfg.number_factor)
+        if a == b:
+            continue
+        if a <= 0 or b <= 0:
+            return math.inf
+        worst = max(worst, abs(math.log(a / b)) / math.log(factor))
+    return worst
