@@ -16,7 +16,7 @@ from coral.contact.controller import Controller, ControllerCfg, Plan
 from coral.contact.draw import Drawn, Physical
 from coral.contact.judge import Judge
 from coral.contact.metrics import compute_metrics
-from coral.contact.mind import Mind, Moment
+from coral.contact.mind import Mind, Moment, Step
 from coral.contact.planning import PlanningCfg, PlanningWorld
 from coral.contact.policy.cfg import PolicyCfg
 from coral.contact.program.errors import CostError
@@ -108,6 +108,7 @@ class Episode:
         self.writer = RunWriter(folder, columns(objects))
         self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
         self._without_plan = 0
+        self._taken: list[Step] = []
         self._wall = 0.0
         self.now: Observation
         self.planner: PlanningWorld
@@ -183,20 +184,23 @@ class Episode:
             return None
         if changed:
             self.emit("stage", before=stage.name, stage=self.stage, index=self.progress.index)
-        other = self.mind.after(Moment(self.step, self.now, plan, stage.name))
+        other = self.mind.after(Moment(self.step, self.now, plan, stage.name, tuple(self._taken)))
+        self._taken.clear()
         if other is not None:
             self._follow(other)
         return plan
 
     def _act(self, plan: Plan, k: int) -> bool:
         """One control step; false when the world could not take it."""
-        command = self.reactive.command(plan.targets[k], self.now)
+        before = self.now
+        command = self.reactive.command(plan.targets[k], before)
         try:
             self.now = self.world.step(command)
             truth = self.world.truth()
         except WorldFault as fault:
             self.end_reason, self.detail = fault.code, str(fault)
             return False
+        self._taken.append(Step(before, command, self.now))
         self.step += 1
         self.t = self.now.time_s
         self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k)
@@ -232,6 +236,7 @@ class Episode:
         self.recorder.row(0, self.now, truth, first, 0)
         self.recorder.state(0, self.t, self.world)
         self.recorder.contacts(0, truth)
+        self.mind.listen(self.emit)
         self._follow(self.mind.begin(known(self.drawn, self.now), self.now, self.planner))
 
     def _write_head(self) -> None:
@@ -250,6 +255,7 @@ class Episode:
         self.emit("stage", before=None, stage=self.stage, index=0)
 
     def _end(self) -> None:
+        self.mind.ended(self.end_reason or "failed")
         account = self.mind.account
         self.recorder.state(self.step, self.t, self.world, last=True)
         self.recorder.close(self.step)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from coral.contact.controller import Plan
 from coral.contact.draw import Drawn
 from coral.contact.planning import PlanningWorld
 from coral.contact.strategy import Strategy
-from coral.contact.world import Observation
+from coral.contact.world import HandTarget, Observation
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,21 @@ class Account:
 
 
 @dataclass(frozen=True)
+class Step:
+    """One control step as the robot knows it.
+
+    Args:
+        before: Measured when the command was given.
+        command: What was commanded.
+        after: Measured at the end of the step.
+    """
+
+    before: Observation
+    command: HandTarget
+    after: Observation
+
+
+@dataclass(frozen=True)
 class Moment:
     """What a mind sees after a plan: nothing that the robot does not know.
 
@@ -36,12 +52,14 @@ class Moment:
         now: What the sensors say.
         plan: What came of the plan.
         stage: Name of the stage that was planned for.
+        taken: The control steps since the plan before.
     """
 
     step: int
     now: Observation
     plan: Plan
     stage: str
+    taken: tuple[Step, ...] = ()
 
 
 class Mind(Protocol):
@@ -50,6 +68,10 @@ class Mind(Protocol):
     @property
     def account(self) -> Account:
         """What it has done so far."""
+        ...
+
+    def listen(self, emit: Callable[..., None]) -> None:
+        """Be told where to report: `emit(event, **fields)` appends to the run's events."""
         ...
 
     def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
@@ -67,6 +89,11 @@ class Mind(Protocol):
         ...
 
 
+    def ended(self, reason: str) -> None:
+        """The episode is over; "success" or why not."""
+        ...
+
+
 class Fixed:
     """A strategy that was written beforehand and stays.
 
@@ -79,6 +106,9 @@ class Fixed:
     def __init__(self, strategy: Strategy) -> None:
         self._strategy = strategy
 
+    def listen(self, emit: Callable[..., None]) -> None:
+        """See `Mind.listen`."""
+
     def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
         """See `Mind.begin`."""
         return self._strategy
@@ -86,3 +116,6 @@ class Fixed:
     def after(self, moment: Moment) -> Strategy | None:
         """See `Mind.after`."""
         return None
+
+    def ended(self, reason: str) -> None:
+        """See `Mind.ended`."""

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float32]
-STOP = frozenset(("a", "an", "and", "as", "at", "by", "for", "from", "in", "into", "is", "it", "its", "of", "on", "onto",
-                  "or", "out", "over", "that", "the", "then", "to", "up", "with"))
+STOP = frozenset(("a", "an", "and", "as", "at", "by", "for", "from", "in", "into", "is", "it", "its", "of", "on",
+                  "onto", "or", "out", "over", "that", "the", "then", "to", "up", "with"))
 
 
 class Embedder(Protocol):

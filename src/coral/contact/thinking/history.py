@@ -8,22 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coral.contact.world import HandTarget, Observation
-
-
-@dataclass(frozen=True)
-class Step:
-    """One control step as the robot knows it.
-
-    Args:
-        before: Measured when the command was given.
-        command: What was commanded.
-        after: Measured at the end of the step.
-    """
-
-    before: Observation
-    command: HandTarget
-    after: Observation
+from coral.contact.mind import Step
+from coral.contact.world import Observation
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """World-model correction (section 3.4, A.5): mass and friction fitted so that a replay explains the logged history.
 
 What a history can tell: pushed slowly, an object answers with friction x mass x g, whatever the two are; what tells
-them apart is a change of speed (mass), free sliding (friction) or the weight of what is lifted (mass). The fit therefore
-reports how well each is known, and the product.
+them apart is a change of speed (mass), free sliding (friction) or the weight of what is lifted (mass). The fit
+therefore reports how well each is known, and the product.
 """
 
 from __future__ import annotations
