@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Fraction, NonNegative
+from coral.contact.perception.noise_kernels import disturb
 
 Array = NDArray[np.float64]
 
@@ -67,32 +68,16 @@ class DepthNoise:
         cfg = self.cfg
         height, width = depth.shape
         scale = width / 640.0
-        drift = np.stack([_smooth(height, width, rng) for _ in range(2)])
-        shift = cfg.wavy_px * scale * drift + cfg.lateral_px * scale * _normal((2, height, width), rng)
-        shift = np.rint(shift).astype(np.int64)
-        rows = (np.arange(height)[:, None] + shift[0]).clip(0, height - 1)
-        columns = (np.arange(width)[None, :] + shift[1]).clip(0, width - 1)
-        p, q = (np.arange(width) - lens[2]) / lens[0], (np.arange(height) - lens[3]) / lens[1]
-        facing = -(normal[..., 0] * p[None, :] + normal[..., 1] * q[:, None] + normal[..., 2])
-        facing /= np.sqrt(1.0 + p[None, :] ** 2 + q[:, None] ** 2)
-        # A shifted pixel that stays on the same surface keeps its own depth: only outlines are jagged.
-        seen = np.where(np.isfinite(depth), depth, 99.0)
-        moved = seen[rows, columns]
-        jump = np.abs(moved - seen) > cfg.jump_m
-        z = np.where(jump, moved, seen)
-        tilt = np.arccos(facing.clip(0.0, 1.0)).clip(0.0, 1.5)
-        axial = cfg.axial_m + cfg.axial_growth * (z - 0.4) ** 2 + 1e-4 / np.sqrt(z) * (tilt / (math.pi / 2 - tilt)) ** 2
-        noisy = z + axial.clip(0.0, 0.05) * _normal((height, width), rng)
-        noisy += cfg.uneven_m * z * z * _smooth(height, width, rng)
-        if cfg.disparity_step_px > 0.0:
-            step = lens[0] / scale * cfg.baseline_m / cfg.disparity_step_px
-            noisy = step / np.rint(step / noisy.clip(0.05)).clip(1.0)
-        edge = np.zeros((height, width), bool)
-        edge[:, 1:] |= np.abs(np.diff(seen, axis=1)) > cfg.jump_m
-        edge[1:] |= np.abs(np.diff(seen, axis=0)) > cfg.jump_m
-        hole = rng.random((height, width), np.float32) < np.where(edge | jump, cfg.edge_hole, cfg.hole)
-        hole |= (facing < math.cos(math.radians(cfg.grazing_deg))) | (z > 98.0)
-        return np.where(hole, np.inf, noisy), instance[rows, columns]
+        steps = lens[0] / scale * cfg.baseline_m / cfg.disparity_step_px if cfg.disparity_step_px > 0.0 else 0.0
+        amounts = np.array([
+            cfg.lateral_px * scale, cfg.wavy_px * scale, cfg.axial_m, cfg.axial_growth, cfg.uneven_m, steps,
+            math.cos(math.radians(cfg.grazing_deg)), cfg.edge_hole, cfg.hole, cfg.jump_m])
+        wavy = np.stack([_smooth(height, width, rng) for _ in range(2)])
+        lateral, axial = _normal((2, height, width), rng), _normal((height, width), rng)
+        uneven, chance = _smooth(height, width, rng), rng.random((height, width), np.float32)
+        measured, labels = np.empty((height, width)), np.empty((height, width), np.uint8)
+        disturb(depth, normal, instance, lens, lateral, wavy, axial, uneven, chance, amounts, measured, labels)
+        return measured, labels
 
 
 def _normal(shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.float32]:

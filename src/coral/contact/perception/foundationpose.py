@@ -104,14 +104,14 @@ class FoundationPoseTracker:
         following = self._found and not self._lost
         verdict = judge(self.model, view, pose, cfg, following)
         if verdict.reason:
-            return self._give_up(verdict.reason, verdict.confidence, verdict.visible)
+            return self._give_up(verdict.reason, verdict.visible)
         self._reference = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
         self._found, self._lost = True, False
         return Estimate(self._reference, verdict.confidence, False, verdict.visible, "", registered)
 
-    def _give_up(self, reason: str, confidence: float = 0.0, visible: float = 0.0) -> Estimate:
+    def _give_up(self, reason: str, visible: float = 0.0) -> Estimate:
         self._lost = True
-        return Estimate(self._reference, confidence, True, visible, reason)
+        return Estimate(self._reference, 0.0, True, visible, reason)
 
     def _ask(self, verb: str, request: Arrays) -> Arrays:
         connection = http.client.HTTPConnection(self._host, self._port, timeout=self.cfg.timeout_s)

@@ -43,33 +43,36 @@ def normals(
         normal: Shape=(H, W, 3), written; 0 where nothing is seen.
     """
     height, width = depth.shape
+    o, m = np.empty((kind.size, 3)), np.empty((kind.size, 3, 3))  # the camera in every solid's own frame
+    for i in range(kind.size):
+        for j in range(3):
+            o[i, j] = 0.0
+            for k in range(3):
+                o[i, j] += rotation[i, k, j] * (eye[k] - center[i, k])
+                m[i, j, k] = (rotation[i, 0, j] * turn[0, k] + rotation[i, 1, j] * turn[1, k]
+                              + rotation[i, 2, j] * turn[2, k])
     h = np.empty(3)
     n = np.empty(3)
     for v in range(height):
+        q = (v - lens[3]) / lens[1]
         for u in range(width):
             i = solid[v, u]
-            for k in range(3):
-                normal[v, u, k] = 0.0
             if i < 0:
+                normal[v, u, 0], normal[v, u, 1], normal[v, u, 2] = 0.0, 0.0, 0.0
                 continue
             t = depth[v, u]
-            p, q = (u - lens[2]) / lens[0], (v - lens[3]) / lens[1]
+            p = (u - lens[2]) / lens[0]
             for j in range(3):
-                h[j] = 0.0
-                for k in range(3):
-                    world = eye[k] - center[i, k] + t * (turn[k, 0] * p + turn[k, 1] * q + turn[k, 2])
-                    h[j] += rotation[i, k, j] * world
+                h[j] = o[i, j] + t * (m[i, j, 0] * p + m[i, j, 1] * q + m[i, j, 2])
                 n[j] = 0.0
             _normal(kind[i], h, size[i], triangles, face[v, u], n)
-            length = math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
-            for k in range(3):
-                for j in range(3):
-                    for a in range(3):
-                        normal[v, u, k] += turn[a, k] * rotation[i, a, j] * n[j]
-                normal[v, u, k] /= length
-            if normal[v, u, 0] * p + normal[v, u, 1] * q + normal[v, u, 2] > 0.0:  # a mesh seen from its back
-                for k in range(3):
-                    normal[v, u, k] = -normal[v, u, k]
+            x = m[i, 0, 0] * n[0] + m[i, 1, 0] * n[1] + m[i, 2, 0] * n[2]
+            y = m[i, 0, 1] * n[0] + m[i, 1, 1] * n[1] + m[i, 2, 1] * n[2]
+            z = m[i, 0, 2] * n[0] + m[i, 1, 2] * n[1] + m[i, 2, 2] * n[2]
+            scale = 1.0 / math.sqrt(x * x + y * y + z * z)
+            if x * p + y * q + z > 0.0:  # a mesh seen from its back
+                scale = -scale
+            normal[v, u, 0], normal[v, u, 1], normal[v, u, 2] = scale * x, scale * y, scale * z
 
 
 @njit(cache=True, error_model="numpy")

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 _AMBIENT, _HEADLIGHT, _LAMP = 0.3, 0.4, 0.3
 """Shares of the light; they sum to 1, so that nothing is overexposed."""
-_SKY = np.array([0.75, 0.82, 0.9])
+_SKY = np.array([191, 209, 230], np.uint8)
 
 
 def shade(normal: Array, solid: NDArray[np.int64], colour: Array, lens: Array) -> NDArray[np.uint8]:
@@ -21,9 +21,11 @@ def shade(normal: Array, solid: NDArray[np.int64], colour: Array, lens: Array) -
         lens: Shape=(4,): fx, fy, cx, cy in pixels.
     """
     height, width = solid.shape
-    p, q = (np.arange(width) - lens[2]) / lens[0], (np.arange(height) - lens[3]) / lens[1]
-    length = np.sqrt(1.0 + p[None, :] ** 2 + q[:, None] ** 2)
-    headlight = -(normal[..., 0] * p[None, :] + normal[..., 1] * q[:, None] + normal[..., 2]) / length
-    light = _AMBIENT + _HEADLIGHT * headlight.clip(0.0) + _LAMP * (-normal[..., 1]).clip(0.0)
-    picture = np.concatenate([colour, _SKY[None]])[solid] * np.where(solid >= 0, light, 1.0)[..., None]
-    return np.asarray((255.0 * picture.clip(0.0, 1.0)).round(), np.uint8)
+    rows, columns = np.nonzero(solid >= 0)
+    p, q = (columns - lens[2]) / lens[0], (rows - lens[3]) / lens[1]
+    n = normal[rows, columns]
+    headlight = -(n[:, 0] * p + n[:, 1] * q + n[:, 2]) / np.sqrt(1.0 + p * p + q * q)
+    light = (255.0 * (_AMBIENT + _HEADLIGHT * headlight.clip(0.0) + _LAMP * (-n[:, 1]).clip(0.0))).astype(np.float32)
+    picture = np.broadcast_to(_SKY, (height, width, 3)).copy()
+    picture[rows, columns] = (colour.astype(np.float32)[solid[rows, columns]] * light[:, None] + 0.5).astype(np.uint8)
+    return picture

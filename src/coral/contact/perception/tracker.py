@@ -20,7 +20,7 @@ class Estimate:
     Args:
         T_world_object: Shape=(4, 4). While it is lost, where it was last seen; before it was ever found, where it was
             expected.
-        confidence: From 0, nothing fits, to 1.
+        confidence: Of this pose, up to 1; 0 while the object is lost.
         lost: Whether the pose is not to be relied on.
         visible: Share of the object's drawing that is seen.
         reason: Why it is lost: "not seen", "covered", "does not fit"; "" otherwise.

@@ -128,17 +128,17 @@ class ModelTracker:
         following = self._last is not None and not self._lost
         verdict = judge(self.model, view, pose, cfg, following)
         if verdict.reason:
-            return self._give_up(verdict.reason, verdict.confidence, verdict.visible)
+            return self._give_up(verdict.reason, verdict.visible)
         world = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
         self._before = None if registered or self._lost else self._last
         self._last = self._reference = world
         self._lost = False
         return Estimate(world, verdict.confidence, False, verdict.visible, "", registered)
 
-    def _give_up(self, reason: str, confidence: float = 0.0, visible: float = 0.0) -> Estimate:
+    def _give_up(self, reason: str, visible: float = 0.0) -> Estimate:
         """Report the object as lost."""
         self._lost, self._before = True, None
-        return Estimate(self._reference, confidence, True, visible, reason)
+        return Estimate(self._reference, 0.0, True, visible, reason)
 
 
 def _ahead(last: Array, before: Array) -> Array:
