@@ -10,6 +10,7 @@ EVENTS = [
     {"step": 0, "t": 0.0, "event": "contact", "first": "box", "second": "table"},
     {"step": 0, "t": 0.0, "event": "plan", "ess": 2.0, "diverged": 1},
     {"step": 2, "t": 0.04, "event": "plan", "ess": 4.0, "diverged": 0},
+    {"step": 2, "t": 0.04, "event": "policy", "call": 1},
     {"step": 2, "t": 0.04, "event": "contact", "first": "box", "second": "left"},
     {"step": 2, "t": 0.04, "event": "stage", "before": "reach", "stage": "close"},
     {"step": 4, "t": 0.08, "event": "end", "reason": "success", "advisor_calls": 3, "repairs": 1, "memory_hit": True},
@@ -21,8 +22,8 @@ ROWS = [{"step": str(k), "t": str(0.02 * k), "x": "0", "y": str(0.01 * k), "z": 
 def test_metrics_of_a_finished_episode():
     found = metrics_of(EVENTS, ROWS)
     assert found == {
-        "success": True, "end_reason": "success", "sim_time_s": 0.08, "steps": 4, "plans": 2, "stages": 1,
-        "strategy": "pick", "advisor_calls": 3, "repairs": 1, "memory_hit": True, "path_length_m": 0.04,
+        "success": True, "end_reason": "success", "sim_time_s": 0.08, "steps": 4, "plans": 2, "policy_calls": 1,
+        "stages": 1, "strategy": "pick", "advisor_calls": 3, "repairs": 1, "memory_hit": True, "path_length_m": 0.04,
         "peak_hand_force_n": 5.0, "mean_hand_force_n": 4.0, "contact_time_s": 0.04, "contacts": 1,
         "effective_samples": 3.0, "diverged_rehearsals": 1, "poses": "ground-truth"}
     assert set(found) == set(DEFINITIONS)

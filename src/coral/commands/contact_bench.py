@@ -27,9 +27,11 @@ from coral.campaign.version import code_version
 from coral.commands.contact_run import with_samples
 from coral.config import checked, read_config, to_mapping
 from coral.contact.episode import EpisodeCfg
+from coral.contact.policy.address import Address, parse_address
+from coral.contact.policy.trial import run_policy_trial
 from coral.contact.task import Task, load_task, shipped_tasks
 from coral.contact.trial import run_trial
-from coral.contact.variants import ALONE, check_variant, make_mind
+from coral.contact.variants import ALONE, VARIANTS, check_variant, make_mind
 from coral.contact.worlds import check_world
 from coral.errors import InputError, RunError
 from coral.runs import provenance
@@ -41,11 +43,16 @@ class ContactEpisode:
 
     cfg: EpisodeCfg
     tasks: Mapping[str, Task]
+    policies: Mapping[str, Address] = field(default_factory=dict)
 
     def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
         """Run it."""
-        return run_trial(self.tasks[spec.world], self.cfg, folder, world=dict(spec.overrides)["world"],
-                         variant=spec.variant, advisor=spec.advisor, seed=spec.seed)
+        task, world = self.tasks[spec.world], dict(spec.overrides)["world"]
+        if spec.variant in self.policies:
+            return run_policy_trial(task, self.cfg, folder, world=world, address=self.policies[spec.variant],
+                                    seed=spec.seed)
+        return run_trial(task, self.cfg, folder, world=world, variant=spec.variant, advisor=spec.advisor,
+                         seed=spec.seed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +63,9 @@ class ContactBench:
     """
 
     variants: str = "expert,expert-fsm"
-    """Names, separated by commas."""
+    """Names, separated by commas; none beside policies: none."""
+    policies: str = ""
+    """Served policies beside the variants, NAME=ws://HOST:PORT, separated by commas."""
     tasks: str = "all"
     """Shipped tasks or task files, separated by commas; all: the shipped ones."""
     worlds: str = "panda"
@@ -128,7 +137,9 @@ class ContactBench:
             *(f"{name}: {result[name]}" for name in ("data", "tables"))])
 
     def _specs(self, tasks: Mapping[str, Task]) -> tuple[Spec, ...]:
-        variants, worlds = parse_names(self.variants, "--variants"), parse_names(self.worlds, "--worlds")
+        worlds = parse_names(self.worlds, "--worlds")
+        policies = self._policies()
+        variants = () if policies and self.variants == "none" else parse_names(self.variants, "--variants")
         advisors = parse_names(self.advisors, "--advisors")
         for variant in variants:
             check_variant(variant, "--variants")
@@ -140,9 +151,16 @@ class ContactBench:
             if advisor.split(":")[-1] == "desk":
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
             make_advisor(advisor, rules={}, rng=np.random.default_rng(0), cfg=ModelCfg(), where="--advisors")
-        return grid("contact", variants=variants, worlds=tuple(tasks), seeds=parse_seeds(self.seeds), advisors=advisors,
-                    alone=[name for name in variants if name in ALONE],
+        return grid("contact", variants=(*variants, *policies), worlds=tuple(tasks), seeds=parse_seeds(self.seeds),
+                    advisors=advisors, alone=[*(name for name in variants if name in ALONE), *policies],
                     overrides=[{"world": world} for world in worlds])
+
+    def _policies(self) -> dict[str, Address]:
+        words = parse_names(self.policies, "--policies") if self.policies else ()
+        found = [parse_address(word, VARIANTS, "--policies") for word in words]
+        if len({one.name for one in found}) < len(found):
+            raise InputError("--policies", "", repr(self.policies), "a name of its own for each")
+        return {one.name: one for one in found}
 
     def _conditions(self, cfg: EpisodeCfg, tasks: Mapping[str, Task]) -> dict[str, str]:
         """What must be the same for every episode of a table, as digests."""
@@ -157,8 +175,9 @@ class ContactBench:
             cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
         executor = make_executor(self.executor, self.jobs, self.address)
         try:
-            return run_campaign(store, specs, ContactEpisode(cfg, tasks), executor, retry_failed=self.retry_failed,
-                                mix=self.mix, progress=CampaignProgress(quiet=self.quiet))
+            return run_campaign(store, specs, ContactEpisode(cfg, tasks, self._policies()), executor,
+                                retry_failed=self.retry_failed, mix=self.mix,
+                                progress=CampaignProgress(quiet=self.quiet))
         except KeyboardInterrupt:
             print(f"stopped; the same command goes on from here ({self.out})", file=sys.stderr)
             raise
@@ -185,6 +204,7 @@ class ContactBench:
         """The command that makes this campaign, without what does not change its results."""
         words = ["coral", "contact", "bench", "--variants", self.variants, "--tasks", self.tasks,
                  "--worlds", self.worlds, "--seeds", self.seeds, "--advisors", self.advisors]
+        words += ["--policies", self.policies] if self.policies else []
         words += ["--samples", str(self.samples)] if self.samples is not None else []
         words += ["--config", str(self.config)] if self.config else [
             word for key, value in changes(to_mapping(self.cfg), to_mapping(EpisodeCfg()), "cfg")

@@ -3,11 +3,27 @@
 from __future__ import annotations
 
 import time
+from typing import Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from coral.contact.episode import Episode
+from coral.contact.draw import Drawn
+from coral.contact.judge import Judge
+
+
+class Running(Protocol):
+    """An episode, driven by a planner or by a served policy, as far as the bar looks at it."""
+
+    t: float
+    time_limit_s: float
+    drawn: Drawn
+    judge: Judge
+
+    @property
+    def stage(self) -> str:
+        """Name of what it is at."""
+        ...
 
 
 class EpisodeProgress:
@@ -21,7 +37,7 @@ class EpisodeProgress:
         self._started = time.monotonic()
         self._bar.start()
 
-    def tick(self, episode: Episode) -> None:
+    def tick(self, episode: Running) -> None:
         """Bring the bar up to date."""
         factor = episode.t / max(time.monotonic() - self._started, 1e-3)
         holding = episode.judge.holding

@@ -18,8 +18,11 @@ from coral.commands.contact_progress import EpisodeProgress
 from coral.config import checked, read_config
 from coral.contact.draw import draw
 from coral.contact.episode import ENDS, Episode, EpisodeCfg
-from coral.contact.task import load_task
-from coral.contact.variants import ALONE, check_variant, make_mind
+from coral.contact.policy.address import parse_address
+from coral.contact.policy.episode import PolicyEpisode
+from coral.contact.policy.trial import serving
+from coral.contact.task import Task, load_task
+from coral.contact.variants import ALONE, VARIANTS, check_variant, make_mind
 from coral.contact.worlds import check_world
 from coral.errors import InputError
 from coral.runs import new_run_folder
@@ -39,6 +42,8 @@ class ContactRun:
     """Configuration of the pipeline. An expert's hand-written costs: expert, one stage; expert-fsm, a state machine."""
     seed: int = 0
     """Seed of everything random: poses, masses, frictions, sizes and the planner's noise."""
+    policy: str | None = None
+    """[NAME=]ws://HOST:PORT: no planner and no variant, a vision-language-action policy that this server runs."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
     out: Path | None = None
@@ -69,11 +74,16 @@ class ContactRun:
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
         check_variant(self.variant)
+        if self.policy is not None and self.variant != type(self).variant:
+            raise InputError("--policy", "", f"also --variant {self.variant}",
+                             "one of the two: a policy has no variant")
         check_world(self.world)
         make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=Path("inbox"), cfg=ModelCfg())
         task = load_task(self.task)
         cfg = checked(with_samples(self.cfg, self.samples), "--cfg")
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
+        if self.policy is not None:
+            return self._driven(self.policy, task, cfg)
         mind = make_mind(self.variant, task)
         folder = self.out or new_run_folder(Path("runs"), task.name)
         advisor = "none" if self.variant in ALONE else self.advisor
@@ -85,18 +95,35 @@ class ContactRun:
             progress.close()
         return {**result, "run": str(folder), **render(folder, cfg)}
 
+    def _driven(self, policy: str, task: Task, cfg: EpisodeCfg) -> Mapping[str, Any]:
+        """An episode that a served policy drives."""
+        address = parse_address(policy, VARIANTS)
+        with serving(address, cfg.policy.client) as client:
+            folder = self.out or new_run_folder(Path("runs"), task.name)
+            episode = PolicyEpisode(draw(task, self.seed), self.world, client, cfg, folder, address)
+            progress = EpisodeProgress(quiet=self.quiet)
+            try:
+                result = episode.run([progress])
+            finally:
+                progress.close()
+        return {**result, "run": str(folder), **render(folder, cfg)}
+
     def describe(self, result: Mapping[str, Any]) -> str:
         """The outcome in a few lines, and where to look."""
         reason = str(result["end_reason"])
         why = "" if result["success"] else f" ({ENDS.get(reason.partition(':')[0], '')})"
         lines = [
             f"{self.task}: {reason}{why} after {result['sim_time_s']:.1f} s simulated in "
-            f"{result['wall_time_s']:.0f} s; {result['plans']} plans of {result['plan_ms_median']:.0f} ms, "
+            f"{result['wall_time_s']:.0f} s; {_count(result)} of {result['plan_ms_median']:.0f} ms, "
             f"{result['path_length_m']:.2f} m of path, "
             f"at most {result['peak_hand_force_n']:.0f} N on an object",
             f"run folder: {result['run']}"]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
         return "\n".join(lines)
+
+
+def _count(result: Mapping[str, Any]) -> str:
+    return f"{result['policy_calls']} answers" if result["policy_calls"] else f"{result['plans']} plans"
 
 
 def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:

@@ -17,6 +17,7 @@ DEFINITIONS = {
     "sim_time_s": "Simulated time (s) at the end; of a success the paper's completion time.",
     "steps": "Control steps.",
     "plans": "Times the controller planned (MPPI updates).",
+    "policy_calls": "Chunks of actions that a served policy was asked for.",
     "stages": "Changes from one stage of the strategy to another.",
     "strategy": "Name of the strategy that was followed last.",
     "advisor_calls": "Questions put to the advisor.",
@@ -29,7 +30,7 @@ DEFINITIONS = {
     "contacts": "Contacts that began during the episode, those between things that do not move left out.",
     "effective_samples": "Mean effective sample size of the plans.",
     "diverged_rehearsals": "Rehearsals in the planning world that were left out because they diverged.",
-    "poses": "Where the objects' poses came from: the simulator (ground-truth) or a tracker.",
+    "poses": "Where the objects' poses came from: the simulator (ground-truth), a tracker, or nowhere (pictures).",
 }
 
 
@@ -49,7 +50,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     """Metrics from the events and the rows of the trajectory, in order."""
     start: Mapping[str, Any] = {}
     end: Mapping[str, Any] = {}
-    plans = stages = contacts = diverged = 0
+    plans = asked = stages = contacts = diverged = 0
     effective, strategy = 0.0, ""
     for event in events:
         kind = event["event"]
@@ -61,6 +62,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
             plans += 1
             effective += float(event["ess"])
             diverged += int(event["diverged"])
+        elif kind == "policy":
+            asked += 1
         elif kind == "stage":
             stages += event.get("before") is not None
         elif kind == "strategy":
@@ -79,7 +82,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
             impulse, touching = impulse + force * (t - before), touching + t - before
     return {
         "success": end.get("reason") == "success", "end_reason": str(end.get("reason", "killed")),
-        "sim_time_s": round(t, 3), "steps": step, "plans": plans, "stages": stages, "strategy": strategy,
+        "sim_time_s": round(t, 3), "steps": step, "plans": plans, "policy_calls": asked, "stages": stages,
+        "strategy": strategy,
         "advisor_calls": int(end.get("advisor_calls", 0)), "repairs": int(end.get("repairs", 0)),
         "memory_hit": bool(end.get("memory_hit", False)), "path_length_m": round(path, 4),
         "peak_hand_force_n": round(peak, 2), "mean_hand_force_n": round(impulse / touching, 2) if touching else None,

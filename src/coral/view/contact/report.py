@@ -38,7 +38,8 @@ ENDED = {
     "dropped": "failed: an object fell off the table", "tunnelling": "void: an object went through the table",
     "diverged": "void: the simulation diverged", "unreachable": "failed: the arm could not go on",
     "camera-off": "failed: the camera gave no pictures", "cost-error": "failed: the cost could not be evaluated",
-    "no-plan": "failed: no usable rehearsal", "failed": "ended by an error in the program"}
+    "no-plan": "failed: no usable rehearsal", "policy": "failed: the served policy gave no actions",
+    "failed": "ended by an error in the program"}
 
 
 def write_contact_report(run_folder: str | Path) -> Path:

@@ -1,0 +1,56 @@
+"""`[NAME=]ws://HOST:PORT` on the command line: where a policy is served, and what tables call it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+from urllib.parse import urlsplit
+
+from coral.errors import InputError
+
+_NAME = re.compile(r"[a-z0-9][a-z0-9.-]{0,40}")
+_EXPECTED = "ws://HOST:PORT or NAME=ws://HOST:PORT"
+
+
+@dataclass(frozen=True)
+class Address:
+    """A served policy.
+
+    Args:
+        name: For records; `openvla-oft` and `pi05` stand in the paper's rows of Table 1.
+        url: Of its server.
+    """
+
+    name: str
+    url: str
+
+
+def parse_address(text: str, taken: Collection[str] = (), where: str = "--policy") -> Address:
+    """Read an address.
+
+    Args:
+        text: As on the command line.
+        taken: Names that mean something else.
+        where: The flag, for errors.
+
+    Raises:
+        InputError: It is none.
+    """
+    name, separator, url = text.partition("=")
+    if not separator:
+        name, url = "policy", text
+    if not _NAME.fullmatch(name):
+        raise InputError(where, "", repr(name), "a name of small letters, digits, dots and hyphens")
+    if name in taken:
+        raise InputError(where, "", repr(name), "a name that no variant has")
+    try:
+        parts = urlsplit(url)
+        host, _ = parts.hostname, parts.port
+    except ValueError:
+        raise InputError(where, "", repr(url), _EXPECTED) from None
+    if parts.scheme not in ("ws", "wss") or not host or parts.fragment or any(c.isspace() for c in url):
+        raise InputError(where, "", repr(url), _EXPECTED)
+    if parts.username is not None or parts.password is not None:
+        raise InputError(where, "", "a password in the address", f"{_EXPECTED}; a key goes into the environment")
+    return Address(name, url)

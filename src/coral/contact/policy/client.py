@@ -1,0 +1,192 @@
+"""Asks a policy server for actions over a websocket: openpi's protocol, with deadlines and limits of its own.
+
+The server speaks first: its metadata. Then each observation is answered by one message. A text instead of bytes is the
+server's account of an error. Messages bear no number, so that an answer that is late must never be taken for the next
+one's: a connection that missed its deadline is dropped.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+from collections.abc import Coroutine, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
+
+from coral.config import Count, NonNegative, Positive
+from coral.contact.policy.wire import WireError, decode, encode
+
+T = TypeVar("T")
+KEY_VARIABLE = "CORAL_POLICY_KEY"
+"""Environment variable with the key of servers that ask for one (sent as openpi's client does)."""
+OUTAGES = ("unreachable", "silence", "closed")
+"""Failures of the line, not of the policy: worth another attempt."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClientCfg:
+    """Patience with the server.
+
+    Args:
+        connect_s: To connect and hear the server's metadata.
+        answer_s: For one chunk of actions. A server that compiles at its first question may need a minute.
+        attempts: Times that a question is put, on a new connection each, while the line fails.
+        wait_s: Between them.
+        most_bytes: No message may be longer; a chunk of fifty actions has 3 kB.
+    """
+
+    connect_s: Positive = 10.0
+    answer_s: Positive = 90.0
+    attempts: Count = 3
+    wait_s: NonNegative = 2.0
+    most_bytes: Count = 4 * 2**20
+
+
+class PolicyError(RuntimeError):
+    """The policy cannot go on; `code` names why.
+
+    Codes: "unreachable", "silence" (the deadline passed), "closed" (by the server), "error" (it said so), "too-large",
+    "bad-message", "bad-actions", "not-finite".
+    """
+
+    def __init__(self, code: str, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+class PolicyClient:
+    """A connection to a policy server, made anew when it breaks.
+
+    Args:
+        url: ws://HOST:PORT or wss://HOST:PORT.
+        cfg: Patience.
+    """
+
+    def __init__(self, url: str, cfg: ClientCfg) -> None:
+        self.url, self.cfg = url, cfg
+        self.metadata: dict[str, Any] = {}
+        self.connections = 0
+        self._runner = asyncio.Runner()
+        self._line: ClientConnection | None = None
+        logging.getLogger("websockets.client").setLevel(logging.CRITICAL)  # what fails is told by PolicyError
+
+    def connect(self) -> None:
+        """Connect, if that is not done; the server's metadata is in `metadata` then.
+
+        Raises:
+            PolicyError: It does not answer, or not as a policy server.
+        """
+        self._run(self._connect())
+
+    def infer(self, observation: Mapping[str, Any]) -> Mapping[Any, Any]:
+        """The server's answer to an observation.
+
+        Raises:
+            PolicyError: There is none that can be used.
+        """
+        try:
+            question = encode(observation)
+        except WireError as error:
+            raise PolicyError("bad-message", f"the observation cannot be sent: {error}") from None
+        return self._run(self._ask(question))
+
+    def close(self) -> None:
+        """Leave the server."""
+        if self._line is not None:
+            self._run(self._leave(self._line))
+            self._line = None
+        self._runner.close()
+
+    def _run(self, work: Coroutine[Any, Any, T]) -> T:
+        return self._runner.run(work)
+
+    async def _ask(self, question: bytes) -> Mapping[Any, Any]:
+        for attempt in range(1, self.cfg.attempts + 1):
+            try:
+                await self._connect()
+                return await self._exchange(question)
+            except PolicyError as error:
+                self._drop()
+                if error.code not in OUTAGES or attempt == self.cfg.attempts:
+                    raise
+                await asyncio.sleep(self.cfg.wait_s)
+        raise AssertionError("attempts is at least 1")
+
+    async def _connect(self) -> None:
+        if self._line is not None:
+            return
+        key = os.environ.get(KEY_VARIABLE)
+        try:
+            async with asyncio.timeout(self.cfg.connect_s):
+                # No pings: a server may be busy inferring for longer than they wait; the deadlines are the answer.
+                self._line = await connect(
+                    self.url, compression=None, max_size=self.cfg.most_bytes, open_timeout=None, ping_interval=None,
+                    close_timeout=1.0, proxy=None,
+                    additional_headers={"Authorization": f"Api-Key {key}"} if key else None)
+        except TimeoutError:
+            raise PolicyError("unreachable", f"{self.url} did not answer in {self.cfg.connect_s:g} s") from None
+        except (OSError, InvalidHandshake, InvalidURI, EOFError) as error:
+            raise PolicyError("unreachable", f"{self.url}: {_line(error)}") from None
+        try:
+            told = await self._receive(self._line, self.cfg.connect_s)
+        except PolicyError:
+            self._drop()
+            raise
+        self.metadata = {str(name): value for name, value in told.items()}
+        self.connections += 1
+
+    async def _exchange(self, question: bytes) -> Mapping[Any, Any]:
+        line = self._line
+        assert line is not None
+        return await self._receive(line, self.cfg.answer_s, question)
+
+    async def _receive(self, line: ClientConnection, within_s: float, question: bytes | None = None
+                       ) -> Mapping[Any, Any]:
+        """The server's next message; before that, a question is sent."""
+        try:
+            async with asyncio.timeout(within_s):
+                if question is not None:
+                    await line.send(question)
+                message = await line.recv()
+        except TimeoutError:
+            raise PolicyError("silence", f"no answer from {self.url} in {within_s:g} s") from None
+        except ConnectionClosed as error:
+            if error.sent is not None and error.sent.code == 1009 and not error.rcvd_then_sent:
+                raise PolicyError("too-large", f"a message of more than {self.cfg.most_bytes} bytes") from None
+            raise PolicyError("closed", f"{self.url} closed the connection: {_line(error)}") from None
+        if isinstance(message, str):
+            raise PolicyError("error", f"the server says: {_last_line(message)}")
+        try:
+            answer = decode(message)
+        except WireError as error:
+            raise PolicyError("bad-message", str(error)) from None
+        if not isinstance(answer, dict):
+            raise PolicyError("bad-message", f"a {type(answer).__name__} where a map is expected")
+        return answer
+
+    def _drop(self) -> None:
+        """Let go of the connection without a word: it may be the one that does not answer."""
+        if self._line is not None:
+            self._line.transport.abort()
+            self._line = None
+
+    async def _leave(self, line: ClientConnection) -> None:
+        await line.close()
+
+
+def _line(error: BaseException) -> str:
+    return printable(str(error) or type(error).__name__)
+
+
+def _last_line(text: str) -> str:
+    lines = [line for line in text.splitlines() if line.strip()]
+    return printable(lines[-1]) if lines else "nothing"
+
+
+def printable(text: str, most: int = 200) -> str:
+    """A server's words on one short line, without control characters."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text[:4 * most]).split())[:most]
