@@ -25,6 +25,7 @@ COMMANDS = {
     "contact run": ("coral.commands.contact_run:ContactRun", "attempt a contact task and write a run folder"),
     "contact bench": ("coral.commands.contact_bench:ContactBench", "compare variants over many trials, with tables"),
     "contact tasks": ("coral.commands.contact_tasks:ContactTasks", "list the contact tasks, or describe some"),
+    "contact track": ("coral.commands.contact_track:ContactTrack", "measure how exactly objects are tracked"),
     "replay": ("coral.commands.replay:Replay", "watch a run folder again in a browser"),
     "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),
     "desk": ("coral.commands.desk:Desk", "answer a mission's questions in a browser"),

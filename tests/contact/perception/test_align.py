@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from coral.contact.perception import align_kernels as kernels
+from coral.contact.perception.agreement_kernels import RESIDUAL
 from coral.contact.perception.camera import CameraCfg
 from coral.contact.perception.raycast_kernels import render
 from coral.contact.perception.registration import RegistrationCfg, misfit, orientations
@@ -122,7 +123,7 @@ def test_the_tally_against_numpy():
                 (drawn & ~seen.mask & ~behind & (seen.field > 1.5)).sum(), behind.sum(), drawn.sum()]
     np.testing.assert_array_equal(tally[:6], expected)
     assert min(expected) > 0
-    assert tally[kernels.RESIDUAL] == pytest.approx((gap / 0.012)[both & (gap < 0.012)].sum(), rel=1e-4)
+    assert tally[RESIDUAL] == pytest.approx((gap / 0.012)[both & (gap < 0.012)].sum(), rel=1e-4)
     assert misfit(seen.count(BOX, truth, 0.012)) < misfit(tally)
 
 

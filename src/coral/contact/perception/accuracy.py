@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from coral.config import Count, Fraction, TimeStep
 from coral.contact.draw import Drawn
-from coral.contact.perception.align_kernels import AGREE, DRAWN, WRONG
+from coral.contact.perception.agreement_kernels import AGREE, DRAWN, WRONG
 from coral.contact.perception.camera import CameraCfg, Colours, RgbdFrame
 from coral.contact.perception.confidence import ConfidenceCfg, view_of
 from coral.contact.perception.depth_noise import DepthNoise

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count, Fraction, Positive
-from coral.contact.perception import align_kernels as kernels
+from coral.contact.perception import agreement_kernels as kernels
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.shapes import ObjectModel
 from coral.contact.perception.view import View, box_of, cut, project

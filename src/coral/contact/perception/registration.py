@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count, NonNegative, Positive
-from coral.contact.perception import align_kernels as kernels
+from coral.contact.perception import agreement_kernels as kernels
 from coral.contact.perception.rotation import about, spread
 from coral.contact.perception.shapes import ObjectModel
 from coral.contact.perception.view import View, box_of, cut
@@ -105,7 +105,7 @@ def register(
 
 
 def misfit(tally: Array) -> float:
-    """Share of what is seen that a pose does not explain, from a tally of `align_kernels.count`; 0 is perfect.
+    """Share of what is seen that a pose does not explain, from a tally of `agreement_kernels.count`; 0 is perfect.
 
     What something nearer hides costs a little, lest the object hide behind the hand; so does depth that is off a bit.
     """

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.contact.perception import agreement_kernels
 from coral.contact.perception import align_kernels as kernels
 from coral.contact.perception.shapes import ObjectModel
 
@@ -33,10 +34,10 @@ class View:
     lens: Array
 
     def count(self, model: ObjectModel, T_camera_object: Array, margin_m: float) -> Array:
-        """How well a pose explains the cut-out: the tally of `align_kernels.count`. Shape=(7,)."""
+        """How well a pose explains the cut-out: the tally of `agreement_kernels.count`. Shape=(7,)."""
         s, tally = model.solids, np.empty(7)
         turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
-        kernels.count(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles, self.depth,
+        agreement_kernels.count(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles, self.depth,
                       self.mask, self.field, self.cover, self.lens, margin_m, tally)
         return tally
 
@@ -44,7 +45,7 @@ class View:
         """The pose shifted so that its drawing has the mask's centre and depth. Shape=(4, 4)."""
         s = model.solids
         turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
-        kernels.place(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles, self.depth,
+        agreement_kernels.place(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles, self.depth,
                       self.mask, self.lens, rounds)
         return _pose(turn, shift)
 

@@ -1,0 +1,143 @@
+"""How well an object, drawn at a pose, agrees with a picture; and a first shift that brings it over its mask."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from coral.contact.perception.align_kernels import ROBOT
+from coral.contact.perception.normal_kernels import normals
+from coral.contact.perception.raycast_kernels import render
+
+AGREE, WRONG, UNCOVERED, FREE, HIDDEN, DRAWN, RESIDUAL = 0, 1, 2, 3, 4, 5, 6
+"""What `count` writes."""
+
+
+@njit(cache=True, error_model="numpy")
+def count(
+    turn: NDArray[np.float64], shift: NDArray[np.float64],
+    kind: NDArray[np.int64], center: NDArray[np.float64], rotation: NDArray[np.float64], size: NDArray[np.float64],
+    first: NDArray[np.int64], number: NDArray[np.int64], triangles: NDArray[np.float64],
+    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], cover: NDArray[np.uint8],
+    lens: NDArray[np.float64], margin: float, tally: NDArray[np.float64],
+) -> None:
+    """How well the object at a pose explains a picture.
+
+    Args:
+        turn: As in `align_kernels.align`, as all that follow but the last two.
+        shift: Shape=(3,).
+        kind: Shape=(N,).
+        center: Shape=(N, 3).
+        rotation: Shape=(N, 3, 3).
+        size: Shape=(N, 3).
+        first: Shape=(N,).
+        number: Shape=(N,).
+        triangles: Shape=(M, 3, 3).
+        measured: Shape=(H, W).
+        mask: Shape=(H, W).
+        field: Shape=(H, W).
+        cover: Shape=(H, W).
+        lens: Shape=(4,).
+        margin: Distance (m) along the normal by which measured and drawn may differ and still agree; along the optical
+            axis it may be four times that, since depth is noisier the more a surface is slanted.
+        tally: Shape=(7,), written: pixels where depths agree, where they do not, where the mask is not covered, where
+            the object stands in free space, where something nearer hides it, where it is drawn; sum of |difference| /
+            margin over those that agree. A pixel on either side of an outline counts as neither uncovered nor free.
+    """
+    height, width = measured.shape
+    depth = np.empty((height, width))
+    solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
+    normal = np.empty((height, width, 3))
+    back, eye = np.empty((3, 3)), np.empty(3)
+    for i in range(3):
+        eye[i] = 0.0
+        for j in range(3):
+            back[i, j] = turn[j, i]
+            eye[i] -= turn[j, i] * shift[j]
+    render(back, eye, lens, 0.02, 20.0, kind, center, rotation, size, first, number, triangles, depth, solid, face)
+    normals(back, eye, lens, kind, center, rotation, size, triangles, depth, solid, face, normal)
+    tally[:] = 0.0
+    for v in range(height):
+        q = (v - lens[3]) / lens[1]
+        for u in range(width):
+            p = (u - lens[2]) / lens[0]
+            seen = measured[v, u]
+            if solid[v, u] >= 0:
+                tally[DRAWN] += 1.0
+                difference = seen - depth[v, u]
+                if mask[v, u]:
+                    if seen == 0.0:
+                        continue
+                    slope = abs(normal[v, u, 0] * p + normal[v, u, 1] * q + normal[v, u, 2])
+                    gap = max(slope, 0.25) * abs(difference)
+                    if gap < margin:
+                        tally[AGREE] += 1.0
+                        tally[RESIDUAL] += gap / margin
+                    else:
+                        tally[WRONG] += 1.0
+                elif cover[v, u] == ROBOT or (seen > 0.0 and difference < -margin):
+                    tally[HIDDEN] += 1.0
+                elif field[v, u] > 1.5:
+                    tally[FREE] += 1.0
+            elif mask[v, u]:
+                near = False
+                for a in range(max(0, v - 1), min(height, v + 2)):
+                    for c in range(max(0, u - 1), min(width, u + 2)):
+                        near = near or solid[a, c] >= 0
+                if not near:
+                    tally[UNCOVERED] += 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def place(
+    turn: NDArray[np.float64], shift: NDArray[np.float64],
+    kind: NDArray[np.int64], center: NDArray[np.float64], rotation: NDArray[np.float64], size: NDArray[np.float64],
+    first: NDArray[np.int64], number: NDArray[np.int64], triangles: NDArray[np.float64],
+    measured: NDArray[np.float32], mask: NDArray[np.bool_], lens: NDArray[np.float64], rounds: int,
+) -> None:
+    """Shift an object until the centre and the mean depth of its drawing are those of the mask; `shift` is changed.
+
+    Args:
+        turn: As in `align_kernels.align`, as all that follow but the last.
+        shift: Shape=(3,).
+        kind: Shape=(N,).
+        center: Shape=(N, 3).
+        rotation: Shape=(N, 3, 3).
+        size: Shape=(N, 3).
+        first: Shape=(N,).
+        number: Shape=(N,).
+        triangles: Shape=(M, 3, 3).
+        measured: Shape=(H, W).
+        mask: Shape=(H, W).
+        lens: Shape=(4,).
+        rounds: Number of drawings.
+    """
+    height, width = measured.shape
+    depth = np.empty((height, width))
+    solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
+    back, eye = np.empty((3, 3)), np.empty(3)
+    for _ in range(rounds):
+        for i in range(3):
+            eye[i] = 0.0
+            for j in range(3):
+                back[i, j] = turn[j, i]
+                eye[i] -= turn[j, i] * shift[j]
+        render(back, eye, lens, 0.02, 20.0, kind, center, rotation, size, first, number, triangles, depth, solid, face)
+        mu, mv, mz, m, mn = 0.0, 0.0, 0.0, 0.0, 0.0
+        du, dv, dz, d = 0.0, 0.0, 0.0, 0.0
+        for v in range(height):
+            for u in range(width):
+                if mask[v, u]:
+                    mu, mv, mn = mu + u, mv + v, mn + 1.0
+                    if measured[v, u] > 0.0:
+                        mz, m = mz + measured[v, u], m + 1.0
+                if solid[v, u] >= 0:
+                    du, dv, dz, d = du + u, dv + v, dz + depth[v, u], d + 1.0
+        if m == 0.0 or d == 0.0:
+            return
+        z = mz / m
+        ratio = z / (dz / d)
+        shift[2] += z - dz / d
+        shift[0] = shift[0] * ratio + (mu / mn - du / d) / lens[0] * z
+        shift[1] = shift[1] * ratio + (mv / mn - dv / d) / lens[1] * z
