@@ -37,16 +37,16 @@ class View:
         """How well a pose explains the cut-out: the tally of `agreement_kernels.count`. Shape=(7,)."""
         s, tally = model.solids, np.empty(7)
         turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
-        agreement_kernels.count(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles, self.depth,
-                      self.mask, self.field, self.cover, self.lens, margin_m, tally)
+        agreement_kernels.count(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles,
+                                self.depth, self.mask, self.field, self.cover, self.lens, margin_m, tally)
         return tally
 
     def place(self, model: ObjectModel, T_camera_object: Array, rounds: int = 2) -> Array:
         """The pose shifted so that its drawing has the mask's centre and depth. Shape=(4, 4)."""
         s = model.solids
         turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
-        agreement_kernels.place(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles, self.depth,
-                      self.mask, self.lens, rounds)
+        agreement_kernels.place(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles,
+                                self.depth, self.mask, self.lens, rounds)
         return _pose(turn, shift)
 
     def align(
