@@ -125,7 +125,7 @@ def fsm(task: Task) -> Strategy:
             # The spring's other end moves straight at the pace: otherwise it wanders, 2 or 3 cm down and aside, where
             # the model sees little difference, and each wandering is 5 N.
             "straight": 2.5 * norm(state.last_action[..., :3] - PACE_M_S * along),
-            "square": 2.0 * square(state, name),
+            "square": 8.0 * square(state, name),
             "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
         }
 
