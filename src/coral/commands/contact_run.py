@@ -22,7 +22,7 @@ from coral.contact.policy.address import parse_address
 from coral.contact.policy.episode import PolicyEpisode
 from coral.contact.policy.trial import serving
 from coral.contact.task import Task, load_task
-from coral.contact.variants import ALONE, VARIANTS, check_variant, make_mind
+from coral.contact.variants import ALONE, VARIANTS, Asking, check_variant, make_mind
 from coral.contact.worlds import check_world
 from coral.errors import InputError
 from coral.runs import new_run_folder
@@ -39,13 +39,18 @@ class ContactRun:
     advisor: str = "heuristic"
     """Who thinks, in variants that ask: heuristic, PROVIDER:MODEL, local:URL#MODEL, desk, replay:FILE, ..."""
     variant: str = "expert-fsm"
-    """Configuration of the pipeline. An expert's hand-written costs: expert, one stage; expert-fsm, a state machine."""
+    """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement and cost-only are it without a
+    part. expert and expert-fsm follow hand-written costs and ask nobody."""
     seed: int = 0
     """Seed of everything random: poses, masses, frictions, sizes and the planner's noise."""
     policy: str | None = None
     """[NAME=]ws://HOST:PORT: no planner and no variant, a vision-language-action policy that this server runs."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
+    memory: Path | None = None
+    """File of the experience memory: read at the start, a success is added to it. Without it nothing is remembered."""
+    inbox: Path = Path("inbox")
+    """Folder of the questions that the advisor `desk` puts."""
     out: Path | None = None
     """Run folder, new or empty; by default the next free runs/TASK-NNN."""
     config: Path | None = None
@@ -78,14 +83,16 @@ class ContactRun:
             raise InputError("--policy", "", f"also --variant {self.variant}",
                              "one of the two: a policy has no variant")
         check_world(self.world)
-        make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=Path("inbox"), cfg=ModelCfg())
+        make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=ModelCfg())
         task = load_task(self.task)
         cfg = checked(with_samples(self.cfg, self.samples), "--cfg")
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.policy is not None:
             return self._driven(self.policy, task, cfg)
-        mind = make_mind(self.variant, task)
         folder = self.out or new_run_folder(Path("runs"), task.name)
+        mind = make_mind(self.variant, task, Asking(
+            advisor=self.advisor, seed=self.seed, world=self.world, memory=self.memory, folder=folder, inbox=self.inbox,
+            think=cfg.think))
         advisor = "none" if self.variant in ALONE else self.advisor
         episode = Episode(draw(task, self.seed), self.world, mind, cfg, folder, variant=self.variant, advisor=advisor)
         progress = EpisodeProgress(quiet=self.quiet)

@@ -24,6 +24,7 @@ from coral.contact.reactive import Reactive, ReactiveCfg
 from coral.contact.record import EpisodeRecorder, RecordCfg, columns, numbers
 from coral.contact.scene import believing, prior
 from coral.contact.strategy import Progress, Strategy
+from coral.contact.thinking.thinker import ThinkCfg
 from coral.contact.world import EvaluationWorld, HandTarget, Observation, WorldFault
 from coral.contact.worlds import make_world
 from coral.runs import RunWriter, provenance
@@ -57,6 +58,7 @@ class EpisodeCfg:
         controller: MPPI.
         reactive: Feedback and limits.
         record: What is kept.
+        think: How variants that ask an advisor think.
         policy: A served policy, where one drives instead of the planner.
     """
 
@@ -66,6 +68,7 @@ class EpisodeCfg:
     controller: ControllerCfg = field(default_factory=ControllerCfg)
     reactive: ReactiveCfg = field(default_factory=ReactiveCfg)
     record: RecordCfg = field(default_factory=RecordCfg)
+    think: ThinkCfg = field(default_factory=ThinkCfg)
     policy: PolicyCfg = field(default_factory=PolicyCfg)
 
 

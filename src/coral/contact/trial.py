@@ -9,7 +9,7 @@ from typing import Any
 from coral.contact.draw import draw
 from coral.contact.episode import Episode, EpisodeCfg
 from coral.contact.task import Task
-from coral.contact.variants import make_mind
+from coral.contact.variants import Asking, make_mind
 from coral.errors import RunError
 
 
@@ -33,7 +33,8 @@ def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant:
         RunError: The episode was interrupted.
     """
     cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
-    mind = make_mind(variant, task)
+    # A table's trials are independent of each other: nothing is remembered from one to the next.
+    mind = make_mind(variant, task, Asking(advisor=advisor, seed=seed, world=world, folder=folder, think=cfg.think))
     result = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor).run()
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])

@@ -2,32 +2,108 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
 
+import numpy as np
+
+from coral.advisor.consult import Attempt
+from coral.advisor.log import AttemptRecorder
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.registry import make_advisor
 from coral.contact.experts import expert
 from coral.contact.mind import Fixed, Mind
+from coral.contact.program import CostWorker
 from coral.contact.task import Task
+from coral.contact.thinking.ask import Asker
+from coral.contact.thinking.memory import Memory
+from coral.contact.thinking.plan_answer import in_process
+from coral.contact.thinking.rules import RULES
+from coral.contact.thinking.thinker import ThinkCfg, Thinker
 from coral.errors import InputError, nearest
 
-Make = Callable[[Task], Mind]
+
+@dataclass(frozen=True, kw_only=True)
+class Asking:
+    """Who is asked, and what goes with it.
+
+    Args:
+        advisor: As on the command line.
+        seed: Of the trial; what is drawn while thinking follows from it.
+        world: Where it takes place, for the record of a success.
+        memory: File of the experience memory; None for none.
+        folder: Run folder, in which every attempt is logged; None for no log.
+        inbox: Of the advisor `desk`.
+        think: What of the thinking is on, and its thresholds.
+        model: Of real models.
+    """
+
+    advisor: str = "heuristic"
+    seed: int = 0
+    world: str = ""
+    memory: Path | None = None
+    folder: Path | None = None
+    inbox: Path | None = None
+    think: ThinkCfg = field(default_factory=ThinkCfg)
+    model: ModelCfg = field(default_factory=ModelCfg)
+
+
+Make = Callable[[Task, Asking], Mind]
+
+
+def _thinking(variant: str, *, remember: bool = True, regions: bool = True, refine: bool = True) -> Make:
+    """A variant that asks, with what is switched off in it."""
+    def make(task: Task, asking: Asking) -> Mind:
+        memory = Memory(asking.memory) if asking.memory is not None and remember else None
+        think = dataclasses.replace(asking.think, regions=regions and asking.think.regions,
+                                    refine=refine and asking.think.refine)
+        advisor = make_advisor(asking.advisor, rules=RULES, rng=np.random.default_rng([asking.seed, 2]),
+                               inbox=asking.inbox, cfg=asking.model)
+        # What rules compose needs no confinement; what a model writes gets it.
+        load = in_process if asking.advisor.rsplit(":", 1)[-1] == "heuristic" else CostWorker().load
+        return Thinker(Asker(advisor, log=_logging(asking.folder)), think,
+                       np.random.default_rng([asking.seed, 3]), memory, load,
+                       {"world": asking.world, "seed": asking.seed, "variant": variant, "advisor": asking.advisor,
+                        "run": "" if asking.folder is None else asking.folder.name})
+    return make
+
+
+def _logging(folder: Path | None) -> Callable[[Attempt], None] | None:
+    """Into the run folder, which exists by the time that something is asked."""
+    if folder is None:
+        return None
+    recorders: list[AttemptRecorder] = []
+
+    def log(attempt: Attempt) -> None:
+        if not recorders:
+            recorders.append(AttemptRecorder(folder))
+        recorders[0](attempt)
+    return log
+
 
 VARIANTS: dict[str, Make] = {
-    "expert": lambda task: Fixed(expert(task, "expert")),
-    "expert-fsm": lambda task: Fixed(expert(task, "expert-fsm")),
+    "expert": lambda task, asking: Fixed(expert(task, "expert")),
+    "expert-fsm": lambda task, asking: Fixed(expert(task, "expert-fsm")),
+    "full": _thinking("full"),
+    "no-memory": _thinking("no-memory", remember=False),
+    "no-refinement": _thinking("no-refinement", refine=False),
+    "cost-only": _thinking("cost-only", regions=False),
 }
 """Who decides in each variant."""
 ALONE = ("expert", "expert-fsm")
 """Variants that ask no advisor."""
 
 
-def make_mind(variant: str, task: Task) -> Mind:
+def make_mind(variant: str, task: Task, asking: Asking | None = None) -> Mind:
     """Who decides in a variant.
 
     Raises:
         InputError: There is no such variant, or it has nothing for this task.
     """
     check_variant(variant)
-    return VARIANTS[variant](task)
+    return VARIANTS[variant](task, asking or Asking())
 
 
 def check_variant(variant: str, where: str = "--variant") -> None:

@@ -34,7 +34,7 @@ class Asker:
         self.log, self.pictures = log, pictures
         self.calls = 0
         self._decisions = 0
-        self._loop = asyncio.new_event_loop()
+        self._loop: asyncio.AbstractEventLoop | None = None
 
     def ask(self, kind: str, answer_type: type[A], facts: Mapping[str, Any], prompt: Mapping[str, Any],
             verify: Callable[[A], Rejection | None], seen: bool = False) -> Outcome[A]:
@@ -62,13 +62,16 @@ class Asker:
                 self.log(attempt)
 
         decision, self._decisions = self._decisions, self._decisions + 1
+        # One loop for all questions: a model's connections live in the loop that opened them.
+        self._loop = self._loop or asyncio.new_event_loop()
         return self._loop.run_until_complete(consult(
             self.advisor, observe, lambda _, answer: verify(answer), self.budget, WallClock(), heard, decision))
 
     def close(self) -> None:
         """Close the advisor and the loop."""
-        if self._loop.is_closed():
+        if self._loop is None:
             return
         if (aclose := getattr(self.advisor, "aclose", None)) is not None:
             self._loop.run_until_complete(aclose())
         self._loop.close()
+        self._loop = None

@@ -11,6 +11,7 @@ from coral.contact.context import Context
 from coral.contact.geometry import conjugate, from_rotvec, multiply, rotation_of, to_rotvec
 from coral.contact.hand import MAX_OPENING_M
 from coral.contact.planning import Controls, PlanningWorld
+from coral.contact.strategy import Stage
 from coral.contact.thinking.regions import PAD_M, tool_quaternion
 from coral.contact.world import Body, Observation
 
@@ -87,3 +88,38 @@ def _along(start: Array, way: list[Array], share: Array) -> Array:
 def _turning(start: Array, end: Array, share: Array) -> Array:
     turn = to_rotvec(multiply(conjugate(start), end))
     return multiply(start, from_rotvec(np.minimum(1, 3 * share)[:, None] * turn))
+
+
+def gain(world: PlanningWorld, stage: Stage, now: Observation, horizon: int = 50) -> float:
+    """Share by which the best of some rehearsed ways lowers a stage's cost against keeping still; 1 is all of it.
+
+    Args:
+        world: The planning world.
+        stage: Its guides give the ways; without any the hand goes nowhere and the gain is 1, as nothing can be said.
+        now: Where the rehearsals begin.
+        horizon: Control steps.
+    """
+    if not stage.guides:
+        return 1.0
+    present = world.present(now)
+    start, ways = now.tool, []
+    for guide in stage.guides:
+        turn = guide.quaternion(present) if guide.quaternion else start.quaternion
+        opening = now.opening_m if guide.opening_m is None else guide.opening_m
+        ways += [([point], np.asarray(turn), float(opening)) for point in guide.points(present)]
+    ways.append(([start.position], start.quaternion, now.opening_m))
+    share = np.linspace(0, 1, horizon)
+    controls = Controls(
+        np.stack([_along(start.position, way[0], np.minimum(1, 1.5 * share)) for way in ways]),
+        np.stack([_turning(start.quaternion, way[1], share) for way in ways]),
+        np.stack([now.opening_m + (way[2] - now.opening_m) * np.minimum(1, 2 * share) for way in ways]),
+        stage.stiffness_n_m)
+    states, sane = world.rollout(now, controls)
+    terms = stage.cost(states)
+    total = np.zeros(states.shape)
+    for term in terms.values():
+        total = total + term
+    cost = total.mean(axis=1) + total[:, -1]
+    still = float(cost[-1])
+    best = float(np.where(sane, cost, np.inf)[:-1].min())
+    return (still - best) / max(abs(still), 1e-9)

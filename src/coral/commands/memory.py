@@ -1,0 +1,150 @@
+"""`coral memory list|show|forget|export|import`: the experience memory of contact tasks."""
+
+from __future__ import annotations
+
+import json as json_text
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from coral.contact.thinking.embedding import HashedWords
+from coral.contact.thinking.memory import Memory, Stored
+from coral.errors import InputError
+
+FILE = Path("memory.sqlite")
+
+
+def _existing(file: Path) -> Memory:
+    """The memory in a file that is there; texts are not embedded by these commands.
+
+    Raises:
+        InputError: There is no such file.
+    """
+    if not file.is_file():
+        raise InputError(str(file), "", "no such file", "the file that coral contact run --memory has made")
+    return Memory(file, embedder=HashedWords())
+
+
+def _row(stored: Stored) -> dict[str, Any]:
+    held = stored.experience
+    return {"id": stored.id, "created": stored.created, "task": held.task, "instruction": held.instruction,
+            "stages": held.plan.names, "used": stored.used, "helped": stored.helped, **held.provenance}
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemoryList:
+    """List what is remembered."""
+
+    file: Path = FILE
+    """The memory."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Read the rows."""
+        return {"file": str(self.file), "experiences": [_row(stored) for stored in _existing(self.file).all()]}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """One line each."""
+        rows = [f"{row['id']:>4}  {row['task']:<18} {row['world']:<6} seed {row['seed']:<5} used {row['used']}, helped "
+                f"{row['helped']}  {', '.join(row['stages'])}" for row in result["experiences"]]
+        return "\n".join(rows) or f"{result['file']}: nothing is remembered"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemoryShow:
+    """Show one experience: task, numbers, programs, regions, provenance."""
+
+    id: tyro.conf.Positional[int]
+    """As `coral memory list` tells."""
+    file: Path = FILE
+    """The memory."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Read it."""
+        stored = _existing(self.file).get(self.id)
+        return {**_row(stored), "experience": stored.experience.model_dump(mode="json"),
+                "programs": stored.experience.plan.text()}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """Its record, then its programs."""
+        head = [f"{key}: {value}" for key, value in result.items() if key not in ("experience", "programs")]
+        return "\n".join([*head, "", result["programs"]])
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemoryForget:
+    """Forget one experience."""
+
+    id: tyro.conf.Positional[int]
+    """As `coral memory list` tells."""
+    file: Path = FILE
+    """The memory."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Delete it."""
+        _existing(self.file).forget(self.id)
+        return {"file": str(self.file), "forgotten": self.id}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """What was done."""
+        return f"{result['file']}: {result['forgotten']} is forgotten"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemoryExport:
+    """Write everything that is remembered into a JSON file."""
+
+    to: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
+    """The JSON file; it must not exist yet."""
+    file: Path = FILE
+    """The memory."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Write it."""
+        content = _existing(self.file).export()
+        try:
+            with open(self.to, "x", encoding="utf-8") as out:
+                out.write(json_text.dumps(content, indent=1, allow_nan=False) + "\n")
+        except OSError as error:
+            raise InputError(str(self.to), "", error.strerror or error, "a new file that can be written") from None
+        return {"file": str(self.to), "experiences": len(content["experiences"])}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """What was written."""
+        return f"{result['file']}: {result['experiences']} experiences"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemoryImport:
+    """Take in exported experiences; those already known are left out, and each is verified again before use."""
+
+    source: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
+    """The JSON file."""
+    file: Path = FILE
+    """The memory; made if it is not there."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Read it."""
+        try:
+            content = json_text.loads(self.source.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(str(self.source), "", error, "a JSON file that coral memory export has written") from None
+        if not isinstance(content, dict):
+            raise InputError(str(self.source), "", type(content).__name__, "an object")
+        return {"file": str(self.file), "added": Memory(self.file).load(content, str(self.source))}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """What was added."""
+        return f"{result['file']}: {result['added']} added"

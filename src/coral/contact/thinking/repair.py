@@ -1,0 +1,133 @@
+"""Why an attempt fails, read from its history, and what the default advisor changes about its plan (3.4, A.9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, Field
+
+from coral.advisor.question import Rejection
+from coral.contact.draw import Physical
+from coral.contact.mind import Step
+from coral.contact.thinking.beliefs import BeliefCfg
+from coral.contact.thinking.setting import Choice
+
+Diagnosis = Literal["cost-error", "not-reached", "slipped", "not-moved", "moved-otherwise", "no-progress"]
+TEXTS: Mapping[Diagnosis, str] = {
+    "cost-error": "the cost could not be evaluated",
+    "not-reached": "the hand never touched the object: something is in its way, or the way in is wrong",
+    "slipped": "contact was made and lost again and again",
+    "not-moved": "the hand pressed and the object hardly moved",
+    "moved-otherwise": "the object moved, but not as rehearsed: the simulation believes in wrong parameters",
+    "no-progress": "the cost fell no further, though nothing is visibly wrong: a side or grasp that leads nowhere"}
+
+
+def diagnose(steps: Sequence[Step], name: str, returns: int, surprise_m: float) -> Diagnosis:
+    """What the last stretch of an episode looks like.
+
+    Args:
+        steps: The stretch.
+        name: The object that matters.
+        returns: Times the plan fell back to an earlier stage.
+        surprise_m: Distance between the object and where one step's rehearsal had expected it, summed over a second.
+    """
+    if returns >= 2:
+        return "slipped"
+    if not steps:
+        return "no-progress"
+    felt = np.array([np.linalg.norm(step.after.wrench[:3]) for step in steps])
+    moved = float(np.linalg.norm(steps[-1].after.objects[name].position - steps[0].before.objects[name].position))
+    if surprise_m > 0.03:
+        return "moved-otherwise"
+    if felt.max() < 0.5:
+        return "not-reached"
+    if moved < 0.004 and felt.mean() > 1.0:
+        return "not-moved"
+    return "no-progress"
+
+
+def choice_after(diagnoses: Sequence[str]) -> Choice:
+    """What the composing rules change after these failures, in order."""
+    choice = Choice()
+    for kind in diagnoses:
+        if kind == "slipped":
+            choice = replace(choice, press=min(choice.press * 1.4, 3.0), lower_m=min(choice.lower_m + 0.006, 0.012),
+                             careful=max(0.5, 0.8 * choice.careful))
+        elif kind == "not-moved":
+            choice = replace(choice, press=min(choice.press * 1.6, 3.0))
+        elif kind in ("not-reached", "no-progress", "cost-error"):
+            choice = replace(choice, turn=choice.turn + 1)
+        else:
+            choice = replace(choice, careful=max(0.5, 0.8 * choice.careful))
+    return choice
+
+
+def change_words(before: Choice, after: Choice) -> str:
+    """What a repair changes, in a sentence."""
+    words = []
+    if after.turn != before.turn:
+        words.append("takes the next grasp or side that fits")
+    if after.press != before.press:
+        words.append(f"presses and squeezes {after.press / before.press:.1f} times as hard")
+    if after.lower_m != before.lower_m:
+        words.append(f"takes hold {1000 * (after.lower_m - before.lower_m):.0f} mm lower")
+    if after.careful != before.careful:
+        words.append("moves more carefully in contact")
+    return "The new one " + " and ".join(words) if words else "The new one tries the same again"
+
+
+class ObjectParameters(BaseModel):
+    """One object's corrected parameters (A.9.2)."""
+
+    label: str
+    mass: float
+    friction: float
+
+
+class ParametersAnswer(BaseModel):
+    """The world-model correction."""
+
+    objects: list[ObjectParameters] = Field(min_length=1, max_length=8)
+
+    def physical(self, believed: Mapping[str, Physical]) -> dict[str, Physical]:
+        """The beliefs with the correction."""
+        return {**believed, **{one.label: Physical(one.mass, one.friction) for one in self.objects}}
+
+
+def verify_parameters(answer: ParametersAnswer, believed: Mapping[str, Physical], cfg: BeliefCfg | None = None
+                      ) -> Rejection | None:
+    """Why corrected parameters cannot be tried, or None; whether they are better is for the replay to say."""
+    cfg = cfg or BeliefCfg()
+    for one in answer.objects:
+        if one.label not in believed:
+            return Rejection(code="objects", reason=f"{one.label} is no object; there are {', '.join(believed)}")
+        for field, value, (low, high) in (("mass", one.mass, cfg.mass_kg), ("friction", one.friction, cfg.friction)):
+            if not low <= value <= high:
+                return Rejection(code="bounds", reason=f"{field} of {one.label} is {value:g}; it lies within {low:g} "
+                                 f"and {high:g}")
+    return None
+
+
+def recent(steps: Sequence[Step], costs: Sequence[float], name: str, most: int = 5) -> list[dict[str, Any]]:
+    """The last stretch in a few rows, as the prompts show it (the paper's last five steps)."""
+    if not steps:
+        return []
+    chosen = np.unique(np.linspace(0, len(steps) - 1, most).astype(int))
+    rows: list[dict[str, Any]] = []
+    for index in chosen:
+        step = steps[int(index)]
+        body, before = step.after.objects[name], step.before.objects[name]
+        rows.append({
+            "time_s": round(step.after.time_s, 2), "object_pos": [round(float(v), 4) for v in body.position],
+            "object_moved_mm": round(1e3 * float(np.linalg.norm(body.position - before.position)), 2),
+            "hand_pos": [round(float(v), 4) for v in step.after.tool.position],
+            "force_on_hand_n": [round(float(v), 2) for v in step.after.wrench[:3]],
+            "cost": _at(costs, float(index) / len(steps))})
+    return rows
+
+
+def _at(costs: Sequence[float], share: float) -> float | None:
+    return round(float(costs[min(int(share * len(costs)), len(costs) - 1)]), 4) if costs else None

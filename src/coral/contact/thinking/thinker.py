@@ -1,0 +1,292 @@
+"""CoRAL's mind: beliefs, a plan from memory or from the advisor, regions, and refinement when stuck (Fig. 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.question import Rejection
+from coral.contact.draw import Drawn, Physical
+from coral.contact.mind import Account, Moment
+from coral.contact.planning import PlanningWorld
+from coral.contact.program import CostError
+from coral.contact.scene import prior
+from coral.contact.strategy import Strategy
+from coral.contact.thinking.ask import Asker
+from coral.contact.thinking.beliefs import BeliefCfg, Estimates, belief_prompt, verify_estimates
+from coral.contact.thinking.history import most_telling, windows
+from coral.contact.thinking.identify import Corrections, IdentifyCfg, compare
+from coral.contact.thinking.memory import Experience, Match, Memory, scene_numbers
+from coral.contact.thinking.outer import OuterCfg, Watch
+from coral.contact.thinking.plan_answer import Loader, PlanAnswer, in_process, make_strategy, verify_plan
+from coral.contact.thinking.recall import adapted
+from coral.contact.thinking.regions import RegionCfg, RegionsAnswer, verify_regions
+from coral.contact.thinking.rehearse import gain, sample_states
+from coral.contact.thinking.repair import TEXTS, Diagnosis, ParametersAnswer, diagnose, recent, verify_parameters
+from coral.contact.thinking.replay import Replay
+from coral.contact.thinking.rules import RULES
+from coral.contact.thinking.scene_facts import interface_text, scene_facts
+from coral.contact.world import Observation
+from coral.errors import RunError
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThinkCfg:
+    """What of CoRAL is on: the ablations switch parts off.
+
+    Args:
+        regions: Ask for contact regions (off: `cost-only`).
+        refine: Refine when stuck (off: `no-refinement`).
+        least_gain: Share by which rehearsed ways to the regions must lower the first stage's cost in a remembered plan.
+        belief: Bounds of what may be believed.
+        region: Bounds of what regions may be.
+        identify: The fit of corrections.
+        outer: The outer loop.
+    """
+
+    regions: bool = True
+    refine: bool = True
+    least_gain: float = 0.05
+    belief: BeliefCfg = field(default_factory=BeliefCfg)
+    region: RegionCfg = field(default_factory=RegionCfg)
+    identify: IdentifyCfg = field(default_factory=IdentifyCfg)
+    outer: OuterCfg = field(default_factory=OuterCfg)
+
+
+class Thinker:
+    """Decides by asking, remembers what succeeded, corrects what fails.
+
+    Args:
+        asker: The advisor.
+        cfg: What is on.
+        rng: Draws samples for checks and fits.
+        memory: Of successes; None for none.
+        load: How cost programs are made: in this process, or in the confined one.
+        provenance: For what is stored: world, seed, variant, advisor.
+    """
+
+    def __init__(self, asker: Asker, cfg: ThinkCfg, rng: np.random.Generator, memory: Memory | None = None,
+                 load: Loader = in_process, provenance: Mapping[str, Any] | None = None) -> None:
+        self.asker, self.cfg, self.memory = asker, cfg, memory
+        self._rng, self._load, self._provenance = rng, load, dict(provenance or {})
+        self._emit: Callable[..., None] = lambda event, **fields: None
+        self._repairs = 0
+        self._hit: Match | None = None
+        self._diagnoses: list[Diagnosis] = []
+        self._corrections: dict[str, Corrections] = {}
+        self._sizes: dict[str, np.ndarray] = {}
+        self._drawn: Drawn
+        self._world: PlanningWorld
+        self._plan: PlanAnswer
+        self._regions = RegionsAnswer({})
+        self._facts: dict[str, Any] = {}
+        self._watch: Watch
+
+    @property
+    def account(self) -> Account:
+        """See `Mind.account`."""
+        return Account(self.asker.calls, self._repairs, self._hit is not None)
+
+    def listen(self, emit: Callable[..., None]) -> None:
+        """See `Mind.listen`."""
+        self._emit = emit
+
+    def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
+        """Perceive, recall or ask, check, and make the strategy."""
+        self._drawn, self._world = drawn, world
+        self._sizes = {name: drawn.size(name) for name in drawn.objects}
+        self._believe_first(first)
+        self._facts = scene_facts(drawn, first, self._beliefs)
+        strategy = self._recall(first)
+        if strategy is None:
+            self._plan = self._ask_plan("cost-function", first, self._plan_prompt())
+            self._regions = self._ask_regions(first)
+            strategy = self._strategy("asked")
+        self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
+        return strategy
+
+    def after(self, moment: Moment) -> Strategy | None:
+        """Watch the progress; think again when there is none."""
+        if not self._watch.see(moment) or not self.cfg.refine or self._repairs >= self.cfg.outer.refinements:
+            return None
+        return self._refine(moment)
+
+    def ended(self, reason: str) -> None:
+        """Keep what succeeded; note whether what was remembered helped."""
+        success = reason == "success"
+        if self._hit is not None and self.memory is not None:
+            self.memory.used(self._hit.stored.id, success)
+        elif success and self.memory is not None and self._facts:
+            number = self.memory.add(self._experience())
+            self._emit("remembered", id=number, file=self.memory.path.name)
+        self.asker.close()
+
+    @property
+    def _beliefs(self) -> dict[str, Physical]:
+        return dict(self._world.beliefs[0])
+
+    def _believe_first(self, first: Observation) -> None:
+        facts = scene_facts(self._drawn, first)
+        outcome = self.asker.ask(
+            "physical-parameters", Estimates, facts, belief_prompt(facts),
+            lambda answer: verify_estimates(answer, {name: list(size) for name, size in self._sizes.items()},
+                                            self.cfg.belief), seen=True)
+        beliefs = prior(self._drawn) if outcome.answer is None else outcome.answer.physical()
+        self._world.believe(beliefs)
+        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts,
+                   **{name: [round(one.mass_kg, 5), round(one.friction, 4)] for name, one in beliefs.items()})
+
+    def _recall(self, first: Observation) -> Strategy | None:
+        if self.memory is None:
+            return None
+        for match in self.memory.find(self._facts):
+            plan, regions = adapted(match.stored.experience, self._facts)
+            refusal = self._wrong_plan(plan, first) or verify_regions(regions, self._facts, plan.names, self.cfg.region)
+            risen = 0.0
+            if refusal is None:
+                self._plan, self._regions = plan, regions
+                strategy = self._strategy(f"remembered {match.stored.id}")
+                risen = gain(self._world, strategy.stages[0], first)
+                if risen < self.cfg.least_gain:
+                    refusal = Rejection(code="rehearsal",
+                                        reason=f"rehearsed, it lowers the cost by {100 * risen:.0f} %")
+            self._emit("recall", id=match.stored.id, similarity=match.similarity, distance=match.distance,
+                       embedder=self.memory.embedder.name, gain=round(risen, 4),
+                       refused="" if refusal is None else refusal.reason)
+            if refusal is None:
+                self._hit = match
+                return strategy
+        return None
+
+    def _wrong_plan(self, plan: PlanAnswer, now: Observation) -> Rejection | None:
+        samples = sample_states(self._world, now, self._sizes, self._rng)
+        return verify_plan(plan, self._world.schema, samples, self._load)
+
+    def _ask_plan(self, kind: str, now: Observation, prompt: Mapping[str, Any]) -> PlanAnswer:
+        facts = {**self._facts, "diagnoses": list(self._diagnoses)}
+        outcome = self.asker.ask(kind, PlanAnswer, facts, prompt, lambda plan: self._wrong_plan(plan, now))
+        self._facts["refused"] = len(outcome.rejections)
+        plan = outcome.answer
+        self._emit("plan_answer", kind=kind, failure=outcome.failure, attempts=outcome.attempts,
+                   refused=[rejection.reason for rejection in outcome.rejections],
+                   explanation="" if plan is None else plan.explanation, code="" if plan is None else plan.text())
+        if plan is not None:
+            return plan
+        if kind == "cost-repair":
+            return self._plan
+        # Without an answer the rules take over, and the record says so: a robot that stands still helps nobody.
+        rule = RULES["cost-function"](facts, ())
+        assert isinstance(rule, PlanAnswer)
+        self._emit("fallback", what="plan", by="heuristic", because=outcome.failure)
+        return rule
+
+    def _ask_regions(self, now: Observation) -> RegionsAnswer:
+        if not self.cfg.regions:
+            return RegionsAnswer({})
+        names = self._plan.names
+        outcome = self.asker.ask(
+            "contact-regions", RegionsAnswer, {**self._facts, "diagnoses": list(self._diagnoses), "stages": names},
+            {"task": self._facts["instruction"], "objects": self._shown(), "stages": names},
+            lambda answer: verify_regions(answer, self._facts, names, self.cfg.region))
+        found = outcome.answer or RegionsAnswer({})
+        self._emit("regions", failure=outcome.failure, attempts=outcome.attempts,
+                   refused=[rejection.reason for rejection in outcome.rejections],
+                   regions=found.model_dump(mode="json"))
+        return found
+
+    def _strategy(self, name: str) -> Strategy:
+        regions = self._regions if self.cfg.regions else None
+        return make_strategy(name, self._plan, regions, self._world.schema, self._sizes, self._load)
+
+    def _refine(self, moment: Moment) -> Strategy | None:
+        """The outer loop: what went wrong, a better world model, a better plan."""
+        watch, now = self._watch, moment.now
+        name = most_telling(watch.steps) or next(iter(self._sizes))
+        kind = diagnose(watch.steps, name, watch.returns, watch.surprise_m.get(name, 0.0))
+        self._repairs += 1
+        self._emit("stuck", attempts=watch.attempts, stage=moment.stage, object=name, diagnosis=kind, text=TEXTS[kind],
+                   cost=round(moment.plan.cost, 4), history=recent(watch.steps, watch.costs, name))
+        corrected = self._correct(name, now)
+        self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": 0}
+        if not (corrected and kind == "moved-otherwise"):
+            self._diagnoses.append(kind)
+            self._plan = self._ask_plan("cost-repair", now, {
+                "task": self._facts["instruction"], "attempts": watch.attempts, "world": self._shown(),
+                "interface": interface_text(self._world.schema), "history": recent(watch.steps, watch.costs, name),
+                "code": self._plan.text(), "error": ""})
+            self._regions = self._ask_regions(now)
+        try:
+            strategy = self._strategy(f"repair {self._repairs}")
+        except CostError as error:
+            raise RunError(f"the repaired plan cannot be made: {error}") from None
+        self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
+        return strategy
+
+    def _correct(self, name: str, now: Observation) -> bool:
+        """World-model correction, if there is enough to replay; whether it was accepted."""
+        stretches = windows(self._watch.steps, name)
+        if len(stretches) < 2:
+            self._emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
+            return False
+        cfg = replace(self._world.cfg, physics_dt_s=self.cfg.outer.replay_dt_s)
+        finer = PlanningWorld(self._drawn, self._beliefs, now, cfg)
+        try:
+            replay = Replay(finer, stretches, self.cfg.identify.replay)
+            known = self._corrections.setdefault(name, Corrections())
+            fit = known.add(replay, name, self._beliefs, self.cfg.identify, self._rng)
+            believed = self._beliefs
+
+            def wrong(answer: ParametersAnswer) -> Rejection | None:
+                refusal = verify_parameters(answer, believed, self.cfg.belief)
+                if refusal is not None:
+                    return refusal
+                before, after = compare(replay, name, believed, answer.physical(believed))
+                if after < (1.0 - self.cfg.identify.better) * before:
+                    return None
+                return Rejection(code="replay", reason=f"replayed with your values, the history is explained no better "
+                                 f"(error {after:.2f}, now {before:.2f}); propose others, or say so by keeping them")
+
+            if not fit.accepted and self.asker.advisor.name == "heuristic":
+                self._emit("correction", object=name, accepted=False, text=fit.words(self.cfg.identify.known))
+                return False
+            fitted = {"object": name, "mass_kg": fit.after.mass_kg, "friction": fit.after.friction}
+            told = {key: {"mass": one.mass_kg, "friction": one.friction} for key, one in believed.items()}
+            told = {key: {"mass": one.mass_kg, "friction": one.friction} for key, one in believed.items()}
+            outcome = self.asker.ask(
+                "parameter-repair", ParametersAnswer, {**self._facts, "fitted": fitted},
+                {"task": self._facts["instruction"], "parameters": told,
+                 "history": recent(self._watch.steps, self._watch.costs, name)}, wrong)
+        finally:
+            finer.close()
+        if outcome.answer is not None:
+            self._world.believe(outcome.answer.physical(believed))
+        after = self._beliefs[name]
+        self._emit("correction", object=name, accepted=outcome.answer is not None,
+                   text=fit.words(self.cfg.identify.known), failure=outcome.failure,
+                   before=[believed[name].mass_kg, believed[name].friction], after=[after.mass_kg, after.friction],
+                   refused=[rejection.reason for rejection in outcome.rejections])
+        return outcome.answer is not None
+
+    def _shown(self) -> dict[str, Any]:
+        """The objects as prompts show them: nothing that only the default advisor needs."""
+        hidden = ("stated_mass_kg", "stated_friction", "solid_share")
+        return {name: {key: value for key, value in item.items() if key not in hidden}
+                for name, item in self._facts["objects"].items()}
+
+    def _plan_prompt(self) -> dict[str, Any]:
+        objects = self._facts["objects"]
+        return {"task": self._facts["instruction"],
+                "poses": {name: item["pose"] for name, item in objects.items()} | {"hand": self._facts["hand"]["pose"]},
+                "parameters": self._shown(), "interface": interface_text(self._world.schema)}
+
+    def _experience(self) -> Experience:
+        task = self._drawn.task
+        return Experience(
+            task=task.name, instruction=task.instruction, goals=self._facts["goals"],
+            numbers=scene_numbers(self._facts),
+            plan=self._plan, regions=self._regions,
+            beliefs={name: (one.mass_kg, one.friction) for name, one in self._beliefs.items()},
+            provenance={"success": True, "repairs": self._repairs, **self._provenance})

@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+
+from coral.contact.draw import draw
+from coral.contact.hand_world import HandWorld, HandWorldCfg
+from coral.contact.planning import PlanningCfg, PlanningWorld
+from coral.contact.scene import prior
+from coral.contact.task import load_task
+from coral.contact.thinking.rehearse import sample_states
+from coral.contact.thinking.scene_facts import scene_facts
+
+
+class Scene:
+    """A trial at its beginning, with a planning world that believes the middle of what the task states."""
+
+    def __init__(self, task, seed=0):
+        self.drawn = draw(load_task(task) if isinstance(task, str) else task, seed)
+        self.now = HandWorld(self.drawn, HandWorldCfg()).reset()
+        self.beliefs = prior(self.drawn)
+        self.world = PlanningWorld(self.drawn, self.beliefs, self.now, PlanningCfg(threads=1))
+        self.facts = scene_facts(self.drawn, self.now, self.beliefs)
+        self.sizes = {name: self.drawn.size(name) for name in self.drawn.objects}
+
+    @property
+    def samples(self):
+        return sample_states(self.world, self.now, self.sizes, np.random.default_rng(0))
+
+
+@pytest.fixture
+def scene():
+    made = []
+
+    def make(task, seed=0):
+        made.append(Scene(task, seed))
+        return made[-1]
+    yield make
+    for one in made:
+        one.world.close()

@@ -1,0 +1,90 @@
+import pytest
+
+from coral.contact.task import Task, shipped_tasks
+from coral.contact.thinking.compose import NoRule, compose
+from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer, make_strategy, verify_plan
+from coral.contact.thinking.regions import verify_regions
+from coral.contact.thinking.repair import choice_after
+from coral.contact.thinking.setting import Choice
+
+
+@pytest.mark.parametrize("task", shipped_tasks())
+def test_every_shipped_task_gets_a_plan_that_passes_the_checks(scene, task):
+    one = scene(task)
+    made = compose(one.facts)
+    assert verify_plan(made.plan, one.world.schema, one.samples) is None
+    assert verify_regions(made.regions, one.facts, made.plan.names) is None
+    strategy = make_strategy("x", made.plan, made.regions, one.world.schema, one.sizes)
+    assert strategy.stages[0].guides
+
+
+def new_task(conditions, size=(0.05, 0.05, 0.07), **more):
+    return Task.model_validate({
+        "name": "new", "title": "New", "instruction": "Do it.", "time_limit_s": 20,
+        "objects": [{"name": "brick", "parts": [{"size": list(size)}], "mass_kg": 0.2, "friction": 0.5, "x": 0, "y": 0}],
+        "places": {"there": [0.1, 0.15, 0.0]}, "success": {"conditions": conditions}, **more})
+
+
+def names(one):
+    return compose(one.facts).plan.names
+
+
+def test_the_goal_and_the_size_choose_the_way(scene):
+    to_there = {"kind": "at", "object": "brick", "place": "there", "tolerance_m": 0.03}
+    assert names(scene(new_task([to_there])))[:2] == ["reach", "close"]
+    assert names(scene(new_task([to_there], size=(0.12, 0.12, 0.05)))) == ["reach", "push", "draw back"]
+    tipped = {"kind": "flipped", "object": "brick"}
+    assert names(scene(new_task([tipped], size=(0.05, 0.09, 0.12)))) == ["reach", "tip", "draw back"]
+
+
+def test_a_new_task_with_two_objects_is_done_one_after_the_other(scene):
+    task = new_task([{"kind": "at", "object": name, "place": "there", "tolerance_m": 0.1} for name in ("brick", "cup")],
+                    objects=[{"name": name, "parts": [{"size": [0.04, 0.04, 0.06]}], "mass_kg": 0.2, "friction": 0.5,
+                              "x": 0, "y": y} for name, y in (("brick", 0.0), ("cup", -0.2))])
+    one = scene(task)
+    made = compose(one.facts)
+    assert "reach" in made.plan.names
+    assert "reach 2" in made.plan.names
+    assert verify_plan(made.plan, one.world.schema, one.samples) is None
+
+
+def test_what_no_rule_knows_is_said(scene):
+    one = scene(new_task([{"kind": "lifted", "object": "brick", "height_m": 0.1}], size=(0.2, 0.2, 0.2)))
+    with pytest.raises(NoRule, match="too wide to grasp"):
+        compose(one.facts)
+
+
+def test_repairs_change_the_plan(scene):
+    one = scene("pick-box")
+    first, again = compose(one.facts), compose(one.facts, choice_after(["slipped"]))
+    assert first.plan != again.plan
+    assert choice_after([]) == Choice()
+    assert choice_after(["slipped"]).press > 1
+    assert choice_after(["not-reached"]).turn == 1
+
+
+def stage(**more):
+    return StageAnswer.model_validate({"name": "a", "code": "def state_cost(self):\n    return norm(self.ee_pos - "
+                                       "self.box_pos)", **more})
+
+
+@pytest.mark.parametrize(("plan", "code", "words"), [
+    (PlanAnswer(code="x = 1"), "no_function", "state_cost"),
+    (PlanAnswer(code="def state_cost(self):\n    return self.cup_pos[0]"), "unknown_state", "cup_pos"),
+    (PlanAnswer(code="def state_cost(self):\n    return 1.0"), "constant", "same"),
+    (PlanAnswer(stages=[stage(done="1 > 0"), stage()]), "stages", "same name"),
+    (PlanAnswer(stages=[stage(), stage(name="b")]), "stages", "never ends"),
+    (PlanAnswer(stages=[stage(back_to="z", lost="1 > 0")]), "stages", "back_to"),
+    (PlanAnswer(stages=[stage(done="self.nothing > 1"), stage(name="b")]), "unknown_state", "nothing"),
+])
+def test_unusable_plans_are_refused_with_a_reason(scene, plan, code, words):
+    one = scene("pick-box")
+    found = verify_plan(plan, one.world.schema, one.samples)
+    assert found.code == code
+    assert words in found.reason
+
+
+def test_a_plan_is_one_function_or_stages():
+    with pytest.raises(ValueError, match="either"):
+        PlanAnswer()
+    assert PlanAnswer(code="x").names == ["task"]
