@@ -26,6 +26,7 @@ COMMANDS = {
     "contact bench": ("coral.commands.contact_bench:ContactBench", "compare variants over many trials, with tables"),
     "contact tasks": ("coral.commands.contact_tasks:ContactTasks", "list the contact tasks, or describe some"),
     "contact track": ("coral.commands.contact_track:ContactTrack", "measure how exactly objects are tracked"),
+    "contact identify": ("coral.commands.contact_identify:ContactIdentify", "find mass and friction by pushing"),
     "memory list": ("coral.commands.memory:MemoryList", "list remembered successes of contact tasks"),
     "memory show": ("coral.commands.memory:MemoryShow", "show one of them, with its programs"),
     "memory forget": ("coral.commands.memory:MemoryForget", "forget one of them"),

@@ -21,7 +21,8 @@ def test_every_shipped_task_gets_a_plan_that_passes_the_checks(scene, task):
 def new_task(conditions, size=(0.05, 0.05, 0.07), **more):
     return Task.model_validate({
         "name": "new", "title": "New", "instruction": "Do it.", "time_limit_s": 20,
-        "objects": [{"name": "brick", "parts": [{"size": list(size)}], "mass_kg": 0.2, "friction": 0.5, "x": 0, "y": 0}],
+        "objects": [{"name": "brick", "parts": [{"size": list(size)}], "mass_kg": 0.2, "friction": 0.5, "x": 0,
+                     "y": 0}],
         "places": {"there": [0.1, 0.15, 0.0]}, "success": {"conditions": conditions}, **more})
 
 

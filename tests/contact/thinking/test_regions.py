@@ -8,7 +8,8 @@ TOP = {"center": [0, 0, 0.03], "normal": [0, 0, 1]}
 
 
 def facts(size=(0.06, 0.06, 0.06), at=(0.0, 0.0, 0.03), **more):
-    item = {"size_m": list(size), "pose": [*at, 1, 0, 0, 0], "shapes": ["box"], "solid_share": 1.0, "points": {}, **more}
+    item = {"size_m": list(size), "pose": [*at, 1, 0, 0, 0], "shapes": ["box"], "solid_share": 1.0, "points": {},
+            **more}
     return {"objects": {"box": item}, "table": {"x": [-0.4, 0.4], "y": [-0.4, 0.4]}}
 
 

@@ -1,0 +1,142 @@
+import json
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from coral.cli import main
+from coral.contact.thinking.compose import compose
+from coral.contact.thinking.embedding import HashedWords
+from coral.contact.thinking.memory import Experience, Memory, scene_numbers
+from coral.contact.thinking.plan_answer import verify_plan
+from coral.contact.thinking.recall import adapted, renamed
+from coral.contact.thinking.regions import verify_regions
+from coral.errors import InputError
+
+
+def experience(one, **provenance):
+    made = compose(one.facts)
+    return Experience(
+        task="t", instruction=one.facts["instruction"], goals=one.facts["goals"], numbers=scene_numbers(one.facts),
+        plan=made.plan, regions=made.regions, beliefs={"box": (0.2, 0.5)},
+        provenance={"success": True, "world": "hand", "seed": 0, **provenance})
+
+
+@pytest.fixture
+def memory(tmp_path):
+    return Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+
+
+def changed(facts, **size):
+    return json.loads(json.dumps(facts)) | size
+
+
+def test_what_succeeded_is_found_again(scene, memory):
+    one = scene("pick-box")
+    number = memory.add(experience(one))
+    found = memory.find(one.facts)
+    assert [match.stored.id for match in found] == [number]
+    assert found[0].similarity == pytest.approx(1.0, abs=1e-5)
+    assert found[0].distance == 0
+
+
+@pytest.mark.parametrize("provenance", [{"success": False}, {"success": None}, {"world": ""}])
+def test_only_verified_successes_are_stored(scene, memory, provenance):
+    with pytest.raises(InputError, match="success"):
+        memory.add(experience(scene("pick-box"), **provenance))
+    assert memory.all() == []
+
+
+def test_numbers_are_compared_as_numbers(scene, memory):
+    one = scene("pick-box")
+    memory.add(experience(one))
+    bigger, heavier, higher = (json.loads(json.dumps(one.facts)) for _ in range(3))
+    bigger["objects"]["box"]["size_m"] = [2 * side for side in bigger["objects"]["box"]["size_m"]]
+    heavier["objects"]["box"]["mass_kg"] *= 10
+    higher["goals"][0]["height_m"] *= 2
+    assert [memory.find(facts) for facts in (bigger, heavier, higher)] == [[], [], []]
+
+
+def test_other_goals_do_not_match_however_near_the_words(scene, memory):
+    one = scene("flip-wall")
+    memory.add(experience(one))
+    away = json.loads(json.dumps(one.facts))
+    away["goals"] = [goal for goal in away["goals"] if goal["kind"] != "touched-while-turning"]
+    assert memory.find(away) == []
+
+
+def test_an_experience_that_did_not_help_ranks_lower(scene, memory):
+    one = scene("pick-box")
+    first, second = memory.add(experience(one)), memory.add(experience(one, seed=1))
+    memory.used(second, helped=False)
+    assert [match.stored.id for match in memory.find(one.facts)] == [first, second]
+
+
+def test_a_remembered_plan_fits_another_size_and_name(scene, memory):
+    one, other = scene("pick-box", 0), scene("pick-box", 2)
+    held = experience(one)
+    plan, regions = adapted(held, other.facts)
+    assert verify_plan(plan, other.world.schema, other.samples) is None
+    assert verify_regions(regions, other.facts, plan.names) is None
+    assert renamed("self.box_pos + self.boxer_pos + self.box_init_pos", {"box": "can"}) == (
+        "self.can_pos + self.boxer_pos + self.can_init_pos")
+
+
+def test_export_import_and_forget(scene, memory, tmp_path):
+    number = memory.add(experience(scene("pick-box")))
+    copy = Memory(tmp_path / "copy.sqlite", embedder=HashedWords())
+    assert copy.load(memory.export(), "x") == 1
+    assert copy.load(memory.export(), "x") == 0
+    memory.forget(number)
+    assert memory.all() == []
+    with pytest.raises(InputError, match="none"):
+        memory.forget(number)
+    with pytest.raises(InputError, match="coral-memory/1"):
+        memory.load({"format": "x"}, "x")
+
+
+def test_a_file_that_is_no_memory_is_refused(tmp_path):
+    path = tmp_path / "x.sqlite"
+    path.write_text("not a database, but long enough to be looked at as one" * 20)
+    with pytest.raises(InputError, match="SQLite"):
+        Memory(path, embedder=HashedWords()).all()
+
+
+WRITER = """
+import sys, json
+from pathlib import Path
+from coral.contact.thinking.embedding import HashedWords
+from coral.contact.thinking.memory import Experience, Memory
+memory = Memory(Path(sys.argv[1]), embedder=HashedWords())
+one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
+while True:
+    print(memory.add(one), flush=True)
+"""
+
+
+def test_a_killed_writer_loses_nothing_it_has_acknowledged(scene, memory, tmp_path):
+    (tmp_path / "one.json").write_text(experience(scene("pick-box")).model_dump_json())
+    with subprocess.Popen([sys.executable, "-c", WRITER, str(memory.path), str(tmp_path / "one.json")],
+                          stdout=subprocess.PIPE, text=True) as writer:
+        told = [int(writer.stdout.readline()) for _ in range(20)]
+        writer.send_signal(signal.SIGKILL)
+        told += [int(line) for line in writer.stdout.read().split("\n")[:-1]]
+    assert set(told) <= {stored.id for stored in memory.all()}
+    assert memory.add(experience(scene("pick-box"))) > max(told)
+
+
+def test_commands(scene, memory, tmp_path, capsys):
+    number = memory.add(experience(scene("pick-box")))
+    file = ["--file", str(memory.path)]
+    assert main(["memory", "list", *file, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["experiences"][0]["id"] == number
+    assert main(["memory", "show", str(number), *file]) == 0
+    assert "def state_cost" in capsys.readouterr().out
+    assert main(["memory", "export", str(tmp_path / "e.json"), *file]) == 0
+    assert main(["memory", "export", str(tmp_path / "e.json"), *file]) == 2
+    assert main(["memory", "import", str(tmp_path / "e.json"), "--file", str(tmp_path / "new.sqlite")]) == 0
+    assert main(["memory", "forget", "99", *file]) == 2
+    assert main(["memory", "forget", str(number), *file]) == 0
+    assert main(["memory", "list", "--file", str(tmp_path / "none")]) == 2
+    assert "no such file" in capsys.readouterr().err

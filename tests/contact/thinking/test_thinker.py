@@ -1,0 +1,167 @@
+import json
+
+import numpy as np
+import pytest
+
+from coral.advisor.question import AdvisorUnavailable, Reply
+from coral.advisor.rules import RuleAdvisor
+from coral.contact.controller import Plan
+from coral.contact.draw import Physical
+from coral.contact.mind import Moment, Step
+from coral.contact.strategy import Progress
+from coral.contact.thinking.ask import Asker
+from coral.contact.thinking.embedding import HashedWords
+from coral.contact.thinking.memory import Memory
+from coral.contact.thinking.outer import OuterCfg, Watch
+from coral.contact.thinking.plan_answer import PlanAnswer
+from coral.contact.thinking.rules import RULES
+from coral.contact.thinking.thinker import ThinkCfg, Thinker
+from coral.contact.world import HandTarget
+from coral.mppi.knots import Update
+
+
+def thinker(one, advisor=None, memory=None, **cfg):
+    told = []
+    mind = Thinker(Asker(advisor or RuleAdvisor(RULES)), ThinkCfg(**cfg), np.random.default_rng(0), memory,
+                   provenance={"world": "hand", "seed": 0})
+    mind.listen(lambda event, **fields: told.append((event, fields)))
+    return mind, told
+
+
+def moment(one, t, stage, cost, taken=()):
+    body = one.now.objects["box"]
+    now = type(one.now)(t, one.now.tool, one.now.opening_m, one.now.wrench, one.now.objects)
+    state = one.world.present(now)
+    plan = Plan((), np.zeros((1, 3)), np.zeros((1, 3)), Update(*[np.zeros(1)] * 4, 1.0, True), {"all": cost}, state, 0)
+    assert body is not None
+    return Moment(0, now, plan, stage, taken)
+
+
+def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):
+    one = scene("pick-box")
+    mind, told = thinker(one)
+    strategy = mind.begin(one.drawn, one.now, one.world)
+    assert [stage.name for stage in strategy.stages] == ["reach", "close", "lift"]
+    assert mind.account.advisor_calls == 3
+    assert [event for event, _ in told] == ["beliefs", "plan_answer", "regions"]
+    assert json.dumps(told)
+    assert Progress(strategy).update(one.world.present(one.now)) is False
+
+
+def test_without_regions_nothing_guides_the_samples(scene):
+    one = scene("pick-box")
+    mind, _ = thinker(one, regions=False)
+    strategy = mind.begin(one.drawn, one.now, one.world)
+    assert not any(stage.guides for stage in strategy.stages)
+
+
+class Gone:
+    name = "gone"
+
+    async def answer(self, question, rejections):
+        raise AdvisorUnavailable("no-network", "there is none", final=True)
+
+
+def test_without_an_answer_the_rules_take_over_and_the_record_says_so(scene):
+    one = scene("pick-box")
+    mind, told = thinker(one, Gone())
+    assert mind.begin(one.drawn, one.now, one.world).stages
+    assert ("fallback", {"what": "plan", "by": "heuristic", "because": "no-network"}) in told
+
+
+class OneFunction:
+    """Answers as the paper's models do: one function, first with a name that the state does not have."""
+
+    name = "one-function"
+
+    def __init__(self):
+        self.heard = []
+
+    async def answer(self, question, rejections):
+        self.heard += [rejection.reason for rejection in rejections]
+        if question.kind != "cost-function":
+            return Reply(value=RULES[question.kind](question.facts, rejections), raw="")
+        target = "box_pos" if rejections else "cup_pos"
+        return Reply(value=PlanAnswer(code=f"def state_cost(self):\n    return 5 * norm(self.ee_pos - self.{target})"),
+                     raw="")
+
+
+def test_a_models_refused_cost_is_mended_by_the_reason(scene):
+    one = scene("pick-box")
+    advisor = OneFunction()
+    mind, _ = thinker(one, advisor, regions=False)
+    assert [stage.name for stage in mind.begin(one.drawn, one.now, one.world).stages] == ["task"]
+    assert "cup_pos" in advisor.heard[0]
+
+
+def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
+    memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    one = scene("pick-box")
+    mind, _ = thinker(one, memory=memory)
+    mind.begin(one.drawn, one.now, one.world)
+    mind.ended("timeout")
+    assert memory.all() == []
+    mind, _ = thinker(one, memory=memory)
+    mind.begin(one.drawn, one.now, one.world)
+    mind.ended("success")
+    again, told = thinker(one, memory=memory)
+    again.begin(one.drawn, one.now, one.world)
+    assert again.account.memory_hit
+    assert again.account.advisor_calls == 1  # the masses and frictions; plan and regions are remembered
+    assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
+    again.ended("success")
+    assert (memory.all()[0].used, memory.all()[0].helped) == (1, 1)
+
+
+def test_attempts_without_progress_are_counted(scene):
+    one = scene("pick-box")
+    watch = Watch(OuterCfg(n_retry=3, attempt_s=0.2), ("reach", "close", "lift"))
+    assert not any(watch.see(moment(one, 0.1 * k, "reach", 10.0 - k)) for k in range(8))
+    found = [watch.see(moment(one, 0.8 + 0.1 * k, "reach", 3.0)) for k in range(8)]
+    assert found[-1]
+    assert not found[0]
+
+
+def test_falling_back_again_and_again_is_no_progress(scene):
+    one = scene("pick-box")
+    watch = Watch(OuterCfg(n_retry=5, attempt_s=0.2), ("reach", "close", "lift"))
+    stages = ["reach", "close"] * 8
+    assert any(watch.see(moment(one, 0.2 * k, stage, 5.0)) for k, stage in enumerate(stages))
+    assert watch.returns >= 2
+
+
+def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):
+    one = scene("pick-box")
+    mind, told = thinker(one, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    mind.begin(one.drawn, one.now, one.world)
+    other = None
+    for k in range(8):
+        step = Step(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
+        other = other or mind.after(moment(one, 0.1 * k, "reach", 5.0, (step,)))
+    assert other is not None
+    assert mind.account.repairs == 1
+    stuck = next(fields for event, fields in told if event == "stuck")
+    assert stuck["diagnosis"] == "not-reached"
+    assert stuck["history"]
+    repair = [fields for event, fields in told if event == "plan_answer"][-1]
+    assert repair["kind"] == "cost-repair"
+    assert "never touched" in repair["explanation"]
+    assert mind.after(moment(one, 9.0, "reach", 5.0)) is None
+
+
+def test_without_refinement_nothing_changes(scene):
+    one = scene("pick-box")
+    mind, _ = thinker(one, refine=False, outer=OuterCfg(n_retry=1, attempt_s=0.1))
+    mind.begin(one.drawn, one.now, one.world)
+    assert [mind.after(moment(one, 0.1 * k, "reach", 5.0)) for k in range(6)] == [None] * 6
+    assert mind.account.repairs == 0
+
+
+@pytest.mark.parametrize("reason", ["success", "timeout"])
+def test_without_memory_nothing_is_kept(scene, reason):
+    one = scene("pick-box")
+    mind, told = thinker(one)
+    mind.begin(one.drawn, one.now, one.world)
+    mind.ended(reason)
+    assert "remembered" not in [event for event, _ in told]
+    assert isinstance(one.world.beliefs[0]["box"], Physical)
