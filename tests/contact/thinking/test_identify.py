@@ -1,0 +1,62 @@
+import numpy as np
+import pytest
+
+from coral.contact.draw import Physical, draw
+from coral.contact.mind import Step
+from coral.contact.planning import PlanningCfg, PlanningWorld
+from coral.contact.task import load_task
+from coral.contact.thinking.history import most_telling, windows
+from coral.contact.thinking.identify import Corrections, IdentifyCfg, compare
+from coral.contact.thinking.probe import ProbeCfg, probe
+from coral.contact.thinking.repair import choice_after, diagnose
+from coral.contact.thinking.replay import Replay
+from coral.contact.world import HandTarget
+
+TRUTH, FIRST = Physical(0.1, 0.5), Physical(2.0, 0.9)
+
+
+def test_a_belief_far_off_is_corrected_by_what_was_felt_and_seen():
+    drawn = draw(load_task("push-pick-board"), 0)
+    cfg = ProbeCfg(corrections=1, windows=4, replay_dt_s=0.004, identify=IdentifyCfg(grid=4, samples=10, rounds=1))
+    fit = next(iter(probe(drawn, "board", TRUTH, FIRST, cfg, np.random.default_rng(0))))
+    assert fit.accepted
+    assert fit.error_after < 0.5 * fit.error_before
+    # The product is what a push shows; a coarse fit of one round must come near it.
+    assert fit.after.mass_kg * fit.after.friction == pytest.approx(0.05, rel=0.6)
+    assert "board: mass 2 to" in fit.words()
+
+
+def still(scene, force=0.0):
+    one = scene("pick-box")
+    felt = type(one.now)(one.now.time_s, one.now.tool, one.now.opening_m, np.array([force, 0, 0, 0, 0, 0]),
+                         one.now.objects)
+    return one, Step(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), felt)
+
+
+def test_a_history_without_touch_says_nothing(scene):
+    _, step = still(scene)
+    assert most_telling([step] * 30) is None
+    assert windows([step] * 30, "box") == []
+    assert most_telling([]) is None
+
+
+def test_a_proposal_equal_to_the_belief_explains_no_better(scene):
+    drawn = draw(load_task("pick-box"), 0)
+    one, step = still(scene)
+    world = PlanningWorld(drawn, one.beliefs, one.now, PlanningCfg(threads=1))
+    from coral.contact.thinking.history import Window
+
+    replay = Replay(world, [Window((step,) * 6)])
+    before, after = compare(replay, "box", one.beliefs, one.beliefs)
+    assert before == after
+    world.close()
+    assert Corrections().fits == []
+
+
+@pytest.mark.parametrize(("force", "returns", "surprise", "kind"), [
+    (0.0, 0, 0.0, "not-reached"), (3.0, 0, 0.0, "not-moved"), (3.0, 3, 0.0, "slipped"),
+    (3.0, 0, 0.1, "moved-otherwise")])
+def test_diagnoses(scene, force, returns, surprise, kind):
+    _, step = still(scene, force)
+    assert diagnose([step] * 10, "box", returns, surprise) == kind
+    assert choice_after([kind]) != choice_after([])
