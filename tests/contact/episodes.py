@@ -14,6 +14,7 @@ from coral.contact.world import Body, Contact, Observation, Truth
 from coral.mppi.knots import KnotMppiCfg
 
 COARSE = EpisodeCfg(
+    poses="ground-truth",
     controller=ControllerCfg(horizon=8, mppi=KnotMppiCfg(samples=6, knots=3)),
     planning=PlanningCfg(threads=1))
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])

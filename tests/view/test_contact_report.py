@@ -23,7 +23,7 @@ from coral.view.contact.video import moments as film_moments
 from coral.view.contact.video import pictures
 from coral.view.run import RunFolder
 
-COARSE = EpisodeCfg(planning=PlanningCfg(threads=1),
+COARSE = EpisodeCfg(poses="ground-truth", planning=PlanningCfg(threads=1),
                     controller=ControllerCfg(horizon=10, mppi=KnotMppiCfg(samples=10, knots=3), guided=0.5))
 
 

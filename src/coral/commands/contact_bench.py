@@ -24,7 +24,7 @@ from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store, write_whole
 from coral.campaign.table import document
 from coral.campaign.version import code_version
-from coral.commands.contact_run import with_samples
+from coral.commands.contact_run import with_poses, with_samples
 from coral.config import checked, read_config, to_mapping
 from coral.contact.episode import EpisodeCfg
 from coral.contact.policy.address import Address, parse_address
@@ -74,6 +74,8 @@ class ContactBench:
     """Numbers and ranges, such as 0-4 or 0,3,7-9; the paper makes ten trials of each task."""
     advisors: str = "heuristic"
     """As for coral contact run, separated by commas."""
+    poses: Literal["tracked", "ground-truth"] | None = None
+    """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
     jobs: int = 1
@@ -118,7 +120,7 @@ class ContactBench:
             raise InputError("--jobs", "", self.jobs, "a number from 1 on")
         names = shipped_tasks() if self.tasks == "all" else parse_names(self.tasks, "--tasks")
         tasks = {name: load_task(name) for name in names}
-        cfg = checked(with_samples(self.cfg, self.samples), "--cfg")
+        cfg = checked(with_poses(with_samples(self.cfg, self.samples), self.poses), "--cfg")
         specs = self._specs(tasks)
         with store.lock():
             store.open(specs, self._conditions(cfg, tasks), command=self._command(), mix=self.mix, about=provenance())
@@ -205,6 +207,7 @@ class ContactBench:
         words = ["coral", "contact", "bench", "--variants", self.variants, "--tasks", self.tasks,
                  "--worlds", self.worlds, "--seeds", self.seeds, "--advisors", self.advisors]
         words += ["--policies", self.policies] if self.policies else []
+        words += ["--poses", self.poses] if self.poses is not None else []
         words += ["--samples", str(self.samples)] if self.samples is not None else []
         words += ["--config", str(self.config)] if self.config else [
             word for key, value in changes(to_mapping(self.cfg), to_mapping(EpisodeCfg()), "cfg")

@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import tyro
@@ -45,6 +45,8 @@ class ContactRun:
     """Seed of everything random: poses, masses, frictions, sizes and the planner's noise."""
     policy: str | None = None
     """[NAME=]ws://HOST:PORT: no planner and no variant, a vision-language-action policy that this server runs."""
+    poses: Literal["tracked", "ground-truth"] | None = None
+    """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
     memory: Path | None = None
@@ -85,7 +87,7 @@ class ContactRun:
         check_world(self.world)
         make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=ModelCfg())
         task = load_task(self.task)
-        cfg = checked(with_samples(self.cfg, self.samples), "--cfg")
+        cfg = checked(with_poses(with_samples(self.cfg, self.samples), self.poses), "--cfg")
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.policy is not None:
             return self._driven(self.policy, task, cfg)
@@ -145,6 +147,11 @@ def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
         raise InputError("--samples", "", samples, "a number from 1 on")
     mppi = dataclasses.replace(cfg.controller.mppi, samples=samples)
     return dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, mppi=mppi))
+
+
+def with_poses(cfg: EpisodeCfg, poses: Literal["tracked", "ground-truth"] | None) -> EpisodeCfg:
+    """The configuration with poses from elsewhere."""
+    return cfg if poses is None else dataclasses.replace(cfg, poses=poses)
 
 
 def render(folder: Path, cfg: EpisodeCfg) -> dict[str, str]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -25,7 +25,8 @@ from coral.contact.record import EpisodeRecorder, RecordCfg, columns, numbers
 from coral.contact.scene import believing, prior
 from coral.contact.strategy import Progress, Strategy
 from coral.contact.thinking.thinker import ThinkCfg
-from coral.contact.world import EvaluationWorld, HandTarget, Observation, WorldFault
+from coral.contact.tracked import Seen, TrackedCfg, TrackedWorld
+from coral.contact.world import EvaluationWorld, HandTarget, Observation, Truth, WorldFault
 from coral.contact.worlds import make_world
 from coral.runs import RunWriter, provenance
 
@@ -37,6 +38,7 @@ ENDS = {
     "diverged": "the evaluation world's simulation diverged",
     "unreachable": "the robot's arm cannot go on",
     "camera-off": "the camera gives no pictures",
+    "not-found": "an object could not be found in the first pictures",
     "cost-error": "the strategy's cost could not be evaluated",
     "no-plan": "no rehearsal could be used for many plans in a row, or the plan was no motion",
     "policy": "a served policy gave no actions that could be taken",
@@ -60,6 +62,8 @@ class EpisodeCfg:
         record: What is kept.
         think: How variants that ask an advisor think.
         policy: A served policy, where one drives instead of the planner.
+        poses: Where the objects' poses come from: tracked in a camera's pictures, or ground-truth, the simulator.
+        tracked: The camera and what is made of its pictures.
     """
 
     replan_steps: Count = 2
@@ -70,6 +74,8 @@ class EpisodeCfg:
     record: RecordCfg = field(default_factory=RecordCfg)
     think: ThinkCfg = field(default_factory=ThinkCfg)
     policy: PolicyCfg = field(default_factory=PolicyCfg)
+    poses: Literal["tracked", "ground-truth"] = "tracked"
+    tracked: TrackedCfg = field(default_factory=TrackedCfg)
 
 
 class Observer(Protocol):
@@ -106,6 +112,10 @@ class Episode:
         self.plan_ms: list[float] = []
         self.judge = Judge(drawn)
         self.world: EvaluationWorld = make_world(world, drawn, cfg.planning.step_s)
+        self.tracked: TrackedWorld | None = None
+        if cfg.poses == "tracked":
+            self.world = self.tracked = TrackedWorld(self.world, drawn, cfg.tracked,
+                                                     np.random.default_rng([drawn.seed, 4]))
         # All that can be refused has been looked at: only now is a folder made.
         objects = [item.name for item in drawn.task.objects]
         self.writer = RunWriter(folder, columns(objects))
@@ -196,7 +206,8 @@ class Episode:
     def _act(self, plan: Plan, k: int) -> bool:
         """One control step; false when the world could not take it."""
         before = self.now
-        command = self.reactive.command(plan.targets[k], before)
+        target = plan.targets[k] if self.tracked is None else self.tracked.retreat(plan.targets[k], before)
+        command = self.reactive.command(target, before)
         try:
             self.now = self.world.step(command)
             truth = self.world.truth()
@@ -207,7 +218,8 @@ class Episode:
         self.step += 1
         self.t = self.now.time_s
         self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k)
-        self.recorder.row(self.step, self.now, truth, command, self.progress.index)
+        self._tell_tracks()
+        self.recorder.row(self.step, self.now, truth, command, self.progress.index, self._off(truth))
         self.recorder.state(self.step, self.t, self.world)
         self.recorder.contacts(self.step, truth)
         done, lost = self.judge.success(truth), self.judge.failure(truth)
@@ -220,23 +232,20 @@ class Episode:
         return True
 
     def _begin(self) -> None:
-        task, cfg = self.drawn.task, self.cfg
+        cfg = self.cfg
+        self._write_head()
+        self._say_start()
         self.now = self.world.reset()
         self.t = self.now.time_s
-        self._write_head()
+        self._tell_tracks()
         self.planner = PlanningWorld(self.drawn, prior(self.drawn), self.now, cfg.planning)
         self.controller = Controller(self.planner, cfg.controller, np.random.default_rng([self.drawn.seed, 1]))
         self.reactive = Reactive(cfg.reactive, cfg.planning.step_s, np.asarray(cfg.controller.workspace_low_m),
                                  np.asarray(cfg.controller.workspace_high_m))
-        self.emit("start", task=task.name, instruction=task.instruction, world=self.world.name, variant=self.variant,
-                  advisor=self.advisor, seed=self.drawn.seed, poses=getattr(self.world, "poses", "ground-truth"),
-                  time_limit_s=task.time_limit_s,
-                  trial={name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
-                         for name, item in self.drawn.objects.items()})
         first = HandTarget(self.now.tool.position, self.now.tool.quaternion, self.now.opening_m,
                            cfg.planning.hand.stiffness_n_m)
         truth = self.world.truth()
-        self.recorder.row(0, self.now, truth, first, 0)
+        self.recorder.row(0, self.now, truth, first, 0, self._off(truth))
         self.recorder.state(0, self.t, self.world)
         self.recorder.contacts(0, truth)
         self.mind.listen(self.emit)
@@ -248,6 +257,23 @@ class Episode:
             "system": "contact", "task": self.drawn.task.name, "world": self.world.name, "advisor": self.advisor,
             "variant": self.variant, "seed": self.drawn.seed, "episode": to_mapping(self.cfg),
             "provenance": provenance()})
+
+    def _say_start(self) -> None:
+        task = self.drawn.task
+        self.emit("start", task=task.name, instruction=task.instruction, world=self.world.name, variant=self.variant,
+                  advisor=self.advisor, seed=self.drawn.seed, poses=self.cfg.poses,
+                  time_limit_s=task.time_limit_s,
+                  trial={name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
+                         for name, item in self.drawn.objects.items()})
+
+    def _tell_tracks(self) -> None:
+        """Report objects that were lost or found again."""
+        for fields in self.tracked.news() if self.tracked is not None else ():
+            self.emit("track", **fields)
+
+    def _off(self, truth: Truth) -> Mapping[str, Seen] | None:
+        """How far tracked poses are from the truth: for the record, and seen by nobody who decides."""
+        return None if self.tracked is None else self.tracked.compare(self.now, truth)
 
     def _follow(self, strategy: Strategy) -> None:
         """Begin a strategy."""

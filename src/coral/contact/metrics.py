@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from coral.errors import InputError
@@ -30,7 +31,12 @@ DEFINITIONS = {
     "contacts": "Contacts that began during the episode, those between things that do not move left out.",
     "effective_samples": "Mean effective sample size of the plans.",
     "diverged_rehearsals": "Rehearsals in the planning world that were left out because they diverged.",
-    "poses": "Where the objects' poses came from: the simulator (ground-truth), a tracker, or nowhere (pictures).",
+    "track_lost": "Times an object was lost by the tracker.",
+    "track_recovered": "Times one was found again.",
+    "track_lost_s": "Time (s) during which an object was lost.",
+    "pose_error_mm": "Median distance (mm) of tracked poses from the truth, modulo symmetry. Nothing is decided by it.",
+    "pose_error_deg": "Median of their angles (degrees), likewise.",
+    "poses": "Where objects' poses came from: the simulator (ground-truth), a camera (tracked), or nowhere (pictures).",
 }
 
 
@@ -51,6 +57,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     start: Mapping[str, Any] = {}
     end: Mapping[str, Any] = {}
     plans = asked = stages = contacts = diverged = 0
+    lost = recovered = 0
     effective, strategy = 0.0, ""
     for event in events:
         kind = event["event"]
@@ -68,16 +75,24 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
             stages += event.get("before") is not None
         elif kind == "strategy":
             strategy = str(event["name"])
+        elif kind == "track":
+            lost, recovered = lost + bool(event["lost"]), recovered + (not event["lost"])
         elif kind == "contact":
             contacts += event["step"] > 0
     path, last, step, t, before = 0.0, None, 0, 0.0, 0.0
-    peak = impulse = touching = 0.0
+    peak = impulse = touching = missed = 0.0
+    off_m: list[float] = []
+    off_rad: list[float] = []
     for row in rows:
         here = (float(row["x"]), float(row["y"]), float(row["z"]))
         path += math.dist(last, here) if last else 0.0
         last, step, before, t = here, int(float(row["step"])), t, float(row["t"])
         force = max((float(row[name]) for name in row if name.endswith("_hand_force")), default=0.0)
         peak = max(peak, force)
+        off_m += [float(row[name]) for name in row if name.endswith("_off_m") and row[name]]
+        off_rad += [float(row[name]) for name in row if name.endswith("_off_rad") and row[name]]
+        if any(name.endswith("_lost") and row[name] and float(row[name]) for name in row):
+            missed += t - before
         if force > 0:
             impulse, touching = impulse + force * (t - before), touching + t - before
     return {
@@ -89,6 +104,9 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "peak_hand_force_n": round(peak, 2), "mean_hand_force_n": round(impulse / touching, 2) if touching else None,
         "contact_time_s": round(touching, 3), "contacts": contacts,
         "effective_samples": round(effective / plans, 2) if plans else None, "diverged_rehearsals": diverged,
+        "track_lost": lost, "track_recovered": recovered, "track_lost_s": round(missed, 3),
+        "pose_error_mm": round(1e3 * median(off_m), 2) if off_m else None,
+        "pose_error_deg": round(math.degrees(median(off_rad)), 2) if off_rad else None,
         "poses": str(start.get("poses", ""))}
 
 

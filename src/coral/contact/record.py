@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import IO, Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from coral.config import Positive
 from coral.contact.conditions import hand_force
 from coral.contact.geometry import conjugate, rotate
+from coral.contact.tracked import Seen
 from coral.contact.world import Array, Body, Contact, HandTarget, Observation, Truth
 from coral.runs import RunWriter
 
@@ -38,13 +39,16 @@ def columns(objects: Sequence[str]) -> tuple[str, ...]:
     """trajectory.csv: SI units, world frame; a row for each control step.
 
     The measured tool pose and opening, the command, the wrench on the hand, the index of the stage, then of each object
-    its pose, the hand's net force on it, and in its own frame the mean point of that touch, empty where there is none.
+    its pose, the hand's net force on it, and in its own frame the mean point of that touch, empty where there is none;
+    last how far its tracked pose is off (m, rad; modulo symmetry) and whether it is lost, empty where none is tracked.
     """
     found = ["step", "t", *POSE, "opening", *(f"cmd_{name}" for name in (*POSE, "opening", "stiffness")),
              "fx", "fy", "fz", "tx", "ty", "tz", "stage"]
     for name in objects:
         found += [*(f"{name}_{part}" for part in POSE), f"{name}_hand_force",
                   *(f"{name}_touch_{axis}" for axis in "xyz")]
+    for name in objects:
+        found += [f"{name}_{part}" for part in ("off_m", "off_rad", "lost")]
     return tuple(found)
 
 
@@ -63,13 +67,17 @@ class EpisodeRecorder:
         self._due = 0.0
         self._contacts = Contacts()
 
-    def row(self, step: int, now: Observation, truth: Truth, command: HandTarget, stage: int) -> None:
+    def row(self, step: int, now: Observation, truth: Truth, command: HandTarget, stage: int,
+            seen: Mapping[str, Seen] | None = None) -> None:
         """One control step."""
         values: list[float | str] = [
             step, now.time_s, *_pose(now.tool), now.opening_m, *command.position, *command.quaternion,
             command.opening_m, command.stiffness, *now.wrench, stage]
         for name in self._objects:
             values += [*_pose(truth.objects[name]), hand_force(truth, name) or 0.0, *_touch_point(truth, name)]
+        for name in self._objects:
+            one = None if seen is None else seen[name]
+            values += ["", "", ""] if one is None else [one.off_m, one.off_rad, int(one.lost)]
         self._writer.row(*(value if isinstance(value, str) else float(value) for value in values))
 
     def state(self, step: int, t: float, world: Any, last: bool = False) -> None:

@@ -73,8 +73,14 @@ class ModelTracker:
                         robot_in(frame, self.cfg.confidence), self.cfg.registration)
         return self._judge(frame, self._view(frame, mask, [pose]), pose, registered=True)
 
-    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
-        """Follow the object; where it was lost, find it again. See `PoseTracker`."""
+    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> Estimate:
+        """Follow the object; where it was lost, find it again. See `PoseTracker`.
+
+        Args:
+            frame: The picture.
+            mask: Shape=(H, W), where the object is seen in it.
+            guess: T_world_object, Shape=(4, 4), where the object may be: with the hand that holds it, say.
+        """
         if self._last is None:
             return self.register(frame, mask)
         if unseen(frame, mask, self.cfg.confidence):
@@ -83,6 +89,8 @@ class ModelTracker:
         starts = [camera @ self._last]
         if self._before is not None:
             starts.append(camera @ _ahead(self._last, self._before))
+        if guess is not None:
+            starts.append(camera @ guess)
         view = self._view(frame, mask, starts)
         if self._lost:
             starts.append(view.place(self.model, starts[0]))

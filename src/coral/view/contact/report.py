@@ -37,7 +37,8 @@ ENDED = {
     "success": "done", "timeout": "not done in time", "killed": "cut off",
     "dropped": "failed: an object fell off the table", "tunnelling": "void: an object went through the table",
     "diverged": "void: the simulation diverged", "unreachable": "failed: the arm could not go on",
-    "camera-off": "failed: the camera gave no pictures", "cost-error": "failed: the cost could not be evaluated",
+    "camera-off": "failed: the camera gave no pictures", "not-found": "failed: an object was not found",
+    "cost-error": "failed: the cost could not be evaluated",
     "no-plan": "failed: no usable rehearsal", "policy": "failed: the served policy gave no actions",
     "failed": "ended by an error in the program"}
 
