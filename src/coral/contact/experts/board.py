@@ -43,7 +43,7 @@ def behind(state: Context, gap_m: float = 0.02) -> Array:
 
 def grip(state: Context) -> Array:
     """Where the tool pinches: short of the handle's middle, so that the palm stays clear of the handle's near side."""
-    return state.board_handle_pos - 0.024 * POINTING
+    return np.asarray(state.board_handle_pos - 0.024 * POINTING)
 
 
 def _off(first: Array, second: Array) -> Array:
@@ -82,7 +82,8 @@ def fsm(task: Task) -> Strategy:
     def approach(state: Context) -> Terms:
         goal = behind(state, 0.03)
         above = np.clip(0.06 - state.ee_pos[..., 2], 0, None) * np.clip(_off(state.ee_pos, goal) - 0.05, 0, 0.1) * 100
-        return {"reach": 10.0 * _off(state.ee_pos, goal), "from above": above, "point down": 3.0 * _turn(state, DOWN_WIDE),
+        return {"reach": 10.0 * _off(state.ee_pos, goal), "from above": above,
+                "point down": 3.0 * _turn(state, DOWN_WIDE),
                 "fingers wide": 15.0 * np.abs(state.gripper_target - 0.07), "leave alone": leave(state)}
 
     def push(state: Context) -> Terms:
@@ -90,13 +91,14 @@ def fsm(task: Task) -> Strategy:
 
     def pose(goal: Array, quaternion: Array, opening: float, state: Context) -> Terms:
         return {"reach": 10.0 * _off(state.ee_pos, goal), "turn": 2.0 * _turn(state, quaternion),
-                "opening": 15.0 * np.abs(state.gripper_target - opening), "leave alone": leave(state), "calm": calm(state)}
+                "opening": 15.0 * np.abs(state.gripper_target - opening), "leave alone": leave(state),
+                "calm": calm(state)}
 
     def high(state: Context) -> Array:
-        return behind(state, 0.05) + np.array([0.0, 0.0, 0.15])
+        return np.asarray(behind(state, 0.05) + np.array([0.0, 0.0, 0.15]))
 
     def beside(state: Context, back_m: float, up_m: float) -> Array:
-        return grip(state) - back_m * POINTING + np.array([0.0, 0.0, up_m])
+        return np.asarray(grip(state) - back_m * POINTING + np.array([0.0, 0.0, up_m]))
 
     def rise(state: Context) -> Terms:
         return pose(high(state), DOWN_WIDE, 0.07, state)
@@ -153,7 +155,8 @@ def fsm(task: Task) -> Strategy:
         Stage("pinch", pinch, to(grip, PINCH, -0.04), sigma=0.4, back=("turn", lost),
               until=lambda now: bool((now.board_left_contact * now.board_right_contact)[0, 0] > 0
                                      and now.gripper_target[0, 0] < -0.01)),
-        Stage("lift", lift, to(lambda s: s.ee_pos + np.array([0, 0, 0.15]), None, -0.04), sigma=0.5, back=("turn", lost)),
+        Stage("lift", lift, to(lambda s: s.ee_pos + np.array([0, 0, 0.15]), None, -0.04), sigma=0.5,
+              back=("turn", lost)),
     ))
 
 

@@ -52,7 +52,7 @@ def behind(state: Context, name: str, gap_m: float = 0.0, height_m: float = 0.01
 
 def under(state: Context, name: str) -> Array:
     """Where the tool lifts: the near face's lower edge on the finger's face, a little above the tip."""
-    return on_box(state, name, -1.0, -1.0) + np.array([-PAD_M, 0.0, 0.004])
+    return np.asarray(on_box(state, name, -1.0, -1.0) + np.array([-PAD_M, 0.0, 0.004]))
 
 
 def square(state: Context, name: str | None = None) -> Array:
