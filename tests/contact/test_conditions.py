@@ -1,7 +1,9 @@
 """Success, judged on worlds made by hand: just in, just out, and the near misses."""
 
 import pytest
-from contact_bench import body, plain, touch, trial, truth
+from contact_bench import body, plain, touch, trial, truth, written
+
+from coral.errors import InputError
 
 FINGERS = (touch("box", "left"), touch("box", "right"))
 UP = (0, 0, 0.16)
@@ -171,3 +173,16 @@ def test_force_of_a_hand_that_comes_second_by_name():
     said = [judge(truth(0.02 * k, None, touch("right", "tin", (3, 0, 0)), touch("tin", "hand", (-2, 0, 0)), tin=moving))
             for k in range(12)]
     assert said[-1]
+
+
+@pytest.mark.parametrize(("place", "holds"), [((0, 0, 0.05), True), ((0.1, 0, 0.05), True), ((0.101, 0, 0.05), False),
+                                              ((0, 0.3, 0.05), False), ((0, 0, -0.01), False)])
+def test_inside(place, holds):
+    judge = watch(kind="inside", low=(-0.1, -0.2, 0.0), high=(0.1, 0.2, 0.1))
+    assert judge(truth(0, body(place))) is holds
+
+
+def test_inside_nothing(tmp_path):
+    nothing = {"kind": "inside", "object": "box", "low": [0.0, 0.0, 0.2], "high": [0.1, 0.1, 0.1]}
+    with pytest.raises(InputError, match="all below high"):
+        written(tmp_path, plain() | {"success": {"conditions": [nothing]}})

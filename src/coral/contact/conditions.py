@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Watch = Callable[[Truth], bool]
 Angle = Annotated[float, Field(ge=0, le=180, strict=True)]
+Metre = Annotated[float, Field(ge=-10, le=10, strict=True)]
 AXES = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
 
 
@@ -131,6 +132,29 @@ class At(_Condition):
             body = truth.objects[self.object]
             place = body.position if self.point is None else drawn.point(self.object, self.point, body)
             return bool(np.linalg.norm((place - goal)[kept]) <= self.tolerance_m)
+        return holds
+
+
+class Inside(_Condition):
+    """The origin of the object's frame lies in the upright box from `low` to `high` (m, world frame)."""
+
+    kind: Literal["inside"] = "inside"
+    low: tuple[Metre, Metre, Metre]
+    high: tuple[Metre, Metre, Metre]
+
+    def check(self, task: Task, where: str, field: str) -> None:
+        """See `_Condition.check`."""
+        super().check(task, where, field)
+        if any(low >= high for low, high in zip(self.low, self.high, strict=True)):
+            raise InputError(where, f"{field}.low", list(self.low), f"all below high, {list(self.high)}")
+
+    def watch(self, drawn: Drawn) -> Watch:
+        """See `_Condition.watch`."""
+        low, high = np.asarray(self.low), np.asarray(self.high)
+
+        def holds(truth: Truth) -> bool:
+            place = truth.objects[self.object].position
+            return bool((low <= place).all() and (place <= high).all())
         return holds
 
 
@@ -275,6 +299,7 @@ class Undisturbed(_Condition):
 
 
 Condition = Annotated[
-    Lifted | Grasped | Released | At | Resting | Flipped | Upright | TouchedWhileTurning | SteadyForce | Undisturbed,
+    Lifted | Grasped | Released | At | Inside | Resting | Flipped | Upright | TouchedWhileTurning | SteadyForce
+    | Undisturbed,
     Field(discriminator="kind"),
 ]

@@ -172,13 +172,17 @@ def shipped_tasks() -> tuple[str, ...]:
 
 
 def load_task(name_or_path: str | Path) -> Task:
-    """A shipped task by name, or one from a file.
+    """A shipped task by name, one from a file, or a LIBERO scene (`libero:object/0`).
 
     Raises:
         InputError: No such task, or something in the file is wrong; the error names the field.
     """
     shipped = shipped_tasks()
     text = str(name_or_path)
+    if text.startswith("libero:"):
+        from coral.contact.libero.scene import load_libero
+
+        return load_libero(text)
     if text in shipped:
         path = TASKS_DIR / f"{text}.yaml"
     else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.contact.conditions import Grasped, Lifted
 from coral.contact.context import Context, Terms
 from coral.contact.geometry import conjugate, multiply, rotate, rotation_of
 from coral.contact.strategy import Guide, Stage, Strategy
@@ -12,6 +13,12 @@ from coral.contact.task import Task
 from coral.contact.vocabulary import axis, dot, near, norm
 
 Array = NDArray[np.float64]
+
+
+def picks(task: Task) -> bool:
+    """Whether the task, by its goals, is to lift its first object and nothing else."""
+    return all(isinstance(condition, Lifted | Grasped) and condition.object == task.objects[0].name
+               for condition in task.success.conditions)
 
 
 def across(state: Context, name: str) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.contact.conditions import At, Inside, Released
 from coral.contact.context import Context, Terms
 from coral.contact.experts import pick
 from coral.contact.strategy import Guide, Stage, Strategy
@@ -13,7 +14,8 @@ from coral.contact.vocabulary import axis, near, norm
 
 Array = NDArray[np.float64]
 CARRY_M = 0.14
-"""Height of the object's centre while it is carried: over everything that stands on the table."""
+"""Height of the object's centre while it is carried: over everything that stands on the table of pick-clutter. A task
+whose goal lies behind a rim says so by its number `carry_height`."""
 
 
 def _others(state: Context, task: Task) -> Array:
@@ -22,9 +24,19 @@ def _others(state: Context, task: Task) -> Array:
     return np.asarray(sum(moved)) if moved else np.zeros(state.shape)
 
 
+def places(task: Task) -> bool:
+    """Whether the task, by its goals, is to bring its first object to the place `goal` and to let it lie there."""
+    first = [condition for condition in task.success.conditions if condition.object == task.objects[0].name]
+    put = any(isinstance(condition, Inside) or (isinstance(condition, At) and condition.place == "goal")
+              for condition in first)
+    lets_go = any(isinstance(condition, Inside | Released) for condition in first)
+    return "goal" in task.places and put and lets_go
+
+
 def single(task: Task) -> Strategy:
     """One cost: reach, close, and once held go up, over and down by a geometric switch."""
     name = task.objects[0].name
+    carry_m = task.numbers.get("carry_height", CARRY_M)
 
     def cost(state: Context) -> Terms:
         place = state[f"{name}_pos"]
@@ -32,7 +44,7 @@ def single(task: Task) -> Strategy:
         close = near(distance, 0.02)
         held = state[f"{name}_left_contact"] * state[f"{name}_right_contact"]
         aside = norm((place - state.goal_pos)[..., :2])
-        height = np.where(aside > 0.03, CARRY_M, state[f"{name}_init_pos"][..., 2] + 0.01)
+        height = np.where(aside > 0.03, carry_m, state[f"{name}_init_pos"][..., 2] + 0.01)
         there = near(aside, 0.03) * near(place[..., 2] - state[f"{name}_init_pos"][..., 2], 0.02)
         return {
             "reach": 12.0 * distance * (1 - there),
@@ -40,7 +52,7 @@ def single(task: Task) -> Strategy:
             "open": 10.0 * (1 - close * (1 - there)) * (0.08 - state.gripper_target),
             "close": -2.0 * close * (1 - there) * (1 - state.gripper_target / 0.08),
             "hold": -1.5 * held * (1 - there),
-            "carry": 8.0 * held * (np.abs(place[..., 2] - height) - CARRY_M) + 6.0 * held * (aside - 0.5),
+            "carry": 8.0 * held * (np.abs(place[..., 2] - height) - carry_m) + 6.0 * held * (aside - 0.5),
             "retire": -20.0 * there * np.clip((state.ee_pos - place)[..., 2], 0, 0.12),
             "leave alone": 3.0 * _others(state, task),
         }
@@ -51,6 +63,7 @@ def single(task: Task) -> Strategy:
 def fsm(task: Task) -> Strategy:
     """Reach, close, raise, carry, lower, let go, retire; back to reaching when the object is lost."""
     name = task.objects[0].name
+    carry_m = task.numbers.get("carry_height", CARRY_M)
     picking = pick.fsm(task)
     reach, close = picking.stages[:2]
 
@@ -74,10 +87,10 @@ def fsm(task: Task) -> Strategy:
         return norm((state[f"{name}_pos"] - state.goal_pos)[..., :2])
 
     def raise_(state: Context) -> Terms:
-        return {**holding(state), **to(np.abs(state[f"{name}_pos"][..., 2] - CARRY_M))}
+        return {**holding(state), **to(np.abs(state[f"{name}_pos"][..., 2] - carry_m))}
 
     def carry(state: Context) -> Terms:
-        height = np.abs(state[f"{name}_pos"][..., 2] - CARRY_M)
+        height = np.abs(state[f"{name}_pos"][..., 2] - carry_m)
         return {**holding(state), **to(aside(state) + height)}
 
     def lower(state: Context) -> Terms:
@@ -108,7 +121,7 @@ def fsm(task: Task) -> Strategy:
         def points(now: Context) -> Array:
             offset = now.ee_pos[0] - now[f"{name}_pos"][0]
             end = now[f"{name}_pos"][0].copy()
-            end[:, 2] = CARRY_M
+            end[:, 2] = carry_m
             if goal != "up":
                 end[:, :2] = now.goal_pos[0, 0, :2]
             if goal == "down":
@@ -120,10 +133,10 @@ def fsm(task: Task) -> Strategy:
     return Strategy("pick and place, stages", (
         with_care(reach), with_care(close),
         Stage("raise", raise_, (guide("up"),), sigma=0.7, back=back,
-              until=lambda now: bool(now[f"{name}_pos"][0, 0, 2] > CARRY_M - 0.03)),
+              until=lambda now: bool(now[f"{name}_pos"][0, 0, 2] > carry_m - 0.03)),
         Stage("carry", carry, (guide("over"),), sigma=0.7, back=back, until=lambda now: bool(aside(now)[0, 0] < 0.02)),
         Stage("lower", lower, (guide("down"),), sigma=0.7, back=back,
-              until=lambda now: bool(now[f"{name}_mat_contact"][0, 0] > 0 or now[f"{name}_table_contact"][0, 0] > 0)),
+              until=lambda now: any(now[f"{name}_{thing}_contact"][0, 0] > 0 for thing in task.things)),
         Stage("release", release, (Guide(lambda now: now.ee_pos[0], opening_m=0.08),), sigma=0.5,
               until=lambda now: bool(now.gripper_opening[0, 0] > 0.07)),
         Stage("retire", retire, (Guide(lambda now: now.ee_pos[0] + [0, 0, 0.1], opening_m=0.08),), sigma=0.7),

