@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import mujoco
@@ -31,6 +31,7 @@ EYES: Mapping[str, tuple[Place, Place]] = {
     "push-pick-board": ((-0.35, 0.75, 0.6), (0.05, 0.0, 0.05)),  # the hand takes the board's right-hand side
 }
 """Of the tasks that are seen better from elsewhere."""
+_IN_HAND_GAIN = 0.3
 _DRAWN = (0,)
 """The robot's collision shapes stand for its looks: a little fuller, and drawn in half the time."""
 
@@ -106,6 +107,8 @@ class _Followed:
 
     def __init__(self, tracker: ModelTracker, cfg: MotionFilterCfg) -> None:
         self.tracker, self._cfg = tracker, cfg
+        # Squeezed between rubber pads it moves with them: what pictures say otherwise is mostly noise.
+        self.in_hand = replace(cfg, position_gain=_IN_HAND_GAIN, velocity_gain=0.0)
         self.held = False
         self.lost_since: float | None = None
         self.motion: MotionFilter
@@ -118,8 +121,8 @@ class _Followed:
         """Whether it now moves with the hand."""
         if held != self.held:
             before, after = (np.eye(4), inverse(tool)) if held else (tool, np.eye(4))
-            self.motion = MotionFilter(self._cfg, after @ before @ self.motion.at(time_s), time_s)
-            self.held = held
+            T = after @ before @ self.motion.at(time_s)
+            self.motion, self.held = MotionFilter(self.in_hand if held else self._cfg, T, time_s), held
 
     def at(self, tool: Array, time_s: float) -> Array:
         """T_world_object."""
@@ -284,7 +287,7 @@ class TrackedWorld:
         if one.lost_since is not None:
             self._news.append({"object": name, "lost": False, "after_s": round(time_s - one.lost_since, 3)})
             one.lost_since = None
-            one.motion = MotionFilter(self.cfg.motion, T, taken_s)
+            one.motion = MotionFilter(one.in_hand if one.held else self.cfg.motion, T, taken_s)
         else:
             one.motion.measure(T, taken_s)
 

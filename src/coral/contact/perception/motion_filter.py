@@ -63,14 +63,15 @@ class MotionFilter:
             self._T, self._time_s = mean, time_s
             self.stop()
             return
-        step = max(time_s - self._time_s, 1e-6)
+        step = time_s - self._time_s
         ahead = self.at(time_s)
         shift, turn = T[:3, 3] - ahead[:3, 3], vector(T[:3, :3] @ ahead[:3, :3].T)
         self._T = pose(from_vector(cfg.position_gain * turn) @ ahead[:3, :3],
                        ahead[:3, 3] + cfg.position_gain * shift)
-        self.velocity = self.velocity + cfg.velocity_gain * shift / step
-        self.spin = self.spin + cfg.velocity_gain * turn / step
-        self._time_s = time_s
+        if step > 1e-6:  # a picture from before this motion began says nothing of its speed
+            self.velocity = self.velocity + cfg.velocity_gain * shift / step
+            self.spin = self.spin + cfg.velocity_gain * turn / step
+            self._time_s = time_s
 
     def at(self, time_s: float) -> Array:
         """Where it is at a time, Shape=(4, 4), if it goes on as it does."""
