@@ -111,22 +111,24 @@ class _Followed:
         self.in_hand = replace(cfg, position_gain=_IN_HAND_GAIN, velocity_gain=0.0)
         self.held = False
         self.lost_since: float | None = None
-        self.motion: MotionFilter
-
-    def place(self, T: Array, time_s: float) -> None:
-        """Begin anew from a pose in the world."""
-        self.held, self.motion = False, MotionFilter(self._cfg, T, time_s)
+        self.motion: MotionFilter | None = None
 
     def hold(self, held: bool, tool: Array, time_s: float) -> None:
         """Whether it now moves with the hand."""
         if held != self.held:
             before, after = (np.eye(4), inverse(tool)) if held else (tool, np.eye(4))
-            T = after @ before @ self.motion.at(time_s)
+            T = after @ before @ self.known.at(time_s)
             self.motion, self.held = MotionFilter(self.in_hand if held else self._cfg, T, time_s), held
+
+    @property
+    def known(self) -> MotionFilter:
+        """Its motion, once it has been found."""
+        assert self.motion is not None
+        return self.motion
 
     def at(self, tool: Array, time_s: float) -> Array:
         """T_world_object."""
-        found = self.motion.at(time_s)
+        found = self.known.at(time_s)
         return tool @ found if self.held else found
 
 
@@ -173,17 +175,20 @@ class TrackedWorld:
         self._pictured_s, self._due_s, self._retreated_s = now.time_s, now.time_s, -np.inf
         self._news.clear()
         rest = HandTarget(now.tool.position, now.tool.quaternion, now.opening_m, 600.0)
-        missing: dict[str, str] = {}
+        taken = 0
         while True:
-            for _ in range(self.cfg.first_pictures):
-                missing = self._first(now, self._take(now))
+            missing = self._first(now, self._take(now))
+            taken += 1
+            if taken < self.cfg.first_pictures:
+                continue
+            self._due_s = now.time_s + self.cfg.period_s
             if not missing:
-                self._due_s = now.time_s + self.cfg.period_s
                 return self._seen(now)
             if now.time_s >= self.cfg.search_s - 1e-9:
                 what = ", ".join(f"{name} ({reason})" for name, reason in missing.items())
                 raise WorldFault("not-found", f"not found in {self.cfg.search_s:g} s: {what}")
-            now = self._world.step(rest)
+            while now.time_s < self._due_s - 1e-9:
+                now = self._world.step(rest)
 
     def step(self, target: HandTarget) -> Observation:
         """See `EvaluationWorld.step`.
@@ -247,14 +252,15 @@ class TrackedWorld:
         return found
 
     def _first(self, now: Observation, frame: RgbdFrame | None) -> dict[str, str]:
-        """Look for what has not been found, look again at the rest; what is missing, and why."""
+        """Look for what has not been found, look again at the rest; what was never found, and why not."""
         missing = {}
         for name, one in self._objects.items():
             estimate = None if frame is None else one.tracker.track(frame, frame.mask(name))
             if estimate is None or estimate.lost:
-                missing[name] = "no picture" if estimate is None else estimate.reason
-            elif estimate.registered:
-                one.place(estimate.T_world_object, now.time_s)
+                if one.motion is None:
+                    missing[name] = "no picture" if estimate is None else estimate.reason
+            elif one.motion is None or estimate.registered:
+                one.motion = MotionFilter(self.cfg.motion, estimate.T_world_object, now.time_s)
             else:
                 one.motion.measure(estimate.T_world_object, now.time_s)
         return missing
@@ -281,7 +287,7 @@ class TrackedWorld:
             if one.lost_since is None:
                 one.lost_since = time_s
                 self._news.append({"object": name, "lost": True, "reason": estimate.reason, "held": one.held})
-                one.motion.stop()
+                one.known.stop()
             return
         T = inverse(tool) @ estimate.T_world_object if one.held else estimate.T_world_object
         if one.lost_since is not None:
@@ -289,7 +295,7 @@ class TrackedWorld:
             one.lost_since = None
             one.motion = MotionFilter(one.in_hand if one.held else self.cfg.motion, T, taken_s)
         else:
-            one.motion.measure(T, taken_s)
+            one.known.measure(T, taken_s)
 
     def _seen(self, now: Observation) -> Observation:
         tool = _transform(now.tool)
@@ -298,7 +304,7 @@ class TrackedWorld:
 
     def _body(self, one: _Followed, hand: Body, tool: Array, time_s: float) -> Body:
         T = one.at(tool, time_s)
-        velocity, spin = one.motion.velocity, one.motion.spin
+        velocity, spin = one.known.velocity, one.known.spin
         if one.held:
             lever = T[:3, 3] - hand.position
             velocity = tool[:3, :3] @ velocity + hand.velocity + np.cross(hand.angular_velocity, lever)

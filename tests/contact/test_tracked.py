@@ -1,0 +1,166 @@
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+from coral.contact import episode as module
+from coral.contact.draw import draw
+from coral.contact.episode import Episode
+from coral.contact.hand_world import HandWorld, HandWorldCfg
+from coral.contact.mind import Fixed
+from coral.contact.perception.camera import CameraCfg, RgbdFrame
+from coral.contact.task import load_task
+from coral.contact.tracked import TrackedCfg, TrackedWorld, _camera
+from coral.contact.world import HandTarget, WorldFault
+from coral.errors import InputError
+
+from .episodes import COARSE, ObedientWorld, strategy, trial
+
+SMALL = TrackedCfg(camera=CameraCfg(width=160, height=120))
+
+
+class Scripted:
+    """The usual camera, but some pictures do not come, or do not show any object."""
+
+    def __init__(self, world, drawn, cfg, off=lambda k: False, covered=lambda k: False):
+        self._camera, self._off, self._covered, self.taken = _camera(world.model, drawn, cfg), off, covered, 0
+
+    def take(self, data, rng):
+        self.taken += 1
+        frame: RgbdFrame = self._camera.take(data, rng)
+        if self._off(self.taken):
+            return None
+        blank = np.zeros_like(frame.instance)
+        return dataclasses.replace(frame, instance=blank) if self._covered(self.taken) else frame
+
+
+def tracked(cfg=SMALL, seed=0, task="pick-box", **script):
+    drawn = draw(load_task(task), seed)
+    world = HandWorld(drawn, HandWorldCfg())
+    return TrackedWorld(world, drawn, cfg, np.random.default_rng(seed), Scripted(world, drawn, cfg, **script))
+
+
+def rest(now):
+    return HandTarget(now.tool.position, now.tool.quaternion, now.opening_m, 600.0)
+
+
+def rest_until(world, now, time_s):
+    while now.time_s < time_s:
+        now = world.step(rest(now))
+
+
+def test_objects_are_found_and_stay_where_they_are():
+    world = tracked()
+    now = world.reset()
+    for _ in range(10):
+        now = world.step(rest(now))
+    seen = world.compare(now, world.truth())["box"]
+    assert (seen.off_m < 0.004, seen.off_rad < 0.06, seen.lost) == (True, True, False)
+    assert not now.objects["box"].velocity.any()
+    assert world.news() == []
+
+
+def test_poses_are_late_and_carried_on():
+    world = tracked()
+    now = world.reset()
+    joint = world.model.joint("box_free")
+    places = []
+    for _ in range(25):
+        world.data.qvel[joint.dofadr[0]] = 0.2  # slides at an even speed, whatever friction says
+        now = world.step(rest(now))
+        places.append(world.truth().objects["box"].position[0])
+    speed = (places[-1] - places[-11]) / 0.2
+    assert speed > 0.1
+    assert now.objects["box"].velocity[0] == pytest.approx(speed, abs=0.04)
+    assert abs(now.objects["box"].position[0] - places[-1]) < 0.03 * speed  # pictures alone are 40 to 60 ms late
+
+
+def test_a_covered_object_stays_where_it_was_and_is_found_again():
+    world = tracked(covered=lambda k: 6 <= k <= 10)
+    now = world.reset()
+    before = now.objects["box"].position
+    said = []
+    for _ in range(40):
+        now = world.step(rest(now))
+        said += world.news()
+        assert np.linalg.norm(now.objects["box"].position - before) < 0.005
+    assert [(one["object"], one["lost"]) for one in said] == [("box", True), ("box", False)]
+    assert said[0]["reason"] == "not seen"
+    assert said[1]["after_s"] == pytest.approx(0.2, abs=0.021)
+
+
+def test_the_hand_retreats_for_a_while_from_what_it_may_cover():
+    cfg = dataclasses.replace(SMALL, retreat_after_s=0.2, retreat_s=0.1)
+    world = tracked(cfg, covered=lambda k: k >= 4)
+    now = world.reset()
+    up = []
+    for _ in range(30):
+        target = world.retreat(rest(now), now)
+        up.append(bool(target.position[2] > now.tool.position[2]))
+        now = world.step(rest(now))
+    assert not any(up[:12])
+    assert 4 <= sum(up) <= 12
+    assert not up[up.index(True) + 6]
+
+
+def test_what_is_not_found_at_first_ends_the_episode():
+    world = tracked(covered=lambda k: True)
+    with pytest.raises(WorldFault, match="box \\(not seen\\)") as caught:
+        world.reset()
+    assert caught.value.code == "not-found"
+
+
+def test_the_hand_waits_for_an_object_that_is_found_late():
+    now = tracked(covered=lambda k: k < 12).reset()
+    assert 0.0 < now.time_s < 1.0
+
+
+def test_a_camera_without_pictures_is_off():
+    world = tracked(off=lambda k: k > 5)
+    now = world.reset()
+    with pytest.raises(WorldFault, match="no picture since 0.08 s") as caught:
+        rest_until(world, now, 0.75)
+    assert caught.value.code == "camera-off"
+
+
+def test_a_missing_picture_is_no_loss():
+    world = tracked(off=lambda k: k % 3 == 0)
+    now = world.reset()
+    for _ in range(20):
+        now = world.step(rest(now))
+    assert world.news() == []
+
+
+def test_poses_that_take_longer_than_a_picture_are_refused():
+    with pytest.raises(InputError, match="latency_s"):
+        TrackedCfg(latency_s=0.1)
+
+
+def test_a_world_of_which_no_pictures_can_be_made_is_refused():
+    drawn = trial()
+    with pytest.raises(InputError, match="ground-truth"):
+        TrackedWorld(ObedientWorld(drawn), drawn, SMALL, np.random.default_rng(0))
+
+
+def test_the_same_seed_gives_the_same_files(tmp_path):
+    cfg = dataclasses.replace(COARSE, poses="tracked", tracked=SMALL)
+    results = []
+    for name in ("first", "second"):
+        one = Episode(trial(0.2), "hand", Fixed(strategy()), cfg, tmp_path / name, variant="expert")
+        results.append(one.run())
+    for name in ("metrics.json", "events.jsonl", "trajectory.csv"):
+        assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes()
+    assert results[0]["poses"] == "tracked"
+    assert results[0]["track_lost"] == 0
+    assert 0.0 < results[0]["pose_error_mm"] < 5.0
+
+
+def test_an_episode_tells_what_was_not_found(tmp_path, monkeypatch):
+    cfg = dataclasses.replace(COARSE, poses="tracked", tracked=dataclasses.replace(SMALL, search_s=0.0))
+    monkeypatch.setattr(module, "TrackedWorld", lambda *given: TrackedWorld(
+        *given, Scripted(given[0], given[1], SMALL, covered=lambda k: True)))
+    result = Episode(trial(0.2), "hand", Fixed(strategy()), cfg, tmp_path / "run", variant="expert").run()
+    assert (result["success"], result["end_reason"], result["poses"]) == (False, "not-found", "tracked")
+    last = json.loads((tmp_path / "run" / "events.jsonl").read_text().splitlines()[-1])
+    assert "box (not seen)" in last["detail"]
