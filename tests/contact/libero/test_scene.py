@@ -42,7 +42,9 @@ def test_can_stands_upright_where_the_state_puts_it(installed):
 
 
 def test_many_boxes_in_a_round_become_a_cylinder(installed):
-    assert [part.shape for part in load_task("libero:object/0").objects[0].parts] == ["cylinder"]
+    task = load_task("libero:object/0")
+    assert [part.shape for part in task.objects[0].parts] == ["cylinder"]
+    assert [item.symmetry for item in task.objects] == ["cylinder", "box"]
 
 
 def test_bin_stands_on_the_table_turned_as_in_the_state(installed):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from coral.contact.libero.model import Array, Box, Model, read_model
 from coral.contact.libero.package import Package, find_package
 from coral.contact.libero.problem import Problem, read_problem
 from coral.contact.libero.solid import SolidCfg, simplified
-from coral.contact.task import Fixture, Movable, Success, Table, Task
+from coral.contact.task import Fixture, Movable, Shape, Success, Table, Task
 from coral.contact.task_check import check_task
 from coral.errors import InputError
 
@@ -135,11 +136,19 @@ def _movable(name: str, model: Model, pose: tuple[Array, Array], color: tuple[fl
     yaw = _yaw_deg(rotation @ upright.T)
     x, y = position[:2] + SHIFT_M
     mass, friction = max(model.mass_kg, LIGHTEST_KG), model.friction
+    parts = simplified([box.turned(upright) for box in model.boxes], cfg)
     return Movable(
-        name=name, label=name.replace("_", " "), parts=simplified([box.turned(upright) for box in model.boxes], cfg),
+        name=name, label=name.replace("_", " "), parts=parts, symmetry=_symmetry(parts),
         mass_kg=(mass * (1 - SPREAD), mass * (1 + SPREAD)),
         friction=(friction * (1 - SPREAD), min(friction * (1 + SPREAD), HEAVIEST_FRICTION)),
         x=(float(x), float(x)), y=(float(y), float(y)), yaw_deg=(yaw, yaw), color=color)
+
+
+def _symmetry(parts: tuple[Shape, ...]) -> Literal["none", "box", "cylinder"]:
+    """As which the tracker may take it; a body of several boxes has none, nor one whose box stands askew."""
+    if len(parts) > 1 or any(abs(angle) % 90 > 1e-3 for angle in parts[0].rpy_deg):
+        return "none"
+    return "cylinder" if parts[0].shape == "cylinder" else "box"
 
 
 def _container(model: Model, position: Array, rotation: Array, name: str) -> tuple[tuple[Fixture, ...], float]:
