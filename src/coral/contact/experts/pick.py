@@ -22,7 +22,7 @@ def picks(task: Task) -> bool:
 
 
 def across(state: Context, name: str) -> Array:
-    """How far (0 up) the opening is from standing square to the object's narrowest side, and the palm from facing down."""
+    """How far (0 up) the opening is from square to the object's narrowest side, and the palm from facing down."""
     opening, palm = axis(state.ee_quat, "y"), axis(state.ee_quat, "z")
     sides = rotation_of(state[f"{name}_quat"])
     square = 1 - np.abs(np.einsum("...i,...ij->...j", opening, sides))

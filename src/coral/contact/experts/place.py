@@ -75,7 +75,8 @@ def fsm(task: Task) -> Strategy:
     def holding(state: Context) -> Terms:
         return {
             "hold": 20.0 * state.gripper_target + 6.0 * norm(state.ee_pos - pick.grasp_point(state, name)),
-            "upright": 2.0 * (1 + axis(state.ee_quat, "z")[..., 2]) + 2.0 * (1 - axis(state[f"{name}_quat"], "z")[..., 2]),
+            "upright": 2.0 * (1 + axis(state.ee_quat, "z")[..., 2]),
+            "not tilted": 2.0 * (1 - axis(state[f"{name}_quat"], "z")[..., 2]),
             "calm": 0.1 * norm(state.ee_vel),
             "leave others alone": 3.0 * _others(state, task),
         }
