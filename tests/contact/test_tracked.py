@@ -119,7 +119,7 @@ def test_the_hand_waits_for_an_object_that_is_found_late():
 def test_a_camera_without_pictures_is_off():
     world = tracked(off=lambda k: k > 5)
     now = world.reset()
-    with pytest.raises(WorldFault, match="no picture since 0.08 s") as caught:
+    with pytest.raises(WorldFault, match=r"no picture since 0\.08 s") as caught:
         rest_until(world, now, 0.75)
     assert caught.value.code == "camera-off"
 

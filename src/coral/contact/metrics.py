@@ -89,10 +89,9 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         last, step, before, t = here, int(float(row["step"])), t, float(row["t"])
         force = max((float(row[name]) for name in row if name.endswith("_hand_force")), default=0.0)
         peak = max(peak, force)
-        off_m += [float(row[name]) for name in row if name.endswith("_off_m") and row[name]]
-        off_rad += [float(row[name]) for name in row if name.endswith("_off_rad") and row[name]]
-        if any(name.endswith("_lost") and row[name] and float(row[name]) for name in row):
-            missed += t - before
+        off_m += _tracked(row, "_off_m")
+        off_rad += _tracked(row, "_off_rad")
+        missed += t - before if any(_tracked(row, "_lost")) else 0.0
         if force > 0:
             impulse, touching = impulse + force * (t - before), touching + t - before
     return {
@@ -108,6 +107,11 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "pose_error_mm": round(1e3 * median(off_m), 2) if off_m else None,
         "pose_error_deg": round(math.degrees(median(off_rad)), 2) if off_rad else None,
         "poses": str(start.get("poses", ""))}
+
+
+def _tracked(row: Mapping[str, str], ending: str) -> list[float]:
+    """What is known of tracked poses in a row; they are empty, or nan, where none are tracked."""
+    return [float(row[name]) for name in row if name.endswith(ending) and row[name] not in ("", "nan")]
 
 
 def _events(path: Path) -> Iterable[dict[str, Any]]:

@@ -87,6 +87,21 @@ def opening_chart(run: RunFolder) -> str:
     return curves_chart(run, run.column("t"), curves, "opening, mm", height=150.0, floor=0.0)
 
 
+def tracking_chart(run: RunFolder, objects: Sequence[str]) -> str:
+    """How far tracked poses are off; "" where none were tracked."""
+    curves = {name: 1e3 * run.column(f"{name}_off_m") for name in objects}
+    if not any(np.isfinite(values).any() for values in curves.values()):
+        return ""
+    return curves_chart(run, run.column("t"), curves, "off, mm", height=150.0, floor=0.0)
+
+
+def tracks(run: RunFolder) -> str:
+    """The times at which objects were lost and found again, in a sentence."""
+    said = [f"{event['object']} lost at {event['t']:.2f} s ({event['reason']})" if event["lost"] else
+            f"{event['object']} found at {event['t']:.2f} s" for event in run.select("track")]
+    return f"{'; '.join(said[:20])}{' …' if len(said) > 20 else ''}." if said else "Nothing was lost."
+
+
 def curves_chart(run: RunFolder, t: Floats, curves: Mapping[str, Floats], label: str, *, height: float = 216.0,
                  floor: float | None = None, bands: Sequence[tuple[float, float]] = (), stages: bool = False) -> str:
     """Curves over one scale, with a legend above.

@@ -25,6 +25,8 @@ from coral.view.contact.figures import (
     stage_spans,
     stages_chart,
     touching,
+    tracking_chart,
+    tracks,
 )
 from coral.view.contact.keyframes import Keyframe, keyframes, sheet
 from coral.view.contact.replay import trial
@@ -164,6 +166,8 @@ def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
                   "A green band is what the task asks for.", force_chart(run, objects)),
         ("Height above the table", "Of the tool and of each object’s centre.", motion_chart(run, objects)),
         ("Fingers", "Distance between the finger pads.", opening_chart(run))]
+    note = f"Distance of each tracked pose from the true one, modulo symmetry; nothing decides by it. {tracks(run)}"
+    drawn.append(("Tracking", note, tracking_chart(run, objects)))
     if run.select("plan"):
         drawn[1:1] = [("Cost, term by term", "Expected value of each term over the horizon, at every plan; dashed: the "
                        "stage changed, and with it the terms.", cost_chart(run))]
