@@ -31,7 +31,7 @@ def test_run_prints_one_object_with_the_promised_keys_and_leaves_a_run(task, tmp
     result = answer(capsys)
     assert {"success", "sim_time_s", "steps", "advisor_calls", "repairs", "memory_hit", "path_length_m", "end_reason",
             "poses", "wall_time_s", "plan_ms_median"} <= set(result)
-    assert (result["success"], result["end_reason"], result["poses"]) == (False, "timeout", "ground-truth")
+    assert (result["success"], result["end_reason"], result["poses"]) == (False, "timeout", "tracked")
     assert {path.name for path in (tmp_path / "run").iterdir()} == {
         "config.yaml", "task.yaml", "events.jsonl", "trajectory.csv", "states.csv", "metrics.json", "timing.json",
         "report.html", "keyframes.png"}

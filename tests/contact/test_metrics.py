@@ -25,7 +25,8 @@ def test_metrics_of_a_finished_episode():
         "success": True, "end_reason": "success", "sim_time_s": 0.08, "steps": 4, "plans": 2, "policy_calls": 1,
         "stages": 1, "strategy": "pick", "advisor_calls": 3, "repairs": 1, "memory_hit": True, "path_length_m": 0.04,
         "peak_hand_force_n": 5.0, "mean_hand_force_n": 4.0, "contact_time_s": 0.04, "contacts": 1,
-        "effective_samples": 3.0, "diverged_rehearsals": 1, "poses": "ground-truth"}
+        "effective_samples": 3.0, "diverged_rehearsals": 1, "track_lost": 0, "track_recovered": 0, "track_lost_s": 0.0,
+        "pose_error_mm": None, "pose_error_deg": None, "poses": "ground-truth"}
     assert set(found) == set(DEFINITIONS)
 
 
@@ -43,3 +44,12 @@ def test_half_a_last_line_is_left_out(tmp_path):
 def test_a_folder_without_a_run_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"events\.jsonl"):
         compute_metrics(tmp_path)
+
+
+def test_losses_and_errors_of_tracked_poses_are_counted():
+    events = [{"event": "track", "step": 1, "lost": True}, {"event": "track", "step": 2, "lost": False}]
+    rows = [{"step": str(k), "t": str(0.1 * k), "x": "0", "y": "0", "z": "0", "box_off_m": str(0.001 * k),
+             "box_off_rad": "0.1", "box_lost": str(int(k == 2))} for k in range(1, 4)]
+    found = metrics_of(events, rows)
+    assert (found["track_lost"], found["track_recovered"], found["track_lost_s"]) == (1, 1, 0.1)
+    assert (found["pose_error_mm"], found["pose_error_deg"]) == (2.0, 5.73)
