@@ -128,6 +128,12 @@ def test_a_mind_may_change_its_mind(run):
         def after(self, moment):
             return Strategy("other", (Stage("other", stay),)) if moment.step == 4 else None
 
+        def listen(self, emit):
+            pass
+
+        def ended(self, reason):
+            pass
+
     result, folder, _ = run(Second())
     assert [e["name"] for e in events(folder, "strategy")] == ["stay", "other"]
     counted = [result[key] for key in ("strategy", "advisor_calls", "repairs", "memory_hit")]

@@ -65,7 +65,7 @@ def test_the_flags_of_a_page_exist(page, help_of):
         words = line.partition(" #")[0].replace(".venv/bin/coral", "coral").split()
         if words[:1] != ["coral"]:
             continue
-        two = " ".join(words[1:3]) if words[1] in ("reef", "contact", "advisor") else words[1]
+        two = " ".join(words[1:3]) if words[1] in ("reef", "contact", "advisor", "memory") else words[1]
         for flag in re.findall(r"(?<=\s)(--[a-z][\w.-]*)", line):
             assert re.search(rf"{re.escape(flag)}(?![\w.-])", help_of(two)), f"{flag} in: {line}"
 

@@ -70,7 +70,7 @@ def stage(**more):
 
 
 @pytest.mark.parametrize(("plan", "code", "words"), [
-    (PlanAnswer(code="x = 1"), "no_function", "state_cost"),
+    (PlanAnswer(code="x = 1"), "no_return", "return"),
     (PlanAnswer(code="def state_cost(self):\n    return self.cup_pos[0]"), "unknown_state", "cup_pos"),
     (PlanAnswer(code="def state_cost(self):\n    return 1.0"), "constant", "same"),
     (PlanAnswer(stages=[stage(done="1 > 0"), stage()]), "stages", "same name"),
