@@ -1,4 +1,4 @@
-"""Time of a whole control tick and of its parts, and how it grows with the map and with the oysters.
+"""Time of a whole control tick and of its parts, and how it grows with the map, the oysters and the robots.
 
 Usage: python benchmarks/mission.py [--ticks 600] [--repeats 3] [--json]
 
@@ -31,8 +31,9 @@ from coral.reef.world import ReefWorld
 CASES = {
     "map": [(10.0, 500), (20.0, 500), (40.0, 500), (80.0, 500)],
     "oysters": [(30.0, 100), (30.0, 400), (30.0, 1600), (30.0, 6400)],
+    "robots": [(20.0, 500, robots) for robots in (1, 2, 3, 4)],
 }
-"""(edge of the square map in metres, oysters) of each case."""
+"""(edge of the square map in metres, oysters, robots where not one) of each case."""
 PARTS = ("sense", "map", "decide", "control", "act")
 COMPILE_TICKS = 5
 
@@ -59,16 +60,17 @@ class Stopwatch:
         return found
 
 
-def run(world: ReefWorld, ticks: int, folder: Path) -> list[dict[str, float]]:
+def run(world: ReefWorld, ticks: int, folder: Path, robots: int) -> list[dict[str, float]]:
     """Times of every tick of a mission (ms)."""
-    cfg = MissionCfg(time_limit_s=0.1 * ticks, stop_when_covered=False, latency="fixed:0",
+    cfg = MissionCfg(time_limit_s=0.1 * ticks, stop_when_covered=False, latency="fixed:0", robots=robots,
                      record=RecordCfg(pictures=False, frames=False, report=False, video=False))
     advisor = make_advisor("heuristic", rules=REEF_RULES, rng=np.random.default_rng(0))
     mission, watch = Mission(world, cfg, advisor, folder, seed=0), Stopwatch()
-    mission.simulator.sense = watch.watch("sense", mission.simulator.sense)
-    mission.belief.update = watch.watch("map", mission.belief.update)
-    mission.driver.plan = watch.watch("control", mission.driver.plan)
-    mission.pilot.tick = watch.watch("pilot", mission.pilot.tick)
+    for robot in mission.robots:
+        robot.simulator.sense = watch.watch("sense", robot.simulator.sense)
+        robot.belief.update = watch.watch("map", robot.belief.update)
+        robot.driver.plan = watch.watch("control", robot.driver.plan)
+        robot.pilot.tick = watch.watch("pilot", robot.pilot.tick)
     mission.advance = watch.watch("tick", mission.advance)
     rows: list[dict[str, float]] = []
 
@@ -76,7 +78,8 @@ def run(world: ReefWorld, ticks: int, folder: Path) -> list[dict[str, float]]:
         def tick(self, mission: Mission) -> None:
             spent = watch.read()
             rows.append({"tick": spent["tick"], "sense": spent["sense"], "map": spent["map"],
-                         "decide": spent["pilot"] - spent["map"] - spent["control"], "control": spent["control"],
+                         "decide": spent["pilot"] - spent["map"] - spent.get("control", 0.0),
+                         "control": spent.get("control", 0.0),
                          "act": spent["tick"] - spent["sense"] - spent["pilot"]})
 
         def stop_requested(self) -> str:
@@ -86,23 +89,25 @@ def run(world: ReefWorld, ticks: int, folder: Path) -> list[dict[str, float]]:
     return rows[COMPILE_TICKS:]
 
 
-def measure(edge_m: float, oysters: int, ticks: int, repeats: int) -> dict[str, float]:
+def measure(edge_m: float, oysters: int, ticks: int, repeats: int, robots: int = 1) -> dict[str, float]:
     """One line of a table."""
     world = reef(edge_m, oysters, np.random.default_rng(3))
     repeated = []
     for _ in range(repeats):
         with tempfile.TemporaryDirectory() as folder:
-            rows = run(world, ticks, Path(folder) / "run")
+            rows = run(world, ticks, Path(folder) / "run", robots)
         ticks_ms = np.array([row["tick"] for row in rows])
         repeated.append([*(np.mean([row[part] for row in rows]) for part in PARTS), ticks_ms.mean(),
                          np.median(ticks_ms), np.percentile(ticks_ms, 99)])
     *parts, mean, median, p99 = np.median(np.array(repeated), axis=0).tolist()
-    return {"edge_m": edge_m, "oysters": sum(len(c.oysters) for c in world.clusters), "ticks": len(rows),
+    return {"edge_m": edge_m, "oysters": sum(len(c.oysters) for c in world.clusters), "robots": robots,
+            "ticks": len(rows),
             **{f"{part}_ms": value for part, value in zip(PARTS, parts, strict=True)},
             "tick_ms": mean, "tick_median_ms": median, "tick_p99_ms": p99, "realtime": 100.0 / mean}
 
 
-COLUMNS = {"edge_m": "map, m", "oysters": "oysters", **{f"{part}_ms": part for part in PARTS}, "tick_ms": "whole tick",
+COLUMNS = {"edge_m": "map, m", "oysters": "oysters", "robots": "robots",
+           **{f"{part}_ms": part for part in PARTS}, "tick_ms": "whole tick",
            "tick_median_ms": "its median", "tick_p99_ms": "99th percentile", "realtime": "times real time"}
 
 
@@ -115,8 +120,8 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     measure(10.0, 40, COMPILE_TICKS + 5, 1)  # compiles
-    rows = {name: [measure(edge, oysters, args.ticks, args.repeats) for edge, oysters in cases
-                   if edge <= args.largest] for name, cases in CASES.items()}
+    rows = {name: [measure(*case[:2], args.ticks, args.repeats, *case[2:]) for case in cases
+                   if case[0] <= args.largest] for name, cases in CASES.items()}
     if args.json:
         print(json.dumps(rows))
         return
