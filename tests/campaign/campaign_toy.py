@@ -40,10 +40,10 @@ def times(marks, spec):
 def until_told(spec, folder):
     """Wait until a file appears, as a long mission would go on."""
     marks = Path(spec.advisor)
-    with open(marks / f"{spec.key}.mark", "a") as mark:
-        mark.write(f"{os.getpid()}\n")
     folder.mkdir(parents=True)
     (folder / "half.txt").write_text("unfinished")
+    with open(marks / f"{spec.key}.mark", "a") as mark:
+        mark.write(f"{os.getpid()}\n")
     while spec.seed and not (marks / "go").exists():
         time.sleep(0.01)
     return {"score": spec.seed}
