@@ -81,6 +81,28 @@ def test_a_cost_that_cannot_be_evaluated_ends_the_episode_with_its_reason(run):
     assert "the term is nan" in events(folder, "end")[0]["detail"]
 
 
+class Mender(Fixed):
+    """Has another cost ready when one fails."""
+
+    def __init__(self, first, second):
+        super().__init__(first)
+        self.second, self.heard = second, []
+
+    def failed(self, error, stage, now):
+        self.heard.append((error.code, stage, now.time_s))
+        return self.second
+
+
+def test_a_cost_that_cannot_be_evaluated_goes_to_the_mind_before_the_episode_ends(run):
+    def broken(state):
+        raise CostError("not_finite", "the term is nan")
+
+    mind = Mender(strategy(broken), strategy())
+    result, folder, _ = run(mind)
+    assert (result["end_reason"], mind.heard) == ("timeout", [("not_finite", "stay", 0.0)])
+    assert len(events(folder, "strategy")) == 2
+
+
 def test_without_a_usable_rehearsal_the_episode_ends_long_before_its_time(run):
     def nothing(state):
         return {"nothing": np.full(state.shape, np.nan)}

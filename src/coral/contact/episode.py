@@ -179,7 +179,11 @@ class Episode:
             plan = self.controller.plan(self.now, stage, self.step)
             changed = self.progress.update(plan.now)
         except CostError as error:
-            self.end_reason, self.detail = "cost-error", str(error)
+            other = self.mind.failed(error, stage.name, self.now)
+            if other is None:
+                self._cost_error(error, stage.name)
+            else:
+                self._follow(other)
             return None
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
         self.emit("plan", stage=stage.name, cost=_number(plan.cost), ess=round(plan.update.effective_samples, 2),
@@ -197,11 +201,18 @@ class Episode:
             return None
         if changed:
             self.emit("stage", before=stage.name, stage=self.stage, index=self.progress.index)
-        other = self.mind.after(Moment(self.step, self.now, plan, stage.name, tuple(self._taken)))
+        try:
+            other = self.mind.after(Moment(self.step, self.now, plan, stage.name, tuple(self._taken)))
+        except CostError as error:
+            self._cost_error(error, stage.name)
+            return None
         self._taken.clear()
         if other is not None:
             self._follow(other)
         return plan
+
+    def _cost_error(self, error: CostError, stage: str) -> None:
+        self.end_reason, self.detail = "cost-error", f"stage {stage!r}: {error}"
 
     def _act(self, plan: Plan, k: int) -> bool:
         """One control step; false when the world could not take it."""

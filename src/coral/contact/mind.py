@@ -9,6 +9,7 @@ from typing import Protocol
 from coral.contact.controller import Plan
 from coral.contact.draw import Drawn
 from coral.contact.planning import PlanningWorld
+from coral.contact.program.errors import CostError
 from coral.contact.strategy import Strategy
 from coral.contact.world import HandTarget, Observation
 
@@ -85,9 +86,22 @@ class Mind(Protocol):
         ...
 
     def after(self, moment: Moment) -> Strategy | None:
-        """Look at a plan; another strategy to go on with, or None."""
+        """Look at a plan; another strategy to go on with, or None.
+
+        Raises:
+            CostError: A cost failed while the plan was made, and nothing is left to be tried.
+        """
         ...
 
+    def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
+        """A cost could not be evaluated and no plan was made; another strategy to go on with, or None to give up.
+
+        Args:
+            error: Why, with the line.
+            stage: Name of the stage that it is of.
+            now: What the sensors say.
+        """
+        ...
 
     def ended(self, reason: str) -> None:
         """The episode is over; "success" or why not."""
@@ -115,6 +129,10 @@ class Fixed:
 
     def after(self, moment: Moment) -> Strategy | None:
         """See `Mind.after`."""
+        return None
+
+    def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
+        """See `Mind.failed`."""
         return None
 
     def ended(self, reason: str) -> None:

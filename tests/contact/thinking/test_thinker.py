@@ -5,15 +5,17 @@ import pytest
 
 from coral.advisor.question import AdvisorUnavailable, Reply
 from coral.advisor.rules import RuleAdvisor
+from coral.contact.context import Context
 from coral.contact.controller import Plan
 from coral.contact.draw import Physical
 from coral.contact.mind import Moment, Step
+from coral.contact.program import CostError
 from coral.contact.strategy import Progress
 from coral.contact.thinking.ask import Asker
 from coral.contact.thinking.embedding import HashedWords
 from coral.contact.thinking.memory import Memory
 from coral.contact.thinking.outer import OuterCfg, Watch
-from coral.contact.thinking.plan_answer import PlanAnswer
+from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer
 from coral.contact.thinking.rules import RULES
 from coral.contact.thinking.thinker import ThinkCfg, Thinker
 from coral.contact.world import HandTarget
@@ -165,3 +167,73 @@ def test_without_memory_nothing_is_kept(scene, reason):
     mind.ended(reason)
     assert "remembered" not in [event for event, _ in told]
     assert isinstance(one.world.beliefs[0]["box"], Physical)
+
+
+FRAGILE = ("def state_cost(self):\n    gap = norm(self.ee_pos - self.box_pos)\n"
+           "    return {{'{term}': gap + 1.0 / max(0.0, {limit} - self.time)}}")
+
+
+class Fragile:
+    """Of its two stages the second has a cost that fails after five seconds, the repaired one after nine."""
+
+    name = "fragile"
+
+    def __init__(self):
+        self.prompts = []
+
+    async def answer(self, question, rejections):
+        if question.kind not in ("cost-function", "cost-repair"):
+            return Reply(value=RULES[question.kind](question.facts, rejections), raw="")
+        self.prompts.append(question.prompt)
+        limits = {"first": 99.0, "second": 5.0 if question.kind == "cost-function" else 9.0}
+        stages = [StageAnswer(name=name, code=FRAGILE.format(term=name, limit=limit), done="self.box_pos[2] > 0.1")
+                  for name, limit in limits.items()]
+        return Reply(value=PlanAnswer(stages=stages), raw="")
+
+
+def evaluated(one, stage, t):
+    """Names of the terms of the stage's cost at a time."""
+    state = one.world.present(one.now)
+    values = {name: state[name] for name in state.names()}
+    return list(stage.cost(Context({**values, "time": np.full((1, 1), t)}, (1, 1))))
+
+
+@pytest.fixture
+def fragile(scene):
+    one, advisor = scene("pick-box"), Fragile()
+
+    def make(**cfg):
+        mind, told = thinker(one, advisor, regions=False, **cfg)
+        return one, advisor, mind, told, mind.begin(one.drawn, one.now, one.world).stages
+    return make
+
+
+def test_a_cost_that_fails_in_use_is_repaired_with_the_reason_and_its_line(fragile):
+    one, advisor, mind, told, stages = fragile()
+    with pytest.raises(CostError) as caught:
+        evaluated(one, stages[1], 6.0)
+    other = mind.failed(caught.value, "second", one.now)
+    assert "in stage 'second', line 3" in advisor.prompts[1].partition("did not even run")[2]
+    assert evaluated(one, other.stages[1], 6.0) == ["second"]
+    assert [(fields["stage"], fields["meanwhile"]) for event, fields in told if event == "cost_error"] == [
+        ("second", "")]
+
+
+def test_the_last_good_cost_is_used_until_the_repair(fragile):
+    one, _, mind, told, stages = fragile()
+    assert evaluated(one, stages[0], 4.0) == ["first"]
+    assert evaluated(one, stages[1], 4.0) == ["second"]
+    assert evaluated(one, stages[1], 6.0) == ["first"]
+    other = mind.after(moment(one, 6.0, "second", 5.0))
+    assert evaluated(one, other.stages[1], 6.0) == ["second"]
+    assert [fields["meanwhile"] for event, fields in told if event == "cost_error"] == ["first"]
+    assert mind.account.repairs == 1
+
+
+def test_a_failing_cost_is_final_where_nothing_may_be_tried(fragile):
+    one, advisor, mind, _, stages = fragile(refine=False)
+    evaluated(one, stages[0], 4.0)
+    assert evaluated(one, stages[1], 6.0) == ["first"]
+    with pytest.raises(CostError):
+        mind.after(moment(one, 6.0, "second", 5.0))
+    assert len(advisor.prompts) == 1

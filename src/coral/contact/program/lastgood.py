@@ -21,6 +21,7 @@ class LastGoodCost:
     def __init__(self, first: Cost | None = None, failed: Callable[[Cost, CostError], None] | None = None) -> None:
         self._good: list[Cost] = [] if first is None else [first]
         self._failed = failed
+        self._bad: list[Cost] = []
         self.failures: list[CostError] = []
 
     @property
@@ -44,6 +45,15 @@ class LastGoodCost:
             self._good = [*self._good[-3:], cost]
         return faults
 
+    def following(self, cost: Cost) -> Callable[[Context], Terms]:
+        """A verified cost, evaluated here: it is in use from its first evaluation until it fails."""
+        def evaluate(state: Context) -> Terms:
+            known = [*self._good[-1:], *self._bad]
+            if not any(one is cost for one in known):
+                self._good = [*self._good[-3:], cost]
+            return self(state)
+        return evaluate
+
     def __call__(self, state: Context) -> Terms:
         """The terms of the newest cost that works.
 
@@ -57,6 +67,7 @@ class LastGoodCost:
             except CostError as found:
                 error = found
                 self.failures.append(found)
+                self._bad.append(self._good[-1])
                 if self._failed is not None:
                     self._failed(self._good[-1], found)
                 if len(self._good) == 1:

@@ -12,7 +12,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from coral.advisor.question import Rejection
 from coral.contact.context import Context, Cost, Schema
-from coral.contact.program import CostError, CostProgram, VerifyCfg, verify_cost
+from coral.contact.program import CostError, CostProgram, LastGoodCost, VerifyCfg, verify_cost
 from coral.contact.strategy import Guide, Stage, Strategy, Test
 from coral.contact.thinking.regions import Array, RegionsAnswer, guide
 
@@ -180,7 +180,7 @@ def verify_plan(answer: PlanAnswer, schema: Schema, samples: Sequence[Context], 
 
 
 def make_strategy(name: str, answer: PlanAnswer, regions: RegionsAnswer | None, schema: Schema,
-                  sizes: Mapping[str, Array], load: Loader = in_process) -> Strategy:
+                  sizes: Mapping[str, Array], load: Loader = in_process, keep: LastGoodCost | None = None) -> Strategy:
     """The strategy that the planner follows.
 
     Args:
@@ -190,6 +190,7 @@ def make_strategy(name: str, answer: PlanAnswer, regions: RegionsAnswer | None, 
         schema: What the state has.
         sizes: Full extents of the objects, m.
         load: How programs are made.
+        keep: Takes over, with the last cost that worked, from one that fails later on; None lets it fail.
 
     Raises:
         CostError: A program is not of the accepted language.
@@ -203,8 +204,9 @@ def make_strategy(name: str, answer: PlanAnswer, regions: RegionsAnswer | None, 
                       if region.stage in ("", said.name)]
             if stage.toward is not None:
                 guides.append(Guide(_points(stage.toward), opening_m=said.opening))
+        cost = stage.cost if keep is None else keep.following(stage.cost)
         stages.append(Stage(
-            said.name, stage.cost, tuple(guides), said.stiffness, None if stage.done is None else _test(stage.done),
+            said.name, cost, tuple(guides), said.stiffness, None if stage.done is None else _test(stage.done),
             None if stage.lost is None else (said.back_to, _test(stage.lost)), said.noise))
     return Strategy(name, tuple(stages), answer.explanation)
 

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.question import Rejection
+from coral.contact.context import Cost
 from coral.contact.draw import Drawn, Physical
 from coral.contact.mind import Account, Moment
 from coral.contact.planning import PlanningWorld
-from coral.contact.program import CostError
+from coral.contact.program import CostError, LastGoodCost
 from coral.contact.scene import prior
 from coral.contact.strategy import Strategy
 from coral.contact.thinking.ask import Asker
@@ -75,6 +76,7 @@ class Thinker:
         self._emit: Callable[..., None] = lambda event, **fields: None
         self._repairs = 0
         self._hit: Match | None = None
+        self._unanswered = ""
         self._diagnoses: list[Diagnosis] = []
         self._corrections: dict[str, Corrections] = {}
         self._sizes: dict[str, np.ndarray] = {}
@@ -84,6 +86,8 @@ class Thinker:
         self._regions = RegionsAnswer({})
         self._facts: dict[str, Any] = {}
         self._watch: Watch
+        self._failure: CostError | None = None
+        self._keep = self._keeping()
 
     @property
     def account(self) -> Account:
@@ -102,17 +106,44 @@ class Thinker:
         self._facts = scene_facts(drawn, first, self._beliefs)
         strategy = self._recall(first)
         if strategy is None:
-            self._plan = self._ask_plan("cost-function", first, self._plan_prompt())
+            self._plan = self._ask_plan("cost-function", first, self._plan_prompt()) or self._rule()
             self._regions = self._ask_regions(first)
             strategy = self._strategy("asked")
         self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
         return strategy
 
     def after(self, moment: Moment) -> Strategy | None:
-        """Watch the progress; think again when there is none."""
+        """Watch the progress; think again when there is none, or when a cost failed and the last good one took over.
+
+        Raises:
+            CostError: See `Mind.after`.
+        """
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            strategy = self._mend(failure, moment.stage, moment.now, self._keep.name)
+            if strategy is None:
+                raise failure
+            return strategy
         if not self._watch.see(moment) or not self.cfg.refine or self._repairs >= self.cfg.outer.refinements:
             return None
         return self._refine(moment)
+
+    def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
+        """Have a cost repaired that failed while it was in use, as often as the outer loop may think again."""
+        return self._mend(error, stage, now, "")
+
+    def _mend(self, error: CostError, stage: str, now: Observation, meanwhile: str) -> Strategy | None:
+        self._emit("cost_error", stage=stage, code=error.code, reason=str(error), meanwhile=meanwhile)
+        if not self.cfg.refine or self._repairs >= self.cfg.outer.refinements:
+            return None
+        self._repairs += 1
+        self._failure = None
+        self._diagnoses.append("cost-error")
+        self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": 0}
+        plan = self._ask_plan("cost-repair", now, self._repair_prompt(f"in stage {stage!r}, {error}"))
+        self._plan = plan or self._rule()
+        self._regions = self._ask_regions(now)
+        return self._repaired()
 
     def ended(self, reason: str) -> None:
         """Keep what succeeded; note whether what was remembered helped."""
@@ -148,6 +179,7 @@ class Thinker:
             risen = 0.0
             if refusal is None:
                 self._plan, self._regions = plan, regions
+                self._keep = self._keeping()
                 strategy = self._strategy(f"remembered {match.stored.id}")
                 risen = gain(self._world, strategy.stages[0], first)
                 if risen < self.cfg.least_gain:
@@ -165,7 +197,7 @@ class Thinker:
         samples = sample_states(self._world, now, self._sizes, self._rng)
         return verify_plan(plan, self._world.schema, samples, self._load)
 
-    def _ask_plan(self, kind: str, now: Observation, prompt: Mapping[str, Any]) -> PlanAnswer:
+    def _ask_plan(self, kind: str, now: Observation, prompt: Mapping[str, Any]) -> PlanAnswer | None:
         facts = {**self._facts, "diagnoses": list(self._diagnoses)}
         outcome = self.asker.ask(kind, PlanAnswer, facts, prompt, lambda plan: self._wrong_plan(plan, now))
         self._facts["refused"] = len(outcome.rejections)
@@ -173,14 +205,14 @@ class Thinker:
         self._emit("plan_answer", kind=kind, failure=outcome.failure, attempts=outcome.attempts,
                    refused=[rejection.reason for rejection in outcome.rejections],
                    explanation="" if plan is None else plan.explanation, code="" if plan is None else plan.text())
-        if plan is not None:
-            return plan
-        if kind == "cost-repair":
-            return self._plan
+        self._unanswered = outcome.failure
+        return plan
+
+    def _rule(self) -> PlanAnswer:
         # Without an answer the rules take over, and the record says so: a robot that stands still helps nobody.
-        rule = RULES["cost-function"](facts, ())
+        rule = RULES["cost-function"]({**self._facts, "diagnoses": list(self._diagnoses)}, ())
         assert isinstance(rule, PlanAnswer)
-        self._emit("fallback", what="plan", by="heuristic", because=outcome.failure)
+        self._emit("fallback", what="plan", by="heuristic", because=self._unanswered)
         return rule
 
     def _ask_regions(self, now: Observation) -> RegionsAnswer:
@@ -199,7 +231,27 @@ class Thinker:
 
     def _strategy(self, name: str) -> Strategy:
         regions = self._regions if self.cfg.regions else None
-        return make_strategy(name, self._plan, regions, self._world.schema, self._sizes, self._load)
+        return make_strategy(name, self._plan, regions, self._world.schema, self._sizes, self._load, self._keep)
+
+    def _keeping(self) -> LastGoodCost:
+        def heard(cost: Cost, error: CostError) -> None:
+            self._failure = self._failure or error
+        return LastGoodCost(failed=heard)
+
+    def _repaired(self) -> Strategy:
+        try:
+            strategy = self._strategy(f"repair {self._repairs}")
+        except CostError as error:
+            raise RunError(f"the repaired plan cannot be made: {error}") from None
+        self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
+        return strategy
+
+    def _repair_prompt(self, error: str = "") -> dict[str, Any]:
+        steps, costs = self._watch.steps, self._watch.costs
+        name = most_telling(steps) or next(iter(self._sizes))
+        return {"task": self._facts["instruction"], "attempts": self._watch.attempts, "world": self._shown(),
+                "interface": interface_text(self._world.schema), "history": recent(steps, costs, name),
+                "code": self._plan.text(), "error": error}
 
     def _refine(self, moment: Moment) -> Strategy | None:
         """The outer loop: what went wrong, a better world model, a better plan."""
@@ -213,17 +265,9 @@ class Thinker:
         self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": 0}
         if not (corrected and kind == "moved-otherwise"):
             self._diagnoses.append(kind)
-            self._plan = self._ask_plan("cost-repair", now, {
-                "task": self._facts["instruction"], "attempts": watch.attempts, "world": self._shown(),
-                "interface": interface_text(self._world.schema), "history": recent(watch.steps, watch.costs, name),
-                "code": self._plan.text(), "error": ""})
+            self._plan = self._ask_plan("cost-repair", now, self._repair_prompt()) or self._plan
             self._regions = self._ask_regions(now)
-        try:
-            strategy = self._strategy(f"repair {self._repairs}")
-        except CostError as error:
-            raise RunError(f"the repaired plan cannot be made: {error}") from None
-        self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
-        return strategy
+        return self._repaired()
 
     def _correct(self, name: str, now: Observation) -> bool:
         """World-model correction, if there is enough to replay; whether it was accepted."""
@@ -254,7 +298,6 @@ class Thinker:
                 return False
             fitted = {"object": name, "mass_kg": fit.after.mass_kg, "friction": fit.after.friction}
             told = {key: {"mass": one.mass_kg, "friction": one.friction} for key, one in believed.items()}
-            told = {key: {"mass": one.mass_kg, "friction": one.friction} for key, one in believed.items()}
             outcome = self.asker.ask(
                 "parameter-repair", ParametersAnswer, {**self._facts, "fitted": fitted},
                 {"task": self._facts["instruction"], "parameters": told,
@@ -272,7 +315,7 @@ class Thinker:
 
     def _shown(self) -> dict[str, Any]:
         """The objects as prompts show them: nothing that only the default advisor needs."""
-        hidden = ("stated_mass_kg", "stated_friction", "solid_share")
+        hidden = ("stated_mass_kg", "stated_friction", "solid_share", "parts")
         return {name: {key: value for key, value in item.items() if key not in hidden}
                 for name, item in self._facts["objects"].items()}
 
