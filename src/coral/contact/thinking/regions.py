@@ -129,16 +129,16 @@ def _wrong(region: Region, item: Mapping[str, Any], facts: Mapping[str, Any], st
         return "stage", f"the plan has no stage {region.stage!r}; its stages are {', '.join(stages) or 'none'}"
     if region.opening is not None and not 0.0 <= region.opening <= MAX_OPENING_M:
         return "opening", f"the fingers open from 0 to {MAX_OPENING_M:g} m, not {region.opening:g} m"
-    half = np.asarray(item["size_m"]) / 2
-    outside = np.maximum(np.abs(center) - half, 0)
-    depth = float((half - np.abs(center)).min())
+    half, middle = np.asarray(item["size_m"]) / 2, np.asarray(item.get("middle_m", (0.0, 0.0, 0.0)))
+    outside = np.maximum(np.abs(center - middle) - half, 0)
+    depth = float((half - np.abs(center - middle)).min())
     off = float(np.linalg.norm(outside)) if outside.any() else depth
     box_like = item["shapes"] == ["box"] and item["solid_share"] > 0.95
     # Inside the hull's box of a rounded or compound thing there may well be surface.
     if (outside.any() or box_like) and off > cfg.off_surface_m:
         return "off-surface", (f"the center {_text(center)} lies {off:.3f} m off the surface; in the object's frame it "
-                               f"extends {_text(-half)} to {_text(half)} m")
-    facing = normal * center / np.maximum(half, 1e-6)
+                               f"extends {_text(middle - half)} to {_text(middle + half)} m")
+    facing = normal * (center - middle) / np.maximum(half, 1e-6)
     if box_like and facing.max() < 0.5:
         return "inward", f"the normal {_text(normal)} does not point out of the object at {_text(center)}"
     pose = np.asarray(item["pose"])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from coral.contact.context import Schema
-from coral.contact.draw import Drawn, Physical
+from coral.contact.draw import Drawn, Physical, part_size
 from coral.contact.hand import MAX_OPENING_M
 from coral.contact.world import Body, Observation
 
@@ -33,8 +33,15 @@ def scene_facts(drawn: Drawn, now: Observation, beliefs: Mapping[str, Physical] 
         objects[name] = {
             "label": item.label or name, "size_m": _round(drawn.size(name)), "pose": pose(now.objects[name]),
             "shapes": sorted({part.shape for part in item.parts}), "solid_share": round(_solid_share(drawn, name), 3),
+            "parts": [{"size_m": _round(part_size(part, factors)),
+                       "position": _round(np.asarray(part.position) * factors)}
+                      for part in item.parts if part.shape != "mesh" and not any(part.rpy_deg)],
             "points": {point: _round(np.asarray(at) * factors) for point, at in item.points.items()},
             "stated_mass_kg": list(item.mass_kg), "stated_friction": list(item.friction)}
+        corners = drawn.corners(name)
+        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        if np.abs(middle).max() > 0.001:
+            objects[name]["middle_m"] = _round(middle)
         if beliefs is not None:
             objects[name] |= {"mass_kg": round(beliefs[name].mass_kg, 5), "friction": round(beliefs[name].friction, 4)}
     table = task.table

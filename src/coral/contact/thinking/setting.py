@@ -51,8 +51,12 @@ class Thing:
         item = facts["objects"][name]
         self.name, self.shapes = name, tuple(item["shapes"])
         self.size = np.asarray(item["size_m"], dtype=float)
+        self.middle = np.asarray(item.get("middle_m", (0.0, 0.0, 0.0)), dtype=float)
+        """Of the box that holds it, in its frame."""
         self.position = np.asarray(item["pose"][:3], dtype=float)
         self.rotation = rotation_of(item["pose"][3:])
+        self.parts = [(np.asarray(part["position"], dtype=float), np.asarray(part["size_m"], dtype=float) / 2)
+                      for part in item.get("parts", ())] or [(self.middle, self.size / 2)]
         self.points = {key: np.asarray(at, dtype=float) for key, at in item["points"].items()}
         self.mass, self.friction = float(item.get("mass_kg", 0.3)), float(item.get("friction", 0.5))
 
@@ -72,6 +76,15 @@ class Thing:
         return float(self.size[self.up])
 
     @property
+    def low(self) -> float:
+        """Height of its lower side, m."""
+        return float(self.position[2] + self.rotation[2] @ self.middle - self.height / 2)
+
+    def to_face(self, axis: int, sign: float) -> float:
+        """How far (m) the face that an axis points to is from the origin of the object's frame."""
+        return float(self.size[axis] / 2 + sign * self.middle[axis])
+
+    @property
     def lying(self) -> list[int]:
         """The other two axes."""
         return [k for k in range(3) if k != self.up]
@@ -86,12 +99,26 @@ class Thing:
         fits = [k for k in self.lying if self.size[k] <= GRASP_M]
         return sorted(fits, key=lambda k: self.size[k])
 
+    def room_behind(self, point: Array, direction: Array) -> float:
+        """How far (m) it is from a point inside to the surface against a direction; both in the object's frame.
+
+        Parts are taken for the boxes that hold them; of several that hold the point the farthest surface counts.
+        """
+        found = [0.0]
+        for middle, half in self.parts:
+            off = point - middle
+            if (np.abs(off) <= half + 1e-6).all():
+                way = np.where(direction > 0, off + half, half - off) / np.maximum(np.abs(direction), 1e-9)
+                found.append(float(way.min()))
+        return max(found)
+
     def face(self, axis: int, sign: float, at: Mapping[int, float] | None = None) -> tuple[list[float], list[float]]:
         """Centre and normal of a face in the object's frame; `at` shifts along other axes, -1 to 1 of the half."""
-        center, normal = np.zeros(3), np.zeros(3)
-        center[axis], normal[axis] = sign * self.size[axis] / 2, sign
+        center, normal = self.middle.copy(), np.zeros(3)
+        center[axis] += sign * self.size[axis] / 2
+        normal[axis] = sign
         for k, share in (at or {}).items():
-            center[k] = share * self.size[k] / 2
+            center[k] += share * self.size[k] / 2
         return [round(float(v), 4) for v in center], [float(v) for v in normal]
 
 

@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from coral.contact.hand import MAX_OPENING_M
+from coral.contact.hand import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.thinking.plan_answer import StageAnswer
 from coral.contact.thinking.regions import Array, Region, tool_quaternion
 from coral.contact.thinking.setting import GRASP_M, Choice, Draft, Thing, axis_of, care, number, vector
 from coral.contact.thinking.skill_push import add_behind, behind_head
 
 OPEN_M = 0.07
-SQUEEZE = 0.04
+DEEP_M = 0.028
+"""How far the tool goes in over what it pinches: the palm is 37 mm behind it and stays clear."""
 
 
 def can_overhang(thing: Thing) -> bool:
@@ -28,31 +29,39 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     axis, sign, grip = _end(thing, facts)
     out, edge = _edge(thing, facts, thing.rotation[:, axis] * sign)
     overhang = min(facts["numbers"].get("overhang", 0.05), 0.3 * float(thing.size[axis]))
-    low = thing.position[2] - thing.height / 2
-    height = low + max(0.014, thing.height / 2)
+    rear = thing.to_face(axis, -sign)
+    height = thing.low + max(0.014, thing.height / 2)
     add_behind(draft, thing, facts, axis, sign, height, choice)
     rise = lift_m + 0.05
-    local = vector(grip)
-    at = f"(self.{n}_pos + quat_rotate(self.{n}_quat, {local}))"
-    beyond = f"(dot({at}, {vector(out)}) - {number(edge)})"
+    beyond = f"(dot(self.{n}_pos + quat_rotate(self.{n}_quat, {vector(grip)}), {vector(out)}) - {number(edge)})"
     # Along the edge, away from the robot, and a little inward: what an arm on the robot's side can do.
     aside = np.array([0.87, 0.0, 0.0]) - 0.5 * out if abs(out[1]) > abs(out[0]) else -out
     palm: Array = aside / np.linalg.norm(aside)
+    inward = thing.rotation.T @ palm
+    grip = grip - max(0.0, thing.room_behind(grip, inward) - DEEP_M) * inward
+    at = f"(self.{n}_pos + quat_rotate(self.{n}_quat, {vector(grip)}))"
     tool = np.asarray(facts["hand"]["pose"][3:], dtype=float)
     pinch = tool_quaternion(palm, np.array([0.0, 0.0, 1.0]), tool)
     turn = f"quat_angle(self.ee_quat, {vector(pinch)})"
     soft = 0.6 * choice.careful
+    over = f"{beyond} > {number(overhang - 0.004)}"
+    reach = draft.stages[-1]
+    draft.stages[-1] = reach.model_copy(update={"done": f"({reach.done}) or {over}"})
+    side = np.cross([0.0, 0.0, 1.0], out)
+    ahead = f"(self.{n}_pos + {vector((0.08 - rear) * out)})"
 
     draft.stages.append(StageAnswer(
-        name="push", done=f"{beyond} > {number(overhang - 0.004)}", back_to="reach", noise=soft,
-        lost=f"norm(self.ee_pos - self.{n}_pos) > {number(thing.size[axis] / 2 + 0.12)}", opening=OPEN_M,
-        toward=f"self.ee_pos + 0.08 * {vector(out)}", stiffness=600.0 * choice.press,
+        name="push", done=over, back_to="reach", noise=soft,
+        lost=f"norm(self.ee_pos - self.{n}_pos) > {number(rear + 0.12)}", opening=OPEN_M,
+        toward=f"{ahead} * np.array([1.0, 1.0, 0.0]) + np.array([0.0, 0.0, {number(height)}])",
+        stiffness=600.0 * choice.press,
         code=behind_head(thing, axis, sign, number(height)) + f"""
     beyond = {beyond}
     terms['overhang'] = 20.0 * clip({number(overhang)} - beyond, 0.0, 1.0)
     terms['not too far'] = 60.0 * clip(beyond - {number(overhang + 0.02)}, 0.0, 1.0)
     terms['behind'] = 8.0 * norm(off)
-    terms['straight'] = 3.0 * quat_angle(self.{n}_quat, self.{n}_init_quat)
+    drift = abs(dot(self.{n}_pos - self.{n}_init_pos, {vector(side)}))
+    terms['straight'] = 3.0 * quat_angle(self.{n}_quat, self.{n}_init_quat) + 5.0 * drift
     terms['square'] = 2.0 * square
     terms['abreast'] = 15.0 * abs(self.gripper_target - {number(OPEN_M)})
     terms['gently'] = 1.0 * norm(self.{n}_vel) + 0.01 * norm(self.ee_force)
@@ -76,24 +85,25 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     def there(goal: str, near_m: float, angle: float) -> str:
         return f"norm(self.ee_pos - {goal}) < {near_m:g} and {turn} < {angle:g}"
 
-    back = number(thing.size[axis] / 2 + 0.05)
+    back = number(rear + 0.05)
     high = f"(self.{n}_pos - {back} * {axis_of(n, axis, sign)} + np.array([0.0, 0.0, 0.17]))"
     down = "(1.0 + quat_axis(self.ee_quat, 2)[2])"
     short = f"{beyond} < {number(overhang - 0.02)}"
     slipped = f"norm(self.ee_pos - {at}) > 0.06"
-    held = f"self.{n}_left_contact and self.{n}_right_contact and self.gripper_target < 0.012"
+    held = f"self.{n}_left_contact and self.{n}_right_contact and self.gripper_target < {number(thing.height - 0.022)}"
     stay = f"10.0 * norm(self.ee_pos - {at})"
+    near_side = f"{turn} < 0.5 and norm(self.ee_pos - {beside(0.12, 0.17)}) < 0.25"
     open_ = number(OPEN_M)
     draft.stages += [
-        StageAnswer(name="rise", done=f"norm(self.ee_pos - {high}) < 0.05", toward=high, opening=OPEN_M,
-                    code=pose(high, open_, down)),
+        StageAnswer(name="rise", done=f"norm(self.ee_pos - {high}) < 0.05 or ({near_side})", toward=high,
+                    opening=OPEN_M, code=pose(high, open_, down)),
         StageAnswer(name="turn", done=there(beside(0.12, 0.17), 0.03, 0.15), back_to="reach", lost=short,
                     toward=beside(0.12, 0.17), opening=OPEN_M, code=pose(beside(0.12, 0.17), open_)),
         StageAnswer(name="descend", done=there(beside(0.11, 0.0), 0.012, 0.1), toward=beside(0.11, 0.0),
                     opening=OPEN_M, noise=soft, code=pose(beside(0.11, 0.0), open_)),
         StageAnswer(name="insert", done=there(at, 0.012, 0.12), toward=at, opening=OPEN_M, noise=0.8 * soft,
                     code=pose(at, open_)),
-        StageAnswer(name="pinch", done=held, back_to="turn", lost=slipped, toward=at, opening=0.0, noise=0.4,
+        StageAnswer(name="pinch", done=held, back_to="turn", lost=slipped, toward=at, opening=SQUEEZE_M, noise=0.4,
                     code=f"""def state_cost(self):
     terms['stay'] = {stay}
     terms['turn'] = 2.0 * {turn}
@@ -102,9 +112,9 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     terms['leave alone'] = 5.0 * norm(self.{n}_vel)
     return terms
 """),
-        StageAnswer(name="lift", back_to="turn", lost=slipped, opening=0.0, noise=0.5,
+        StageAnswer(name="lift", back_to="turn", lost=slipped, opening=SQUEEZE_M, noise=0.5,
                     toward=f"self.ee_pos + np.array([0.0, 0.0, {number(rise)}])", code=f"""def state_cost(self):
-    rear = self.{n}_pos - {number(thing.size[axis] / 2)} * {axis_of(n, axis, sign)}
+    rear = self.{n}_pos - {number(rear)} * {axis_of(n, axis, sign)}
     lowest = min(rear[2], self.{n}_pos[2])
     terms['lift'] = 10.0 * clip({number(rise)} - lowest, 0.0, 1.0)
     terms['carry level'] = 1.0 * quat_angle(self.{n}_quat, self.{n}_init_quat)
@@ -113,13 +123,10 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     terms['calm'] = 0.1 * norm(self.ee_vel)
     return terms
 """)]
-    normal = np.zeros(3)
-    normal[axis] = sign
-    end = grip.copy()
-    end[axis] = sign * thing.size[axis] / 2
+    entry = grip - thing.room_behind(grip, inward) * inward
     draft.regions.append((n, Region.model_validate({
-        "center": [round(float(v), 4) for v in end], "normal": normal.tolist(), "extent": 0.004, "num_samples": 4,
-        "approach": "pinch", "opening": OPEN_M, "stage": "insert", "closing": thing.up})))
+        "center": [round(float(v), 4) for v in entry], "normal": [round(float(v), 4) for v in -inward], "extent": 0.004,
+        "num_samples": 4, "approach": "pinch", "opening": OPEN_M, "stage": "insert", "closing": thing.up})))
     draft.words.append(f"the {n} is wider than the hand opens ({100 * MAX_OPENING_M:.0f} cm): push one end "
                        f"{100 * overhang:.0f} cm over the edge, pinch it across its thickness, lift")
 
@@ -137,15 +144,15 @@ def _end(thing: Thing, facts: Mapping[str, Any]) -> tuple[int, float, Array]:
         return axis, 1.0 if point[axis] >= 0 else -1.0, point
     best = max(((k, s) for k in thing.lying for s in (1.0, -1.0)),
                key=lambda end: -_room(thing, facts, end[0], end[1]))
-    grip = np.zeros(3)
-    grip[best[0]] = best[1] * (thing.size[best[0]] / 2 - 0.02)
+    grip = thing.middle.copy()
+    grip[best[0]] = best[1] * (thing.to_face(*best) - 0.02)
     return best[0], best[1], grip
 
 
 def _room(thing: Thing, facts: Mapping[str, Any], axis: int, sign: float) -> float:
     """How far the end is from the edge it points to; an arm on the near side reaches the left and the right edge."""
     out, edge = _edge(thing, facts, thing.rotation[:, axis] * sign)
-    tip = thing.position + thing.rotation[:, axis] * sign * thing.size[axis] / 2
+    tip = thing.position + thing.rotation[:, axis] * sign * thing.to_face(axis, sign)
     return edge - float(tip @ out) + (0.3 if abs(out[0]) > 0.5 else 0.0)
 
 

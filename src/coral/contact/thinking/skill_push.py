@@ -23,7 +23,7 @@ def abreast(width_m: float) -> float:
 
 def behind_head(thing: Thing, axis: int, sign: float, height: str) -> str:
     """Begin of a program: the axis of pushing, the point behind the pushed face, how square the hand stands to it."""
-    n, half = thing.name, thing.size[axis] / 2
+    n, half = thing.name, thing.to_face(axis, -sign)
     return f"""def state_cost(self):
     along = {axis_of(n, axis, sign)}
     behind = self.{n}_pos - {number(half + PAD_M)} * along
@@ -37,9 +37,9 @@ def add_behind(draft: Draft, thing: Thing, facts: Mapping[str, Any], axis: int, 
     """Come from above to the face that is to be pushed."""
     n = thing.name
     wide = abreast(thing.size[next(k for k in thing.lying if k != axis)])
-    up = thing.up_sign * (height_m - thing.position[2]) / max(thing.height / 2, 1e-6)
+    up = thing.up_sign * (height_m - thing.low - thing.height / 2) / max(thing.height / 2, 1e-6)
     gap, above = 0.012, thing.height + 0.03
-    here = (f"norm(self.ee_pos - self.{n}_pos + {number(thing.size[axis] / 2 + PAD_M + gap)} * "
+    here = (f"norm(self.ee_pos - self.{n}_pos + {number(thing.to_face(axis, -sign) + PAD_M + gap)} * "
             f"{axis_of(n, axis, sign)} - np.array([0.0, 0.0, {number(height_m)} - self.{n}_pos[2]]))")
     draft.stages.append(StageAnswer(
         name="reach", done=f"{here} < 0.018 and ({_square(n, axis)}) < 0.1",
@@ -80,7 +80,8 @@ def add_push(draft: Draft, thing: Thing, facts: Mapping[str, Any], goal: Mapping
         f"0.4 * abs(norm(self.{n}_hand_force) - {number(newtons)})")
     draft.stages.append(StageAnswer(
         name="push", done=f"{gap} < {number(0.5 * goal['tolerance_m'])}", back_to="reach",
-        lost=f"norm(self.ee_pos - self.{n}_pos) > {number(thing.size[axis] / 2 + 0.1)}", noise=0.6 * choice.careful,
+        lost=f"norm(self.ee_pos - self.{n}_pos) > {number(thing.to_face(axis, -sign) + 0.1)}",
+        noise=0.6 * choice.careful,
         toward=f"self.ee_pos + 0.06 * (self.{place}_pos - {where}) / ({gap} + 0.02) * np.array([1.0, 1.0, 0.0])",
         opening=wide, stiffness=600.0 * choice.press, code=behind_head(thing, axis, sign, number(height)) + f"""
     terms['behind'] = 8.0 * norm(off)
@@ -111,8 +112,7 @@ def add_draw_back(draft: Draft, thing: Thing, axis: int, sign: float, height_m: 
 
 
 def _push_height(thing: Thing, choice: Choice) -> float:
-    low = thing.position[2] - thing.height / 2
-    return float(low + max(0.014, 0.35 * thing.height - choice.lower_m))
+    return float(thing.low + max(0.014, 0.35 * thing.height - choice.lower_m))
 
 
 def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Choice) -> None:
@@ -186,8 +186,7 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
     n = thing.name
     point, way = nearest_face(thing, facts["fixtures"][against])
     axis, sign = thing.toward(np.array([*way, 0.0]))
-    low = thing.position[2] - thing.height / 2
-    height = low + 0.016 - min(choice.lower_m, 0.004)
+    height = thing.low + 0.016 - min(choice.lower_m, 0.004)
     add_behind(draft, thing, facts, axis, sign, height, choice)
     wide = abreast(0.75 * thing.size[next(k for k in thing.lying if k != axis)])
     half, ahead = thing.size[axis] / 2, vector([*way, 0.0])
