@@ -1,11 +1,15 @@
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
+from coral.contact.strategy import Progress
 from coral.contact.task import Task, shipped_tasks
 from coral.contact.thinking.compose import NoRule, compose
 from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer, make_strategy, verify_plan
 from coral.contact.thinking.regions import verify_regions
 from coral.contact.thinking.repair import choice_after
-from coral.contact.thinking.setting import Choice
+from coral.contact.thinking.setting import Choice, Thing
 
 
 @pytest.mark.parametrize("task", shipped_tasks())
@@ -89,3 +93,33 @@ def test_a_plan_is_one_function_or_stages():
     with pytest.raises(ValueError, match="either"):
         PlanAnswer()
     assert PlanAnswer(code="x").names == ["task"]
+
+
+def test_a_board_whose_frame_is_not_in_its_middle_is_pushed_at_its_rear_face(scene):
+    one = scene("push-pick-board")
+    region = next(region for _, region in compose(one.facts).regions.each() if region.approach == "push")
+    assert region.center[1] == pytest.approx(-0.14)
+
+
+def test_what_is_wider_than_the_fingers_are_long_is_pinched_near_its_rim(scene):
+    facts = scene("push-pick-board").facts
+    board = Thing("board", facts)
+    handle = np.array([0.0, 0.2, 0.0])
+    assert board.room_behind(handle, np.array([1.0, 0.0, 0.0])) == pytest.approx(0.045)
+    assert board.room_behind(np.array([0.2, 0.2, 0.0]), np.array([1.0, 0.0, 0.0])) == 0.0
+    entry = next(region for _, region in compose(facts).regions.each() if region.stage == "insert")
+    assert entry.center[0] == pytest.approx(-0.045)
+
+
+def test_a_board_that_overhangs_already_is_not_pushed_again(scene):
+    one = scene("push-pick-board")
+    plan = compose(one.facts).plan
+    edge = float(one.facts["table"]["y"][1])
+    body = one.now.objects["board"]
+    moved = replace(body, position=np.array([body.position[0], edge - 0.14, body.position[2]]))
+    there = replace(one.now, objects={"board": moved})
+    strategy = make_strategy("x", plan, None, one.world.schema, one.sizes)
+    progress = Progress(strategy)
+    assert progress.update(one.world.present(there))
+    assert progress.update(one.world.present(there))
+    assert progress.stage.name == "rise"

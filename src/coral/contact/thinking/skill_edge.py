@@ -52,7 +52,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
 
     draft.stages.append(StageAnswer(
         name="push", done=over, back_to="reach", noise=soft,
-        lost=f"norm(self.ee_pos - self.{n}_pos) > {number(rear + 0.12)}", opening=OPEN_M,
+        lost=f"norm(self.ee_pos - self.{n}_pos) > {number(rear + 0.12)} and not {over}", opening=OPEN_M,
         toward=f"{ahead} * np.array([1.0, 1.0, 0.0]) + np.array([0.0, 0.0, {number(height)}])",
         stiffness=600.0 * choice.press,
         code=behind_head(thing, axis, sign, number(height)) + f"""
