@@ -14,6 +14,9 @@ CONTEXT = {
     "cost-repair": {"task": "push it", "attempts": 3, "world": {}, "interface": "", "history": [], "code": "x = 1",
                     "error": "x is unknown"},
     "parameter-repair": {"parameters": {"board": {"mass": 0.4}}, "history": []},
+    "object-poses": {"task": "push it", "camera": {"focal_px": 500.0}, "table": {"x": [-1, 1]}, "objects": {"board": {}}},
+    "unified": {"task": "push it", "objects": {"board": POSE}, "hand": {}, "interface": "self.board_pos", "places": True,
+                "code": "x = 1", "attempts": 3, "history": [], "error": "x is unknown"},
 }
 MUST_SAY = {
     "reef-centroid": ["red arrow +X", "Blue arrow +Y", "Yellow line", "Orange dots", "White", "trend",
@@ -26,6 +29,9 @@ MUST_SAY = {
     "contact-regions": ["push it", "One to three", "center", "normal", "extent", "num_samples", "Example"],
     "cost-repair": ["push it", "x = 1", "x is unknown", "explanation", "tried 3 times", "Example"],
     "parameter-repair": ["physicist", "label", "mass", "friction", "0.4", "Example"],
+    "object-poses": ["push it", "picture", "500.0", '"board"', "position", "quaternion", "Example"],
+    "unified": ["push it", "picture", "mass_kg", "friction_coeff", "def state_cost(self):", "self.board_pos", "regions",
+                "x = 1", "x is unknown", "tried 3 times", "explanation", "Example"],
 }
 
 

@@ -141,22 +141,13 @@ def test_stages_are_told_as_they_change(run):
 
 
 def test_a_mind_may_change_its_mind(run):
-    class Second:
+    class Second(Fixed):
         account = Account(advisor_calls=2, repairs=1, memory_hit=True)
-
-        def begin(self, drawn, first, world):
-            return strategy()
 
         def after(self, moment):
             return Strategy("other", (Stage("other", stay),)) if moment.step == 4 else None
 
-        def listen(self, emit):
-            pass
-
-        def ended(self, reason):
-            pass
-
-    result, folder, _ = run(Second())
+    result, folder, _ = run(Second(strategy()))
     assert [e["name"] for e in events(folder, "strategy")] == ["stay", "other"]
     counted = [result[key] for key in ("strategy", "advisor_calls", "repairs", "memory_hit")]
     assert counted == ["other", 2, 1, True]

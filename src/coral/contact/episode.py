@@ -14,6 +14,7 @@ import numpy as np
 from coral.config import Count, to_mapping
 from coral.contact.controller import Controller, ControllerCfg, Plan
 from coral.contact.draw import Drawn, Physical
+from coral.contact.guessed import GuessedWorld
 from coral.contact.judge import Judge
 from coral.contact.metrics import compute_metrics
 from coral.contact.mind import Mind, Moment, Step
@@ -23,6 +24,7 @@ from coral.contact.program.errors import CostError
 from coral.contact.reactive import Reactive, ReactiveCfg
 from coral.contact.record import EpisodeRecorder, RecordCfg, columns, numbers
 from coral.contact.scene import believing, prior
+from coral.contact.sight import SightCfg, eyes
 from coral.contact.strategy import Progress, Strategy
 from coral.contact.thinking.thinker import ThinkCfg
 from coral.contact.tracked import Seen, TrackedCfg, TrackedWorld
@@ -64,6 +66,7 @@ class EpisodeCfg:
         policy: A served policy, where one drives instead of the planner.
         poses: Where the objects' poses come from: tracked in a camera's pictures, or ground-truth, the simulator.
         tracked: The camera and what is made of its pictures.
+        sight: The same camera's pictures that go with questions.
     """
 
     replan_steps: Count = 2
@@ -76,6 +79,7 @@ class EpisodeCfg:
     policy: PolicyCfg = field(default_factory=PolicyCfg)
     poses: Literal["tracked", "ground-truth"] = "tracked"
     tracked: TrackedCfg = field(default_factory=TrackedCfg)
+    sight: SightCfg = field(default_factory=SightCfg)
 
 
 class Observer(Protocol):
@@ -112,8 +116,12 @@ class Episode:
         self.plan_ms: list[float] = []
         self.judge = Judge(drawn)
         self.world: EvaluationWorld = make_world(world, drawn, cfg.planning.step_s)
+        self.look = eyes(self.world, drawn, cfg.tracked, cfg.sight, np.random.default_rng([drawn.seed, 5]))
         self.tracked: TrackedWorld | None = None
-        if cfg.poses == "tracked":
+        self.guessed: GuessedWorld | None = None
+        if mind.guesses:
+            self.world = self.guessed = GuessedWorld(self.world, drawn)
+        elif cfg.poses == "tracked":
             self.world = self.tracked = TrackedWorld(self.world, drawn, cfg.tracked,
                                                      np.random.default_rng([drawn.seed, 4]))
         # All that can be refused has been looked at: only now is a folder made.
@@ -246,8 +254,12 @@ class Episode:
         cfg = self.cfg
         self._write_head()
         self._say_start()
+        self.mind.listen(self.emit)
+        self.mind.open_eyes(self.look)
         self.now = self.world.reset()
         self.t = self.now.time_s
+        if self.guessed is not None:
+            self.now = self.guessed.settle(self.mind.locate(self.drawn, self.now), self.now)
         self._tell_tracks()
         self.planner = PlanningWorld(self.drawn, prior(self.drawn), self.now, cfg.planning)
         self.controller = Controller(self.planner, cfg.controller, np.random.default_rng([self.drawn.seed, 1]))
@@ -259,7 +271,6 @@ class Episode:
         self.recorder.row(0, self.now, truth, first, 0, self._off(truth))
         self.recorder.state(0, self.t, self.world)
         self.recorder.contacts(0, truth)
-        self.mind.listen(self.emit)
         self._follow(self.mind.begin(known(self.drawn, self.now), self.now, self.planner))
 
     def _write_head(self) -> None:
@@ -272,7 +283,8 @@ class Episode:
     def _say_start(self) -> None:
         task = self.drawn.task
         self.emit("start", task=task.name, instruction=task.instruction, world=self.world.name, variant=self.variant,
-                  advisor=self.advisor, seed=self.drawn.seed, poses=self.cfg.poses,
+                  advisor=self.advisor, seed=self.drawn.seed,
+                  poses=self.cfg.poses if self.guessed is None else "guessed",
                   time_limit_s=task.time_limit_s,
                   trial={name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
                          for name, item in self.drawn.objects.items()})
@@ -284,7 +296,8 @@ class Episode:
 
     def _off(self, truth: Truth) -> Mapping[str, Seen] | None:
         """How far tracked poses are from the truth: for the record, and seen by nobody who decides."""
-        return None if self.tracked is None else self.tracked.compare(self.now, truth)
+        seen = self.tracked or self.guessed
+        return None if seen is None else seen.compare(self.now, truth)
 
     def _follow(self, strategy: Strategy) -> None:
         """Begin a strategy."""

@@ -36,7 +36,8 @@ DEFINITIONS = {
     "track_lost_s": "Time (s) during which an object was lost.",
     "pose_error_mm": "Median distance (mm) of tracked poses from the truth, modulo symmetry. Nothing is decided by it.",
     "pose_error_deg": "Median of their angles (degrees), likewise.",
-    "poses": "Where objects' poses came from: the simulator (ground-truth), a camera (tracked), or nowhere (pictures).",
+    "poses": "Where objects' poses came from: the simulator (ground-truth), a camera (tracked), one look at a picture "
+             "(guessed), or nowhere (pictures).",
 }
 
 

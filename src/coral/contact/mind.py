@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,8 +10,9 @@ from coral.contact.controller import Plan
 from coral.contact.draw import Drawn
 from coral.contact.planning import PlanningWorld
 from coral.contact.program.errors import CostError
+from coral.contact.sight import Look
 from coral.contact.strategy import Strategy
-from coral.contact.world import HandTarget, Observation
+from coral.contact.world import Body, HandTarget, Observation
 
 
 @dataclass(frozen=True)
@@ -71,8 +72,26 @@ class Mind(Protocol):
         """What it has done so far."""
         ...
 
+    @property
+    def guesses(self) -> bool:
+        """Whether it says where the objects are, once, and nobody looks for them afterwards."""
+        ...
+
+    def locate(self, drawn: Drawn, first: Observation) -> Mapping[str, Body]:
+        """Where the objects are, by a look; asked for before `begin` of a mind that guesses.
+
+        Args:
+            drawn: The trial; its poses are not for looking at.
+            first: What the sensors say at first, without any object.
+        """
+        ...
+
     def listen(self, emit: Callable[..., None]) -> None:
         """Be told where to report: `emit(event, **fields)` appends to the run's events."""
+        ...
+
+    def open_eyes(self, look: Look) -> None:
+        """Be given a camera."""
         ...
 
     def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
@@ -116,12 +135,20 @@ class Fixed:
     """
 
     account = Account()
+    guesses = False
 
     def __init__(self, strategy: Strategy) -> None:
         self._strategy = strategy
 
     def listen(self, emit: Callable[..., None]) -> None:
         """See `Mind.listen`."""
+
+    def open_eyes(self, look: Look) -> None:
+        """See `Mind.open_eyes`."""
+
+    def locate(self, drawn: Drawn, first: Observation) -> Mapping[str, Body]:
+        """See `Mind.locate`; what was written beforehand knows no poses."""
+        return {}
 
     def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
         """See `Mind.begin`."""

@@ -168,7 +168,7 @@ class TrackedWorld:
             WorldFault: An object was not found ("not-found"), or there are no pictures ("camera-off").
         """
         now = self._world.reset()
-        self._objects = {name: _Followed(ModelTracker(shape, self.cfg.tracker, _nominal(self._drawn, name)),
+        self._objects = {name: _Followed(ModelTracker(shape, self.cfg.tracker, nominal(self._drawn, name)),
                                          self.cfg.motion)
                          for name, shape in self._shapes.items()}
         self._late: deque[tuple[float, Array, dict[str, Estimate]]] = deque()
@@ -312,16 +312,26 @@ class TrackedWorld:
         return Body(T[:3, 3], quaternion_of(T[:3, :3]), velocity, spin)
 
 
-def _camera(model: mujoco.MjModel, drawn: Drawn, cfg: TrackedCfg) -> RayCamera:
+def viewpoint(drawn: Drawn, cfg: TrackedCfg) -> tuple[Place, Place]:
+    """Where the camera is, and what it looks at.
+
+    Raises:
+        InputError: It would look straight down.
+    """
     eye, target = EYES.get(drawn.task.name, (EYE, TARGET))
     eye, target = cfg.eye_m or eye, cfg.target_m or target
     if np.allclose(eye[:2], target[:2]):
         raise InputError("tracked", "target_m", target, "a point that is not straight below the camera")
+    return eye, target
+
+
+def _camera(model: mujoco.MjModel, drawn: Drawn, cfg: TrackedCfg) -> RayCamera:
     noise = DepthNoise(cfg.depth_noise) if cfg.noise else None
-    return RayCamera(model, cfg.camera, look_at(eye, target), instances(model, drawn), groups=_DRAWN, noise=noise)
+    return RayCamera(model, cfg.camera, look_at(*viewpoint(drawn, cfg)), instances(model, drawn), groups=_DRAWN,
+                     noise=noise)
 
 
-def _nominal(drawn: Drawn, name: str) -> Array:
+def nominal(drawn: Drawn, name: str) -> Array:
     """T_world_object in the middle of the task file's ranges: of equal poses, the one nearest to it is reported."""
     item = drawn.task.object(name)
     turn = about(np.array([0.0, 0.0, 1.0]), float(np.radians(np.mean(item.yaw_deg))))

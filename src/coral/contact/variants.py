@@ -53,12 +53,14 @@ class Asking:
 Make = Callable[[Task, Asking], Mind]
 
 
-def _thinking(variant: str, *, remember: bool = True, regions: bool = True, refine: bool = True) -> Make:
+def _thinking(variant: str, *, remember: bool = True, regions: bool = True, refine: bool = True, unified: bool = False,
+              tracking: bool = True) -> Make:
     """A variant that asks, with what is switched off in it."""
     def make(task: Task, asking: Asking) -> Mind:
         memory = Memory(asking.memory) if asking.memory is not None and remember else None
         think = dataclasses.replace(asking.think, regions=regions and asking.think.regions,
-                                    refine=refine and asking.think.refine)
+                                    refine=refine and asking.think.refine, unified=unified or asking.think.unified,
+                                    tracking=tracking and asking.think.tracking)
         advisor = make_advisor(asking.advisor, rules=RULES, rng=np.random.default_rng([asking.seed, 2]),
                                inbox=asking.inbox, cfg=asking.model)
         # What rules compose needs no confinement; what a model writes gets it.
@@ -90,6 +92,9 @@ VARIANTS: dict[str, Make] = {
     "no-memory": _thinking("no-memory", remember=False),
     "no-refinement": _thinking("no-refinement", refine=False),
     "cost-only": _thinking("cost-only", regions=False),
+    # Memory is looked up by masses and frictions, which only the one answer that it would save could give.
+    "unified": _thinking("unified", remember=False, unified=True),
+    "no-tracking": _thinking("no-tracking", tracking=False),
 }
 """Who decides in each variant."""
 ALONE = ("expert", "expert-fsm")

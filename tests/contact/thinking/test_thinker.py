@@ -12,6 +12,7 @@ from coral.contact.mind import Moment, Step
 from coral.contact.program import CostError
 from coral.contact.strategy import Progress
 from coral.contact.thinking.ask import Asker
+from coral.contact.thinking.beliefs import Estimate
 from coral.contact.thinking.embedding import HashedWords
 from coral.contact.thinking.memory import Memory
 from coral.contact.thinking.outer import OuterCfg, Watch
@@ -237,3 +238,52 @@ def test_a_failing_cost_is_final_where_nothing_may_be_tried(fragile):
     with pytest.raises(CostError):
         mind.after(moment(one, 6.0, "second", 5.0))
     assert len(advisor.prompts) == 1
+
+
+def test_a_unified_mind_asks_once_and_believes_what_it_hears(scene):
+    one = scene("pick-box")
+    mind, told = thinker(one, unified=True)
+    strategy = mind.begin(one.drawn, one.now, one.world)
+    assert [stage.name for stage in strategy.stages] == ["reach", "close", "lift"]
+    assert strategy.stages[0].guides
+    assert mind.account.advisor_calls == 1
+    assert [event for event, _ in told] == ["beliefs", "plan_answer"]
+    assert one.world.beliefs[0]["box"].mass_kg == pytest.approx(told[0][1]["box"][0], abs=1e-4)
+
+
+class Unified:
+    """Answers everything at once, first with a mass that no hand can move."""
+
+    name = "unified"
+
+    def __init__(self):
+        self.heard, self.prompts = [], []
+
+    async def answer(self, question, rejections):
+        assert question.kind == "unified"
+        self.prompts.append(question.prompt)
+        self.heard += [rejection.reason for rejection in rejections]
+        value = RULES["unified"](question.facts, ())
+        if not rejections:
+            value = value.model_copy(update={"parameters": {"box": Estimate(mass_kg=900.0, friction_coeff=0.5)}})
+        return Reply(value=value, raw="")
+
+
+def test_one_wrong_part_refuses_a_unified_answer_as_a_whole(scene):
+    one, advisor = scene("pick-box"), Unified()
+    mind, told = thinker(one, advisor, unified=True)
+    mind.begin(one.drawn, one.now, one.world)
+    assert "900" in advisor.heard[0]
+    assert one.world.beliefs[0]["box"].mass_kg < 20.0
+    assert "regions" in advisor.prompts[0]
+    assert next(fields["attempts"] for event, fields in told if event == "plan_answer") == 2
+
+
+def test_a_unified_mind_that_is_stuck_asks_its_one_question_with_the_history(scene):
+    one, advisor = scene("pick-box"), Unified()
+    mind, told = thinker(one, advisor, unified=True, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    mind.begin(one.drawn, one.now, one.world)
+    step = Step(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
+    assert any(mind.after(moment(one, 0.1 * k, "reach", 5.0, (step,))) for k in range(8))
+    assert "What happened lately" in advisor.prompts[-1]
+    assert "correction" not in [event for event, _ in told]

@@ -123,6 +123,7 @@ class RayCamera:
         noise: Of the depth and of the outlines; None takes perfect pictures.
         colours: Where an RGB picture comes from: "none", "shaded" by the rays, "opengl" by MuJoCo's renderer, or
             "best": the renderer where it works, rays elsewhere.
+        hidden: Geoms that rays go through; OpenGL shows them.
 
     Raises:
         InputError: The scene holds what rays cannot draw, or OpenGL is asked for and does not work.
@@ -131,8 +132,10 @@ class RayCamera:
     def __init__(
         self, model: mujoco.MjModel, cfg: CameraCfg, T_world_camera: Array, instances: Mapping[int, str], *,
         groups: Iterable[int] = (0, 1, 2), noise: DepthNoise | None = None, colours: Colours = "none",
+        hidden: Iterable[int] = (),
     ) -> None:
         visible = np.isin(model.geom_group, list(groups)) & (model.geom_rgba[:, 3] > 0.0)
+        visible[[*hidden]] = False
         self._geoms = np.flatnonzero(visible).astype(np.int64)
         self._solids = from_mujoco(model, self._geoms)
         self._rgb = model.geom_rgba[self._geoms, :3].astype(float)

@@ -64,6 +64,16 @@ def instances(model: mujoco.MjModel, drawn: Drawn) -> dict[int, str]:
     return robot | {i: bodies[int(b)] for i, b in enumerate(model.geom_bodyid) if int(b) in bodies}
 
 
+def covered(model: mujoco.MjModel, drawn: Drawn) -> list[int]:
+    """Geoms that a picture to be looked at leaves out: collision shapes over pretty ones, and the room around."""
+    ours = {"table", *(fixture.name for fixture in drawn.task.fixtures)}
+    pretty = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
+    bodies = {model.body(name).id for name in drawn.objects}
+    return [k for k in range(model.ngeom) if model.geom(k).name not in ours
+            and (int(model.geom_bodyid[k]) == 0 or (
+                model.geom_group[k] == 0 and int(model.geom_bodyid[k]) in pretty - bodies))]
+
+
 def object_model(model: mujoco.MjModel, drawn: Drawn, name: str) -> ObjectModel:
     """What a tracker may know of one object of a trial: its exact shape, and its symmetry.
 

@@ -37,7 +37,8 @@ class Asker:
         self._loop: asyncio.AbstractEventLoop | None = None
 
     def ask(self, kind: str, answer_type: type[A], facts: Mapping[str, Any], prompt: Mapping[str, Any],
-            verify: Callable[[A], Rejection | None], seen: bool = False) -> Outcome[A]:
+            verify: Callable[[A], Rejection | None], seen: bool = False,
+            pictures: tuple[Picture, ...] = ()) -> Outcome[A]:
         """Ask, verify, ask again with the reasons.
 
         Args:
@@ -46,10 +47,12 @@ class Asker:
             facts: For advisors without eyes.
             prompt: What the template's placeholders stand for.
             verify: Why an answer is refused, or None.
-            seen: Whether pictures go with it.
+            seen: Whether a picture taken now goes with it.
+            pictures: Taken before, that go with it too.
         """
         text, version = render(kind, prompt)
-        pictures = self.pictures() if seen and self.pictures else ()
+        if seen and self.pictures is not None:
+            pictures = (*pictures, *self.pictures())
         question: Question[A] = Question(kind=kind, prompt=text, answer_type=answer_type, facts=facts,
                                          pictures=pictures, prompt_version=version)
 

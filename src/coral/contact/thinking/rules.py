@@ -9,9 +9,11 @@ from pydantic import BaseModel
 
 from coral.advisor.question import AdvisorUnavailable, Rejection
 from coral.advisor.rules import Rule
-from coral.contact.thinking.beliefs import estimate
+from coral.contact.thinking.beliefs import Estimate, estimate
 from coral.contact.thinking.compose import Composed, NoRule, compose
+from coral.contact.thinking.locate import locate
 from coral.contact.thinking.repair import TEXTS, ObjectParameters, ParametersAnswer, change_words, choice_after
+from coral.contact.thinking.unified import UnifiedAnswer
 
 
 def _composed(facts: Mapping[str, Any], refused: int = 0) -> Composed:
@@ -45,6 +47,16 @@ def _parameters(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> Ba
                                                       friction=fitted["friction"])])
 
 
+def _unified(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+    """Its rules for each part, one after the other; what is believed already is kept."""
+    found = {name: Estimate(mass_kg=item["mass_kg"], friction_coeff=item["friction"])
+             for name, item in facts["objects"].items() if "mass_kg" in item} or estimate(facts, rejections).root
+    believed = {name: {**item, "mass_kg": found[name].mass_kg, "friction": found[name].friction_coeff}
+                for name, item in facts["objects"].items()}
+    made = _composed({**facts, "objects": believed}, len(rejections))
+    return UnifiedAnswer(parameters=found, regions=made.regions.root, **made.plan.model_dump())
+
+
 RULES: Mapping[str, Rule] = {
     "physical-parameters": estimate, "cost-function": _plan, "contact-regions": _regions, "cost-repair": _repair,
-    "parameter-repair": _parameters}
+    "parameter-repair": _parameters, "object-poses": locate, "unified": _unified}

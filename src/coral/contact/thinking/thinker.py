@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from coral.advisor.consult import Outcome
 from coral.advisor.question import Rejection
 from coral.contact.context import Cost
 from coral.contact.draw import Drawn, Physical
@@ -15,11 +16,13 @@ from coral.contact.mind import Account, Moment
 from coral.contact.planning import PlanningWorld
 from coral.contact.program import CostError, LastGoodCost
 from coral.contact.scene import prior
+from coral.contact.sight import Look, picture
 from coral.contact.strategy import Strategy
 from coral.contact.thinking.ask import Asker
 from coral.contact.thinking.beliefs import BeliefCfg, Estimates, belief_prompt, verify_estimates
 from coral.contact.thinking.history import most_telling, windows
 from coral.contact.thinking.identify import Corrections, IdentifyCfg, compare
+from coral.contact.thinking.locate import PosesAnswer, locate, pose_facts, pose_prompt, verify_poses
 from coral.contact.thinking.memory import Experience, Match, Memory, scene_numbers
 from coral.contact.thinking.outer import OuterCfg, Watch
 from coral.contact.thinking.plan_answer import Loader, PlanAnswer, in_process, make_strategy, verify_plan
@@ -29,8 +32,9 @@ from coral.contact.thinking.rehearse import gain, sample_states
 from coral.contact.thinking.repair import TEXTS, Diagnosis, ParametersAnswer, diagnose, recent, verify_parameters
 from coral.contact.thinking.replay import Replay
 from coral.contact.thinking.rules import RULES
-from coral.contact.thinking.scene_facts import interface_text, scene_facts
-from coral.contact.world import Observation
+from coral.contact.thinking.scene_facts import interface_text, pose, scene_facts
+from coral.contact.thinking.unified import UnifiedAnswer
+from coral.contact.world import Body, Observation
 from coral.errors import RunError
 
 
@@ -41,6 +45,8 @@ class ThinkCfg:
     Args:
         regions: Ask for contact regions (off: `cost-only`).
         refine: Refine when stuck (off: `no-refinement`).
+        unified: Everything in one question (the paper's unified VLM).
+        tracking: Poses come from elsewhere (off: `no-tracking`, they are asked for once).
         least_gain: Share by which rehearsed ways to the regions must lower the first stage's cost in a remembered plan.
         belief: Bounds of what may be believed.
         region: Bounds of what regions may be.
@@ -50,6 +56,8 @@ class ThinkCfg:
 
     regions: bool = True
     refine: bool = True
+    unified: bool = False
+    tracking: bool = True
     least_gain: float = 0.05
     belief: BeliefCfg = field(default_factory=BeliefCfg)
     region: RegionCfg = field(default_factory=RegionCfg)
@@ -88,6 +96,7 @@ class Thinker:
         self._watch: Watch
         self._failure: CostError | None = None
         self._keep = self._keeping()
+        self._look: Look = lambda: None
 
     @property
     def account(self) -> Account:
@@ -98,13 +107,43 @@ class Thinker:
         """See `Mind.listen`."""
         self._emit = emit
 
+    @property
+    def guesses(self) -> bool:
+        """See `Mind.guesses`."""
+        return not self.cfg.tracking
+
+    def open_eyes(self, look: Look) -> None:
+        """See `Mind.open_eyes`."""
+        self._look = look
+        self.asker.pictures = lambda: tuple(picture(frame) for frame in (look(),) if frame is not None)
+
+    def locate(self, drawn: Drawn, first: Observation) -> dict[str, Body]:
+        """See `Mind.locate`."""
+        frame = self._look()
+        if frame is None:
+            raise RunError("poses cannot be guessed in a world without pictures")
+        facts = pose_facts(drawn, first, frame)
+        outcome = self.asker.ask("object-poses", PosesAnswer, facts, pose_prompt(facts),
+                                 lambda answer: verify_poses(answer, facts), pictures=(picture(frame),))
+        found = (outcome.answer or locate(facts)).bodies()
+        self._emit("poses", failure=outcome.failure, attempts=outcome.attempts,
+                   refused=[rejection.reason for rejection in outcome.rejections],
+                   **{name: pose(body) for name, body in found.items()})
+        if outcome.answer is None:
+            self._emit("fallback", what="poses", by="heuristic", because=outcome.failure)
+        return found
+
     def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
         """Perceive, recall or ask, check, and make the strategy."""
         self._drawn, self._world = drawn, world
         self._sizes = {name: drawn.size(name) for name in drawn.objects}
-        self._believe_first(first)
-        self._facts = scene_facts(drawn, first, self._beliefs)
-        strategy = self._recall(first)
+        if self.cfg.unified:
+            self._facts = scene_facts(drawn, first)
+            self._plan = self._ask_all(first) or self._rule()
+        else:
+            self._believe_first(first)
+            self._facts = scene_facts(drawn, first, self._beliefs)
+        strategy = self._strategy("asked") if self.cfg.unified else self._recall(first)
         if strategy is None:
             self._plan = self._ask_plan("cost-function", first, self._plan_prompt()) or self._rule()
             self._regions = self._ask_regions(first)
@@ -140,9 +179,7 @@ class Thinker:
         self._failure = None
         self._diagnoses.append("cost-error")
         self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": 0}
-        plan = self._ask_plan("cost-repair", now, self._repair_prompt(f"in stage {stage!r}, {error}"))
-        self._plan = plan or self._rule()
-        self._regions = self._ask_regions(now)
+        self._plan = self._ask_repair(now, f"in stage {stage!r}, {error}") or self._rule()
         return self._repaired()
 
     def ended(self, reason: str) -> None:
@@ -167,8 +204,7 @@ class Thinker:
                                             self.cfg.belief), seen=True)
         beliefs = prior(self._drawn) if outcome.answer is None else outcome.answer.physical()
         self._world.believe(beliefs)
-        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts,
-                   **{name: [round(one.mass_kg, 5), round(one.friction, 4)] for name, one in beliefs.items()})
+        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts, **_told(beliefs))
 
     def _recall(self, first: Observation) -> Strategy | None:
         if self.memory is None:
@@ -201,12 +237,15 @@ class Thinker:
         facts = {**self._facts, "diagnoses": list(self._diagnoses)}
         outcome = self.asker.ask(kind, PlanAnswer, facts, prompt, lambda plan: self._wrong_plan(plan, now))
         self._facts["refused"] = len(outcome.rejections)
-        plan = outcome.answer
+        self._tell_plan(kind, outcome)
+        self._unanswered = outcome.failure
+        return outcome.answer
+
+    def _tell_plan(self, kind: str, outcome: Outcome[Any]) -> None:
+        plan: PlanAnswer | None = outcome.answer
         self._emit("plan_answer", kind=kind, failure=outcome.failure, attempts=outcome.attempts,
                    refused=[rejection.reason for rejection in outcome.rejections],
                    explanation="" if plan is None else plan.explanation, code="" if plan is None else plan.text())
-        self._unanswered = outcome.failure
-        return plan
 
     def _rule(self) -> PlanAnswer:
         # Without an answer the rules take over, and the record says so: a robot that stands still helps nobody.
@@ -222,7 +261,7 @@ class Thinker:
         outcome = self.asker.ask(
             "contact-regions", RegionsAnswer, {**self._facts, "diagnoses": list(self._diagnoses), "stages": names},
             {"task": self._facts["instruction"], "objects": self._shown(), "stages": names},
-            lambda answer: verify_regions(answer, self._facts, names, self.cfg.region))
+            lambda answer: verify_regions(answer, self._facts, names, self.cfg.region), seen=True)
         found = outcome.answer or RegionsAnswer({})
         self._emit("regions", failure=outcome.failure, attempts=outcome.attempts,
                    refused=[rejection.reason for rejection in outcome.rejections],
@@ -246,12 +285,48 @@ class Thinker:
         self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
         return strategy
 
-    def _repair_prompt(self, error: str = "") -> dict[str, Any]:
+    def _ask_repair(self, now: Observation, error: str = "") -> PlanAnswer | None:
         steps, costs = self._watch.steps, self._watch.costs
         name = most_telling(steps) or next(iter(self._sizes))
-        return {"task": self._facts["instruction"], "attempts": self._watch.attempts, "world": self._shown(),
-                "interface": interface_text(self._world.schema), "history": recent(steps, costs, name),
-                "code": self._plan.text(), "error": error}
+        history = {"attempts": self._watch.attempts, "history": recent(steps, costs, name), "code": self._plan.text(),
+                   "error": error}
+        if self.cfg.unified:
+            return self._ask_all(now, history)
+        plan = self._ask_plan("cost-repair", now, {
+            "task": self._facts["instruction"], "world": self._shown(),
+            "interface": interface_text(self._world.schema), **history})
+        self._regions = self._ask_regions(now)
+        return plan
+
+    def _ask_all(self, now: Observation, history: Mapping[str, Any] | None = None) -> PlanAnswer | None:
+        """One question about everything; what is accepted is believed, and so are its regions."""
+        before, sizes = self._beliefs, {name: list(size) for name, size in self._sizes.items()}
+        objects = {name: {"mass_kg": None, "friction": None, **item} for name, item in self._shown().items()}
+        prompt = {"task": self._facts["instruction"], "objects": objects, "hand": self._facts["hand"],
+                  "interface": interface_text(self._world.schema), "places": self.cfg.regions, "code": "", "error": "",
+                  **(history or {})}
+
+        def wrong(answer: UnifiedAnswer) -> Rejection | None:
+            refusal = verify_estimates(answer.estimates, sizes, self.cfg.belief)
+            if refusal is not None:
+                return refusal
+            self._world.believe(answer.estimates.physical())
+            refusal = self._wrong_plan(answer, now)
+            if refusal is None and self.cfg.regions:
+                refusal = verify_regions(answer.places, self._facts, answer.names, self.cfg.region)
+            return refusal
+
+        outcome = self.asker.ask("unified", UnifiedAnswer, {**self._facts, "diagnoses": list(self._diagnoses)}, prompt,
+                                 wrong, seen=True)
+        found, self._unanswered = outcome.answer, outcome.failure
+        if found is None:
+            self._world.believe(before)
+        else:
+            self._regions = found.places
+        self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": len(outcome.rejections)}
+        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts, **_told(self._beliefs))
+        self._tell_plan("unified", outcome)
+        return None if found is None else found.plan
 
     def _refine(self, moment: Moment) -> Strategy | None:
         """The outer loop: what went wrong, a better world model, a better plan."""
@@ -261,12 +336,11 @@ class Thinker:
         self._repairs += 1
         self._emit("stuck", attempts=watch.attempts, stage=moment.stage, object=name, diagnosis=kind, text=TEXTS[kind],
                    cost=round(moment.plan.cost, 4), history=recent(watch.steps, watch.costs, name))
-        corrected = self._correct(name, now)
+        corrected = not self.cfg.unified and self._correct(name, now)
         self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": 0}
         if not (corrected and kind == "moved-otherwise"):
             self._diagnoses.append(kind)
-            self._plan = self._ask_plan("cost-repair", now, self._repair_prompt()) or self._plan
-            self._regions = self._ask_regions(now)
+            self._plan = self._ask_repair(now) or self._plan
         return self._repaired()
 
     def _correct(self, name: str, now: Observation) -> bool:
@@ -333,3 +407,7 @@ class Thinker:
             plan=self._plan, regions=self._regions,
             beliefs={name: (one.mass_kg, one.friction) for name, one in self._beliefs.items()},
             provenance={"success": True, "repairs": self._repairs, **self._provenance})
+
+
+def _told(beliefs: Mapping[str, Physical]) -> dict[str, list[float]]:
+    return {name: [round(one.mass_kg, 5), round(one.friction, 4)] for name, one in beliefs.items()}

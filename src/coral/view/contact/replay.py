@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from coral.contact.draw import Drawn, draw
 from coral.contact.perception.camera import CameraCfg, RayCamera, look_at
+from coral.contact.perception.stage import covered
 from coral.contact.task import load_task
 from coral.contact.worlds import make_world
 from coral.errors import InputError
@@ -20,8 +21,6 @@ Array = NDArray[np.float64]
 FROM = np.array([0.6, -0.68, 0.42])
 """Direction of the camera: opposite the robot and to its right, where the arm hides nothing."""
 VFOV_DEG = 38.0
-HIDDEN = 4
-"""Geom group of what the camera leaves out."""
 
 
 class Scene:
@@ -53,8 +52,8 @@ class Scene:
             raise InputError(str(run.path), "states.csv", f"{self._places.shape[1]} joint positions",
                              f"the {self._model.nq} of its world")
         camera = CameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG)
-        _hide_what_is_not_looked_at(self._model, self.drawn)
-        self._camera = RayCamera(self._model, camera, _overview(run, self.drawn), {}, colours="shaded")
+        self._camera = RayCamera(self._model, camera, _overview(run, self.drawn), {}, colours="shaded",
+                                 hidden=covered(self._model, self.drawn))
 
     def at(self, t: float) -> Image:
         """The picture of the last state until `t`, Shape=(H, W, 3) RGB."""
@@ -78,18 +77,6 @@ def _overview(run: RunFolder, drawn: Drawn) -> Array:
     low, high = np.clip(points.min(axis=0), -0.6, 0.8), np.clip(points.max(axis=0), -0.6, 0.8)
     middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2 + 0.1
     return look_at(middle + FROM / np.linalg.norm(FROM) * radius / np.sin(np.radians(VFOV_DEG / 2)), middle)
-
-
-def _hide_what_is_not_looked_at(model: mujoco.MjModel, drawn: Drawn) -> None:
-    """A robot model's collision shapes cover its pretty ones, and its room hides the view."""
-    ours = {"table", *(fixture.name for fixture in drawn.task.fixtures)}
-    pretty = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
-    bodies = {model.body(name).id for name in drawn.objects}
-    for k in range(model.ngeom):
-        body = int(model.geom_bodyid[k])
-        covered = model.geom_group[k] == 0 and body in pretty and body not in bodies
-        if model.geom(k).name not in ours and (covered or body == 0):
-            model.geom_group[k] = HIDDEN
 
 
 def trial(run: RunFolder) -> Drawn:

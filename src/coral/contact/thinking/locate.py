@@ -1,0 +1,131 @@
+"""Where the objects are, guessed once from the first picture: the ablation without tracking (Table 1, last row)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, RootModel
+
+from coral.advisor.question import Rejection
+from coral.contact.draw import Drawn
+from coral.contact.geometry import quaternion_of, rotation_of
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.thinking.scene_facts import pose
+from coral.contact.tracked import nominal
+from coral.contact.world import Array, Body, Observation
+
+LEAST_PIXELS = 20
+"""Fewer measured pixels than these tell nothing of an object's place."""
+BESIDE_M, BELOW_M = 0.3, 0.02
+"""How far beside the table and below its top a centre may be held to be."""
+
+
+class ObjectPose(BaseModel):
+    """One object's pose.
+
+    Args:
+        position: Of its centre in the world, m.
+        quaternion: (w, x, y, z), of any length but 0.
+    """
+
+    position: tuple[float, float, float]
+    quaternion: tuple[float, float, float, float]
+
+
+class PosesAnswer(RootModel[dict[str, ObjectPose]]):
+    """Poses by the objects' names."""
+
+    def bodies(self) -> dict[str, Body]:
+        """As an observation holds them, at rest."""
+        return {name: Body(np.array(one.position), np.array(one.quaternion) / np.linalg.norm(one.quaternion))
+                for name, one in self.root.items()}
+
+
+def verify_poses(answer: PosesAnswer, facts: Mapping[str, Any]) -> Rejection | None:
+    """Why guessed poses are impossible, or None."""
+    wanted, given = list(facts["objects"]), list(answer.root)
+    if set(wanted) != set(given):
+        return Rejection(code="objects", reason=f"poses of {', '.join(given) or 'nothing'}; give one for each of "
+                         f"{', '.join(wanted)} and for nothing else")
+    x, y = facts["table"]["x"], facts["table"]["y"]
+    for name, one in answer.root.items():
+        if not all(map(math.isfinite, (*one.position, *one.quaternion))) or not any(one.quaternion):
+            return Rejection(code="pose", reason=f"the pose of {name} holds something that is no number, or a "
+                             "quaternion of zeros")
+        inside = all(low - BESIDE_M <= value <= high + BESIDE_M
+                     for value, (low, high) in zip(one.position, (x, y), strict=False))
+        if not inside or not -BELOW_M <= one.position[2] <= 1.0:
+            return Rejection(code="place", reason=f"{name} would be at {list(one.position)}; the table reaches from "
+                             f"{x[0]:g} to {x[1]:g} m in x and from {y[0]:g} to {y[1]:g} m in y, and its top is at 0")
+    return None
+
+
+def pose_facts(drawn: Drawn, now: Observation, frame: RgbdFrame) -> dict[str, Any]:
+    """What is known before anything is: shapes, how things usually stand, the camera, and what its depth measured.
+
+    Args:
+        drawn: The trial; only the task file and sizes are read of it.
+        now: Of the robot's own sensors.
+        frame: The first picture, with the objects' outlines.
+    """
+    table, objects = drawn.task.table, {}
+    points = _points(frame)
+    for item in drawn.task.objects:
+        T = nominal(drawn, item.name)
+        seen = points[frame.mask(item.name) & (frame.depth > 0)]
+        usual = Body(T[:3, 3], quaternion_of(T[:3, :3]))
+        objects[item.name] = {
+            "label": item.label or item.name, "size_m": [round(float(v), 5) for v in drawn.size(item.name)],
+            "usual_pose": pose(usual), "pixels": len(seen),
+            "seen_box_m": [_rounded(seen.min(axis=0)), _rounded(seen.max(axis=0))] if len(seen) else None}
+    height, width = frame.depth.shape
+    return {
+        "task": drawn.task.name, "instruction": drawn.task.instruction, "objects": objects,
+        "table": {"x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
+                  "y": [table.center[1] - table.size[1] / 2, table.center[1] + table.size[1] / 2]},
+        "hand": {"pose": pose(now.tool)},
+        "camera": {"position": _rounded(frame.T_world_camera[:3, 3]),
+                   "axes_right_down_forward": [_rounded(axis) for axis in frame.T_world_camera[:3, :3].T],
+                   "focal_px": round(float(frame.lens[0]), 1), "width_px": width, "height_px": height}}
+
+
+def pose_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """What the template "object-poses" shows. No measured depth: the picture is what a model guesses by."""
+    return {"task": facts["instruction"], "camera": facts["camera"], "table": facts["table"],
+            "objects": {name: {"label": item["label"], "size_m": item["size_m"]}
+                        for name, item in facts["objects"].items()}}
+
+
+def locate(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> PosesAnswer:
+    """The heuristic's answer: usual orientation, place by the box around what depth measured of the object.
+
+    Only the sides that face the camera are in that box, so that the guess is off towards the camera. What was refused,
+    or hardly seen, is held to be where it usually stands.
+    """
+    found = {}
+    for name, item in facts["objects"].items():
+        usual = item["usual_pose"]
+        turn = np.abs(rotation_of(np.array(usual[3:])))
+        half = float(turn[2] @ np.array(item["size_m"])) / 2
+        x, y, z = usual[0], usual[1], half
+        if item["pixels"] >= LEAST_PIXELS and not rejections:
+            low, high = item["seen_box_m"]
+            x, y, z = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2, max(high[2] - half, 0.0)
+        found[name] = ObjectPose(position=(round(x, 5), round(y, 5), round(z, 5)), quaternion=tuple(usual[3:]))
+    return PosesAnswer(found)
+
+
+def _points(frame: RgbdFrame) -> Array:
+    """Every pixel's point in the world, Shape=(H, W, 3) m."""
+    rows, columns = np.indices(frame.depth.shape)
+    fx, fy, cx, cy = frame.lens
+    rays = np.stack([(columns - cx) / fx, (rows - cy) / fy, np.ones(frame.depth.shape)], axis=-1)
+    T = frame.T_world_camera
+    return np.asarray(rays * frame.depth[..., None].astype(float) @ T[:3, :3].T + T[:3, 3])
+
+
+def _rounded(values: Array) -> list[float]:
+    return [round(float(value), 5) for value in values]

@@ -1,0 +1,86 @@
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from episodes import COARSE, short_task
+
+from coral.contact.draw import draw
+from coral.contact.episode import Episode
+from coral.contact.guessed import GuessedWorld
+from coral.contact.hand_world import HandWorld, HandWorldCfg
+from coral.contact.sight import SightCfg, eyes
+from coral.contact.task import load_task
+from coral.contact.thinking.locate import ObjectPose, PosesAnswer, locate, pose_facts, pose_prompt, verify_poses
+from coral.contact.tracked import TrackedCfg
+from coral.contact.variants import Asking, make_mind
+from coral.contact.world import HandTarget
+
+
+@pytest.fixture(scope="module")
+def clutter():
+    """A trial, the truth of where things are, and the facts of its first picture."""
+    drawn = draw(load_task("pick-clutter"), 0)
+    world = HandWorld(drawn, HandWorldCfg())
+    first = world.reset()
+    frame = eyes(world, drawn, TrackedCfg(), SightCfg(width=320, height=240), np.random.default_rng(0))()
+    return drawn, first, pose_facts(drawn, dataclasses.replace(first, objects={}), frame)
+
+
+def test_the_rule_guesses_places_from_the_picture_to_a_few_centimetres(clutter):
+    _, first, facts = clutter
+    guessed = locate(facts).bodies()
+    off = {name: np.linalg.norm(guessed[name].position - body.position) for name, body in first.objects.items()}
+    assert max(off.values()) < 0.05
+    assert min(off.values()) > 1e-3
+
+
+def test_what_is_not_seen_is_held_to_be_where_it_usually_is(clutter):
+    _, _, facts = clutter
+    name = next(iter(facts["objects"]))
+    hidden = {**facts, "objects": {name: {**facts["objects"][name], "pixels": 0, "seen_box_m": None}}}
+    assert locate(hidden).root[name].position[:2] == tuple(facts["objects"][name]["usual_pose"][:2])
+
+
+def test_no_measured_depth_and_no_true_pose_is_in_the_prompt(clutter):
+    _, _, facts = clutter
+    shown = json.dumps(pose_prompt(facts))
+    assert "seen_box" not in shown
+    assert "usual" not in shown
+
+
+@pytest.mark.parametrize(("change", "code"), [
+    ({"position": (9.0, 0.0, 0.05)}, "place"), ({"position": (0.0, 0.0, -0.3)}, "place"),
+    ({"quaternion": (0.0, 0.0, 0.0, 0.0)}, "pose"), ({"position": (0.0, float("nan"), 0.0)}, "pose")])
+def test_impossible_poses_are_refused(clutter, change, code):
+    _, _, facts = clutter
+    right = locate(facts)
+    assert verify_poses(right, facts) is None
+    name = next(iter(right.root))
+    wrong = ObjectPose(**{**right.root[name].model_dump(), **change})
+    assert verify_poses(PosesAnswer({**right.root, name: wrong}), facts).code == code
+    assert verify_poses(PosesAnswer({name: right.root[name]}), facts).code == "objects"
+
+
+def test_a_guess_is_never_updated(clutter):
+    drawn, first, facts = clutter
+    world = GuessedWorld(HandWorld(drawn, HandWorldCfg()), drawn)
+    assert world.reset().objects == {}
+    guessed = locate(facts).bodies()
+    now = world.settle(guessed, first)
+    target = HandTarget(now.tool.position, now.tool.quaternion, 0.08, 600.0)
+    after = world.step(target)
+    assert after.time_s > 0
+    assert after.objects == guessed
+    assert all(seen.off_m > 1e-3 for seen in world.compare(after, world.truth()).values())
+
+
+def test_an_episode_without_tracking_asks_for_poses_first_and_says_so(tmp_path):
+    task = short_task()
+    mind = make_mind("no-tracking", task, Asking(folder=tmp_path / "run"))
+    result = Episode(draw(task, 0), "hand", mind, COARSE, tmp_path / "run", variant="no-tracking",
+                     advisor="heuristic").run()
+    assert (result["poses"], result["end_reason"], result["advisor_calls"]) == ("guessed", "timeout", 4)
+    assert result["pose_error_mm"] > 1
+    kinds = [json.loads(line)["kind"] for line in (tmp_path / "run" / "attempts.jsonl").open()]
+    assert kinds == ["object-poses", "physical-parameters", "cost-function", "contact-regions"]
