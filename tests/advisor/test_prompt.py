@@ -14,9 +14,9 @@ CONTEXT = {
     "cost-repair": {"task": "push it", "attempts": 3, "world": {}, "interface": "", "history": [], "code": "x = 1",
                     "error": "x is unknown"},
     "parameter-repair": {"parameters": {"board": {"mass": 0.4}}, "history": []},
-    "object-poses": {"task": "push it", "camera": {"focal_px": 500.0}, "table": {"x": [-1, 1]}, "objects": {"board": {}}},
-    "unified": {"task": "push it", "objects": {"board": POSE}, "hand": {}, "interface": "self.board_pos", "places": True,
-                "code": "x = 1", "attempts": 3, "history": [], "error": "x is unknown"},
+    "object-poses": {"task": "push it", "camera": {"focal_px": 500.0}, "table": {}, "objects": {"board": {}}},
+    "unified": {"task": "push it", "objects": {"board": POSE}, "hand": {}, "interface": "self.board_pos",
+                "places": True, "code": "x = 1", "attempts": 3, "history": [], "error": "x is unknown"},
 }
 MUST_SAY = {
     "reef-centroid": ["red arrow +X", "Blue arrow +Y", "Yellow line", "Orange dots", "White", "trend",

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from coral.advisor.consult import Attempt
+from coral.advisor.consult import Attempt, BudgetCfg
 from coral.advisor.log import AttemptRecorder
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
@@ -51,6 +51,8 @@ class Asking:
 
 
 Make = Callable[[Task, Asking], Mind]
+DESK_S = 86_400.0
+"""A person at the desk may take a day: simulated time does not pass, and writing a cost takes more than a minute."""
 
 
 def _thinking(variant: str, *, remember: bool = True, regions: bool = True, refine: bool = True, unified: bool = False,
@@ -65,7 +67,8 @@ def _thinking(variant: str, *, remember: bool = True, regions: bool = True, refi
                                inbox=asking.inbox, cfg=asking.model)
         # What rules compose needs no confinement; what a model writes gets it.
         load = in_process if asking.advisor.rsplit(":", 1)[-1] == "heuristic" else CostWorker().load
-        return Thinker(Asker(advisor, log=_logging(asking.folder)), think,
+        budget = BudgetCfg(deadline_s=DESK_S) if asking.advisor.rsplit(":", 1)[-1] == "desk" else None
+        return Thinker(Asker(advisor, budget, _logging(asking.folder)), think,
                        np.random.default_rng([asking.seed, 3]), memory, load,
                        {"world": asking.world, "seed": asking.seed, "variant": variant, "advisor": asking.advisor,
                         "run": "" if asking.folder is None else asking.folder.name})

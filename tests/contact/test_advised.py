@@ -1,0 +1,119 @@
+"""Episodes that somebody else thinks for: a new task file, a person at the desk, a recording."""
+
+import dataclasses
+import json
+import os
+import threading
+
+import pytest
+import yaml
+
+from coral.advisor.question import Picture
+from coral.contact.controller import ControllerCfg
+from coral.contact.draw import draw
+from coral.contact.episode import Episode, EpisodeCfg
+from coral.contact.planning import PlanningCfg
+from coral.contact.task import load_task, shipped_tasks
+from coral.contact.variants import Asking, make_mind
+from coral.mppi.knots import KnotMppiCfg
+
+SLIDE = {
+    "format": "coral-contact/1", "name": "slide-crate", "title": "Slide crate",
+    "instruction": "Slide the crate onto the mark.", "time_limit_s": 12,
+    "objects": [{"name": "crate", "label": "wooden crate", "parts": [{"shape": "box", "size": [0.12, 0.1, 0.08]}],
+                 "mass_kg": 0.3, "friction": 0.4, "x": 0.02, "y": 0.0}],
+    "places": {"mark": [0.1, 0.0, 0.04]},
+    "success": {"hold_s": 0.1, "conditions": [
+        {"kind": "at", "object": "crate", "place": "mark", "tolerance_m": 0.03, "axes": "xy"}]}}
+FAST = EpisodeCfg(poses="ground-truth", planning=PlanningCfg(threads=1),
+                  controller=ControllerCfg(horizon=25, mppi=KnotMppiCfg(samples=16)))
+COST = """def state_cost(self):
+    behind = self.crate_pos + np.array([-0.08, 0.0, -0.01])
+    return {"be behind the crate": 6.0 * norm(self.ee_pos - behind),
+            "crate at the mark": 20.0 * norm(self.crate_pos[:2] - np.array([0.1, 0.0])),
+            "stay upright": 2.0 * (1.0 + quat_axis(self.ee_quat, 2)[2])}
+"""
+ANSWERS = {
+    "physical-parameters": {"crate": {"mass_kg": 0.5, "friction_coeff": 0.5}},
+    "cost-function": {"code": COST, "explanation": "Get behind it and push it along x."},
+    "contact-regions": {"crate": {"regions": [
+        {"center": [-0.06, 0.0, 0.0], "normal": [-1, 0, 0], "approach": "push"}]}},
+}
+
+
+@pytest.fixture
+def task(tmp_path):
+    """A task of one's own, from its file."""
+    path = tmp_path / "slide.yaml"
+    path.write_text(yaml.safe_dump(SLIDE))
+    return load_task(path)
+
+
+def attempted(task, folder, advisor="heuristic", cfg=FAST, **more):
+    mind = make_mind("full", task, Asking(advisor=advisor, folder=folder, think=cfg.think, **more))
+    return Episode(draw(task, 0), "hand", mind, cfg, folder, variant="full", advisor=advisor).run()
+
+
+@pytest.fixture
+def person(tmp_path):
+    """Answers whatever is put into the inbox, and remembers the questions."""
+    inbox, done, heard = tmp_path / "inbox", threading.Event(), {}
+
+    def answer():
+        while not done.wait(0.005):
+            for folder in sorted(inbox.glob("[0-9]*")) if inbox.is_dir() else ():
+                if folder.name not in heard:
+                    question = json.loads((folder / "question.json").read_text())
+                    heard[folder.name] = question
+                    (folder / "answer.part").write_text(json.dumps(ANSWERS[question["kind"]]))
+                    os.replace(folder / "answer.part", folder / "answer.json")
+
+    thread = threading.Thread(target=answer)
+    thread.start()
+    yield inbox, heard
+    done.set()
+    thread.join()
+
+
+def test_a_task_that_nobody_here_wrote_runs_from_its_file_alone(task, tmp_path):
+    assert task.name not in shipped_tasks()
+    result = attempted(task, tmp_path / "run")
+    assert (result["success"], result["advisor_calls"], result["repairs"]) == (True, 3, 0)
+
+
+def test_a_cost_that_a_person_writes_at_the_desk_drives_a_task(task, tmp_path, person):
+    inbox, heard = person
+    result = attempted(task, tmp_path / "run", "desk", inbox=inbox)
+    assert result["success"]
+    assert [question["kind"] for question in heard.values()] == list(ANSWERS)
+    plans = [json.loads(line) for line in (tmp_path / "run" / "events.jsonl").open()]
+    assert {tuple(event["terms"]) for event in plans if event["event"] == "plan"} == {
+        ("be behind the crate", "crate at the mark", "stay upright")}
+
+
+def test_whoever_sits_at_the_desk_sees_what_the_camera_sees(task, tmp_path, person):
+    inbox, heard = person
+    attempted(task.model_copy(update={"time_limit_s": 0.04}), tmp_path / "run", "desk", inbox=inbox)
+    shown = {question["kind"]: question["images"] for question in heard.values()}
+    assert shown == {"physical-parameters": ["scene.png"], "cost-function": [], "contact-regions": ["scene.png"]}
+    first = next(folder for folder, question in heard.items() if question["images"])
+    data = (inbox / first / "scene.png").read_bytes()
+    kept = {path.stem for path in (tmp_path / "run" / "pictures").iterdir()}
+    assert Picture(name="scene", png=data).digest in kept
+
+
+def test_a_recording_replays_byte_for_byte(task, tmp_path):
+    short = dataclasses.replace(FAST, poses="tracked", controller=ControllerCfg(
+        horizon=8, mppi=KnotMppiCfg(samples=6, knots=3)))
+    brief = task.model_copy(update={"time_limit_s": 0.2})
+    first, second = tmp_path / "first", tmp_path / "second"
+    attempted(brief, first, cfg=short)
+    attempted(brief, second, f"replay:{first}", cfg=short)
+    for name in ("trajectory.csv", "states.csv", "metrics.json"):
+        assert (first / name).read_bytes() == (second / name).read_bytes()
+    events = [[line for line in (folder / "events.jsonl").open() if '"start"' not in line]
+              for folder in (first, second)]
+    assert events[0] == events[1]
+    assert any((second / "pictures").iterdir())
+    asked = [[json.loads(line) for line in (folder / "attempts.jsonl").open()] for folder in (first, second)]
+    assert [one["pictures"] for one in asked[0]] == [one["pictures"] for one in asked[1]]
