@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from coral.advisor.corrupt import corrupt
 from coral.advisor.parse import parse_answer
-from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply
+from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply, Usage
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -62,7 +62,8 @@ class FallibleCfg:
 class FallibleAdvisor:
     """Passes on another advisor's answers and spoils some of them.
 
-    Spoilt answers go through the same parser as the text of a real model.
+    Spoilt answers go through the same parser as the text of a real model. What was done to one stands among the faults
+    of its usage, as `spoilt-out-of-range`, for whoever reads the log; nothing decides by it.
     """
 
     def __init__(self, inner: Advisor, cfg: FallibleCfg, rng: np.random.Generator,
@@ -112,7 +113,8 @@ class FallibleAdvisor:
     async def _answer(self, question: Question[A], rejections: Sequence[Rejection], error: str,
                       rng: np.random.Generator) -> Reply[A]:
         if error == "silence":
-            raise AdvisorUnavailable("silence", "the simulated model stayed silent", latency_s=math.inf)
+            raise AdvisorUnavailable("silence", "the simulated model stayed silent", latency_s=math.inf,
+                                     usage=Usage(requests=0, faults=("spoilt-silence",)))
         reply = await self._inner.answer(question, rejections)
         right = reply.value.model_dump(mode="json")
         previous = self._previous.get(question.kind)
@@ -120,7 +122,8 @@ class FallibleAdvisor:
         if not error:
             return reply
         text = self._spoil(error, question, right, previous, rng)
-        return Reply(value=parse_answer(text, question.answer_type, reply.usage), raw=text, usage=reply.usage,
+        usage = dataclasses.replace(reply.usage, faults=(*reply.usage.faults, f"spoilt-{error.replace('_', '-')}"))
+        return Reply(value=parse_answer(text, question.answer_type, usage), raw=text, usage=usage,
                      latency_s=reply.latency_s)
 
     def _spoil(self, error: str, question: Question[Any], right: dict[str, Any], previous: dict[str, Any] | None,

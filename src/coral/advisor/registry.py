@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,8 @@ NAMES = ("heuristic", *KEYS, "local", "desk", "replay", "fallible")
 
 
 def make_advisor(spec: str, *, rules: Mapping[str, Rule], rng: np.random.Generator, inbox: Path | None = None,
-                 cfg: ModelCfg | None = None, where: str = "--advisor") -> Advisor:
+                 cfg: ModelCfg | None = None, where: str = "--advisor",
+                 spoil: Mapping[str, Callable[..., dict[str, Any]]] | None = None) -> Advisor:
     """Make the advisor that a string names.
 
     Args:
@@ -31,6 +33,7 @@ def make_advisor(spec: str, *, rules: Mapping[str, Rule], rng: np.random.Generat
         inbox: Folder in which `desk` puts its questions.
         cfg: Time-outs, budget and output mode of real models.
         where: What to name in an error message.
+        spoil: How `fallible` spoils answers to a kind of question (`Corrupt`), where the general way knows too little.
 
     Raises:
         InputError: The string names no advisor, a file is missing or unreadable, or the environment lacks a key.
@@ -60,7 +63,7 @@ def make_advisor(spec: str, *, rules: Mapping[str, Rule], rng: np.random.Generat
         except ValueError:
             raise InputError(where, "P", repr(rate), "a probability from 0 to 1") from None
         wrapped = make_advisor(inner, rules=rules, rng=rng, inbox=inbox, cfg=cfg, where=where)
-        return FallibleAdvisor(wrapped, errors, rng)
+        return FallibleAdvisor(wrapped, errors, rng, spoil)
     if name == "local" and rest:
         if not re.match(r"https?://[^#\s]+#\S", rest):
             raise InputError(where, "", "an incomplete local advisor",

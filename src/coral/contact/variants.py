@@ -21,6 +21,7 @@ from coral.contact.thinking.ask import Asker
 from coral.contact.thinking.memory import Memory
 from coral.contact.thinking.plan_answer import in_process
 from coral.contact.thinking.rules import RULES
+from coral.contact.thinking.spoil import SPOILT
 from coral.contact.thinking.thinker import ThinkCfg, Thinker
 from coral.errors import InputError, nearest
 
@@ -64,7 +65,7 @@ def _thinking(variant: str, *, remember: bool = True, regions: bool = True, refi
                                     refine=refine and asking.think.refine, unified=unified or asking.think.unified,
                                     tracking=tracking and asking.think.tracking)
         advisor = make_advisor(asking.advisor, rules=RULES, rng=np.random.default_rng([asking.seed, 2]),
-                               inbox=asking.inbox, cfg=asking.model)
+                               inbox=asking.inbox, cfg=asking.model, spoil=SPOILT)
         # What rules compose needs no confinement; what a model writes gets it.
         load = in_process if asking.advisor.rsplit(":", 1)[-1] == "heuristic" else CostWorker().load
         budget = BudgetCfg(deadline_s=DESK_S) if asking.advisor.rsplit(":", 1)[-1] == "desk" else None

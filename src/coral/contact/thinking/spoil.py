@@ -1,0 +1,101 @@
+"""What models get wrong about contact tasks, for the advisor `fallible`: errors of its kinds, made of right answers."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.fallible import Corrupt
+from coral.advisor.question import Question
+
+Answer = dict[str, Any]
+
+
+def spoil(error: str, question: Question[Any], answer: Answer, rng: np.random.Generator) -> Answer:
+    """Another answer with one error in it.
+
+    Args:
+        error: "wrong_type", "out_of_range", "backward", or "stale" where there is nothing earlier to repeat.
+        question: What was asked.
+        answer: The right answer as JSON.
+        rng: Chooses where.
+    """
+    spoilt = copy.deepcopy(answer)
+    if question.kind in ("cost-function", "cost-repair", "unified"):
+        _plan(error, spoilt, rng)
+    elif question.kind == "contact-regions":
+        _regions(error, spoilt, rng)
+    elif question.kind == "object-poses":
+        _poses(error, spoilt, rng)
+    else:
+        _parameters(error, spoilt, rng)
+    return spoilt
+
+
+def _plan(error: str, answer: Answer, rng: np.random.Generator) -> None:
+    """Text for a number; a quantity that the state lacks; the same cost for every future; code that breaks off."""
+    stage = answer["stages"][int(rng.integers(len(answer["stages"])))] if answer.get("stages") else answer
+    head, _, body = stage["code"].partition("\n")
+    wrong = {"wrong_type": f"{head}\n    return 'low'", "out_of_range": f"{head}\n    x = self.gripper_xyz\n{body}",
+             "backward": f"{head}\n    return 1.0"}
+    stage["code"] = wrong.get(error, stage["code"].rstrip()[:-1] + " +")
+
+
+def _regions(error: str, answer: Answer, rng: np.random.Generator) -> None:
+    """Words for a place; a place off the surface; a normal into the object; an object that is not there."""
+    name = _one(answer, rng)
+    if name is None or not answer[name]["regions"]:
+        return
+    region = answer[name]["regions"][int(rng.integers(len(answer[name]["regions"])))]
+    if error == "wrong_type":
+        region["center"] = "on top"
+    elif error == "out_of_range":
+        region["center"] = [round(float(v) + 0.2, 4) for v in region["center"]]
+    elif error == "backward":
+        region["normal"] = [-v for v in region["normal"]]
+    else:
+        answer["gripper"] = answer.pop(name)
+
+
+def _poses(error: str, answer: Answer, rng: np.random.Generator) -> None:
+    """Words for a place; a place off the table; a place below it; an object that is not there."""
+    name = _one(answer, rng)
+    if name is None:
+        return
+    if error == "wrong_type":
+        answer[name]["position"] = "left of the middle"
+    elif error in ("out_of_range", "backward"):
+        axis, by = (0, 3.0) if error == "out_of_range" else (2, -0.5)
+        answer[name]["position"][axis] += by
+    else:
+        answer["gripper"] = answer.pop(name)
+
+
+def _parameters(error: str, answer: Answer, rng: np.random.Generator) -> None:
+    """Words for a mass; grams taken for kilograms; less than nothing; an object that is not there."""
+    items = {one["label"]: one for one in answer["objects"]} if "label" in str(answer.get("objects", "")) else answer
+    name = _one(items, rng)
+    if name is None:
+        return
+    key = "mass_kg" if "mass_kg" in items[name] else "mass"
+    if error == "wrong_type":
+        items[name][key] = "rather light"
+    elif error in ("out_of_range", "backward"):
+        items[name][key] *= 1000.0 if error == "out_of_range" else -1.0
+    elif items is answer:
+        answer["gripper"] = answer.pop(name)
+    else:
+        items[name]["label"] = "gripper"
+
+
+def _one(answer: Mapping[str, Any], rng: np.random.Generator) -> str | None:
+    return sorted(answer)[int(rng.integers(len(answer)))] if answer else None
+
+
+KINDS = ("physical-parameters", "cost-function", "contact-regions", "cost-repair", "parameter-repair", "object-poses",
+         "unified")
+SPOILT: Mapping[str, Corrupt] = dict.fromkeys(KINDS, spoil)
+"""How to spoil answers to each kind of question."""
