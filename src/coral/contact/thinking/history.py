@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +25,7 @@ class Window:
 
 
 def windows(steps: Sequence[Step], name: str, length: int = 12, most: int = 10, moved_m: float = 0.0005,
-            force_n: float = 0.3) -> list[Window]:
+            force_n: float = 0.3, usable: Callable[[Observation], bool] = lambda start: True) -> list[Window]:
     """The stretches of a history in which the object was pushed or slid, the most telling ones, in order of time.
 
     Args:
@@ -35,11 +35,13 @@ def windows(steps: Sequence[Step], name: str, length: int = 12, most: int = 10, 
         most: Windows kept.
         moved_m: An object that moved less and was not touched says nothing.
         force_n: Force on the hand that counts as touching.
+        usable: Whether a rehearsal can begin with what was measured.
     """
     found = []
     for first in range(0, len(steps) - length + 1, length // 2):
         part = steps[first:first + length]
-        if any(abs(b.before.time_s - a.after.time_s) > 1e-6 for a, b in itertools.pairwise(part)):
+        if any(abs(b.before.time_s - a.after.time_s) > 1e-6 for a, b in itertools.pairwise(part)) or not usable(
+                part[0].before):
             continue
         way = np.array([step.after.objects[name].position - step.before.objects[name].position for step in part])
         moved = float(np.linalg.norm(way, axis=1).sum())

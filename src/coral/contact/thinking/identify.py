@@ -32,6 +32,7 @@ class IdentifyCfg:
         elite: Share of them that the next round is drawn about.
         better: A correction is accepted if the windows it was not fitted on are explained better by this share.
         known: Relative deviation up to which a parameter counts as known.
+        much: A history that tells little of either parameter corrects them only if explained better by this share.
         replay: Units of the error.
     """
 
@@ -43,6 +44,7 @@ class IdentifyCfg:
     elite: Fraction = 0.25
     better: Fraction = 0.02
     known: Positive = 0.15
+    much: Fraction = 0.3
     replay: ReplayCfg = field(default_factory=ReplayCfg)
 
 
@@ -122,7 +124,7 @@ def identify(replay: Replay, name: str, believed: Mapping[str, Physical], cfg: I
     after = Physical(float(np.exp(optimum[0])), float(np.exp(optimum[1])))
     pair = replay.score(parts(np.stack([present, optimum])), floor)[:, held].mean(axis=1)
     return Fit(name, believed[name], after, float(pair[0]), float(pair[1]),
-               bool(pair[1] < (1.0 - cfg.better) * pair[0]), *sd, len(replay.windows))
+               _accepted(float(pair[0]), float(pair[1]), sd, cfg), *sd, len(replay.windows))
 
 
 class Corrections:
@@ -155,8 +157,13 @@ class Corrections:
         after = Physical(mass, friction)
         before_error, after_error = compare(replay, name, believed, {**believed, name: after})
         return replace(newest, before=believed[name], after=after, error_before=before_error, error_after=after_error,
-                       accepted=after_error < (1.0 - cfg.better) * before_error, mass_sd=mass_sd,
-                       friction_sd=friction_sd, product_sd=product_sd)
+                       accepted=_accepted(before_error, after_error, (mass_sd, friction_sd, product_sd), cfg),
+                       mass_sd=mass_sd, friction_sd=friction_sd, product_sd=product_sd)
+
+
+def _accepted(before: float, after: float, sd: tuple[float, float, float], cfg: IdentifyCfg) -> bool:
+    """Whether errors that fall so far are reason enough, given how well the history tells the parameters."""
+    return after < (1.0 - (cfg.better if min(sd) <= cfg.known else cfg.much)) * before
 
 
 def compare(replay: Replay, name: str, believed: Mapping[str, Physical], proposed: Mapping[str, Physical]

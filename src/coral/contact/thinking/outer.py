@@ -23,6 +23,7 @@ class OuterCfg:
         refinements: Most refinements in one episode.
         history_s: How much of the past is looked at.
         replay_dt_s: Step of the physics in replays, finer than in rehearsals.
+        sunk_m: Stretches at whose beginning an object is seen deeper in the table are not replayed.
     """
 
     n_retry: Count = 15
@@ -31,6 +32,7 @@ class OuterCfg:
     refinements: NonNegative = 5
     history_s: Positive = 6.0
     replay_dt_s: Positive = 0.004
+    sunk_m: Positive = 0.002
 
 
 @dataclass

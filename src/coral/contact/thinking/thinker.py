@@ -12,7 +12,7 @@ from coral.advisor.consult import Outcome
 from coral.advisor.question import Rejection
 from coral.contact.context import Cost
 from coral.contact.draw import Drawn, Physical
-from coral.contact.mind import Account, Moment
+from coral.contact.mind import Account, Moment, Step
 from coral.contact.planning import PlanningWorld
 from coral.contact.program import CostError, LastGoodCost
 from coral.contact.scene import prior
@@ -21,7 +21,7 @@ from coral.contact.strategy import Strategy
 from coral.contact.thinking.ask import Asker
 from coral.contact.thinking.beliefs import BeliefCfg, Estimates, belief_prompt, verify_estimates
 from coral.contact.thinking.history import most_telling, windows
-from coral.contact.thinking.identify import Corrections, IdentifyCfg, compare
+from coral.contact.thinking.identify import IdentifyCfg, compare, identify
 from coral.contact.thinking.locate import PosesAnswer, locate, pose_facts, pose_prompt, verify_poses
 from coral.contact.thinking.memory import Experience, Match, Memory, scene_numbers
 from coral.contact.thinking.outer import OuterCfg, Watch
@@ -86,7 +86,7 @@ class Thinker:
         self._hit: Match | None = None
         self._unanswered = ""
         self._diagnoses: list[Diagnosis] = []
-        self._corrections: dict[str, Corrections] = {}
+        self._past: list[Step] = []
         self._sizes: dict[str, np.ndarray] = {}
         self._drawn: Drawn
         self._world: PlanningWorld
@@ -157,6 +157,7 @@ class Thinker:
         Raises:
             CostError: See `Mind.after`.
         """
+        self._past += moment.taken
         failure, self._failure = self._failure, None
         if failure is not None:
             strategy = self._mend(failure, moment.stage, moment.now, self._keep.name)
@@ -338,14 +339,22 @@ class Thinker:
                    cost=round(moment.plan.cost, 4), history=recent(watch.steps, watch.costs, name))
         corrected = not self.cfg.unified and self._correct(name, now)
         self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": 0}
-        if not (corrected and kind == "moved-otherwise"):
-            self._diagnoses.append(kind)
-            self._plan = self._ask_repair(now) or self._plan
+        if corrected and kind == "moved-otherwise":
+            # The plan was right and the world model was not: the stage goes on, rehearsed in the corrected one.
+            self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
+            return None
+        self._diagnoses.append(kind)
+        self._plan = self._ask_repair(now) or self._plan
         return self._repaired()
+
+    def _lies(self, name: str, start: Observation) -> bool:
+        """Whether an object was seen where it can be: a rehearsal throws out what begins inside the table."""
+        return self._drawn.lowest_point(name, start.objects[name]) > -self.cfg.outer.sunk_m
 
     def _correct(self, name: str, now: Observation) -> bool:
         """World-model correction, if there is enough to replay; whether it was accepted."""
-        stretches = windows(self._watch.steps, name)
+        # All that was ever felt: what is tried when stuck tells little of a push that went wrong before.
+        stretches = windows(self._past, name, most=14, usable=lambda start: self._lies(name, start))
         if len(stretches) < 2:
             self._emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
             return False
@@ -353,8 +362,7 @@ class Thinker:
         finer = PlanningWorld(self._drawn, self._beliefs, now, cfg)
         try:
             replay = Replay(finer, stretches, self.cfg.identify.replay)
-            known = self._corrections.setdefault(name, Corrections())
-            fit = known.add(replay, name, self._beliefs, self.cfg.identify, self._rng)
+            fit = identify(replay, name, self._beliefs, self.cfg.identify, self._rng)
             believed = self._beliefs
 
             def wrong(answer: ParametersAnswer) -> Rejection | None:
