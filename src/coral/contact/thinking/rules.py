@@ -43,6 +43,8 @@ def _repair(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseMo
 
 def _parameters(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
     fitted = facts["fitted"]
+    if not fitted["better"]:
+        raise AdvisorUnavailable("no-better-fit", "no mass and friction explain the history better", final=True)
     return ParametersAnswer(objects=[ObjectParameters(label=fitted["object"], mass=fitted["mass_kg"],
                                                       friction=fitted["friction"])])
 

@@ -363,22 +363,20 @@ class Thinker:
         try:
             replay = Replay(finer, stretches, self.cfg.identify.replay)
             fit = identify(replay, name, self._beliefs, self.cfg.identify, self._rng)
-            believed = self._beliefs
+            believed, tried = self._beliefs, [fit.error_before, fit.error_after]
 
             def wrong(answer: ParametersAnswer) -> Rejection | None:
                 refusal = verify_parameters(answer, believed, self.cfg.belief)
                 if refusal is not None:
                     return refusal
-                before, after = compare(replay, name, believed, answer.physical(believed))
+                before, after = tried[:] = compare(replay, name, believed, answer.physical(believed))
                 if after < (1.0 - self.cfg.identify.better) * before:
                     return None
                 return Rejection(code="replay", reason=f"replayed with your values, the history is explained no better "
                                  f"(error {after:.2f}, now {before:.2f}); propose others, or say so by keeping them")
 
-            if not fit.accepted and self.asker.advisor.name == "heuristic":
-                self._emit("correction", object=name, accepted=False, text=fit.words(self.cfg.identify.known))
-                return False
-            fitted = {"object": name, "mass_kg": fit.after.mass_kg, "friction": fit.after.friction}
+            fitted = {"object": name, "mass_kg": fit.after.mass_kg, "friction": fit.after.friction,
+                      "better": fit.accepted}
             told = {key: {"mass": one.mass_kg, "friction": one.friction} for key, one in believed.items()}
             outcome = self.asker.ask(
                 "parameter-repair", ParametersAnswer, {**self._facts, "fitted": fitted},
@@ -391,6 +389,7 @@ class Thinker:
         after = self._beliefs[name]
         self._emit("correction", object=name, accepted=outcome.answer is not None,
                    text=fit.words(self.cfg.identify.known), failure=outcome.failure,
+                   errors=[round(error, 4) for error in tried],
                    before=[believed[name].mass_kg, believed[name].friction], after=[after.mass_kg, after.friction],
                    refused=[rejection.reason for rejection in outcome.rejections])
         return outcome.answer is not None
