@@ -2,6 +2,7 @@ import json
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from coral.advisor.question import AdvisorUnavailable, Reply
 from coral.advisor.rules import RuleAdvisor
@@ -150,6 +151,36 @@ def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):
     assert repair["kind"] == "cost-repair"
     assert "never touched" in repair["explanation"]
     assert mind.after(moment(one, 9.0, "reach", 5.0)) is None
+
+
+class Regrouper:
+    """One stage at first, two after a repair."""
+
+    name = "regrouper"
+
+    async def answer(self, question, rejections):
+        if question.kind == "cost-function":
+            code = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)"
+            return Reply(value=PlanAnswer(code=code), raw="")
+        return Reply(value=RULES[question.kind](question.facts, rejections), raw="")
+
+
+def test_after_a_repair_places_to_touch_are_asked_for_the_new_stages(scene):
+    one = scene("pick-box")
+    mind, told = thinker(one, Regrouper(), outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    mind.begin(one.drawn, one.now, one.world)
+    other = None
+    for k in range(8):
+        other = other or mind.after(moment(one, 0.1 * k, "task", 5.0))
+    assert [stage.name for stage in other.stages] == ["reach", "close", "lift"]
+    regions = [fields for event, fields in told if event == "regions"]
+    assert [(fields["failure"], fields["refused"]) for fields in regions] == [("", [])] * 2
+    assert {region["stage"] for region in regions[1]["regions"]["box"]["regions"]} <= {"reach", "close", "lift"}
+
+
+def test_the_first_stage_of_a_plan_that_breaks_off_is_no_plan():
+    with pytest.raises(ValidationError, match="one stage"):
+        PlanAnswer.model_validate({"name": "reach", "code": "def state_cost(self):\n    return 1.0"})
 
 
 def test_without_refinement_nothing_changes(scene):

@@ -6,6 +6,7 @@ import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, Field, model_validator
@@ -58,6 +59,14 @@ class PlanAnswer(BaseModel):
     code: str = ""
     stages: list[StageAnswer] = Field(default_factory=list, max_length=16)
     explanation: str = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_stage(cls, given: Any) -> Any:
+        # What is left of a plan that breaks off is its first stage: a plan of a kind, and not what was meant.
+        if isinstance(given, dict) and "name" in given and "stages" not in given:
+            raise ValueError("this is one stage; give the whole plan, with its stages in the list `stages`")
+        return given
 
     @model_validator(mode="after")
     def _one_of_both(self) -> PlanAnswer:

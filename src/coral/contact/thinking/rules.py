@@ -12,6 +12,7 @@ from coral.advisor.rules import Rule
 from coral.contact.thinking.beliefs import Estimate, estimate
 from coral.contact.thinking.compose import Composed, NoRule, compose
 from coral.contact.thinking.locate import locate
+from coral.contact.thinking.regions import ObjectRegions, RegionsAnswer
 from coral.contact.thinking.repair import TEXTS, ObjectParameters, ParametersAnswer, change_words, choice_after
 from coral.contact.thinking.unified import UnifiedAnswer
 
@@ -29,7 +30,12 @@ def _plan(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseMode
 
 
 def _regions(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
-    return _composed(facts, int(facts.get("refused", 0))).regions
+    made = _composed(facts, int(facts.get("refused", 0))).regions
+    # The plan may be somebody else's, with other stages: then a place is good for all of them.
+    stages = facts.get("stages", ())
+    return RegionsAnswer({name: ObjectRegions(regions=[
+        region if not stages or region.stage in stages else region.model_copy(update={"stage": ""})
+        for region in held.regions]) for name, held in made.root.items()})
 
 
 def _repair(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:

@@ -180,7 +180,7 @@ class Thinker:
         self._failure = None
         self._diagnoses.append("cost-error")
         self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": 0}
-        self._plan = self._ask_repair(now, f"in stage {stage!r}, {error}") or self._rule()
+        self._replan(now, self._rule, f"in stage {stage!r}, {error}")
         return self._repaired()
 
     def ended(self, reason: str) -> None:
@@ -286,18 +286,19 @@ class Thinker:
         self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
         return strategy
 
-    def _ask_repair(self, now: Observation, error: str = "") -> PlanAnswer | None:
+    def _replan(self, now: Observation, otherwise: Callable[[], PlanAnswer], error: str = "") -> None:
         steps, costs = self._watch.steps, self._watch.costs
         name = most_telling(steps) or next(iter(self._sizes))
         history = {"attempts": self._watch.attempts, "history": recent(steps, costs, name), "code": self._plan.text(),
                    "error": error}
         if self.cfg.unified:
-            return self._ask_all(now, history)
+            self._plan = self._ask_all(now, history) or otherwise()
+            return
         plan = self._ask_plan("cost-repair", now, {
             "task": self._facts["instruction"], "world": self._shown(),
             "interface": interface_text(self._world.schema), **history})
+        self._plan = plan or otherwise()
         self._regions = self._ask_regions(now)
-        return plan
 
     def _ask_all(self, now: Observation, history: Mapping[str, Any] | None = None) -> PlanAnswer | None:
         """One question about everything; what is accepted is believed, and so are its regions."""
@@ -344,7 +345,7 @@ class Thinker:
             self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
             return None
         self._diagnoses.append(kind)
-        self._plan = self._ask_repair(now) or self._plan
+        self._replan(now, lambda: self._plan)
         return self._repaired()
 
     def _lies(self, name: str, start: Observation) -> bool:
