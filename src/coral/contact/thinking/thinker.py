@@ -205,7 +205,8 @@ class Thinker:
                                             self.cfg.belief), seen=True)
         beliefs = prior(self._drawn) if outcome.answer is None else outcome.answer.physical()
         self._world.believe(beliefs)
-        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts, **_told(beliefs))
+        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts,
+                   refused=[rejection.reason for rejection in outcome.rejections], **_told(beliefs))
 
     def _recall(self, first: Observation) -> Strategy | None:
         if self.memory is None:

@@ -30,6 +30,7 @@ from coral.view.contact.figures import (
 )
 from coral.view.contact.keyframes import Keyframe, keyframes, sheet
 from coral.view.contact.replay import trial
+from coral.view.contact.thought import answers, counted, seen, thoughts
 from coral.view.contact.views import three_views, touch_views
 from coral.view.pictures import png
 from coral.view.report import TEMPLATES, write_page
@@ -90,6 +91,7 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
         instruction=str(run.world.get("instruction", "")), headline=_headline(run, metrics), complete=run.complete,
         duration=run.duration_s, tiles=_tiles(run, metrics),
         frames=[(f"{frame.t:.2f} s", frame.why, _webp(frame)) for frame in frames],
+        thoughts=thoughts(run), answers=(given := answers(run)), counted=counted(given), seen=seen(run),
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, objects) if svg],
         views=Markup(three_views(run, drawn)) if drawn is not None and len(run.column("t")) else "",
         touches=[(name, Markup(svg)) for name in objects if drawn is not None

@@ -1,0 +1,270 @@
+"""What the mind did during a contact episode, in its own words (paper, Fig. 6), and every answer it was given."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+
+from coral.view.run import Record, RunFolder
+
+ASKED = {
+    "object-poses": "where the objects are", "physical-parameters": "masses and frictions", "cost-function": "the cost",
+    "contact-regions": "where to touch", "cost-repair": "a better cost", "parameter-repair": "corrected parameters",
+    "unified": "everything at once"}
+"""Kinds of question in words."""
+FAILED = {
+    "requeries-used-up": "no answer passed the checks", "deadline": "no answer came in time",
+    "silence": "no answer came", "no-better-fit": "no mass and friction explain the history better"}
+"""Why a question was given up; other codes stand as they are."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """One step of a thought.
+
+    Args:
+        title: What it was.
+        state: "good", "bad", "warn" or "".
+        chips: Short facts.
+        text: A sentence or two, in the advisor's words where it has any.
+        refused: Why answers were refused, in order.
+        code: Programs that came of it.
+        rows: A small table; its first row is the head.
+    """
+
+    title: str
+    state: str = ""
+    chips: tuple[str, ...] = ()
+    text: str = ""
+    refused: tuple[str, ...] = ()
+    code: str = ""
+    rows: tuple[tuple[str, ...], ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Thought:
+    """All that was thought at one moment.
+
+    Args:
+        t: Simulated time (s).
+        title: Why it was thought.
+        state: As of a part.
+        parts: In order.
+    """
+
+    t: float
+    title: str
+    state: str
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """One attempt at a question: when it was asked is not known, only in which order."""
+
+    number: str
+    asked: str
+    verdict: str
+    spoilt: str
+    reason: str
+    raw: str
+
+
+def thoughts(run: RunFolder) -> list[Thought]:
+    """What the mind did, moment by moment."""
+    moments: dict[tuple[int, float], list[Record]] = {}
+    for event in run.select(*_PARTS):
+        moments.setdefault((int(event.get("step", 0)), float(event["t"])), []).append(event)
+    found = []
+    for (step, t), events in moments.items():
+        kinds = [str(event["event"]) for event in events]
+        # What is said of a strategy alone, as in runs without an advisor, is told by the stages already.
+        if set(kinds) == {"strategy"}:
+            continue
+        title, state = _why(kinds, step)
+        parts = tuple(part for event in events if (part := _PARTS[str(event["event"])](event)) is not None)
+        found.append(Thought(t=t, title=title, state=state, parts=parts))
+    return found
+
+
+def answers(run: RunFolder) -> list[Answer]:
+    """Every answer that the advisor gave, good or bad."""
+    found = []
+    for entry in run.attempts:
+        spoilt = [str(fault).removeprefix("spoilt-").replace("-", " ")
+                  for fault in entry.get("usage", {}).get("faults", ()) if str(fault).startswith("spoilt-")]
+        verdict = str(entry.get("verdict", ""))
+        code = str(entry.get("code", ""))
+        found.append(Answer(
+            number=f"{int(entry.get('decision', 0)) + 1}.{int(entry.get('attempt', 0)) + 1}",
+            asked=ASKED.get(str(entry.get("kind")), str(entry.get("kind"))), verdict=verdict,
+            spoilt=", ".join(spoilt), reason=f"{code}: {entry.get('reason', '')}" if code else "",
+            raw=str(entry.get("raw", ""))[:4000] if verdict not in ("accepted", "") else ""))
+    return found
+
+
+def counted(given: list[Answer]) -> str:
+    """Answers in a sentence."""
+    if not given:
+        return ""
+    wrong = [one for one in given if one.verdict in ("rejected", "malformed")]
+    absent = sum(one.verdict in ("unavailable", "withdrawn") for one in given)
+    spoilt = [one for one in given if one.spoilt]
+    passed = sum(one.verdict == "accepted" for one in spoilt)
+    said = [f"{_many(len(given), 'question')} put, {_many(len(given) - len(wrong) - absent, 'answer')} accepted"]
+    said += [f"{len(wrong)} refused"] if wrong else []
+    said += [f"{absent} without an answer"] if absent else []
+    tail = ""
+    if spoilt:
+        tail = f" {_many(len(spoilt), 'answer')} {'were' if len(spoilt) > 1 else 'was'} spoilt on purpose; "
+        tail += f"{passed} of them passed the checks." if passed else "none of them passed the checks."
+    return f"{', '.join(said)}.{tail}"
+
+
+def seen(run: RunFolder) -> str:
+    """The first picture that went with a question, as a data URL; "" where there was none."""
+    for entry in run.attempts:
+        for digest in entry.get("pictures", ()):
+            path = run.picture(str(digest))
+            picture = None if path is None else cv2.imread(str(path))
+            if picture is not None:
+                data = cv2.imencode(".webp", picture, [cv2.IMWRITE_WEBP_QUALITY, 82])[1].tobytes()
+                return "data:image/webp;base64," + b64encode(data).decode()
+    return ""
+
+
+def _why(kinds: list[str], step: int) -> tuple[str, str]:
+    if "cost_error" in kinds:
+        return "The cost failed while it was in use", "bad"
+    if "stuck" in kinds:
+        return "Stuck: the outer loop thinks again", "warn"
+    if "remembered" in kinds:
+        return "Kept for another time", "good"
+    return ("Before it began" if step == 0 else "Thought again"), ""
+
+
+def _beliefs(event: Record) -> Part:
+    named = {key: value for key, value in event.items()
+             if isinstance(value, list) and len(value) == 2 and all(isinstance(one, int | float) for one in value)}
+    chips = tuple(f"{name}: {mass:.3g} kg, friction {friction:.2g}" for name, (mass, friction) in named.items())
+    source = str(event.get("source", "advisor"))
+    if source != "advisor":
+        return Part(title="Masses and frictions", state="bad", chips=chips,
+                    text=f"The middle of what the task states, because {_failed(source)}.", refused=_refused(event))
+    return Part(title="Masses and frictions", chips=chips, refused=_refused(event), text=_tries(event))
+
+
+def _poses(event: Record) -> Part:
+    named = {key: value for key, value in event.items() if isinstance(value, list) and len(value) == 7}
+    chips = tuple(f"{name} at {', '.join(f'{100 * v:.1f}' for v in value[:3])} cm" for name, value in named.items())
+    return Part(title="Where the objects are held to be, from now on", state="warn", chips=chips, text=_tries(event),
+                refused=_refused(event))
+
+
+def _recall(event: Record) -> Part:
+    known = f"It is similar by {float(event['similarity']):.2f} and differs by {float(event['distance']):.2f}"
+    gain = f"rehearsed, the ways to its regions change the cost by {-100 * float(event['gain']):.0f} %"
+    if event.get("refused"):
+        return Part(title=f"Memory {event['id']} was not used", state="warn", text=f"{known}.",
+                    refused=(str(event["refused"]),))
+    return Part(title=f"Memory {event['id']} was used", state="good", text=f"{known}; {gain}. No plan was asked for.")
+
+
+def _plan(event: Record) -> Part:
+    again = event["kind"] == "cost-repair"
+    title, failure = ("A better plan" if again else "The plan"), str(event.get("failure", ""))
+    if failure:
+        return Part(title=f"{title}: none", state="bad", text=f"{_failed(failure).capitalize()}.",
+                    refused=_refused(event))
+    return Part(title=title, state="good" if again else "", text=str(event.get("explanation", "")),
+                refused=_refused(event), code=str(event.get("code", "")))
+
+
+def _regions(event: Record) -> Part:
+    held: Mapping[str, Any] = event.get("regions", {})
+    chips = tuple(f"{name}, {region.get('approach') or 'touch'}{': ' + region['stage'] if region.get('stage') else ''}"
+                  for name, item in held.items() for region in item.get("regions", ()))
+    failure = str(event.get("failure", ""))
+    return Part(title="Where to touch", state="bad" if failure else "", chips=chips, refused=_refused(event),
+                text=f"Nowhere in particular: {_failed(failure)}." if failure else "")
+
+
+def _stuck(event: Record) -> Part:
+    kind = str(event.get("diagnosis", ""))
+    said = str(event.get("text", ""))
+    rows: list[tuple[str, ...]] = [
+        ("time (s)", "object (m)", "moved (mm)", "hand (m)", "force on the hand (N)", "cost")]
+    for row in event.get("history", ()):
+        rows.append((f"{row['time_s']:.2f}", _numbers(row["object_pos"], 3), f"{row['object_moved_mm']:.1f}",
+                     _numbers(row["hand_pos"], 3), _numbers(row["force_on_hand_n"], 1),
+                     "–" if row.get("cost") is None else f"{row['cost']:.3g}"))
+    return Part(title=f"Diagnosis: {kind.replace('-', ' ')}", state="warn", text=f"{said[:1].upper()}{said[1:]}.",
+                chips=(f"stage “{event.get('stage')}”", f"{event.get('attempts')} attempts without progress",
+                       f"looked at the {event.get('object')}"), rows=tuple(rows) if len(rows) > 1 else ())
+
+
+def _correction(event: Record) -> Part:
+    accepted, name = bool(event.get("accepted")), event.get("object")
+    errors = event.get("errors")
+    chips: tuple[str, ...] = ()
+    if accepted and "before" in event and "after" in event:
+        (m0, f0), (m1, f1) = event["before"], event["after"]
+        chips = (f"mass {m0:.3g} → {m1:.3g} kg", f"friction {f0:.2g} → {f1:.2g}")
+    if errors:
+        chips += (f"replay error over all windows {errors[0]:.2f} → {errors[1]:.2f}",)
+    said = str(event.get("text", ""))
+    return Part(title=f"World model of the {name}: {'corrected' if accepted else 'kept'}", chips=chips,
+                state="good" if accepted else "", refused=_refused(event),
+                text=f"{said[:1].upper()}{said[1:]}{'' if said.endswith('.') or not said else '.'}")
+
+
+def _cost_error(event: Record) -> Part:
+    meanwhile = event.get("meanwhile")
+    text = f"In stage “{event.get('stage')}”: {event.get('reason')}."
+    return Part(title="The cost could not be evaluated", state="bad", chips=(str(event.get("code")),),
+                text=f"{text} Meanwhile the last good cost, “{meanwhile}”, took over." if meanwhile else text)
+
+
+def _fallback(event: Record) -> Part:
+    return Part(title=f"The rules of {event.get('by')} took over", state="bad",
+                text=f"For the {event.get('what')}, because {_failed(str(event.get('because')))}.")
+
+
+def _remembered(event: Record) -> Part:
+    text = f"This success is number {event.get('id')} in {event.get('file')}."
+    return Part(title="Remembered", state="good", text=text)
+
+
+def _strategy(event: Record) -> Part | None:
+    return Part(title=f"Follows “{event.get('name')}”", chips=tuple(str(stage) for stage in event.get("stages", ())))
+
+
+_PARTS: Mapping[str, Callable[[Record], Part | None]] = {
+    "poses": _poses, "beliefs": _beliefs, "recall": _recall, "plan_answer": _plan, "regions": _regions, "stuck": _stuck,
+    "correction": _correction, "cost_error": _cost_error, "fallback": _fallback, "remembered": _remembered,
+    "strategy": _strategy}
+
+
+def _refused(event: Record) -> tuple[str, ...]:
+    return tuple(str(reason) for reason in event.get("refused", ()))
+
+
+def _tries(event: Record) -> str:
+    count = int(event.get("attempts", 1))
+    return "" if count <= 1 else f"Accepted at attempt {count}."
+
+
+def _failed(code: str) -> str:
+    return FAILED.get(code, f"of “{code}”" if code else "nothing was answered")
+
+
+def _numbers(values: list[float], digits: int) -> str:
+    return ", ".join(f"{value:.{digits}f}" for value in values)
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"

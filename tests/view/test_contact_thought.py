@@ -1,0 +1,98 @@
+import json
+
+import pytest
+
+from coral.contact.controller import ControllerCfg
+from coral.contact.draw import draw
+from coral.contact.episode import Episode, EpisodeCfg
+from coral.contact.planning import PlanningCfg
+from coral.contact.task import load_task
+from coral.contact.thinking.outer import OuterCfg
+from coral.contact.thinking.thinker import ThinkCfg
+from coral.contact.variants import Asking, make_mind
+from coral.mppi.knots import KnotMppiCfg
+from coral.view.contact.report import write_contact_report
+from coral.view.contact.thought import answers, counted, seen, thoughts
+from coral.view.run import RunFolder
+
+COARSE = EpisodeCfg(poses="ground-truth", planning=PlanningCfg(threads=1),
+                    think=ThinkCfg(outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1, progress=0.9)),
+                    controller=ControllerCfg(horizon=8, mppi=KnotMppiCfg(samples=6, knots=3)))
+
+
+@pytest.fixture(scope="module")
+def spoilt(tmp_path_factory):
+    """A second of a run whose advisor errs every other time, stuck once."""
+    folder = tmp_path_factory.mktemp("thought") / "run"
+    task = load_task("pick-box").model_copy(update={"time_limit_s": 1.0})
+    mind = make_mind("full", task, Asking(advisor="fallible:0.5:heuristic", seed=1, folder=folder, think=COARSE.think))
+    Episode(draw(task, 1), "hand", mind, COARSE, folder, variant="full", advisor="fallible:0.5:heuristic").run()
+    return RunFolder.read(folder)
+
+
+def told(tmp_path, *events):
+    """A run with these events alone."""
+    lines = [{"step": 0, "t": 0.0, "event": "start"}, *({"step": 5, "t": 0.1, **event} for event in events)]
+    (tmp_path / "events.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    return RunFolder.read(tmp_path)
+
+
+def test_thoughts_stand_in_order_under_the_moment_they_were_had(spoilt):
+    found = thoughts(spoilt)
+    assert [thought.title for thought in found] == ["Before it began", "Stuck: the outer loop thinks again"]
+    assert [part.title for part in found[0].parts][:1] == ["Masses and frictions"]
+    assert found[1].parts[0].title.startswith("Diagnosis: ")
+    assert found[1].parts[0].rows[0][0] == "time (s)"
+
+
+def test_every_answer_is_there_and_each_spoilt_one_is_named(spoilt):
+    given = answers(spoilt)
+    assert len(given) == len(spoilt.attempts)
+    named = [one for one in given if one.spoilt]
+    assert named
+    assert all(one.reason for one in given if one.verdict != "accepted")
+    assert f"{len(named)} answers were spoilt on purpose" in counted(given)
+
+
+def test_the_page_shows_thoughts_reasons_and_what_the_advisor_saw(spoilt):
+    page = write_contact_report(spoilt.path).read_text()
+    assert "What it thought" in page
+    assert "Stuck: the outer loop thinks again" in page
+    assert 'class="spoilt"' in page
+    assert seen(spoilt) in page
+    assert "http" not in page.replace("http://www.w3.org", "")
+
+
+def test_a_correction_says_how_well_the_history_fits(tmp_path):
+    run = told(tmp_path, {"event": "stuck", "diagnosis": "not-moved", "text": "it hardly moved", "object": "box"},
+               {"event": "correction", "object": "box", "accepted": True, "text": "box: lighter", "errors": [0.8, 0.3],
+                "before": [2.0, 0.9], "after": [0.1, 0.5], "refused": ["too heavy"]})
+    part = thoughts(run)[0].parts[1]
+    assert part.title == "World model of the box: corrected"
+    assert part.chips == ("mass 2 → 0.1 kg", "friction 0.9 → 0.5", "replay error over all windows 0.80 → 0.30")
+    assert part.refused == ("too heavy",)
+
+
+@pytest.mark.parametrize(("event", "title", "said"), [
+    ({"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.12, "refused": ""},
+     "Memory 3 was used", "change the cost by -12 %"),
+    ({"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.0, "refused": "off the surface"},
+     "Memory 3 was not used", "similar by 0.90"),
+    ({"event": "cost_error", "stage": "lift", "code": "not_finite", "reason": "line 3: nan", "meanwhile": "reach"},
+     "The cost could not be evaluated", "the last good cost, “reach”, took over"),
+    ({"event": "fallback", "what": "plan", "by": "heuristic", "because": "requeries-used-up"},
+     "The rules of heuristic took over", "no answer passed the checks"),
+    ({"event": "remembered", "id": 7, "file": "m.sqlite"}, "Remembered", "number 7 in m.sqlite"),
+    ({"event": "plan_answer", "kind": "cost-repair", "failure": "deadline", "refused": ["no"]},
+     "A better plan: none", "No answer came in time"),
+    ({"event": "poses", "attempts": 2, "box": [0.1, 0.0, 0.03, 1, 0, 0, 0], "refused": ["off the table"]},
+     "Where the objects are held to be, from now on", "Accepted at attempt 2"),
+])
+def test_each_kind_of_event_is_told_in_words(tmp_path, event, title, said):
+    part = thoughts(told(tmp_path, event))[0].parts[0]
+    assert part.title == title
+    assert said in part.text
+
+
+def test_a_run_without_an_advisor_has_no_thoughts(tmp_path):
+    assert thoughts(told(tmp_path, {"event": "strategy", "name": "expert", "stages": ["all"]})) == []
