@@ -94,8 +94,8 @@ def test_two_robots_are_done_while_one_is_half_way(tmp_path):
     assert one["coverage"] < 0.8
 
 
-def test_one_robot_does_and_writes_what_it_did_before_there_were_several(pond, tmp_path):
-    """Recorded with the program as it was then; bytes agree on one machine, numbers to rounding on another."""
+def test_one_robot_does_and_writes_what_was_recorded(pond, tmp_path):
+    """What changes a mission shows here. Bytes agree on one machine, numbers to rounding on another."""
     run(pond, tmp_path / "run", 1, time_limit_s=20.0)
     assert not (tmp_path / "run" / "trajectory_1.csv").exists()
     same(json.loads((tmp_path / "run" / "metrics.json").read_text()), json.loads((GOLDEN / "alone.json").read_text()))

@@ -41,14 +41,25 @@ def test_a_pixel_lands_in_the_cell_of_equation_1(label, cell):
     assert np.array_equal(np.where(marked == FREE, UNEXPLORED, marked), expected)
 
 
-def test_one_pixel_alone_is_not_believed_by_default():
+@pytest.mark.parametrize(("label", "pictures", "cell"), [(Label.OYSTER, 2, TARGET), (Label.OBSTACLE, 3, OBSTACLE)])
+def test_a_cell_counts_once_enough_pictures_agree_however_many_pixels_they_put_there(label, pictures, cell):
     view = empty_frame()
-    view.depth[20, 25], view.labels[20, 25] = 2.0, Label.OBSTACLE
+    view.depth[18:22, 25], view.labels[18:22, 25] = 2.0, label
     grid = OccupancyMap((10.0, 10.0), CAMERA)
-    grid.integrate(view, Pose(4.0, 5.0, 0.0))
-    assert not grid.obstacle.any()
-    grid.integrate(view, Pose(4.0, 5.0, 0.0))
-    assert grid.obstacle.sum() == 1
+    for _ in range(pictures):
+        assert not np.any(grid.cells() == cell)
+        grid.integrate(view, Pose(4.0, 5.0, 0.0))
+    assert np.any(grid.cells() == cell)
+
+
+def test_a_picture_counts_a_cell_once_for_each_class_that_it_shows_there():
+    view = empty_frame()
+    view.depth[18:22, 25] = 2.0
+    view.labels[18:22, 25] = Label.OBSTACLE, Label.SEABED, Label.OBSTACLE, Label.OYSTER
+    grid = OccupancyMap((10.0, 10.0), CAMERA)
+    for _ in range(5):
+        grid.integrate(view, Pose(4.0, 5.0, 0.0))
+    assert [counts.max() for counts in (grid._targets, grid._obstacles, grid._ground)] == [5, 5, 5]
 
 
 def test_obstacles_beyond_the_sensing_range_are_left_out():
@@ -87,12 +98,12 @@ def test_wrong_obstacle_pixels_are_outvoted_by_the_seabed():
     pose, grid = Pose(4.0, 5.0, 0.0), OccupancyMap((10.0, 10.0), CAMERA)
     view = empty_frame()
     view.depth[25, 20], view.labels[25, 20] = 1.0, Label.OBSTACLE
-    grid.integrate(view, pose)
-    grid.integrate(view, pose)
+    for _ in range(3):
+        grid.integrate(view, pose)
     assert grid.obstacle.sum() == 1
     version = grid.version
     view.labels[25, 20] = Label.SEABED
-    for _ in range(60):
+    for _ in range(11):
         grid.integrate(view, pose)
     assert not grid.obstacle.any()
     assert grid.version > version
@@ -137,10 +148,9 @@ def test_cells_are_classified_as_their_counts_say():
     counts[2] *= rng.integers(0, 60, (40, 40)).astype(np.uint16)
     target, obstacle = rng.random((2, 40, 40)) < 0.2
     before = obstacle.copy()
-    floor = 0.05 * counts[2]
-    solid = (counts[1] >= 2) & (counts[1] >= floor)
-    soft = (counts[0] >= 2) & (counts[0] >= floor) & ~solid
-    changed = classify(counts[0], counts[1], counts[2], 2, 2, 0.05, target, obstacle, (0, 40, 0, 40))
+    solid = (counts[1] >= 3) & (counts[1] >= 0.3 * counts[2])
+    soft = (counts[0] >= 2) & (counts[0] >= 0.05 * counts[2]) & ~solid
+    changed = classify(counts[0], counts[1], counts[2], 2, 3, 0.05, 0.3, target, obstacle, (0, 40, 0, 40))
     assert np.array_equal(obstacle, solid)
     assert np.array_equal(target, soft)
     assert changed == np.count_nonzero(before != solid)

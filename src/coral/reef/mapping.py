@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import CellSize, Count
+from coral.config import CellSize, Count, NonNegative
 from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping_kernels import classify, explore, project
@@ -33,12 +33,17 @@ class MapCfg:
     """Obstacle sensing range (paper IV-F)."""
     n_rays: Count = 360
     """N of the explored-area ray casting; 120° in 360 rays is 3.5 cm between rays at 6 m, under one cell."""
-    target_hits: int = 2
-    obstacle_hits: int = 2
-    """Pixels that must agree before a cell counts; 2 ignores a single wrong pixel."""
-    ground_ratio: float = 0.05
-    """A cell is not a target or an obstacle when its hits are fewer than this share of its seabed hits, so that
-    wrong masks are outvoted in time."""
+    target_hits: Count = 2
+    """Pictures that must show oysters in a cell before it counts; 2 ignores what a single picture shows."""
+    obstacle_hits: Count = 3
+    """The same for obstacles. At 10 pictures per second the third comes 12 cm later at full speed, of the 4 m that
+    obstacles are seen ahead."""
+    target_ratio: NonNegative = 0.05
+    """A cell is no target when fewer pictures show oysters there than this share of those that show seabed: wrong masks
+    are outvoted in time. Small, since oysters leave seabed to see between them."""
+    obstacle_ratio: NonNegative = 0.3
+    """The same for obstacles, which hide the seabed of their cells. Of 15 pictures with a mask
+    that is wrong in 4 of 100 patches, 5 agree on a cell once in 5000."""
 
 
 class OccupancyMap:
@@ -51,6 +56,8 @@ class OccupancyMap:
         self._targets = np.zeros(shape, np.uint16)
         self._obstacles = np.zeros(shape, np.uint16)
         self._ground = np.zeros(shape, np.uint16)
+        self._counted = np.zeros(shape, np.int32)
+        self._pictures = 0
         self.target = np.zeros(shape, np.bool_)
         """Oyster cells. Shape=(NY, NX)."""
         self.obstacle = np.zeros(shape, np.bool_)
@@ -69,10 +76,13 @@ class OccupancyMap:
     def integrate(self, frame: Frame, pose: Pose) -> None:
         """Fuse one camera picture taken at `pose` (the robot's own estimate)."""
         cfg = self.cfg
+        self._pictures += 1
         project(frame.depth, frame.labels, self._rays, self._lever, (pose.x, pose.y, pose.theta), cfg.cell_m,
-                cfg.range_m, cfg.obstacle_range_m, self._targets, self._obstacles, self._ground, self._reach)
+                cfg.range_m, cfg.obstacle_range_m, self._targets, self._obstacles, self._ground, self._counted,
+                self._pictures, self._reach)
         changed = classify(self._targets, self._obstacles, self._ground, cfg.target_hits, cfg.obstacle_hits,
-                           cfg.ground_ratio, self.target, self.obstacle, self._window(pose, cfg.range_m))
+                           cfg.target_ratio, cfg.obstacle_ratio, self.target, self.obstacle,
+                           self._window(pose, cfg.range_m))
         self.version += changed > 0
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         origin = (pose.x + c * self._lever[0] - s * self._lever[1], pose.y + s * self._lever[0] + c * self._lever[1])

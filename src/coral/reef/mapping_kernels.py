@@ -25,9 +25,13 @@ def project(
     targets: NDArray[np.uint16],
     obstacles: NDArray[np.uint16],
     ground: NDArray[np.uint16],
+    counted: NDArray[np.int32],
+    picture: int,
     column_reach: NDArray[np.float64],
-) -> int:
-    """Project every pixel into the grid (Eq. 1) and count it under its class.
+) -> None:
+    """Project every pixel into the grid (Eq. 1); a cell counts the pictures that show it as a class.
+
+    Pictures and not pixels: segmentation errs in patches, and one wrong patch puts many pixels into a cell.
 
     Args:
         depth: Shape=(H, W), metres along the optical axis; inf where nothing is seen.
@@ -38,20 +42,18 @@ def project(
         cell_m: Edge of a grid cell (m).
         target_range_m: Oyster and seabed pixels farther than this (horizontally, m) are not counted.
         obstacle_range_m: The same for obstacle pixels.
-        targets: Shape=(NY, NX), oyster hits, updated in place.
-        obstacles: Shape=(NY, NX), obstacle hits, updated in place.
-        ground: Shape=(NY, NX), seabed hits, updated in place.
+        targets: Shape=(NY, NX), pictures with oysters there, updated in place.
+        obstacles: Shape=(NY, NX), with obstacles, updated in place.
+        ground: Shape=(NY, NX), with seabed, updated in place.
+        counted: Shape=(NY, NX), what the last picture of each cell has counted: 8 picture + a bit for each class.
+        picture: Number of this picture, from 1 on.
         column_reach: Shape=(W,), farthest horizontal distance (m) with a return in each column, written.
-
-    Returns:
-        How many oyster and obstacle cells were hit for the first time.
     """
     ny, nx = targets.shape
     height, width = depth.shape
     c, s = math.cos(pose[2]), math.sin(pose[2])
     x0 = pose[0] + c * lever[0] - s * lever[1]
     y0 = pose[1] + s * lever[0] + c * lever[1]
-    fresh = 0
     for u in range(width):
         reach = 0.0
         for v in range(height):
@@ -68,18 +70,22 @@ def project(
             iy = int(math.floor((y0 + s * forward + c * left) / cell_m))
             if ix < 0 or iy < 0 or ix >= nx or iy >= ny:
                 continue
+            if label != OYSTER and label != OBSTACLE and label != SEABED:
+                continue
+            done = counted[iy, ix]
+            if done >> 3 != picture:
+                done = picture << 3
+            bit = 1 << (label - 1)
+            if done & bit:
+                continue
+            counted[iy, ix] = done | bit
             if label == OYSTER:
-                fresh += targets[iy, ix] == 0
-                if targets[iy, ix] < SATURATED:
-                    targets[iy, ix] += 1
+                targets[iy, ix] = min(targets[iy, ix] + 1, SATURATED)
             elif label == OBSTACLE:
-                fresh += obstacles[iy, ix] == 0
-                if obstacles[iy, ix] < SATURATED:
-                    obstacles[iy, ix] += 1
-            elif label == SEABED and ground[iy, ix] < SATURATED:
-                ground[iy, ix] += 1
+                obstacles[iy, ix] = min(obstacles[iy, ix] + 1, SATURATED)
+            else:
+                ground[iy, ix] = min(ground[iy, ix] + 1, SATURATED)
         column_reach[u] = reach
-    return fresh
 
 
 @njit(cache=True)
@@ -146,22 +152,23 @@ def classify(
     ground: NDArray[np.uint16],
     target_hits: int,
     obstacle_hits: int,
-    ratio: float,
+    target_ratio: float,
+    obstacle_ratio: float,
     target_mask: NDArray[np.bool_],
     obstacle_mask: NDArray[np.bool_],
     window: tuple[int, int, int, int],
 ) -> int:
-    """Turn hit counts into masks inside `window` (y0, y1, x0, x1); returns how many obstacle cells changed."""
+    """Turn counts into masks inside `window` (y0, y1, x0, x1); returns how many obstacle cells changed."""
     changed = 0
     for iy in range(window[0], window[1]):
         for ix in range(window[2], window[3]):
             hard, soft = obstacles[iy, ix] >= obstacle_hits, targets[iy, ix] >= target_hits
             if not (hard or soft or obstacle_mask[iy, ix] or target_mask[iy, ix]):
                 continue  # by far the most cells
-            floor = ratio * ground[iy, ix]
-            solid = hard and obstacles[iy, ix] >= floor
+            floor = ground[iy, ix]
+            solid = hard and obstacles[iy, ix] >= obstacle_ratio * floor
             if solid != obstacle_mask[iy, ix]:
                 obstacle_mask[iy, ix] = solid
                 changed += 1
-            target_mask[iy, ix] = soft and targets[iy, ix] >= floor and not solid
+            target_mask[iy, ix] = soft and targets[iy, ix] >= target_ratio * floor and not solid
     return changed
