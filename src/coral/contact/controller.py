@@ -123,7 +123,7 @@ class Controller:
         assert self._target is not None
         start = self._bounded_start(now, self._target)
         self._recentre(start)
-        self.mppi.sigma = self._sigma * stage.sigma
+        self.mppi.sigma = self._sigma * np.asarray(stage.sigma)
         rehearsed: list[tuple[Context, NDArray[np.bool_], Terms, Controls]] = []
 
         def evaluate(knots: Array) -> Array:

@@ -41,7 +41,8 @@ class Stage:
         stiffness_n_m: Of the hand; soft where a force matters.
         until: Over when this holds of the state now; None: never.
         back: Another stage to return to when its test holds, as after a lost grasp.
-        sigma: Factor on the sampling noise.
+        sigma: Factor on the sampling noise; or seven, for the target's x, y, z, its rotation about x, y, z of the hand
+            and the opening.
     """
 
     name: str
@@ -50,7 +51,7 @@ class Stage:
     stiffness_n_m: float = 600.0
     until: Test | None = None
     back: tuple[str, Test] | None = None
-    sigma: float = 1.0
+    sigma: float | tuple[float, float, float, float, float, float, float] = 1.0
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,64 @@
+"""Pushing with a steady force: where the hand pushes, how hard it can, and what of its target is left alone."""
+
+import numpy as np
+import pytest
+
+from coral.contact.controller import Controller, ControllerCfg
+from coral.contact.draw import draw
+from coral.contact.experts.push import DOWN, SOFT_N_M, behind, fsm, recent
+from coral.contact.geometry import angle_between
+from coral.contact.hand_world import HandWorld, HandWorldCfg
+from coral.contact.planning import PlanningCfg, PlanningWorld
+from coral.contact.scene import prior
+from coral.contact.task import load_task
+from coral.contact.world import Body, Observation
+from coral.mppi.knots import KnotMppiCfg
+
+TASK = load_task("push-force")
+PUSH = next(stage for stage in fsm(TASK).stages if stage.name == "push")
+
+
+def at_the_block(seed):
+    """A trial, and what is seen with the hand behind the block, touching nothing."""
+    drawn = draw(TASK, seed)
+    start = HandWorld(drawn, HandWorldCfg()).reset()
+    world = PlanningWorld(drawn, prior(drawn), start, PlanningCfg(threads=1))
+    place = behind(world.present(start), "block", 0.005)[0, 0]
+    tool = Body(place, DOWN, np.zeros(3), np.zeros(3))
+    return world, Observation(0.0, tool, 0.03, np.zeros(6), start.objects)
+
+
+def test_the_mean_is_over_the_last_steps_and_at_first_over_those_there_are():
+    values = np.arange(30.0).reshape(1, 30, 1)
+    found = recent(values)[0, :, 0]
+    assert found[:3] == pytest.approx([0.0, 0.5, 1.0])
+    assert found[[9, 10, 29]] == pytest.approx([4.5, 5.5, 24.5])
+
+
+def test_the_spring_moves_the_heaviest_block_and_cannot_push_harder_than_wanted():
+    most = SOFT_N_M * ControllerCfg().lead_m
+    wanted = next(one for one in TASK.success.conditions if one.kind == "steady-force")
+    block = TASK.object("block")
+    assert most > 1.2 * max(block.mass_kg) * max(block.friction) * 9.81
+    assert most == pytest.approx(wanted.newtons * (1 + wanted.tolerance))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_palm_stays_above_the_block_and_the_fingertips_above_the_table(seed):
+    world, now = at_the_block(seed)
+    top = now.objects["block"].position[2] + world.present(now).block_size[0, 0, 2] / 2
+    assert now.tool.position[2] + 0.037 > top + 0.005
+    assert now.tool.position[2] - 0.008 > 0.005
+
+
+def test_a_push_goes_ahead_and_leaves_height_orientation_and_opening_alone():
+    world, now = at_the_block(0)
+    planner = Controller(world, ControllerCfg(mppi=KnotMppiCfg(samples=40)), np.random.default_rng(0))
+    for _ in range(10):
+        plan = planner.plan(now, PUSH, 0)
+        planner.executed(plan.targets[1], 2)
+    last = plan.targets[-1]
+    assert last.position[0] > now.tool.position[0] + 0.004
+    assert abs(last.position[2] - now.tool.position[2]) < 0.002
+    assert angle_between(last.quaternion, now.tool.quaternion) < 0.02
+    assert last.opening_m == pytest.approx(now.opening_m)
