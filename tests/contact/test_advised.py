@@ -7,6 +7,7 @@ import threading
 
 import pytest
 import yaml
+from episodes import SLIDE
 
 from coral.advisor.question import Picture
 from coral.contact.controller import ControllerCfg
@@ -17,14 +18,6 @@ from coral.contact.task import load_task, shipped_tasks
 from coral.contact.variants import Asking, make_mind
 from coral.mppi.knots import KnotMppiCfg
 
-SLIDE = {
-    "format": "coral-contact/1", "name": "slide-crate", "title": "Slide crate",
-    "instruction": "Slide the crate onto the mark.", "time_limit_s": 12,
-    "objects": [{"name": "crate", "label": "wooden crate", "parts": [{"shape": "box", "size": [0.12, 0.1, 0.08]}],
-                 "mass_kg": 0.3, "friction": 0.4, "x": 0.02, "y": 0.0}],
-    "places": {"mark": [0.1, 0.0, 0.04]},
-    "success": {"hold_s": 0.1, "conditions": [
-        {"kind": "at", "object": "crate", "place": "mark", "tolerance_m": 0.03, "axes": "xy"}]}}
 FAST = EpisodeCfg(poses="ground-truth", planning=PlanningCfg(threads=1),
                   controller=ControllerCfg(horizon=25, mppi=KnotMppiCfg(samples=16)))
 COST = """def state_cost(self):

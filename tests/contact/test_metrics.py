@@ -4,12 +4,12 @@ from coral.contact.metrics import DEFINITIONS, compute_metrics, metrics_of
 from coral.errors import InputError
 
 EVENTS = [
-    {"step": 0, "t": 0.0, "event": "start", "poses": "ground-truth"},
+    {"step": 0, "t": 0.0, "event": "start", "poses": "ground-truth", "trial": {"box": {}}},
     {"step": 0, "t": 0.0, "event": "strategy", "name": "pick"},
     {"step": 0, "t": 0.0, "event": "stage", "before": None, "stage": "reach"},
     {"step": 0, "t": 0.0, "event": "contact", "first": "box", "second": "table"},
-    {"step": 0, "t": 0.0, "event": "plan", "ess": 2.0, "diverged": 1},
-    {"step": 2, "t": 0.04, "event": "plan", "ess": 4.0, "diverged": 0},
+    {"step": 0, "t": 0.0, "event": "plan", "ess": 2.0, "diverged": 1, "stage": "reach", "cost": 4.0},
+    {"step": 2, "t": 0.04, "event": "plan", "ess": 4.0, "diverged": 0, "stage": "reach", "cost": 3.0},
     {"step": 2, "t": 0.04, "event": "policy", "call": 1},
     {"step": 2, "t": 0.04, "event": "contact", "first": "box", "second": "left"},
     {"step": 2, "t": 0.04, "event": "stage", "before": "reach", "stage": "close"},
@@ -25,7 +25,8 @@ def test_metrics_of_a_finished_episode():
         "success": True, "end_reason": "success", "sim_time_s": 0.08, "steps": 4, "plans": 2, "policy_calls": 1,
         "stages": 1, "strategy": "pick", "advisor_calls": 3, "repairs": 1, "memory_hit": True, "path_length_m": 0.04,
         "peak_hand_force_n": 5.0, "mean_hand_force_n": 4.0, "contact_time_s": 0.04, "contacts": 1,
-        "effective_samples": 3.0, "diverged_rehearsals": 1, "track_lost": 0, "track_recovered": 0, "track_lost_s": 0.0,
+        "first_touch_s": 0.04, "plan_cost": 3.5, "plan_cost_jump": 1.0, "effective_samples": 3.0,
+        "diverged_rehearsals": 1, "track_lost": 0, "track_recovered": 0, "track_lost_s": 0.0,
         "pose_error_mm": None, "pose_error_deg": None, "poses": "ground-truth"}
     assert set(found) == set(DEFINITIONS)
 

@@ -170,6 +170,12 @@ def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, An
     parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {', '.join(poses)}. "
              f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), "
              f"{about.get('machine', '?')}. Made by: {command}"]
+    remembering = [row for row in chosen if row.get("memory_known") is not None]
+    if remembering:
+        known = sorted({int(row["memory_known"]) for row in remembering})
+        parts.append(f"Memory at the start of every trial: {', '.join(map(str, known))} experiences (0: nothing can be "
+                     f"recalled); used in {sum(bool(row['memory_hit']) for row in remembering)} of {len(remembering)} "
+                     "trials.")
     if len(versions) > 1:
         parts.append("Mixed: these trials ran on different versions of the code.")
     if failed:

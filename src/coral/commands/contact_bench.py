@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import json as json_text
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -17,8 +18,9 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
 from coral.campaign.bench import changes, digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
-from coral.campaign.contact_tables import contact_tables
-from coral.campaign.dataset import read_parquet, to_rows, write_parquet
+from coral.campaign.contact_ablation import NAMES, ablations, chosen
+from coral.campaign.contact_tables import called, contact_tables
+from coral.campaign.dataset import Row, read_parquet, to_rows, write_parquet
 from coral.campaign.progress import CampaignProgress
 from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store, write_whole
@@ -30,6 +32,7 @@ from coral.contact.episode import EpisodeCfg
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.trial import run_policy_trial
 from coral.contact.task import Task, load_task, shipped_tasks
+from coral.contact.thinking.memory import FORMAT, Memory
 from coral.contact.trial import run_trial
 from coral.contact.variants import ALONE, VARIANTS, check_variant, make_mind
 from coral.contact.worlds import check_world
@@ -44,6 +47,7 @@ class ContactEpisode:
     cfg: EpisodeCfg
     tasks: Mapping[str, Task]
     policies: Mapping[str, Address] = field(default_factory=dict)
+    memory: Mapping[str, Any] | None = None
 
     def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
         """Run it."""
@@ -52,7 +56,7 @@ class ContactEpisode:
             return run_policy_trial(task, self.cfg, folder, world=world, address=self.policies[spec.variant],
                                     seed=spec.seed)
         return run_trial(task, self.cfg, folder, world=world, variant=spec.variant, advisor=spec.advisor,
-                         seed=spec.seed)
+                         seed=spec.seed, memory=self.memory)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,6 +80,9 @@ class ContactBench:
     """As for coral contact run, separated by commas."""
     poses: Literal["tracked", "ground-truth"] | None = None
     """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
+    memory: Path | None = None
+    """What variants that remember begin with: a memory, or an export of one (also the memory.json of a campaign). Every
+    trial has a copy to itself. Without it they begin with nothing."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
     jobs: int = 1
@@ -121,10 +128,11 @@ class ContactBench:
         names = shipped_tasks() if self.tasks == "all" else parse_names(self.tasks, "--tasks")
         tasks = {name: load_task(name) for name in names}
         cfg = checked(with_poses(with_samples(self.cfg, self.samples), self.poses), "--cfg")
-        specs = self._specs(tasks)
+        specs, memory = self._specs(tasks), None if self.memory is None else read_memory(self.memory)
         with store.lock():
-            store.open(specs, self._conditions(cfg, tasks), command=self._command(), mix=self.mix, about=provenance())
-            summary = self._run(store, specs, cfg, tasks)
+            store.open(specs, self._conditions(cfg, tasks, memory), command=self._command(), mix=self.mix,
+                       about=provenance())
+            summary = self._run(store, specs, cfg, tasks, memory)
             result = self._collect(store, summary)
         if summary.failed and not result["done"]:
             raise RunError(f"every episode failed; see {self.out / 'failures'}")
@@ -136,7 +144,8 @@ class ContactBench:
         return "\n".join([
             (self.out / "tables.md").read_text(encoding="utf-8"),
             f"{result['done']} episodes{failed if result['failed'] else ''}",
-            *(f"{name}: {result[name]}" for name in ("data", "tables"))])
+            *(f"{name}: {result[name]}" for name in ("data", "tables", "memory") if result[name]),
+            *(f"figure: {path}" for path in result["figures"])])
 
     def _specs(self, tasks: Mapping[str, Task]) -> tuple[Spec, ...]:
         worlds = parse_names(self.worlds, "--worlds")
@@ -164,20 +173,24 @@ class ContactBench:
             raise InputError("--policies", "", repr(self.policies), "a name of its own for each")
         return {one.name: one for one in found}
 
-    def _conditions(self, cfg: EpisodeCfg, tasks: Mapping[str, Task]) -> dict[str, str]:
+    def _conditions(self, cfg: EpisodeCfg, tasks: Mapping[str, Task], memory: Mapping[str, Any] | None
+                    ) -> dict[str, str]:
         """What must be the same for every episode of a table, as digests."""
         content = to_mapping(cfg)
         content.pop("record")
         content["planning"].pop("threads")  # changes how long it takes, and nothing else
         return {"code version": f"{code_version()}", "configuration": digest(content),
+                "memory": "none" if memory is None else digest([
+                    {**one, "created": ""} for one in memory["experiences"]]),
                 **{f"task {name}": digest(task.model_dump(mode="json")) for name, task in tasks.items()}}
 
-    def _run(self, store: Store, specs: Sequence[Spec], cfg: EpisodeCfg, tasks: Mapping[str, Task]) -> Summary:
+    def _run(self, store: Store, specs: Sequence[Spec], cfg: EpisodeCfg, tasks: Mapping[str, Task],
+             memory: Mapping[str, Any] | None) -> Summary:
         if (self.jobs > 1 or self.executor == "ray") and not cfg.planning.threads:
             cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
         executor = make_executor(self.executor, self.jobs, self.address)
         try:
-            return run_campaign(store, specs, ContactEpisode(cfg, tasks, self._policies()), executor,
+            return run_campaign(store, specs, ContactEpisode(cfg, tasks, self._policies(), memory), executor,
                                 retry_failed=self.retry_failed, mix=self.mix,
                                 progress=CampaignProgress(quiet=self.quiet))
         except KeyboardInterrupt:
@@ -193,14 +206,52 @@ class ContactBench:
         write_parquet(rows, self.out / "results.parquet")
         rows = read_parquet(self.out / "results.parquet")
         command = manifest["commands"][-1] if manifest["commands"] else "coral contact bench"
-        tables = contact_tables(rows, about, command)
+        tables = [*contact_tables(rows, about, command), *ablations(rows, command)]
+        kept = self._remembered(store)
         for form in ("md", "tex", "html"):
             write_whole(self.out / f"tables.{form}", document(tables, form, "Contact tasks").encode())
         done = [record for record in records if record["status"] == "done"]
         return {"out": str(self.out), "episodes": len(store.specs()), "done": len(done),
                 "failed": len(records) - len(done), "ran": summary.finished + summary.failed if summary else 0,
                 "found": summary.found if summary else len(records), "data": str(self.out / "results.parquet"),
-                "tables": str(self.out / "tables.md"), "results": [table_json(table) for table in tables]}
+                "tables": str(self.out / "tables.md"), "memory": kept,
+                "figures": self._draw(store, rows), "results": [table_json(table) for table in tables]}
+
+    def _remembered(self, store: Store) -> str:
+        """What all trials of `full` have added to their memories, in their order, as one file; "" for nothing.
+
+        Plans without regions, as `cost-only` makes them, would be no help to a variant that has some.
+        """
+        found: list[Any] = []
+        for spec in store.specs():
+            file = store.run_folder(spec) / "remembered.json"
+            if spec.variant == "full" and file.is_file():
+                found += json_text.loads(file.read_text(encoding="utf-8"))["experiences"]
+        if not found:
+            return ""
+        path = self.out / "memory.json"
+        write_whole(path, (json_text.dumps({"format": FORMAT, "experiences": found}, indent=1) + "\n").encode())
+        return str(path)
+
+    def _draw(self, store: Store, rows: Sequence[Row]) -> list[str]:
+        """Fig. 5 of every task that was run both with and without a contact strategy."""
+        from coral.view.contact.ablation import draw_ablation
+
+        folders = {(spec.world, spec.variant, spec.advisor, spec.seed, str(dict(spec.overrides)["world"])):
+                   store.run_folder(spec) for spec in store.specs()}
+        keys = dict.fromkeys((str(row["world"]), str(row["evaluation_world"]), str(row["advisor"])) for row in rows
+                             if row["status"] == "done" and row["variant"] in NAMES)
+        drawn = []
+        for number, (task, place, advisor) in enumerate(keys):
+            trials = chosen(rows, task, place, advisor)
+            runs = {NAMES[variant]: [folders[task, variant, advisor, int(row["seed"]), place] for row in own]
+                    for variant, own in trials.items()}
+            if not all(runs.values()):
+                continue
+            path = self.out / f"ablation-{Path(task).stem}{f'-{number}' if number else ''}.png"
+            draw_ablation(runs, path, f"{Path(task).stem}, world {place}, advisor {called(advisor)}")
+            drawn.append(str(path))
+        return drawn
 
     def _command(self) -> str:
         """The command that makes this campaign, without what does not change its results."""
@@ -208,8 +259,30 @@ class ContactBench:
                  "--worlds", self.worlds, "--seeds", self.seeds, "--advisors", self.advisors]
         words += ["--policies", self.policies] if self.policies else []
         words += ["--poses", self.poses] if self.poses is not None else []
+        words += ["--memory", str(self.memory)] if self.memory is not None else []
         words += ["--samples", str(self.samples)] if self.samples is not None else []
         words += ["--config", str(self.config)] if self.config else [
             word for key, value in changes(to_mapping(self.cfg), to_mapping(EpisodeCfg()), "cfg")
             for word in (f"--{key.replace('_', '-')}", str(value))]
         return shlex.join(words)
+
+
+def read_memory(file: Path) -> dict[str, Any]:
+    """What is remembered in a memory, or in an export of one.
+
+    Raises:
+        InputError: It is neither.
+    """
+    try:
+        head = file.read_bytes()
+    except OSError as error:
+        raise InputError("--memory", "", f"{file}: {error.strerror}", "a memory, or an export of one") from None
+    if head.startswith(b"SQLite format 3"):
+        return Memory(file).export()
+    try:
+        content = json_text.loads(head)
+    except ValueError:
+        content = None
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise InputError("--memory", "", str(file), "a memory, or an export of one")
+    return content

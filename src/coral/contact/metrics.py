@@ -7,10 +7,12 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from statistics import median
+from statistics import fmean, median
 from typing import Any
 
 from coral.errors import InputError
+
+HAND = {"hand", "left", "right"}
 
 DEFINITIONS = {
     "success": "Whether all of the task's conditions held, without a break, for its `hold_s` (paper, section 4).",
@@ -29,6 +31,9 @@ DEFINITIONS = {
     "mean_hand_force_n": "Mean of that force (N) while the hand touched an object.",
     "contact_time_s": "Time (s) during which the hand touched an object.",
     "contacts": "Contacts that began during the episode, those between things that do not move left out.",
+    "first_touch_s": "Simulated time (s) at which the hand first touched an object.",
+    "plan_cost": "Mean expected cost of the plans.",
+    "plan_cost_jump": "Mean change of that cost from one plan to the next within a stage: how erratic planning was.",
     "effective_samples": "Mean effective sample size of the plans.",
     "diverged_rehearsals": "Rehearsals in the planning world that were left out because they diverged.",
     "track_lost": "Times an object was lost by the tracker.",
@@ -57,19 +62,29 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     """Metrics from the events and the rows of the trajectory, in order."""
     start: Mapping[str, Any] = {}
     end: Mapping[str, Any] = {}
+    objects: set[str] = set()
     plans = asked = stages = contacts = diverged = 0
     lost = recovered = 0
     effective, strategy = 0.0, ""
+    costs: list[float] = []
+    jumps: list[float] = []
+    planned: tuple[str, float] = ("", math.nan)
+    touched: float | None = None
     for event in events:
         kind = event["event"]
         if kind == "start":
-            start = event
+            start, objects = event, set(event.get("trial", ()))
         elif kind == "end":
             end = event
         elif kind == "plan":
             plans += 1
             effective += float(event["ess"])
             diverged += int(event["diverged"])
+            if event.get("cost") is not None:
+                stage, cost = str(event.get("stage", "")), float(event["cost"])
+                costs.append(cost)
+                jumps += [abs(cost - planned[1])] if planned[0] == stage and math.isfinite(planned[1]) else []
+                planned = stage, cost
         elif kind == "policy":
             asked += 1
         elif kind == "stage":
@@ -80,6 +95,9 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
             lost, recovered = lost + bool(event["lost"]), recovered + (not event["lost"])
         elif kind == "contact":
             contacts += event["step"] > 0
+            pair = {str(event.get("first")), str(event.get("second"))}
+            if touched is None and len(pair & HAND) == 1 and pair & objects:
+                touched = float(event["t"])
     path, last, step, t, before = 0.0, None, 0, 0.0, 0.0
     peak = impulse = touching = missed = 0.0
     off_m: list[float] = []
@@ -103,6 +121,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "memory_hit": bool(end.get("memory_hit", False)), "path_length_m": round(path, 4),
         "peak_hand_force_n": round(peak, 2), "mean_hand_force_n": round(impulse / touching, 2) if touching else None,
         "contact_time_s": round(touching, 3), "contacts": contacts,
+        "first_touch_s": touched, "plan_cost": round(fmean(costs), 4) if costs else None,
+        "plan_cost_jump": round(fmean(jumps), 4) if jumps else None,
         "effective_samples": round(effective / plans, 2) if plans else None, "diverged_rehearsals": diverged,
         "track_lost": lost, "track_recovered": recovered, "track_lost_s": round(missed, 3),
         "pose_error_mm": round(1e3 * median(off_m), 2) if off_m else None,

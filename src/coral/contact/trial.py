@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
+import json
+import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from coral.contact.draw import draw
 from coral.contact.episode import Episode, EpisodeCfg
 from coral.contact.task import Task
-from coral.contact.variants import Asking, make_mind
+from coral.contact.thinking.memory import Memory
+from coral.contact.variants import REMEMBERING, Asking, make_mind
 from coral.errors import RunError
 
 
-def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant: str, advisor: str, seed: int
-              ) -> dict[str, Any]:
+def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant: str, advisor: str, seed: int,
+              memory: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Run an episode; the same arguments give the same episode as `coral contact run`.
 
     Args:
@@ -25,17 +29,33 @@ def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant:
         variant: Name of the variant.
         advisor: As on the command line; "none" for a variant that asks nobody.
         seed: Of everything random.
+        memory: What a variant that remembers begins with, as `Memory.export` gives it; None for nothing. The trial has
+            it to itself, so that trials do not depend on each other or on their order; what it adds is written into
+            `remembered.json` of the run folder.
 
     Returns:
-        Metrics and timing, with `evaluation_world`.
+        Metrics and timing, with `evaluation_world`, and `memory_known`, the number of experiences at the start.
 
     Raises:
         RunError: The episode was interrupted.
     """
     cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
-    # A table's trials are independent of each other: nothing is remembered from one to the next.
-    mind = make_mind(variant, task, Asking(advisor=advisor, seed=seed, world=world, folder=folder, think=cfg.think))
-    result = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor).run()
+    with tempfile.TemporaryDirectory() as aside:
+        own = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None
+        known = own.load(memory, "memory") if own is not None and memory is not None else 0
+        mind = make_mind(variant, task, Asking(advisor=advisor, seed=seed, world=world, folder=folder, think=cfg.think,
+                                               memory=None if own is None else own.path))
+        result = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor).run()
+        if own is not None:
+            _keep_new(own, known, folder)
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])
-    return {**result, "evaluation_world": world}
+    return {**result, "evaluation_world": world, "memory_known": None if own is None else known}
+
+
+def _keep_new(own: Memory, known: int, folder: Path) -> None:
+    everything = own.export()
+    new = everything["experiences"][known:]
+    if new:
+        text = json.dumps({**everything, "experiences": new}, indent=1)
+        (folder / "remembered.json").write_text(f"{text}\n", encoding="utf-8")

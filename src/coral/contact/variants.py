@@ -103,6 +103,8 @@ VARIANTS: dict[str, Make] = {
 """Who decides in each variant."""
 ALONE = ("expert", "expert-fsm")
 """Variants that ask no advisor."""
+REMEMBERING = ("full", "no-refinement", "cost-only", "no-tracking")
+"""Variants that look into the experience memory, and add to it."""
 
 
 def make_mind(variant: str, task: Task, asking: Asking | None = None) -> Mind:

@@ -1,0 +1,92 @@
+"""The paper's Fig. 5 from run folders: the tool's paths and the planning cost, with a contact strategy and without."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.errors import InputError
+from coral.view.run import RunFolder
+
+HUES = ("#178048", "#c8352b")
+"""Of what is with the strategy and what is without, as in the paper."""
+
+
+def draw_ablation(runs: Mapping[str, Sequence[Path]], path: Path, title: str) -> None:
+    """Write the figure as PNG, whole or not at all.
+
+    Args:
+        runs: Name of each variant, that with the strategy first, to its run folders, the same seeds in the same order.
+        path: Of the picture; replaced.
+        title: Above it.
+
+    Raises:
+        InputError: The picture cannot be written, or a folder is no run.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+    FigureCanvasAgg(figure)
+    paths, costs = figure.subplots(1, 2, width_ratios=(1.0, 1.25))
+    for (name, folders), hue in zip(runs.items(), HUES, strict=False):
+        read = [RunFolder.read(folder) for folder in folders]
+        if not read:
+            continue
+        if hue == HUES[0]:
+            _scene(paths, read[0])
+        # The trial of middling length stands for all; the others are there, but faintly.
+        order = sorted(range(len(read)), key=lambda k: len(read[k].column("t")))
+        shown = order[len(order) // 2]
+        for k, run in enumerate(read):
+            style = {"color": hue, "lw": 1.8 if k == shown else 0.7, "alpha": 1.0 if k == shown else 0.3,
+                     "zorder": 4 if k == shown else 3}
+            label = name if k == shown else None
+            paths.plot(run.column("x"), run.column("z"), label=label, **style)
+            plans = run.select("plan")
+            costs.plot([plan["step"] for plan in plans], [_cost(plan) for plan in plans], label=label, **style)
+    paths.set(xlabel="x (m), away from the robot", ylabel="z (m)", aspect="equal")
+    paths.set_title("Path of the tool, from the side", fontsize=9)
+    costs.set(xlabel="control steps", ylabel="expected cost of the plan", yscale="symlog")
+    costs.set_title("Planning cost", fontsize=9)
+    costs.legend(frameon=False, fontsize=8)
+    for axes in (paths, costs):
+        axes.grid(alpha=0.25, lw=0.5)
+        axes.tick_params(labelsize=8)
+    figure.suptitle(title, fontsize=9)
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=140, metadata={"Software": None})
+    partial = path.with_name(f"{path.name}.part")
+    try:
+        partial.write_bytes(buffer.getvalue())
+        os.replace(partial, path)
+    except OSError as error:
+        raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
+
+
+def _scene(axes: Any, run: RunFolder) -> None:
+    """The table, what stands on it and where the objects were at first, from the side."""
+    from matplotlib.patches import Rectangle
+
+    table = run.world.get("table") or {}
+    center, size = table.get("center", (0.0, 0.0)), table.get("size", (0.8, 0.8))
+    axes.add_patch(Rectangle((center[0] - size[0] / 2, -0.03), size[0], 0.03, color="0.82", zorder=1))
+    for item in run.world.get("fixtures") or ():
+        (x, _, z), (length, _, height) = item["position"], item["size"]
+        axes.add_patch(Rectangle((x - length / 2, z - height / 2), length, height, color="0.62", zorder=2))
+    start = next(iter(run.select("start")), {})
+    for name, item in (start.get("trial") or {}).items():
+        x, z = run.column(f"{name}_x"), run.column(f"{name}_z")
+        length, _, height = item["size_m"]
+        if len(x):
+            axes.add_patch(Rectangle((x[0] - length / 2, z[0] - height / 2), length, height, fc="#e3b27a", ec="#a6702f",
+                                     lw=0.8, zorder=2))
+
+
+def _cost(plan: Mapping[str, Any]) -> float:
+    return float("nan") if plan.get("cost") is None else float(np.clip(plan["cost"], -1e6, 1e6))

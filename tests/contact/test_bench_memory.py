@@ -1,0 +1,66 @@
+import json
+
+import pytest
+import yaml
+from episodes import SLIDE
+
+from coral.campaign.dataset import read_parquet
+from coral.cli import main
+from coral.commands.contact_bench import read_memory
+from coral.errors import InputError
+
+QUICK = ["--samples", "16", "--cfg.controller.horizon", "25", "--cfg.planning.threads", "1", "--quiet", "--json",
+         "--worlds", "hand", "--poses", "ground-truth", "--mix"]
+
+
+@pytest.fixture(scope="module")
+def practised(tmp_path_factory):
+    """A task file, and a campaign with a contact strategy and without, of two advisors, one of which errs."""
+    folder = tmp_path_factory.mktemp("bench")
+    task = folder / "slide.yaml"
+    task.write_text(yaml.safe_dump(SLIDE))
+    assert main(["contact", "bench", "--tasks", str(task), "--variants", "full,cost-only", "--seeds", "5", "--advisors",
+                 "heuristic,fallible:0.3:heuristic", "--out", str(folder / "practice"), *QUICK]) == 0
+    return task, folder / "practice"
+
+
+def test_a_trial_begins_with_what_practice_left_and_with_nothing_of_its_neighbours(practised, tmp_path, capsys):
+    task, practice = practised
+    assert main(["contact", "bench", "--tasks", str(task), "--variants", "full", "--seeds", "0-1", "--memory",
+                 str(practice / "memory.json"), "--out", str(tmp_path / "out"), *QUICK]) == 0
+    rows = read_parquet(tmp_path / "out" / "results.parquet")
+    kept = len(json.loads((practice / "memory.json").read_text())["experiences"])
+    assert [(row["memory_known"], row["memory_hit"], row["advisor_calls"]) for row in rows] == [(kept, True, 1)] * 2
+    assert f"{kept} experiences" in (tmp_path / "out" / "tables.md").read_text()
+    assert json.loads(capsys.readouterr().out)["memory"] == ""
+
+
+def test_only_plans_with_regions_are_handed_on(practised):
+    _, practice = practised
+    kept = json.loads((practice / "memory.json").read_text())["experiences"]
+    assert {one["provenance"]["variant"] for one in kept} == {"full"}
+    assert len(list(practice.glob("runs/*/remembered.json"))) > len(kept)
+
+
+def test_an_advisor_that_errs_has_tables_of_its_own(practised):
+    _, practice = practised
+    page = (practice / "tables.md").read_text()
+    assert page.count("Advisor: fallible:0.3:heuristic (rules, no language model).") == 4
+    assert page.count("Advisor: heuristic (rules, no language model).") == 4
+
+
+def test_strategy_and_none_are_compared_in_a_table_and_a_figure(practised):
+    _, practice = practised
+    page = (practice / "tables.md").read_text()
+    assert "**Contact-strategy ablation.** slide, world: hand." in page
+    assert (practice / "ablation-slide.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("content", [b"", b"{}", b"nothing"])
+def test_what_is_no_memory_is_refused(tmp_path, content):
+    path = tmp_path / "memory.json"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="--memory"):
+        read_memory(path)
+    with pytest.raises(InputError, match="absent"):
+        read_memory(tmp_path / "absent.json")
