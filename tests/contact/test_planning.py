@@ -193,3 +193,14 @@ def test_clock_and_actions():
 def test_the_present_is_a_batch_of_one():
     drawn = trial()
     assert world(drawn).present(seen(drawn)).shape == (1, 1)
+
+
+def test_a_light_box_held_still_stays_between_the_fingers():
+    # Askew by half a degree and a millimetre, as it is seen in a camera's pictures.
+    drawn, rng = trial(), np.random.default_rng(0)
+    planner = world(drawn)
+    still = controls(np.tile([0.0, 0.0, 0.305], (1, 50, 1)), opening=-0.03)
+    for _ in range(10):
+        box = body(rng.normal([0.0, 0.0, 0.3], 0.001), rng.normal(scale=0.6, size=3))
+        context, _ = planner.rollout(seen(drawn, tool=(0.0, 0.0, 0.305), opening_m=0.0595, box=box), still)
+        assert np.linalg.norm(context.box_pos[0, -1] - context.ee_pos[0, -1]) < 0.02
