@@ -31,7 +31,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     overhang = min(facts["numbers"].get("overhang", 0.05), 0.3 * float(thing.size[axis]))
     rear = thing.to_face(axis, -sign)
     height = thing.low + max(0.014, thing.height / 2)
-    add_behind(draft, thing, facts, axis, sign, height, choice)
+    add_behind(draft, thing, facts, axis, sign, height, choice, handed=True)
     rise = lift_m + 0.05
     beyond = f"(dot(self.{n}_pos + quat_rotate(self.{n}_quat, {vector(grip)}), {vector(out)}) - {number(edge)})"
     # Along the edge, away from the robot, and a little inward: what an arm on the robot's side can do.
@@ -55,7 +55,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
         lost=f"norm(self.ee_pos - self.{n}_pos) > {number(rear + 0.12)} and not {over}", opening=OPEN_M,
         toward=f"{ahead} * np.array([1.0, 1.0, 0.0]) + np.array([0.0, 0.0, {number(height)}])",
         stiffness=600.0 * choice.press,
-        code=behind_head(thing, axis, sign, number(height)) + f"""
+        code=behind_head(thing, axis, sign, number(height), handed=True) + f"""
     beyond = {beyond}
     terms['overhang'] = 20.0 * clip({number(overhang)} - beyond, 0.0, 1.0)
     terms['not too far'] = 60.0 * clip(beyond - {number(overhang + 0.02)}, 0.0, 1.0)

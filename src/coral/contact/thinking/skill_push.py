@@ -21,19 +21,23 @@ def abreast(width_m: float) -> float:
     return float(np.clip(0.4 * width_m, 0.0, 0.07))
 
 
-def behind_head(thing: Thing, axis: int, sign: float, height: str) -> str:
-    """Begin of a program: the axis of pushing, the point behind the pushed face, how square the hand stands to it."""
+def behind_head(thing: Thing, axis: int, sign: float, height: str, handed: bool = False) -> str:
+    """Begin of a program: the axis of pushing, the point behind the pushed face, how square the hand stands to it.
+
+    Two orientations push alike. `handed` asks for the one whose fingers open to the left of the way, from where an arm
+    can go on to point along an edge on that side; from the other one a Panda ends at its joint limits.
+    """
     n, half = thing.name, thing.to_face(axis, -sign)
     return f"""def state_cost(self):
     along = {axis_of(n, axis, sign)}
     behind = self.{n}_pos - {number(half + PAD_M)} * along
     behind = np.array([behind[0], behind[1], {height}])
     off = self.ee_pos - behind
-    square = 1.0 + quat_axis(self.ee_quat, 2)[2] + 3.0 * dot(quat_axis(self.ee_quat, 1), along) ** 2"""
+    square = {_square(thing.name, axis, sign if handed else 0.0)}"""
 
 
 def add_behind(draft: Draft, thing: Thing, facts: Mapping[str, Any], axis: int, sign: float, height_m: float,
-               choice: Choice) -> None:
+               choice: Choice, handed: bool = False) -> None:
     """Come from above to the face that is to be pushed."""
     n = thing.name
     wide = abreast(thing.size[next(k for k in thing.lying if k != axis)])
@@ -42,8 +46,8 @@ def add_behind(draft: Draft, thing: Thing, facts: Mapping[str, Any], axis: int, 
     here = (f"norm(self.ee_pos - self.{n}_pos + {number(thing.to_face(axis, -sign) + PAD_M + gap)} * "
             f"{axis_of(n, axis, sign)} - np.array([0.0, 0.0, {number(height_m)} - self.{n}_pos[2]]))")
     draft.stages.append(StageAnswer(
-        name="reach", done=f"{here} < 0.018 and ({_square(n, axis)}) < 0.1",
-        code=behind_head(thing, axis, sign, number(height_m)) + f"""
+        name="reach", done=f"{here} < 0.018 and ({_square(n, axis, sign if handed else 0.0)}) < 0.1",
+        code=behind_head(thing, axis, sign, number(height_m), handed) + f"""
     goal = behind - {number(gap)} * along
     aside = clip01((norm((self.ee_pos - goal)[:2]) - 0.015) / 0.05)
     # from above: until the hand stands beside the face, the way leads to a point over it
@@ -59,7 +63,10 @@ def add_behind(draft: Draft, thing: Thing, facts: Mapping[str, Any], axis: int, 
         "stage": "reach"})))
 
 
-def _square(n: str, axis: int) -> str:
+def _square(n: str, axis: int, handed: float) -> str:
+    if handed:
+        left = f"cross(np.array([0.0, 0.0, 1.0]), {axis_of(n, axis, handed)})"
+        return f"1.0 + quat_axis(self.ee_quat, 2)[2] + 4.0 * (1.0 - dot(quat_axis(self.ee_quat, 1), {left}))"
     return (f"1.0 + quat_axis(self.ee_quat, 2)[2] + 3.0 * dot(quat_axis(self.ee_quat, 1), "
             f"quat_axis(self.{n}_quat, {axis})) ** 2")
 
