@@ -10,6 +10,7 @@ import yaml
 from episodes import SLIDE
 
 from coral.advisor.question import Picture
+from coral.contact.conditions import Upright
 from coral.contact.controller import ControllerCfg
 from coral.contact.draw import draw
 from coral.contact.episode import Episode, EpisodeCfg
@@ -72,6 +73,15 @@ def test_a_task_that_nobody_here_wrote_runs_from_its_file_alone(task, tmp_path):
     assert task.name not in shipped_tasks()
     result = attempted(task, tmp_path / "run")
     assert (result["success"], result["advisor_calls"], result["repairs"]) == (True, 3, 0)
+
+
+def test_a_goal_that_nobody_knows_a_way_to_is_named_and_no_traceback(task, tmp_path):
+    odd = task.model_copy(update={"success": task.success.model_copy(update={
+        "conditions": (Upright(object="crate"),)})})
+    result = attempted(odd, tmp_path / "run")
+    assert (result["end_reason"], result["steps"]) == ("no-strategy", 0)
+    end = json.loads((tmp_path / "run" / "events.jsonl").read_text().splitlines()[-1])
+    assert end["detail"] == "no goal asks for anything to be moved"
 
 
 def test_a_cost_that_a_person_writes_at_the_desk_drives_a_task(task, tmp_path, person):

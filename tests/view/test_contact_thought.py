@@ -2,6 +2,7 @@ import json
 
 import pytest
 
+from coral.contact.conditions import Upright
 from coral.contact.controller import ControllerCfg
 from coral.contact.draw import draw
 from coral.contact.episode import Episode, EpisodeCfg
@@ -96,3 +97,14 @@ def test_each_kind_of_event_is_told_in_words(tmp_path, event, title, said):
 
 def test_a_run_without_an_advisor_has_no_thoughts(tmp_path):
     assert thoughts(told(tmp_path, {"event": "strategy", "name": "expert", "stages": ["all"]})) == []
+
+
+def test_a_run_that_never_began_has_a_page_that_says_why(tmp_path):
+    folder = tmp_path / "run"
+    task = load_task("pick-box")
+    goals = task.success.model_copy(update={"conditions": (Upright(object="box"),)})
+    odd = task.model_copy(update={"success": goals})
+    mind = make_mind("full", odd, Asking(folder=folder))
+    assert Episode(draw(odd, 0), "hand", mind, COARSE, folder, variant="full", advisor="heuristic").run()["steps"] == 0
+    page = write_contact_report(folder).read_text()
+    assert "Ended before it began: nobody found a way (no goal asks for anything to be moved)." in page

@@ -17,7 +17,7 @@ from coral.contact.draw import Drawn, Physical
 from coral.contact.guessed import GuessedWorld
 from coral.contact.judge import Judge
 from coral.contact.metrics import compute_metrics
-from coral.contact.mind import Mind, Moment, Step
+from coral.contact.mind import Mind, Moment, NoStrategy, Step
 from coral.contact.planning import PlanningCfg, PlanningWorld
 from coral.contact.policy.cfg import PolicyCfg
 from coral.contact.program.errors import CostError
@@ -41,6 +41,7 @@ ENDS = {
     "unreachable": "the robot's arm cannot go on",
     "camera-off": "the camera gives no pictures",
     "not-found": "an object could not be found in the first pictures",
+    "no-strategy": "nobody found a way to what is asked",
     "cost-error": "the strategy's cost could not be evaluated",
     "no-plan": "no rehearsal could be used for many plans in a row, or the plan was no motion",
     "policy": "a served policy gave no actions that could be taken",
@@ -150,6 +151,8 @@ class Episode:
                 self._begin()
             except WorldFault as fault:
                 self.end_reason, self.detail = fault.code, str(fault)
+            except NoStrategy as none:
+                self.end_reason, self.detail = "no-strategy", str(none)
             while not self.end_reason:
                 self.advance()
                 for observer in observers:

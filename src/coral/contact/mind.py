@@ -64,6 +64,10 @@ class Moment:
     taken: tuple[Step, ...] = ()
 
 
+class NoStrategy(RuntimeError):
+    """Nobody knows what is to be done; the text says why."""
+
+
 class Mind(Protocol):
     """Decides on strategies, and on what is believed of masses and frictions."""
 
@@ -101,6 +105,9 @@ class Mind(Protocol):
             drawn: The trial as the robot knows it: true shapes, seen poses, masses and frictions as believed before.
             first: What the sensors say at first.
             world: The planning world.
+
+        Raises:
+            NoStrategy: There is none.
         """
         ...
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.consult import Outcome
-from coral.advisor.question import Rejection
+from coral.advisor.question import AdvisorUnavailable, Rejection
 from coral.contact.context import Cost
 from coral.contact.draw import Drawn, Physical
-from coral.contact.mind import Account, Moment, Step
+from coral.contact.mind import Account, Moment, NoStrategy, Step
 from coral.contact.planning import PlanningWorld
 from coral.contact.program import CostError, LastGoodCost
 from coral.contact.scene import prior
@@ -180,7 +180,10 @@ class Thinker:
         self._failure = None
         self._diagnoses.append("cost-error")
         self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": 0}
-        self._replan(now, self._rule, f"in stage {stage!r}, {error}")
+        try:
+            self._replan(now, self._rule, f"in stage {stage!r}, {error}")
+        except NoStrategy:
+            return None
         return self._repaired()
 
     def ended(self, reason: str) -> None:
@@ -251,7 +254,10 @@ class Thinker:
 
     def _rule(self) -> PlanAnswer:
         # Without an answer the rules take over, and the record says so: a robot that stands still helps nobody.
-        rule = RULES["cost-function"]({**self._facts, "diagnoses": list(self._diagnoses)}, ())
+        try:
+            rule = RULES["cost-function"]({**self._facts, "diagnoses": list(self._diagnoses)}, ())
+        except AdvisorUnavailable as none:
+            raise NoStrategy(none.reason) from None
         assert isinstance(rule, PlanAnswer)
         self._emit("fallback", what="plan", by="heuristic", because=self._unanswered)
         return rule

@@ -167,7 +167,7 @@ def stage_names(run: RunFolder) -> list[str]:
 def stage_spans(run: RunFolder) -> list[tuple[float, float, str]]:
     """Start (s), end (s) and name of every stage as it came on."""
     events = run.select("stage")
-    ends = [*(float(event["t"]) for event in events[1:]), run.duration_s]
+    ends = [*(float(event["t"]) for event in events[1:]), run.duration_s][:len(events)]
     return [(float(event["t"]), end, str(event["stage"])) for event, end in zip(events, ends, strict=True)]
 
 

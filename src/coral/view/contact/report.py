@@ -42,6 +42,7 @@ ENDED = {
     "diverged": "void: the simulation diverged", "unreachable": "failed: the arm could not go on",
     "camera-off": "failed: the camera gave no pictures", "not-found": "failed: an object was not found",
     "cost-error": "failed: the cost could not be evaluated",
+    "no-strategy": "failed: nobody found a way",
     "no-plan": "failed: no usable rehearsal", "policy": "failed: the served policy gave no actions",
     "failed": "ended by an error in the program"}
 
@@ -119,9 +120,13 @@ def _metrics(run: RunFolder) -> Mapping[str, Any]:
 
 
 def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
-    if not metrics or not metrics.get("steps"):
-        return "Nothing was recorded that could be reported on yet."
     reason = str(metrics.get("end_reason", ""))
+    detail = str((run.select("end") or [{}])[-1].get("detail", ""))
+    if not metrics.get("steps"):
+        if reason in ENDED and reason != "killed":
+            what = ENDED[reason].partition(": ")[2] or ENDED[reason]
+            return f"Ended before it began: {what}{f' ({detail})' if detail else ''}."
+        return "Nothing was recorded that could be reported on yet."
     seconds, plans = float(metrics.get("sim_time_s", 0.0)), int(metrics.get("plans", 0))
     how = f"{plans} plans, {float(metrics.get('path_length_m', 0.0)):.2f} m of path"
     strategy = f"following “{metrics.get('strategy')}”" if metrics.get("strategy") else ""
@@ -132,7 +137,6 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
         return f"Not done within {seconds:.0f} s of simulated time, {strategy}; the last stage was “{stage}”: {how}."
     if not run.complete:
         return f"Cut off after {seconds:.1f} s of simulated time in stage “{stage}”, {strategy}: {how}."
-    detail = str((run.select("end") or [{}])[-1].get("detail", ""))
     what = ENDED.get(reason.partition(":")[0], reason).removeprefix("failed: ").removeprefix("void: ")
     return (f"Ended without success after {seconds:.1f} s of simulated time in stage “{stage}”, because {what}"
             f"{f' ({detail})' if detail else ''}: {how}.")
