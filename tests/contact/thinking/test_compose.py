@@ -9,6 +9,7 @@ from coral.contact.thinking.compose import NoRule, compose
 from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer, make_strategy, verify_plan
 from coral.contact.thinking.regions import verify_regions
 from coral.contact.thinking.repair import choice_after
+from coral.contact.thinking.rules import RULES
 from coral.contact.thinking.setting import Choice, Thing
 
 
@@ -123,3 +124,19 @@ def test_a_board_that_overhangs_already_is_not_pushed_again(scene):
     assert progress.update(one.world.present(there))
     assert progress.update(one.world.present(there))
     assert progress.stage.name == "rise"
+
+
+def test_a_repair_of_the_way_in_takes_another_slant_and_goes_deeper_when_it_slipped(scene):
+    facts = scene("push-pick-board").facts
+    made = [compose(facts, Choice(turn=turn)) for turn in range(3)]
+    assert len({next(region for _, region in one.regions.each() if region.stage == "insert").normal for one in made}) == 3
+    assert [verify_regions(one.regions, facts, one.plan.names) for one in made] == [None] * 3
+    first, again = (compose(facts, choice).plan.stages[5].code for choice in (Choice(), choice_after(["slipped"])))
+    assert first != again
+
+
+def test_a_repair_claims_no_change_that_its_rules_do_not_make(scene):
+    facts = scene("flip-wall").facts
+    repaired = RULES["cost-repair"]({**facts, "diagnoses": ["not-reached"]}, ())
+    assert repaired.stages == compose(facts).plan.stages
+    assert "tries the same again" in repaired.explanation

@@ -42,7 +42,9 @@ def _repair(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseMo
     diagnoses = list(facts["diagnoses"])
     made = _composed(facts, len(rejections)).plan
     why = TEXTS.get(diagnoses[-1], diagnoses[-1])
-    change = change_words(choice_after(diagnoses[:-1]), choice_after([*diagnoses, *["no-progress"] * len(rejections)]))
+    before, after = choice_after(diagnoses[:-1]), choice_after([*diagnoses, *["no-progress"] * len(rejections)])
+    # A skill that has no other side or grasp must not claim to take one.
+    change = change_words(before, after if compose(facts, before).plan != made else before)
     words = f"The plan before failed because {why}. {change}: {made.explanation}"
     return made.model_copy(update={"explanation": words})
 

@@ -17,6 +17,9 @@ OPEN_M = 0.07
 DEEP_M = 0.028
 """How far the tool goes in over what it pinches: the palm is 37 mm behind it and stays clear."""
 
+SLANTS = (0.57, 0.27, 1.0)
+"""How much the way in slants inward, in order of preference: 30, 15, 45 degrees off the edge. A Panda reaches all."""
+
 
 def can_overhang(thing: Thing) -> bool:
     """Whether an end of it, once it is beyond the edge, can be pinched across the height."""
@@ -35,10 +38,11 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     rise = lift_m + 0.05
     beyond = f"(dot(self.{n}_pos + quat_rotate(self.{n}_quat, {vector(grip)}), {vector(out)}) - {number(edge)})"
     # Along the edge, away from the robot, and a little inward: what an arm on the robot's side can do.
-    aside = np.array([0.87, 0.0, 0.0]) - 0.5 * out if abs(out[1]) > abs(out[0]) else -out
+    slant = SLANTS[choice.turn % len(SLANTS)]
+    aside = np.array([1.0, 0.0, 0.0]) - slant * out if abs(out[1]) > abs(out[0]) else -out
     palm: Array = aside / np.linalg.norm(aside)
     inward = thing.rotation.T @ palm
-    grip = grip - max(0.0, thing.room_behind(grip, inward) - DEEP_M) * inward
+    grip = grip - max(0.0, thing.room_behind(grip, inward) - DEEP_M - 0.5 * choice.lower_m) * inward
     at = f"(self.{n}_pos + quat_rotate(self.{n}_quat, {vector(grip)}))"
     tool = np.asarray(facts["hand"]["pose"][3:], dtype=float)
     pinch = tool_quaternion(palm, np.array([0.0, 0.0, 1.0]), tool)
