@@ -6,7 +6,7 @@ import yaml
 
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
-from coral.contact.episode import ENDS
+from coral.contact.ends import ENDS
 from coral.contact.task import load_task, shipped_tasks
 from coral.contact.variants import VARIANTS
 

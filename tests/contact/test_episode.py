@@ -6,7 +6,8 @@ import pytest
 import yaml
 
 from coral.contact import episode as module
-from coral.contact.episode import ENDS, Episode
+from coral.contact.ends import ENDS
+from coral.contact.episode import Episode
 from coral.contact.mind import Account, Fixed
 from coral.contact.program.errors import CostError
 from coral.contact.reactive import ReactiveCfg

@@ -9,7 +9,7 @@ from coral.contact.episode import Episode, EpisodeCfg
 from coral.contact.planning import PlanningCfg
 from coral.contact.task import load_task
 from coral.contact.thinking.outer import OuterCfg
-from coral.contact.thinking.thinker import ThinkCfg
+from coral.contact.thinking.think_cfg import ThinkCfg
 from coral.contact.variants import Asking, make_mind
 from coral.mppi.knots import KnotMppiCfg
 from coral.view.contact.report import write_contact_report

@@ -17,7 +17,8 @@ from coral.advisor.registry import make_advisor
 from coral.commands.contact_progress import EpisodeProgress
 from coral.config import checked, read_config
 from coral.contact.draw import draw
-from coral.contact.episode import ENDS, Episode, EpisodeCfg
+from coral.contact.ends import ENDS
+from coral.contact.episode import Episode, EpisodeCfg
 from coral.contact.policy.address import parse_address
 from coral.contact.policy.episode import PolicyEpisode
 from coral.contact.policy.trial import serving

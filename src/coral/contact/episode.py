@@ -26,29 +26,11 @@ from coral.contact.record import EpisodeRecorder, RecordCfg, columns, numbers
 from coral.contact.scene import believing, prior
 from coral.contact.sight import SightCfg, eyes
 from coral.contact.strategy import Progress, Strategy
-from coral.contact.thinking.thinker import ThinkCfg
+from coral.contact.thinking.think_cfg import ThinkCfg
 from coral.contact.tracked import Seen, TrackedCfg, TrackedWorld
 from coral.contact.world import EvaluationWorld, HandTarget, Observation, Truth, WorldFault
 from coral.contact.worlds import make_world
 from coral.runs import RunWriter, provenance
-
-ENDS = {
-    "success": "all of the task's conditions held long enough",
-    "timeout": "the task's time was up",
-    "dropped": "an object fell off the table",
-    "tunnelling": "an object went through the table: the simulation is not to be believed",
-    "diverged": "the evaluation world's simulation diverged",
-    "unreachable": "the robot's arm cannot go on",
-    "camera-off": "the camera gives no pictures",
-    "not-found": "an object could not be found in the first pictures",
-    "no-strategy": "nobody found a way to what is asked",
-    "cost-error": "the strategy's cost could not be evaluated",
-    "no-plan": "no rehearsal could be used for many plans in a row, or the plan was no motion",
-    "policy": "a served policy gave no actions that could be taken",
-    "stopped by the operator": "interrupted",
-    "failed": "an error in the program",
-}
-"""Why an episode ends; after a colon may follow which object."""
 
 
 @dataclass(frozen=True, kw_only=True)

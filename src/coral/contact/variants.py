@@ -22,7 +22,8 @@ from coral.contact.thinking.memory import Memory
 from coral.contact.thinking.plan_answer import in_process
 from coral.contact.thinking.rules import RULES
 from coral.contact.thinking.spoil import SPOILT
-from coral.contact.thinking.thinker import ThinkCfg, Thinker
+from coral.contact.thinking.think_cfg import ThinkCfg
+from coral.contact.thinking.thinker import Thinker
 from coral.errors import InputError, nearest
 
 

@@ -19,7 +19,8 @@ from coral.contact.thinking.memory import Memory
 from coral.contact.thinking.outer import OuterCfg, Watch
 from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer
 from coral.contact.thinking.rules import RULES
-from coral.contact.thinking.thinker import ThinkCfg, Thinker
+from coral.contact.thinking.think_cfg import ThinkCfg
+from coral.contact.thinking.thinker import Thinker
 from coral.contact.world import HandTarget
 from coral.mppi.knots import Update
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,8 @@ from coral.advisor.question import Rejection
 from coral.contact.draw import Drawn
 from coral.contact.geometry import quaternion_of, rotation_of
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.sight import picture
+from coral.contact.thinking.ask import Asker
 from coral.contact.thinking.scene_facts import pose
 from coral.contact.tracked import nominal
 from coral.contact.world import Array, Body, Observation
@@ -116,6 +118,29 @@ def locate(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> Po
             x, y, z = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2, max(high[2] - half, 0.0)
         found[name] = ObjectPose(position=(round(x, 5), round(y, 5), round(z, 5)), quaternion=tuple(usual[3:]))
     return PosesAnswer(found)
+
+
+def ask_poses(asker: Asker, drawn: Drawn, first: Observation, frame: RgbdFrame, emit: Callable[..., None]
+              ) -> dict[str, Body]:
+    """Where the objects are, by an advisor or, where none answers, by the rule.
+
+    Args:
+        asker: The advisor.
+        drawn: As of `pose_facts`.
+        first: Likewise.
+        frame: Likewise.
+        emit: Where to report.
+    """
+    facts = pose_facts(drawn, first, frame)
+    outcome = asker.ask("object-poses", PosesAnswer, facts, pose_prompt(facts),
+                        lambda answer: verify_poses(answer, facts), pictures=(picture(frame),))
+    found = (outcome.answer or locate(facts)).bodies()
+    emit("poses", failure=outcome.failure, attempts=outcome.attempts,
+         refused=[rejection.reason for rejection in outcome.rejections],
+         **{name: pose(body) for name, body in found.items()})
+    if outcome.answer is None:
+        emit("fallback", what="poses", by="heuristic", because=outcome.failure)
+    return found
 
 
 def _points(frame: RgbdFrame) -> Array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,50 +18,23 @@ from coral.contact.scene import prior
 from coral.contact.sight import Look, picture
 from coral.contact.strategy import Strategy
 from coral.contact.thinking.ask import Asker
-from coral.contact.thinking.beliefs import BeliefCfg, Estimates, belief_prompt, verify_estimates
-from coral.contact.thinking.history import most_telling, windows
-from coral.contact.thinking.identify import IdentifyCfg, compare, identify
-from coral.contact.thinking.locate import PosesAnswer, locate, pose_facts, pose_prompt, verify_poses
+from coral.contact.thinking.beliefs import Estimates, belief_prompt, verify_estimates
+from coral.contact.thinking.correct import Past, correct
+from coral.contact.thinking.history import most_telling
+from coral.contact.thinking.locate import ask_poses
 from coral.contact.thinking.memory import Experience, Match, Memory, scene_numbers
-from coral.contact.thinking.outer import OuterCfg, Watch
+from coral.contact.thinking.outer import Watch
 from coral.contact.thinking.plan_answer import Loader, PlanAnswer, in_process, make_strategy, verify_plan
 from coral.contact.thinking.recall import adapted
-from coral.contact.thinking.regions import RegionCfg, RegionsAnswer, verify_regions
+from coral.contact.thinking.regions import RegionsAnswer, verify_regions
 from coral.contact.thinking.rehearse import gain, sample_states
-from coral.contact.thinking.repair import TEXTS, Diagnosis, ParametersAnswer, diagnose, recent, verify_parameters
-from coral.contact.thinking.replay import Replay
+from coral.contact.thinking.repair import TEXTS, Diagnosis, diagnose, recent
 from coral.contact.thinking.rules import RULES
-from coral.contact.thinking.scene_facts import interface_text, pose, scene_facts
-from coral.contact.thinking.unified import UnifiedAnswer
+from coral.contact.thinking.scene_facts import interface_text, scene_facts
+from coral.contact.thinking.think_cfg import ThinkCfg
+from coral.contact.thinking.unified import ask_all
 from coral.contact.world import Body, Observation
 from coral.errors import RunError
-
-
-@dataclass(frozen=True, kw_only=True)
-class ThinkCfg:
-    """What of CoRAL is on: the ablations switch parts off.
-
-    Args:
-        regions: Ask for contact regions (off: `cost-only`).
-        refine: Refine when stuck (off: `no-refinement`).
-        unified: Everything in one question (the paper's unified VLM).
-        tracking: Poses come from elsewhere (off: `no-tracking`, they are asked for once).
-        least_gain: Share by which rehearsed ways to the regions must lower the first stage's cost in a remembered plan.
-        belief: Bounds of what may be believed.
-        region: Bounds of what regions may be.
-        identify: The fit of corrections.
-        outer: The outer loop.
-    """
-
-    regions: bool = True
-    refine: bool = True
-    unified: bool = False
-    tracking: bool = True
-    least_gain: float = 0.05
-    belief: BeliefCfg = field(default_factory=BeliefCfg)
-    region: RegionCfg = field(default_factory=RegionCfg)
-    identify: IdentifyCfg = field(default_factory=IdentifyCfg)
-    outer: OuterCfg = field(default_factory=OuterCfg)
 
 
 class Thinker:
@@ -122,16 +94,7 @@ class Thinker:
         frame = self._look()
         if frame is None:
             raise RunError("poses cannot be guessed in a world without pictures")
-        facts = pose_facts(drawn, first, frame)
-        outcome = self.asker.ask("object-poses", PosesAnswer, facts, pose_prompt(facts),
-                                 lambda answer: verify_poses(answer, facts), pictures=(picture(frame),))
-        found = (outcome.answer or locate(facts)).bodies()
-        self._emit("poses", failure=outcome.failure, attempts=outcome.attempts,
-                   refused=[rejection.reason for rejection in outcome.rejections],
-                   **{name: pose(body) for name, body in found.items()})
-        if outcome.answer is None:
-            self._emit("fallback", what="poses", by="heuristic", because=outcome.failure)
-        return found
+        return ask_poses(self.asker, drawn, first, frame, self._emit)
 
     def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
         """Perceive, recall or ask, check, and make the strategy."""
@@ -309,24 +272,9 @@ class Thinker:
 
     def _ask_all(self, now: Observation, history: Mapping[str, Any] | None = None) -> PlanAnswer | None:
         """One question about everything; what is accepted is believed, and so are its regions."""
-        before, sizes = self._beliefs, {name: list(size) for name, size in self._sizes.items()}
-        objects = {name: {"mass_kg": None, "friction": None, **item} for name, item in self._shown().items()}
-        prompt = {"task": self._facts["instruction"], "objects": objects, "hand": self._facts["hand"],
-                  "interface": interface_text(self._world.schema), "places": self.cfg.regions, "code": "", "error": "",
-                  **(history or {})}
-
-        def wrong(answer: UnifiedAnswer) -> Rejection | None:
-            refusal = verify_estimates(answer.estimates, sizes, self.cfg.belief)
-            if refusal is not None:
-                return refusal
-            self._world.believe(answer.estimates.physical())
-            refusal = self._wrong_plan(answer, now)
-            if refusal is None and self.cfg.regions:
-                refusal = verify_regions(answer.places, self._facts, answer.names, self.cfg.region)
-            return refusal
-
-        outcome = self.asker.ask("unified", UnifiedAnswer, {**self._facts, "diagnoses": list(self._diagnoses)}, prompt,
-                                 wrong, seen=True)
+        before = self._beliefs
+        outcome = ask_all(self.asker, {**self._facts, "diagnoses": list(self._diagnoses)}, self._shown(), self._world,
+                          lambda answer: self._wrong_plan(answer, now), self.cfg, history)
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
             self._world.believe(before)
@@ -355,52 +303,10 @@ class Thinker:
         self._replan(now, lambda: self._plan)
         return self._repaired()
 
-    def _lies(self, name: str, start: Observation) -> bool:
-        """Whether an object was seen where it can be: a rehearsal throws out what begins inside the table."""
-        return self._drawn.lowest_point(name, start.objects[name]) > -self.cfg.outer.sunk_m
-
     def _correct(self, name: str, now: Observation) -> bool:
-        """World-model correction, if there is enough to replay; whether it was accepted."""
-        # All that was ever felt: what is tried when stuck tells little of a push that went wrong before.
-        stretches = windows(self._past, name, most=14, usable=lambda start: self._lies(name, start))
-        if len(stretches) < 2:
-            self._emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
-            return False
-        cfg = replace(self._world.cfg, physics_dt_s=self.cfg.outer.replay_dt_s)
-        finer = PlanningWorld(self._drawn, self._beliefs, now, cfg)
-        try:
-            replay = Replay(finer, stretches, self.cfg.identify.replay)
-            fit = identify(replay, name, self._beliefs, self.cfg.identify, self._rng)
-            believed, tried = self._beliefs, [fit.error_before, fit.error_after]
-
-            def wrong(answer: ParametersAnswer) -> Rejection | None:
-                refusal = verify_parameters(answer, believed, self.cfg.belief)
-                if refusal is not None:
-                    return refusal
-                before, after = tried[:] = compare(replay, name, believed, answer.physical(believed))
-                if after < (1.0 - self.cfg.identify.better) * before:
-                    return None
-                return Rejection(code="replay", reason=f"replayed with your values, the history is explained no better "
-                                 f"(error {after:.2f}, now {before:.2f}); propose others, or say so by keeping them")
-
-            fitted = {"object": name, "mass_kg": fit.after.mass_kg, "friction": fit.after.friction,
-                      "better": fit.accepted}
-            told = {key: {"mass": one.mass_kg, "friction": one.friction} for key, one in believed.items()}
-            outcome = self.asker.ask(
-                "parameter-repair", ParametersAnswer, {**self._facts, "fitted": fitted},
-                {"task": self._facts["instruction"], "parameters": told,
-                 "history": recent(self._watch.steps, self._watch.costs, name)}, wrong)
-        finally:
-            finer.close()
-        if outcome.answer is not None:
-            self._world.believe(outcome.answer.physical(believed))
-        after = self._beliefs[name]
-        self._emit("correction", object=name, accepted=outcome.answer is not None,
-                   text=fit.words(self.cfg.identify.known), failure=outcome.failure,
-                   errors=[round(error, 4) for error in tried],
-                   before=[believed[name].mass_kg, believed[name].friction], after=[after.mass_kg, after.friction],
-                   refused=[rejection.reason for rejection in outcome.rejections])
-        return outcome.answer is not None
+        past = Past(tuple(self._past), recent(self._watch.steps, self._watch.costs, name))
+        return correct(self.asker, name, now, past, self._drawn, self._world, self._facts, self.cfg, self._rng,
+                       self._emit)
 
     def _shown(self) -> dict[str, Any]:
         """The objects as prompts show them: nothing that only the default advisor needs."""

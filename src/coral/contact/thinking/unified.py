@@ -6,11 +6,22 @@ from that here is decided in one place, docs/contact-mind.md, "Ablations".
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 from pydantic import Field
 
-from coral.contact.thinking.beliefs import Estimate, Estimates
+from coral.advisor.consult import Outcome
+from coral.advisor.question import Rejection
+from coral.contact.planning import PlanningWorld
+from coral.contact.thinking.ask import Asker
+from coral.contact.thinking.beliefs import Estimate, Estimates, verify_estimates
 from coral.contact.thinking.plan_answer import PlanAnswer
-from coral.contact.thinking.regions import ObjectRegions, RegionsAnswer
+from coral.contact.thinking.regions import ObjectRegions, RegionsAnswer, verify_regions
+from coral.contact.thinking.scene_facts import interface_text
+from coral.contact.thinking.think_cfg import ThinkCfg
+
+KIND = "unified"
 
 
 class UnifiedAnswer(PlanAnswer):
@@ -38,3 +49,36 @@ class UnifiedAnswer(PlanAnswer):
     def plan(self) -> PlanAnswer:
         """As the question about it alone would have it."""
         return PlanAnswer(code=self.code, stages=self.stages, explanation=self.explanation)
+
+
+def ask_all(asker: Asker, facts: Mapping[str, Any], shown: Mapping[str, Any], world: PlanningWorld,
+            wrong_plan: Callable[[UnifiedAnswer], Rejection | None], cfg: ThinkCfg,
+            history: Mapping[str, Any] | None = None) -> Outcome[UnifiedAnswer]:
+    """Put the one question. While an answer is checked, the planning world believes what it says.
+
+    Args:
+        asker: The advisor.
+        facts: The scene.
+        shown: The objects as prompts show them.
+        world: The planning world.
+        wrong_plan: Why its programs cannot be used.
+        cfg: Thresholds.
+        history: In a repair: attempts, history, code and error.
+    """
+    objects = {name: {"mass_kg": None, "friction": None, **item} for name, item in shown.items()}
+    prompt = {"task": facts["instruction"], "objects": objects, "hand": facts["hand"],
+              "interface": interface_text(world.schema), "places": cfg.regions, "code": "", "error": "",
+              **(history or {})}
+    sizes = {name: item["size_m"] for name, item in facts["objects"].items()}
+
+    def wrong(answer: UnifiedAnswer) -> Rejection | None:
+        refusal = verify_estimates(answer.estimates, sizes, cfg.belief)
+        if refusal is not None:
+            return refusal
+        world.believe(answer.estimates.physical())
+        refusal = wrong_plan(answer)
+        if refusal is None and cfg.regions:
+            refusal = verify_regions(answer.places, facts, answer.names, cfg.region)
+        return refusal
+
+    return asker.ask(KIND, UnifiedAnswer, facts, prompt, wrong, seen=True)

@@ -1,0 +1,21 @@
+"""Why episodes end."""
+
+from __future__ import annotations
+
+ENDS = {
+    "success": "all of the task's conditions held long enough",
+    "timeout": "the task's time was up",
+    "dropped": "an object fell off the table",
+    "tunnelling": "an object went through the table: the simulation is not to be believed",
+    "diverged": "the evaluation world's simulation diverged",
+    "unreachable": "the robot's arm cannot go on",
+    "camera-off": "the camera gives no pictures",
+    "not-found": "an object could not be found in the first pictures",
+    "no-strategy": "nobody found a way to what is asked",
+    "cost-error": "the strategy's cost could not be evaluated",
+    "no-plan": "no rehearsal could be used for many plans in a row, or the plan was no motion",
+    "policy": "a served policy gave no actions that could be taken",
+    "stopped by the operator": "interrupted",
+    "failed": "an error in the program",
+}
+"""Why an episode ends; after a colon may follow which object."""

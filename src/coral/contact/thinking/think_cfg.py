@@ -1,0 +1,37 @@
+"""What of the thinking is on, and its thresholds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from coral.contact.thinking.beliefs import BeliefCfg
+from coral.contact.thinking.identify import IdentifyCfg
+from coral.contact.thinking.outer import OuterCfg
+from coral.contact.thinking.regions import RegionCfg
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThinkCfg:
+    """What of CoRAL is on: the ablations switch parts off.
+
+    Args:
+        regions: Ask for contact regions (off: `cost-only`).
+        refine: Refine when stuck (off: `no-refinement`).
+        unified: Everything in one question (the paper's unified VLM).
+        tracking: Poses come from elsewhere (off: `no-tracking`, they are asked for once).
+        least_gain: Share by which rehearsed ways to the regions must lower the first stage's cost in a remembered plan.
+        belief: Bounds of what may be believed.
+        region: Bounds of what regions may be.
+        identify: The fit of corrections.
+        outer: The outer loop.
+    """
+
+    regions: bool = True
+    refine: bool = True
+    unified: bool = False
+    tracking: bool = True
+    least_gain: float = 0.05
+    belief: BeliefCfg = field(default_factory=BeliefCfg)
+    region: RegionCfg = field(default_factory=RegionCfg)
+    identify: IdentifyCfg = field(default_factory=IdentifyCfg)
+    outer: OuterCfg = field(default_factory=OuterCfg)
