@@ -129,7 +129,8 @@ def test_a_board_that_overhangs_already_is_not_pushed_again(scene):
 def test_a_repair_of_the_way_in_takes_another_slant_and_goes_deeper_when_it_slipped(scene):
     facts = scene("push-pick-board").facts
     made = [compose(facts, Choice(turn=turn)) for turn in range(3)]
-    assert len({next(region for _, region in one.regions.each() if region.stage == "insert").normal for one in made}) == 3
+    ways = {region.normal for one in made for _, region in one.regions.each() if region.stage == "insert"}
+    assert len(ways) == 3
     assert [verify_regions(one.regions, facts, one.plan.names) for one in made] == [None] * 3
     first, again = (compose(facts, choice).plan.stages[5].code for choice in (Choice(), choice_after(["slipped"])))
     assert first != again
