@@ -1,11 +1,13 @@
 """Pushing with a steady force: where the hand pushes, how hard it can, and what of its target is left alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from coral.contact.controller import Controller, ControllerCfg
 from coral.contact.draw import draw
-from coral.contact.experts.push import DOWN, SOFT_N_M, behind, fsm, recent
+from coral.contact.experts.push import DOWN, SOFT_N_M, ahead_of, behind, fsm, recent
 from coral.contact.geometry import angle_between
 from coral.contact.hand_world import HandWorld, HandWorldCfg
 from coral.contact.planning import PlanningCfg, PlanningWorld
@@ -35,12 +37,23 @@ def test_the_mean_is_over_the_last_steps_and_at_first_over_those_there_are():
     assert found[[9, 10, 29]] == pytest.approx([4.5, 5.5, 24.5])
 
 
-def test_the_spring_moves_the_heaviest_block_and_cannot_push_harder_than_wanted():
+def test_the_spring_moves_the_heaviest_block_and_cannot_push_much_harder_than_wanted():
     most = SOFT_N_M * ControllerCfg().lead_m
     wanted = next(one for one in TASK.success.conditions if one.kind == "steady-force")
     block = TASK.object("block")
-    assert most > 1.2 * max(block.mass_kg) * max(block.friction) * 9.81
-    assert most == pytest.approx(wanted.newtons * (1 + wanted.tolerance))
+    assert most > 1.3 * max(block.mass_kg) * max(block.friction) * 9.81
+    assert most < 1.1 * wanted.newtons * (1 + wanted.tolerance)
+
+
+def test_the_guides_lie_on_the_line_to_the_goal_and_below_the_blocks_top():
+    world, now = at_the_block(2)
+    high = replace(now, tool=replace(now.tool, position=now.tool.position + np.array([0, 0, 0.1])))
+    points = ahead_of(world.present(high), "block")
+    way = np.array([0.14, 0.0]) - now.objects["block"].position[:2]
+    off = points[:, :2] - now.tool.position[:2]
+    assert (off @ way).min() > 0.03 * np.linalg.norm(way)
+    assert np.abs(off[:, 0] * way[1] - off[:, 1] * way[0]).max() < 1e-3
+    assert points[:, 2].max() < now.objects["block"].position[2] + world.present(now).block_size[0, 0, 2] / 2
 
 
 @pytest.mark.parametrize("seed", range(4))
