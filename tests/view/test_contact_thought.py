@@ -76,7 +76,7 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
 
 @pytest.mark.parametrize(("event", "title", "said"), [
     ({"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.12, "refused": ""},
-     "Memory 3 was used", "change the cost by -12 %"),
+     "Memory 3 was used", "lower the cost by 12 %"),
     ({"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.0, "refused": "off the surface"},
      "Memory 3 was not used", "similar by 0.90"),
     ({"event": "cost_error", "stage": "lift", "code": "not_finite", "reason": "line 3: nan", "meanwhile": "reach"},

@@ -121,7 +121,7 @@ def counted(given: list[Answer]) -> str:
     tail = ""
     if spoilt:
         tail = f" {_many(len(spoilt), 'answer')} {'were' if len(spoilt) > 1 else 'was'} spoilt on purpose; "
-        tail += f"{passed} of them passed the checks." if passed else "none of them passed the checks."
+        tail += f"{passed or 'none'} of them passed the checks."
     return f"{', '.join(said)}.{tail}"
 
 
@@ -167,7 +167,7 @@ def _poses(event: Record) -> Part:
 
 def _recall(event: Record) -> Part:
     known = f"It is similar by {float(event['similarity']):.2f} and differs by {float(event['distance']):.2f}"
-    gain = f"rehearsed, the ways to its regions change the cost by {-100 * float(event['gain']):.0f} %"
+    gain = f"rehearsed, the ways to its regions lower the cost by {100 * float(event['gain']):.0f} %"
     if event.get("refused"):
         return Part(title=f"Memory {event['id']} was not used", state="warn", text=f"{known}.",
                     refused=(str(event["refused"]),))
@@ -263,7 +263,7 @@ def _failed(code: str) -> str:
 
 
 def _numbers(values: list[float], digits: int) -> str:
-    return ", ".join(f"{value:.{digits}f}" for value in values)
+    return ", ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)
 
 
 def _many(count: int, what: str) -> str:
