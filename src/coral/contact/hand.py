@@ -17,6 +17,7 @@ from coral.contact.scene import FINGER_FRICTION, FINGER_PRIORITY, ROLLING, TORSI
 MAX_OPENING_M = 0.08
 SQUEEZE_M = -0.04
 """Least opening that can be commanded: below nothing, so that thin things are held with the fingers' whole force."""
+FINGER_KG = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,8 +53,7 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
     for axis, name in enumerate("xyz"):
         hand.add_joint(name=f"hand_{name}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=np.eye(3)[axis])
     hand.add_joint(name="hand_turn", type=mujoco.mjtJoint.mjJNT_BALL)
-    finger_mass = 0.05
-    hand.mass = cfg.mass_kg - 2 * finger_mass
+    hand.mass = cfg.mass_kg - 2 * FINGER_KG
     hand.inertia = [cfg.inertia_kg_m2] * 3
     hand.ipos = [0, 0, 0]  # at the tool: what an operational-space impedance shows
     hand.explicitinertial = True
@@ -70,7 +70,7 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
         finger.add_joint(name=f"{name}_slide", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, side, 0],
                          range=[0, MAX_OPENING_M / 2], limited=True, damping=15)
         finger.add_geom(name=f"{name}_finger", type=box, size=[0.010, 0.006, 0.026], pos=[0, side * 0.006, -0.018],
-                        mass=finger_mass, rgba=[0.25, 0.27, 0.3, 1], **rubber)
+                        mass=FINGER_KG, rgba=[0.25, 0.27, 0.3, 1], **rubber)
         spring = spec.add_actuator(name=name, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=f"{name}_slide")
         spring.gainprm[0] = cfg.finger_stiffness_n_m
         spring.biastype = mujoco.mjtBias.mjBIAS_AFFINE

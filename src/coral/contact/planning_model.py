@@ -8,15 +8,15 @@ import mujoco
 import numpy as np
 
 from coral.contact.draw import Drawn
-from coral.contact.hand import HandCfg, add_hand, set_stiffness
+from coral.contact.hand import FINGER_KG, HandCfg, add_hand, set_stiffness
 from coral.contact.scene import add_scene, contact_pairs
 
 FOUND, FORCE, NET = 1, 2, 3
 """What a contact sensor tells, as bits, and how it reduces several contacts."""
 
-FINGER_INERTIA_KG = 0.1
-"""Added to each finger: 50 g on its spring swing once in 45 ms, too fast for steps of 10 ms. A squeezed box of 0.1 kg
-was thrown out within a second in 22 of 33 rehearsals that did nothing but hold it still (measured), and now in none."""
+SWING_RAD = 0.8
+"""Most that a finger on its spring may swing in one step. Its own 50 g swing by 1.4 rad in 10 ms: a squeezed box of
+0.1 kg was thrown out within a second in 22 of 33 rehearsals that did nothing but hold it (measured), and now in none."""
 
 
 def build_model(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjModel:
@@ -40,7 +40,8 @@ def reduced(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjSpec:
     add_scene(spec, drawn, condim=3)
     add_hand(spec, hand, condim=3)
     for side in ("left", "right"):
-        spec.joint(f"{side}_slide").armature = FINGER_INERTIA_KG
+        needed = hand.finger_stiffness_n_m * (physics_dt_s / SWING_RAD) ** 2
+        spec.joint(f"{side}_slide").armature = max(0.0, needed - FINGER_KG)
     _add_sensors(spec, drawn)
     return spec
 
