@@ -16,7 +16,7 @@ FOUND, FORCE, NET = 1, 2, 3
 
 SWING_RAD = 0.8
 """Most that a finger on its spring may swing in one step. Its own 50 g swing by 1.4 rad in 10 ms: a squeezed box of
-0.1 kg was thrown out within a second in 22 of 33 rehearsals that did nothing but hold it (measured), and now in none."""
+0.1 kg was thrown out within a second in 22 of 33 rehearsals that did nothing but hold it (measured); now in none."""
 
 
 def build_model(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjModel:
