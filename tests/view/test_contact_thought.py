@@ -60,6 +60,7 @@ def test_the_page_shows_thoughts_reasons_and_what_the_advisor_saw(spoilt):
     assert "What it thought" in page
     assert "Stuck: the outer loop thinks again" in page
     assert 'class="spoilt"' in page
+    assert ">thought again<" in page
     assert seen(spoilt) in page
     assert "http" not in page.replace("http://www.w3.org", "")
 

@@ -22,7 +22,8 @@ def stages_chart(run: RunFolder) -> str:
     axis = time_axis(run.duration_s)
     touches = touching(run)
     pairs = list(dict.fromkeys((touch["first"], touch["second"]) for touch in touches))
-    rows = ["stage", *(f"{first} – {second}" for first, second in pairs)]
+    again = run.select("stuck", "cost_error")
+    rows = ["stage", *(f"{first} – {second}" for first, second in pairs), *(["thought again"] if again else [])]
     top, pitch = 10.0, 26.0
     bottom = top + pitch * len(rows)
     body = []
@@ -41,6 +42,9 @@ def stages_chart(run: RunFolder) -> str:
         said = (f"{touch['begun_s']:.2f} to {touch['ended_s']:.2f} s, mean {touch['mean_n']:.1f} N, "
                 f"at most {touch['peak_n']:.1f} N")
         body.append(_bar(axis, touch["begun_s"], touch["ended_s"], middle, 10, HUES[0], 0.8, said))
+    for event in again:
+        said = f"{float(event['t']):.2f} s: {event.get('text') or event.get('reason', '')}"
+        body.append(_bar(axis, float(event["t"]), float(event["t"]), bottom - pitch / 2, 16, HUES[2], 1.0, said))
     return chart(bottom + 26, body, axis, label="Stages and contacts over time", top=top, bottom=bottom)
 
 
@@ -191,6 +195,6 @@ def _conditions(run: RunFolder) -> list[dict[str, Any]]:
 def _bar(axis: Span, start: float, end: float, middle: float, height: float, hue: str, opacity: float,
          said: str) -> str:
     x = axis(start)
-    width = min(max(2.0, axis(min(end, axis.high)) - x), WIDTH - RIGHT - x)
+    width = min(max(3.0 if start == end else 2.0, axis(min(end, axis.high)) - x), WIDTH - RIGHT - x)
     return (f'<rect x="{x:.1f}" y="{middle - height / 2:.1f}" width="{width:.1f}" '
             f'height="{height}" rx="2" style="fill:{hue};opacity:{opacity}"><title>{escape(said)}</title></rect>')
