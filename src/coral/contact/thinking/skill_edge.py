@@ -121,6 +121,8 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     rear = self.{n}_pos - {number(rear)} * {axis_of(n, axis, sign)}
     lowest = min(rear[2], self.{n}_pos[2])
     terms['lift'] = 10.0 * clip({number(rise)} - lowest, 0.0, 1.0)
+    # the end in the hand may come up alone: what is believed too heavy is tried all the same
+    terms['raise the end'] = 4.0 * clip({number(rise)} - self.ee_pos[2], 0.0, 1.0)
     terms['carry level'] = 1.0 * quat_angle(self.{n}_quat, self.{n}_init_quat)
     terms['hold'] = {number(20 * choice.press)} * self.gripper_target + 6.0 * norm(self.ee_pos - {at})
     terms['turn'] = 0.5 * {turn}
