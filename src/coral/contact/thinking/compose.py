@@ -15,7 +15,8 @@ from coral.contact.thinking.regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.thinking.setting import Choice, Draft, Thing
 from coral.contact.thinking.skill_edge import add_overhang, can_overhang
 from coral.contact.thinking.skill_grasp import add_grasp, add_lift, add_place, add_release
-from coral.contact.thinking.skill_push import add_pivot, add_push, add_tip
+from coral.contact.thinking.skill_pivot import add_pivot
+from coral.contact.thinking.skill_push import add_push, add_tip
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Rules for pushing: to a place, over on its side, up against something, out over the table's edge."""
+"""Rules for pushing: coming behind a face, to a place, over on its side."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ from typing import Any
 import numpy as np
 
 from coral.contact.thinking.plan_answer import StageAnswer
-from coral.contact.thinking.regions import PAD_M, Array, Region
-from coral.contact.thinking.setting import Choice, Draft, Thing, axis_of, care, number, vector
+from coral.contact.thinking.regions import PAD_M, Region
+from coral.contact.thinking.setting import Choice, Draft, Thing, axis_of, care, number
 
 HIGH = 0.75
 """Where a box is tipped, -1 at the bottom to 1 at the top: some face is left below the upper edge for the fingertip."""
-GRAVITY = 9.81
+PACE_M_S = 0.035
+LEAD_M = 0.06
+SOFT = 1.5
+"""A steady force: so soft a hand that the most that it may be led by hardly pulls harder than asked."""
 
 
 def abreast(width_m: float) -> float:
@@ -77,39 +80,84 @@ def add_push(draft: Draft, thing: Thing, facts: Mapping[str, Any], goal: Mapping
     n, place = thing.name, goal["place"]
     way = np.asarray(facts["places"][place], dtype=float)[:2] - thing.position[:2]
     axis, sign = thing.toward(np.array([*way, 0.0]))
-    height = _push_height(thing, choice)
+    height = _push_height(thing, choice) if newtons is None else max(thing.low + thing.height - 0.03, thing.low + 0.016)
     add_behind(draft, thing, facts, axis, sign, height, choice)
     wide = abreast(thing.size[next(k for k in thing.lying if k != axis)])
     point = goal.get("point")
     where = f"self.{n}_{point}_pos" if point else f"self.{n}_pos"
     gap = f"norm(({where} - self.{place}_pos)[:2])"
-    force = f"0.01 * norm(self.{n}_hand_force)" if newtons is None else (
-        f"0.4 * abs(norm(self.{n}_hand_force) - {number(newtons)})")
-    draft.stages.append(StageAnswer(
-        name="push", done=f"{gap} < {number(0.5 * goal['tolerance_m'])}", back_to="reach",
-        lost=f"norm(self.ee_pos - self.{n}_pos) > {number(thing.to_face(axis, -sign) + 0.1)}",
-        noise=0.6 * choice.careful,
-        toward=f"self.ee_pos + 0.06 * (self.{place}_pos - {where}) / ({gap} + 0.02) * np.array([1.0, 1.0, 0.0])",
-        opening=wide, stiffness=600.0 * choice.press, code=behind_head(thing, axis, sign, number(height)) + f"""
+    lost = f"norm(self.ee_pos - self.{n}_pos) > {number(thing.to_face(axis, -sign) + 0.1)}"
+    stiffness, short = 600.0 * choice.press, ""
+    if newtons is None:
+        draft.stages.append(StageAnswer(
+            name="push", done=f"{gap} < {number(0.5 * goal['tolerance_m'])}", back_to="reach", lost=lost,
+            noise=0.6 * choice.careful, stiffness=stiffness, opening=wide,
+            toward=f"self.ee_pos + 0.06 * (self.{place}_pos - {where}) / ({gap} + 0.02) * np.array([1.0, 1.0, 0.0])",
+            code=behind_head(thing, axis, sign, number(height)) + f"""
     terms['behind'] = 8.0 * norm(off)
     terms['to the place'] = 15.0 * {gap}
-    terms['force'] = {force}
+    terms['force'] = 0.01 * norm(self.{n}_hand_force)
     terms['square'] = 3.0 * square
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
-    terms['calm'] = {'2.0' if newtons is not None else '0.5'} * norm(self.{n}_vel)
+    terms['calm'] = 0.5 * norm(self.{n}_vel)
+{care(facts, n)}    return terms
+"""))
+    else:
+        stiffness = float(np.clip(SOFT * newtons / LEAD_M * choice.press, 50.0, 600.0))
+        short = f"{gap} > {number(0.95 * goal['tolerance_m'])}"
+        ahead = f"(self.{place}_pos - {where}) / ({gap} + 0.001) * np.array([1.0, 1.0, 0.0])"
+        top = number(thing.height / 2 - 0.01)
+        draft.stages.append(StageAnswer(
+            name="push", done=f"{gap} < {number(0.7 * goal['tolerance_m'])}", back_to="reach", lost=lost,
+            noise=0.2 * choice.careful, stiffness=stiffness,
+            toward=f"self.ee_pos + 0.065 * {ahead} - np.array([0.0, 0.0, max(0.0, self.ee_pos[2] - self.{n}_pos[2] - "
+                   f"{top})])", code=_steadily(thing, axis, sign, place, where, height, newtons) + f"""
+    terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
 {care(facts, n)}    return terms
 """))
     draft.words.append(f"push the {n} to {place}" + (f" with {newtons:g} N" if newtons else ""))
-    add_draw_back(draft, thing, axis, sign, height, facts)
+    add_draw_back(draft, thing, axis, sign, height, facts, stiffness, short)
 
 
-def add_draw_back(draft: Draft, thing: Thing, axis: int, sign: float, height_m: float, facts: Mapping[str, Any]
-                  ) -> None:
-    """Away from the pushed face, without taking the object along."""
+def _steadily(thing: Thing, axis: int, sign: float, place: str, where: str, height_m: float, newtons: float) -> str:
+    """Begin of a program that pushes with a steady force.
+
+    A slow push is answered by friction; stops, blows and the hand's stiffness spoil it. So what the spring pulls to
+    moves straight to the place at an even pace, the force counts as a vector (a drag down the face adds friction), and
+    the hand is behind the middle, on the line to the place, or the object turns.
+    """
+    n = thing.name
+    return f"""def state_cost(self):
+    along = {axis_of(n, axis, sign)}
+    way = (self.{place}_pos - {where}) * np.array([1.0, 1.0, 0.0])
+    left = norm(way)
+    ahead = way / (left + 0.001)
+    line = way + 0.03 * along
+    line = line / (norm(line) + 0.001)
+    depth = {number(thing.to_face(axis, -sign))} / clip(dot(line, along), 0.7, 1.0)
+    behind = self.{n}_pos - depth * line - {number(PAD_M)} * along
+    off = self.ee_pos - behind
+    wrong = self.{n}_hand_force - {number(newtons)} * ahead
+    pace = {number(PACE_M_S)} * clip01(left / 0.01)
+    terms['to the place'] = 4.0 * left
+    terms['evenly'] = 2.0 * norm((self.{n}_vel - pace * ahead)[:2])
+    high = abs(self.ee_pos[2] - {number(height_m)})
+    terms['behind'] = 6.0 * clip(norm(off[:2]) - 0.01, 0.0, 1.0) + 6.0 * clip(high - 0.02, 0.0, 1.0)
+    terms['force'] = 0.05 * norm(wrong)
+    terms['straight'] = 25.0 * norm((self.last_action[:3] - {number(PACE_M_S)} * ahead)[:2])
+    terms['no drag'] = 0.1 * abs(wrong[2])
+    # linear in small tilts: a finger that leans is a wedge
+    tilt = norm(quat_axis(self.ee_quat, 2)[:2])
+    terms['square'] = 2.0 * tilt + 6.0 * dot(quat_axis(self.ee_quat, 1), along) ** 2"""
+
+
+def add_draw_back(draft: Draft, thing: Thing, axis: int, sign: float, height_m: float, facts: Mapping[str, Any],
+                  stiffness: float = 600.0, short: str = "") -> None:
+    """Away from the pushed face, without taking the object along; as stiff as it was pushed, or it gets a blow."""
     n = thing.name
     draft.stages.append(StageAnswer(
-        name="draw back", noise=0.6, toward=f"self.ee_pos - 0.06 * {axis_of(n, axis, sign)}",
-        code=behind_head(thing, axis, sign, number(height_m)) + f"""
+        name="draw back", noise=0.6, toward=f"self.ee_pos - 0.06 * {axis_of(n, axis, sign)}", stiffness=stiffness,
+        back_to="reach" if short else "", lost=short, code=behind_head(thing, axis, sign, number(height_m)) + f"""
     terms['away'] = 10.0 * norm(off + 0.05 * along)
     terms['leave alone'] = 5.0 * norm(self.{n}_vel)
     terms['square'] = 1.0 * square
@@ -168,88 +216,3 @@ def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Choice
 {care(facts, n)}    return terms
 """)]
     draft.words.append(f"tip the {n} over its {100 * thing.size[axis]:.0f} cm deep foot by a push near its top")
-
-
-def nearest_face(thing: Thing, item: Mapping[str, Any]) -> tuple[Array, Array]:
-    """Point on the fixture's nearest upright face, and the horizontal direction from the object into it."""
-    yaw = np.radians(item["yaw_deg"])
-    turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
-    middle, half = np.asarray(item["position"][:2], dtype=float), np.asarray(item["size_m"][:2], dtype=float) / 2
-    best: tuple[float, Array, Array] | None = None
-    for k in (0, 1):
-        for sign in (1.0, -1.0):
-            out = sign * turn[:, k]
-            point = middle + half[k] * out
-            gap = float((thing.position[:2] - point) @ out)
-            if gap > 0 and (best is None or gap < best[0]):
-                best = gap, point, -out
-    if best is None:
-        return middle, np.array([1.0, 0.0])
-    return best[1], best[2]
-
-
-def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str, choice: Choice) -> None:
-    """Push against something upright, raise the near end while pressing, let go."""
-    n = thing.name
-    point, way = nearest_face(thing, facts["fixtures"][against])
-    axis, sign = thing.toward(np.array([*way, 0.0]))
-    height = thing.low + 0.016 - min(choice.lower_m, 0.004)
-    add_behind(draft, thing, facts, axis, sign, height, choice)
-    wide = abreast(0.75 * thing.size[next(k for k in thing.lying if k != axis)])
-    half, ahead = thing.size[axis] / 2, vector([*way, 0.0])
-    up = f"{'-1.0 * ' if thing.up_sign < 0 else ''}quat_axis(self.{n}_quat, {thing.up})"
-    raised = f"-1.0 * ({axis_of(n, axis, sign)})[2]"
-    gap = (f"dot({vector([*point, 0.0])} - self.{n}_pos - {number(half)} * {axis_of(n, axis, sign)}, {ahead})")
-    head = f"""def state_cost(self):
-    ahead = {ahead}
-    along = {axis_of(n, axis, sign)}
-    up = {up}
-    raised = -1.0 * along[2]
-    edge = self.{n}_pos - {number(half)} * along - {number(thing.height / 2)} * up
-    under = edge - {number(PAD_M)} * ahead + np.array([0.0, 0.0, 0.004])
-    far_top = self.{n}_pos + {number(half)} * along + {number(thing.height / 2)} * up
-    square = 1.0 + quat_axis(self.ee_quat, 2)[2] + 3.0 * dot(quat_axis(self.ee_quat, 1), ahead) ** 2"""
-    lost = f"{raised} < 0.2 and norm(self.ee_pos - self.{n}_pos) > {number(half + 0.09)}"
-    soft = 0.6 * choice.careful
-    draft.stages += [
-        StageAnswer(name="push", done=f"{gap} < 0.006", back_to="reach", lost=lost, noise=soft, opening=wide,
-                    toward=f"self.ee_pos + 0.05 * {ahead}", code=behind_head(thing, axis, sign, number(height)) + f"""
-    gap = {gap}
-    terms['behind'] = 10.0 * norm(off)
-    terms['up to the {against}'] = 12.0 * clip(gap, 0.0, 1.0)
-    terms['straight'] = 3.0 * (1.0 - dot(along, {ahead}))
-    terms['square'] = 3.0 * square
-    terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
-    terms['gently'] = 0.02 * norm(self.{n}_hand_force)
-    terms['calm'] = 0.5 * norm(self.{n}_vel)
-{care(facts, n)}    return terms
-"""),
-        StageAnswer(name="raise", done=f"{raised} > 0.985", back_to="reach", lost=lost, noise=soft, opening=wide,
-                    toward=f"self.ee_pos + 0.005 * {ahead} + np.array([0.0, 0.0, 0.03])", code=head + f"""
-    force = dot(self.{n}_hand_force, ahead)
-    far = dot({vector([*point, 0.0])} - far_top, ahead)
-    terms['raise'] = {number(6 * choice.press)} * (1.0 - raised)
-    terms['stay under'] = 12.0 * norm(self.ee_pos - under)
-    terms['at the {against}'] = 10.0 * clip(far, 0.0, 1.0)
-    terms['square'] = 2.0 * square
-    terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
-    terms['press'] = 0.05 * abs(force - {number(6 * choice.press)})
-    terms['calm'] = 0.2 * norm(self.{n}_vel)
-{care(facts, n)}    return terms
-"""),
-        StageAnswer(name="let go", noise=soft, back_to="reach", lost=f"{raised} < 0.5",
-                    toward=f"self.ee_pos - 0.06 * {ahead} + np.array([0.0, 0.0, 0.02])", code=head + f"""
-    away = edge - 0.06 * ahead
-    away = np.array([away[0], away[1], {number(thing.size[axis] * 0.6)}])
-    terms['away'] = 10.0 * norm(self.ee_pos - away)
-    terms['let go'] = 0.1 * norm(self.{n}_hand_force)
-    terms['leave standing'] = 8.0 * (1.0 - raised)
-    terms['square'] = 2.0 * square
-    terms['calm'] = 0.3 * norm(self.ee_vel)
-{care(facts, n)}    return terms
-""")]
-    center, normal = thing.face(axis, -sign, {thing.up: -0.8 * thing.up_sign})
-    draft.regions.append((n, Region.model_validate({
-        "center": center, "normal": normal, "extent": 0.004, "num_samples": 4, "approach": "push", "opening": wide,
-        "stage": "push"})))
-    draft.words.append(f"push the {n} up to the {against}, raise its near end against it, let go once it stands")
