@@ -3,11 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from coral.contact.geometry import multiply, rotate
 from coral.contact.strategy import Progress
 from coral.contact.task import Task, shipped_tasks
 from coral.contact.thinking.compose import NoRule, compose
 from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer, make_strategy, verify_plan
-from coral.contact.thinking.regions import verify_regions
+from coral.contact.thinking.regions import tool_quaternion, verify_regions
 from coral.contact.thinking.repair import choice_after
 from coral.contact.thinking.rules import RULES
 from coral.contact.thinking.setting import Choice, Thing
@@ -141,3 +142,24 @@ def test_a_repair_claims_no_change_that_its_rules_do_not_make(scene):
     repaired = RULES["cost-repair"]({**facts, "diagnoses": ["not-reached"]}, ())
     assert repaired.stages == compose(facts).plan.stages
     assert "tries the same again" in repaired.explanation
+
+
+def test_a_steady_force_is_pushed_with_a_hand_so_soft_that_it_cannot_push_much_harder(scene):
+    stages = compose(scene("push-force").facts).plan.stages
+    assert [stage.name for stage in stages] == ["reach", "push", "draw back"]
+    assert [stage.stiffness * 0.06 for stage in stages[1:]] == pytest.approx([9.0, 9.0])
+
+
+def test_of_two_orientations_that_push_alike_the_one_is_taken_that_can_go_on_along_the_edge(scene):
+    one = scene("push-pick-board")
+    made = compose(one.facts)
+    push = make_strategy("x", made.plan, None, one.world.schema, one.sizes).stages[1]
+
+    def square(opening):
+        turn = tool_quaternion(np.array([0.0, 0.0, -1.0]), np.array([opening, 0.0, 0.0]), one.now.tool.quaternion)
+        sign = 1.0 if rotate(turn, [0.0, 1.0, 0.0])[0] * opening > 0 else -1.0
+        held = turn if sign > 0 else multiply(turn, np.array([0.0, 0.0, 0.0, 1.0]))
+        now = replace(one.now, tool=replace(one.now.tool, quaternion=held))
+        return float(push.cost(one.world.present(now))["square"][0, 0])
+    assert square(-1.0) < 0.2
+    assert square(1.0) > 5.0

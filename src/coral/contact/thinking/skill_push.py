@@ -139,7 +139,7 @@ def _steadily(thing: Thing, axis: int, sign: float, place: str, where: str, heig
     off = self.ee_pos - behind
     wrong = self.{n}_hand_force - {number(newtons)} * ahead
     pace = {number(PACE_M_S)} * clip01(left / 0.01)
-    terms['to the place'] = 4.0 * left
+    terms['to the place'] = 12.0 * left
     terms['evenly'] = 2.0 * norm((self.{n}_vel - pace * ahead)[:2])
     high = abs(self.ee_pos[2] - {number(height_m)})
     terms['behind'] = 6.0 * clip(norm(off[:2]) - 0.01, 0.0, 1.0) + 6.0 * clip(high - 0.02, 0.0, 1.0)
