@@ -5,8 +5,9 @@ from coral.contact.draw import Physical, draw
 from coral.contact.mind import Step
 from coral.contact.planning import PlanningCfg, PlanningWorld
 from coral.contact.task import load_task
+from coral.contact.thinking import identify as module
 from coral.contact.thinking.history import most_telling, windows
-from coral.contact.thinking.identify import Corrections, IdentifyCfg, compare
+from coral.contact.thinking.identify import Corrections, Fit, IdentifyCfg, compare, correction
 from coral.contact.thinking.probe import ProbeCfg, probe
 from coral.contact.thinking.repair import choice_after, diagnose
 from coral.contact.thinking.replay import Replay
@@ -60,3 +61,15 @@ def test_diagnoses(scene, force, returns, surprise, kind):
     _, step = still(scene, force)
     assert diagnose([step] * 10, "box", returns, surprise) == kind
     assert choice_after([kind]) != choice_after([])
+
+
+def test_what_a_history_does_not_tell_stays_as_it_was_believed(scene, monkeypatch):
+    # Slow pushes: the product of mass and friction is known to 10 %, neither of them is.
+    before, after = {"box": Physical(1.0, 0.5)}, Physical(4.0, 0.2)
+    found = Fit("box", before["box"], after, 1.0, 0.5, True, 5.0, 5.0, 0.1, 8)
+    monkeypatch.setattr(module, "identify", lambda *_: found)
+    monkeypatch.setattr(module, "compare", lambda *_: (1.0, 0.4))
+    fit = correction(None, "box", before, IdentifyCfg(), np.random.default_rng(0))
+    assert fit.after.mass_kg * fit.after.friction == pytest.approx(0.8, rel=0.05)
+    assert fit.after.mass_kg == pytest.approx(1.5, rel=0.2)
+    assert fit.accepted

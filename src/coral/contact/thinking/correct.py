@@ -14,7 +14,7 @@ from coral.contact.mind import Step
 from coral.contact.planning import PlanningWorld
 from coral.contact.thinking.ask import Asker
 from coral.contact.thinking.history import windows
-from coral.contact.thinking.identify import compare, identify
+from coral.contact.thinking.identify import compare, correction
 from coral.contact.thinking.repair import ParametersAnswer, verify_parameters
 from coral.contact.thinking.replay import Replay
 from coral.contact.thinking.think_cfg import ThinkCfg
@@ -60,7 +60,7 @@ def correct(asker: Asker, name: str, now: Observation, past: Past, drawn: Drawn,
     finer = PlanningWorld(drawn, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s))
     try:
         replay = Replay(finer, stretches, cfg.identify.replay)
-        fit = identify(replay, name, believed, cfg.identify, rng)
+        fit = correction(replay, name, believed, cfg.identify, rng)
         tried = [fit.error_before, fit.error_after]
 
         def wrong(answer: ParametersAnswer) -> Rejection | None:
