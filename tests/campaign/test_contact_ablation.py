@@ -16,6 +16,12 @@ def test_trials_are_compared_on_the_seeds_that_both_have():
     assert [[one["seed"] for one in own] for own in found.values()] == [[0, 1], [0, 1]]
 
 
+def test_the_plan_without_guidance_stands_between_where_it_was_run():
+    (table,) = ablations([*ROWS, row("unguided", 0, 160), row("unguided", 1, 180)], "coral contact bench")
+    assert [line[0] for line in table.rows][:3] == ["with contact strategy", "its plan, sampling unguided", "without"]
+    assert table.rows[1][2] == "170"
+
+
 def test_medians_stand_beside_the_papers_with_their_change():
     (table,) = ablations(ROWS, "coral contact bench")
     lines = {line[0]: line[1:] for line in table.rows}

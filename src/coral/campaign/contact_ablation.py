@@ -12,14 +12,14 @@ from coral.campaign.spec import NO_ADVISOR
 from coral.campaign.table import Table
 
 GUIDED, UNGUIDED = "full", "cost-only"
-NAMES = {GUIDED: "with contact strategy", UNGUIDED: "without"}
+NAMES = {GUIDED: "with contact strategy", "unguided": "its plan, sampling unguided", UNGUIDED: "without"}
 COLUMNS = (("steps", 0), ("path_length_m", 2), ("first_touch_s", 2), ("plan_cost", 2), ("plan_cost_jump", 3))
 """Measure and digits after the point."""
 HEADER = ("", "success", "steps", "path (m)", "first touch (s)", "planning cost", "its jumps")
 
 
 def ablations(rows: Sequence[Row], command: str) -> list[Table]:
-    """A table for each task, evaluation world and advisor that was run both with and without regions.
+    """A table for each task, evaluation world and advisor that was run both with and without a contact strategy.
 
     Args:
         rows: Of the data set.
@@ -32,32 +32,34 @@ def ablations(rows: Sequence[Row], command: str) -> list[Table]:
 
 
 def chosen(rows: Sequence[Row], task: str, place: str, advisor: str) -> dict[str, list[Row]]:
-    """Finished trials by variant, of the seeds that both variants have: a comparison in pairs."""
+    """Finished trials by variant, of the seeds that all of them have: a comparison in pairs."""
     own = [row for row in rows if row["status"] == "done"
            and (row["world"], row["evaluation_world"], row["advisor"]) == (task, place, advisor)]
-    seeds = [{int(row["seed"]) for row in own if row["variant"] == variant} for variant in NAMES]
-    both = set.intersection(*seeds)
-    return {variant: sorted((row for row in own if row["variant"] == variant and int(row["seed"]) in both),
-                            key=lambda row: int(row["seed"])) for variant in NAMES}
+    seeds = {variant: {int(row["seed"]) for row in own if row["variant"] == variant} for variant in NAMES}
+    present = [variant for variant in NAMES if seeds[variant]]
+    shared = set.intersection(*(seeds[variant] for variant in present)) if present else set()
+    return {variant: sorted((row for row in own if row["variant"] == variant and int(row["seed"]) in shared),
+                            key=lambda row: int(row["seed"])) for variant in present}
 
 
 def _table(trials: dict[str, list[Row]], task: str, place: str, advisor: str, command: str) -> Table | None:
-    guided, unguided = (trials[variant] for variant in NAMES)
-    if not guided:
+    guided, unguided = trials.get(GUIDED), trials.get(UNGUIDED)
+    if not guided or not unguided:
         return None
     lines = [_line(NAMES[variant], own) for variant, own in trials.items()]
     lines.append(("change", "", *(_change(guided, unguided, key) for key, _ in COLUMNS)))
     printed = paper()["ablation"]
     if task == printed["task"]:
         lines += [(f"paper, {NAMES[variant]}", "–", str(printed[variant][0]), f"{printed[variant][1]:.2f}",
-                   *["–"] * 3) for variant in NAMES]
+                   *["–"] * 3) for variant in (GUIDED, UNGUIDED)]
         lines.append(("paper, change", "", *printed["change"], *["–"] * 3))
     poses = sorted({str(row.get("poses")) for row in (*guided, *unguided)})
     notes = (
         "Medians over all trials; one that fails counts all its steps. Change: of the median with the strategy against "
         "that without.",
-        "Planning cost: mean expected cost of a trial's plans; its jumps: mean change from one plan to the next in a "
-        "stage. First touch: of the hand on an object, of the trials that have one.",
+        "Without: the cost is of outcomes alone (variant `cost-only`). Planning cost: mean expected cost of a trial's "
+        "plans, no comparison between different costs; its jumps: mean change from one plan to the next in a stage. "
+        "First touch: of the hand on an object, of the trials that have one.",
         f"Seeds: {', '.join(str(row['seed']) for row in guided)}. Object poses: {', '.join(poses)} (paper: ground "
         f"truth). Made by: {command}")
     return Table("Contact-strategy ablation", f"{Path(task).stem}, world: {place}. Advisor: {called(advisor)}.", HEADER,

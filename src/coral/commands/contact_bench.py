@@ -220,7 +220,7 @@ class ContactBench:
     def _remembered(self, store: Store) -> str:
         """What all trials of `full` have added to their memories, in their order, as one file; "" for nothing.
 
-        Plans without regions, as `cost-only` makes them, would be no help to a variant that has some.
+        Plans without regions, as `cost-only` and `unguided` make them, would be no help to a variant that has some.
         """
         found: list[Any] = []
         for spec in store.specs():
@@ -246,7 +246,7 @@ class ContactBench:
             trials = chosen(rows, task, place, advisor)
             runs = {NAMES[variant]: [folders[task, variant, advisor, int(row["seed"]), place] for row in own]
                     for variant, own in trials.items()}
-            if not all(runs.values()):
+            if len(runs) < 2 or not all(runs.values()):
                 continue
             path = self.out / f"ablation-{Path(task).stem}{f'-{number}' if number else ''}.png"
             draw_ablation(runs, path, f"{Path(task).stem}, world {place}, advisor {called(advisor)}")

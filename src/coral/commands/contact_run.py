@@ -40,8 +40,9 @@ class ContactRun:
     advisor: str = "heuristic"
     """Who thinks, in variants that ask: heuristic, PROVIDER:MODEL, local:URL#MODEL, desk, replay:FILE, ..."""
     variant: str = "expert-fsm"
-    """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, cost-only and no-tracking are it
-    without a part, unified asks everything at once. expert and expert-fsm follow hand-written costs and ask nobody."""
+    """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, cost-only, unguided and
+    no-tracking are it without a part, unified asks everything at once. expert and expert-fsm follow hand-written costs
+    and ask nobody."""
     seed: int = 0
     """Seed of everything random: poses, masses, frictions, sizes and the planner's noise."""
     policy: str | None = None

@@ -57,12 +57,13 @@ DESK_S = 86_400.0
 """A person at the desk may take a day: simulated time does not pass, and writing a cost takes more than a minute."""
 
 
-def _thinking(variant: str, *, remember: bool = True, regions: bool = True, refine: bool = True, unified: bool = False,
-              tracking: bool = True) -> Make:
+def _thinking(variant: str, *, remember: bool = True, strategy: bool = True, regions: bool = True, refine: bool = True,
+              unified: bool = False, tracking: bool = True) -> Make:
     """A variant that asks, with what is switched off in it."""
     def make(task: Task, asking: Asking) -> Mind:
         memory = Memory(asking.memory) if asking.memory is not None and remember else None
-        think = dataclasses.replace(asking.think, regions=regions and asking.think.regions,
+        think = dataclasses.replace(asking.think, strategy=strategy and asking.think.strategy,
+                                    regions=regions and strategy and asking.think.regions,
                                     refine=refine and asking.think.refine, unified=unified or asking.think.unified,
                                     tracking=tracking and asking.think.tracking)
         advisor = make_advisor(asking.advisor, rules=RULES, rng=np.random.default_rng([asking.seed, 2]),
@@ -96,7 +97,8 @@ VARIANTS: dict[str, Make] = {
     "full": _thinking("full"),
     "no-memory": _thinking("no-memory", remember=False),
     "no-refinement": _thinking("no-refinement", refine=False),
-    "cost-only": _thinking("cost-only", regions=False),
+    "cost-only": _thinking("cost-only", strategy=False),
+    "unguided": _thinking("unguided", regions=False),
     # Memory is looked up by masses and frictions, which only the one answer that it would save could give.
     "unified": _thinking("unified", remember=False, unified=True),
     "no-tracking": _thinking("no-tracking", tracking=False),
@@ -104,7 +106,7 @@ VARIANTS: dict[str, Make] = {
 """Who decides in each variant."""
 ALONE = ("expert", "expert-fsm")
 """Variants that ask no advisor."""
-REMEMBERING = ("full", "no-refinement", "cost-only", "no-tracking")
+REMEMBERING = ("full", "no-refinement", "cost-only", "unguided", "no-tracking")
 """Variants that look into the experience memory, and add to it."""
 
 

@@ -11,6 +11,7 @@ from coral.advisor.question import AdvisorUnavailable, Rejection
 from coral.advisor.rules import Rule
 from coral.contact.thinking.beliefs import Estimate, estimate
 from coral.contact.thinking.compose import Composed, NoRule, compose
+from coral.contact.thinking.compose_outcome import outcome_plan
 from coral.contact.thinking.locate import locate
 from coral.contact.thinking.regions import ObjectRegions, RegionsAnswer
 from coral.contact.thinking.repair import TEXTS, ObjectParameters, ParametersAnswer, change_words, choice_after
@@ -18,6 +19,11 @@ from coral.contact.thinking.unified import UnifiedAnswer
 
 
 def _composed(facts: Mapping[str, Any], refused: int = 0) -> Composed:
+    if not facts.get("contact_strategy", True):
+        plan = outcome_plan(facts)
+        if plan is None:
+            raise AdvisorUnavailable("no-rule", "no goal asks for anything to be moved", final=True)
+        return Composed(plan, RegionsAnswer({}))
     diagnoses = [*facts.get("diagnoses", ()), *["no-progress"] * refused]
     try:
         return compose(facts, choice_after(diagnoses))

@@ -15,7 +15,8 @@ class ThinkCfg:
     """What of CoRAL is on: the ablations switch parts off.
 
     Args:
-        regions: Ask for contact regions (off: `cost-only`).
+        strategy: Say where to touch (off: `cost-only`, the cost is of outcomes alone and no regions are asked for).
+        regions: Ask for contact regions (off: `unguided`, the plan stays as it is and the sampling is not guided).
         refine: Refine when stuck (off: `no-refinement`).
         unified: Everything in one question (the paper's unified VLM).
         tracking: Poses come from elsewhere (off: `no-tracking`, they are asked for once).
@@ -26,6 +27,7 @@ class ThinkCfg:
         outer: The outer loop.
     """
 
+    strategy: bool = True
     regions: bool = True
     refine: bool = True
     unified: bool = False

@@ -202,7 +202,7 @@ class Thinker:
         return verify_plan(plan, self._world.schema, samples, self._load)
 
     def _ask_plan(self, kind: str, now: Observation, prompt: Mapping[str, Any]) -> PlanAnswer | None:
-        facts = {**self._facts, "diagnoses": list(self._diagnoses)}
+        facts = self._asked()
         outcome = self.asker.ask(kind, PlanAnswer, facts, prompt, lambda plan: self._wrong_plan(plan, now))
         self._facts["refused"] = len(outcome.rejections)
         self._tell_plan(kind, outcome)
@@ -218,7 +218,7 @@ class Thinker:
     def _rule(self) -> PlanAnswer:
         # Without an answer the rules take over, and the record says so: a robot that stands still helps nobody.
         try:
-            rule = RULES["cost-function"]({**self._facts, "diagnoses": list(self._diagnoses)}, ())
+            rule = RULES["cost-function"](self._asked(), ())
         except AdvisorUnavailable as none:
             raise NoStrategy(none.reason) from None
         assert isinstance(rule, PlanAnswer)
@@ -230,7 +230,7 @@ class Thinker:
             return RegionsAnswer({})
         names = self._plan.names
         outcome = self.asker.ask(
-            "contact-regions", RegionsAnswer, {**self._facts, "diagnoses": list(self._diagnoses), "stages": names},
+            "contact-regions", RegionsAnswer, {**self._asked(), "stages": names},
             {"task": self._facts["instruction"], "objects": self._shown(), "stages": names},
             lambda answer: verify_regions(answer, self._facts, names, self.cfg.region), seen=True)
         found = outcome.answer or RegionsAnswer({})
@@ -273,7 +273,7 @@ class Thinker:
     def _ask_all(self, now: Observation, history: Mapping[str, Any] | None = None) -> PlanAnswer | None:
         """One question about everything; what is accepted is believed, and so are its regions."""
         before = self._beliefs
-        outcome = ask_all(self.asker, {**self._facts, "diagnoses": list(self._diagnoses)}, self._shown(), self._world,
+        outcome = ask_all(self.asker, self._asked(), self._shown(), self._world,
                           lambda answer: self._wrong_plan(answer, now), self.cfg, history)
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
@@ -307,6 +307,10 @@ class Thinker:
         past = Past(tuple(self._past), recent(self._watch.steps, self._watch.costs, name))
         return correct(self.asker, name, now, past, self._drawn, self._world, self._facts, self.cfg, self._rng,
                        self._emit)
+
+    def _asked(self) -> dict[str, Any]:
+        """The facts that go with a question about the plan."""
+        return {**self._facts, "diagnoses": list(self._diagnoses), "contact_strategy": self.cfg.strategy}
 
     def _shown(self) -> dict[str, Any]:
         """The objects as prompts show them: nothing that only the default advisor needs."""

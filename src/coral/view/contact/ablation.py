@@ -13,8 +13,8 @@ import numpy as np
 from coral.errors import InputError
 from coral.view.run import RunFolder
 
-HUES = ("#178048", "#c8352b")
-"""Of what is with the strategy and what is without, as in the paper."""
+HUES = ("#178048", "#c8352b", "#c8862b")
+"""Of what is with the strategy and what is without, as in the paper; of what lies between."""
 
 
 def draw_ablation(runs: Mapping[str, Sequence[Path]], path: Path, title: str) -> None:

@@ -1,0 +1,68 @@
+"""The default advisor's cost without a contact strategy: what is wanted of the objects, no word of where to touch them.
+
+The paper's ablation leaves finding useful contacts to the sampling. Its cost functions read contact points that only a
+strategy provides, and fall back on the object's position; so does this one: the hand is drawn to the object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from coral.contact.thinking.plan_answer import PlanAnswer
+from coral.contact.thinking.setting import axis_of, number
+
+MARGIN_M = 0.02
+"""Beyond an object's largest half extent the hand is drawn to it; within, it may touch anywhere."""
+
+
+def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
+    """One cost for the whole task, of its goals alone; None where no goal asks for something that a cost can lower."""
+    terms: list[str] = []
+    wanted: list[str] = []
+    for goal in facts["goals"]:
+        kind, name = goal["kind"], goal["object"]
+        if kind in _TERMS:
+            terms.append(f"    terms['{name} {kind}'] = {_TERMS[kind](goal)}")
+        if kind in _MOVING:
+            wanted.append(name)
+    if not wanted:
+        return None
+    reach = [f"    terms['{name} reach'] = 8.0 * clip(norm(self.ee_pos - self.{name}_pos) - "
+             f"{number(max(facts['objects'][name]['size_m']) / 2 + MARGIN_M)}, 0.0, 1.0)"
+             for name in dict.fromkeys(wanted)]
+    body = "\n".join([*reach, *terms])
+    return PlanAnswer(code=f"def state_cost(self):\n{body}\n    return terms\n",
+                      explanation="Be near what is to be moved; every goal costs its distance; touch it anywhere.")
+
+
+def _flipped(goal: Mapping[str, Any]) -> str:
+    axis = "xyz".index(goal["axis"])
+    turned = f"dot({axis_of(goal['object'], axis)}, {axis_of(goal['object'], axis, 1.0, 'init_quat')})"
+    return f"6.0 * abs({turned} - {number(np.cos(np.radians(goal['degrees'])))})"
+
+
+def _at(goal: Mapping[str, Any]) -> str:
+    point = goal.get("point")
+    where = f"self.{goal['object']}_{point}_pos" if point else f"self.{goal['object']}_pos"
+    axes = ", ".join("1.0" if axis in goal["axes"] else "0.0" for axis in "xyz")
+    return f"15.0 * norm(({where} - self.{goal['place']}_pos) * np.array([{axes}]))"
+
+
+def _lifted(goal: Mapping[str, Any]) -> str:
+    risen = f"self.{goal['object']}_pos[2] - self.{goal['object']}_init_pos[2]"
+    return f"15.0 * clip({number(goal['height_m'])} - ({risen}), 0.0, 1.0)"
+
+
+_TERMS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
+    "flipped": _flipped, "at": _at, "lifted": _lifted,
+    "touched-while-turning": lambda goal: f"1.0 - self.{goal['object']}_{goal['thing']}_contact",
+    "grasped": lambda goal: f"2.0 - self.{goal['object']}_left_contact - self.{goal['object']}_right_contact",
+    "resting": lambda goal: f"0.3 * norm(self.{goal['object']}_vel)",
+    "steady-force": lambda goal: (f"0.05 * self.{goal['object']}_hand_contact * "
+                                  f"abs(norm(self.{goal['object']}_hand_force) - {number(goal['newtons'])})"),
+    "undisturbed": lambda goal: f"5.0 * norm(self.{goal['object']}_pos - self.{goal['object']}_init_pos)",
+}
+_MOVING = ("flipped", "at", "lifted", "grasped", "steady-force")
