@@ -144,7 +144,8 @@ def _steadily(thing: Thing, axis: int, sign: float, place: str, where: str, heig
     high = abs(self.ee_pos[2] - {number(height_m)})
     terms['behind'] = 6.0 * clip(norm(off[:2]) - 0.01, 0.0, 1.0) + 6.0 * clip(high - 0.02, 0.0, 1.0)
     terms['force'] = 0.05 * norm(wrong)
-    terms['straight'] = 25.0 * norm((self.last_action[:3] - {number(PACE_M_S)} * ahead)[:2])
+    aside = off - dot(off, ahead) * ahead
+    terms['straight'] = 25.0 * norm((self.last_action[:3] - {number(PACE_M_S)} * ahead + 0.8 * aside)[:2])
     terms['no drag'] = 0.1 * abs(wrong[2])
     # linear in small tilts: a finger that leans is a wedge
     tilt = norm(quat_axis(self.ee_quat, 2)[:2])
