@@ -84,7 +84,8 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
 """),
         StageAnswer(name="let go", noise=soft, back_to="reach", lost=f"{raised} < 0.5",
                     toward=f"self.ee_pos - 0.06 * {ahead} + np.array([0.0, 0.0, 0.02])", code=head + f"""
-    terms['away'] = 10.0 * norm(self.ee_pos - edge + 0.06 * ahead - np.array([0.0, 0.0, 0.02]))
+    off = self.ee_pos - edge + 0.09 * ahead - np.array([0.0, 0.0, 0.03])
+    terms['away'] = 10.0 * max(0.0, norm(off) - 0.03)
     terms['let go'] = 1.0 * self.{n}_hand_contact
     terms['gently'] = 0.05 * norm(self.ee_force)
     terms['leave standing'] = 8.0 * (1.0 - raised)
