@@ -1,3 +1,4 @@
+import dataclasses
 import json
 
 import numpy as np
@@ -133,6 +134,30 @@ def test_falling_back_again_and_again_is_no_progress(scene):
     stages = ["reach", "close"] * 8
     assert any(watch.see(moment(one, 0.2 * k, stage, 5.0)) for k, stage in enumerate(stages))
     assert watch.returns >= 2
+
+
+@pytest.mark.parametrize(("pace_m_s", "stuck"), [(0.035, False), (0.002, True)])
+def test_an_object_on_its_way_is_progress_though_the_cost_stays_as_it_is(scene, pace_m_s, stuck):
+    one = scene("pick-box")
+    watch = Watch(OuterCfg(), ("push",))
+    seen = []
+    for k in range(1, 200):
+        box = one.now.objects["box"]
+        moved = dataclasses.replace(box, position=box.position + np.array([pace_m_s * 0.04, 0.0, 0.0]))
+        one.now = dataclasses.replace(one.now, objects={**one.now.objects, "box": moved})
+        seen.append(watch.see(moment(one, 0.04 * k, "push", 5.0)))
+    assert any(seen) == stuck
+
+
+def test_an_object_that_goes_to_and_fro_is_no_progress(scene):
+    one = scene("pick-box")
+    watch, box = Watch(OuterCfg(), ("push",)), one.now.objects["box"]
+    seen = []
+    for k in range(1, 200):
+        moved = dataclasses.replace(box, position=box.position + np.array([0.03 * np.sin(k), 0.0, 0.0]))
+        one.now = dataclasses.replace(one.now, objects={**one.now.objects, "box": moved})
+        seen.append(watch.see(moment(one, 0.04 * k, "push", 5.0)))
+    assert any(seen)
 
 
 def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):

@@ -20,6 +20,8 @@ class OuterCfg:
         attempt_s: Simulated time that counts as one attempt of the inner loop, which replans every 20 to 40 ms: with
             n_retry it makes the 3 s after which a person would say that it is stuck.
         progress: The expected cost must fall by this share of what it was when the stage began, to count as progress.
+        progress_m: So does an object that is this much farther than ever from where the stage found it: a slow, steady
+            push does what it should while its cost, of pace and force, stays as it is.
         refinements: Most refinements in one episode.
         history_s: How much of the past is looked at.
         replay_dt_s: Step of the physics in replays, finer than in rehearsals.
@@ -29,6 +31,7 @@ class OuterCfg:
     n_retry: Count = 15
     attempt_s: Positive = 0.2
     progress: Fraction = 0.02
+    progress_m: Positive = 0.01
     refinements: NonNegative = 5
     history_s: Positive = 6.0
     replay_dt_s: Positive = 0.004
@@ -57,6 +60,8 @@ class Watch:
     _best: float = np.inf
     _since: float = 0.0
     _expected: Mapping[str, np.ndarray] = field(default_factory=dict)
+    _found: Mapping[str, np.ndarray] = field(default_factory=dict)
+    _moved: dict[str, float] = field(default_factory=dict)
 
     def see(self, moment: Moment) -> bool:
         """Look at a plan; true when n_retry attempts have brought nothing."""
@@ -70,7 +75,11 @@ class Watch:
             self._farthest, self._stage = max(stage, self._farthest), stage
             self._first, self._best = cost, cost
             if progressed:
+                self._found = {name: body.position.copy() for name, body in moment.now.objects.items()}
+                self._moved = {}
                 self._progress(now)
+        elif self._farther(moment) and stage >= self._farthest:
+            self._progress(now)
         elif cost < self._best - self.cfg.progress * max(abs(self._first), 0.1):
             self._best = cost
             if stage >= self._farthest:
@@ -78,6 +87,14 @@ class Watch:
         if now - self._since >= self.cfg.attempt_s - 1e-9:
             self.attempts, self._since = self.attempts + 1, now
         return self.attempts >= self.cfg.n_retry
+
+    def _farther(self, moment: Moment) -> bool:
+        farther = False
+        for name, start in self._found.items():
+            way = float(np.linalg.norm(moment.now.objects[name].position - start))
+            if way > self._moved.get(name, 0.0) + self.cfg.progress_m:
+                self._moved[name], farther = way, True
+        return farther
 
     def _progress(self, now: float) -> None:
         self.attempts, self._since = 0, now
