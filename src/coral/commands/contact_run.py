@@ -23,6 +23,7 @@ from coral.contact.policy.address import parse_address
 from coral.contact.policy.episode import PolicyEpisode
 from coral.contact.policy.trial import serving
 from coral.contact.task import Task, load_task
+from coral.contact.thinking.given import parse_beliefs
 from coral.contact.variants import ALONE, VARIANTS, Asking, check_variant, make_mind
 from coral.contact.worlds import check_world
 from coral.errors import InputError
@@ -51,6 +52,9 @@ class ContactRun:
     """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
+    believe: str | None = None
+    """Believe this at first of masses (kg) and frictions, NAME=MASS,FRICTION[;...], instead of the advisor's
+    estimate."""
     memory: Path | None = None
     """File of the experience memory: read at the start, a success is added to it. Without it nothing is remembered."""
     inbox: Path = Path("inbox")
@@ -89,14 +93,18 @@ class ContactRun:
         check_world(self.world)
         make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=ModelCfg())
         task = load_task(self.task)
+        if self.believe is not None and (self.policy is not None or self.variant in (*ALONE, "unified")):
+            raise InputError("--believe", "", f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
+                             "a variant that asks for masses and frictions, such as full")
         cfg = checked(with_poses(with_samples(self.cfg, self.samples), self.poses), "--cfg")
+        believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.policy is not None:
             return self._driven(self.policy, task, cfg)
         folder = self.out or new_run_folder(Path("runs"), task.name)
         mind = make_mind(self.variant, task, Asking(
             advisor=self.advisor, seed=self.seed, world=self.world, memory=self.memory, folder=folder, inbox=self.inbox,
-            think=cfg.think))
+            think=cfg.think, believe=believe))
         advisor = "none" if self.variant in ALONE else self.advisor
         episode = Episode(draw(task, self.seed), self.world, mind, cfg, folder, variant=self.variant, advisor=advisor)
         progress = EpisodeProgress(quiet=self.quiet)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from coral.advisor.consult import Attempt, BudgetCfg
 from coral.advisor.log import AttemptRecorder
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
+from coral.contact.draw import Physical
 from coral.contact.experts import expert
 from coral.contact.mind import Fixed, Mind
 from coral.contact.program import CostWorker
@@ -39,6 +40,7 @@ class Asking:
         folder: Run folder, in which every attempt is logged; None for no log.
         inbox: Of the advisor `desk`.
         think: What of the thinking is on, and its thresholds.
+        believe: What is believed of objects at first, instead of the advisor's estimate.
         model: Of real models.
     """
 
@@ -49,6 +51,7 @@ class Asking:
     folder: Path | None = None
     inbox: Path | None = None
     think: ThinkCfg = field(default_factory=ThinkCfg)
+    believe: Mapping[str, Physical] = field(default_factory=dict)
     model: ModelCfg = field(default_factory=ModelCfg)
 
 
@@ -74,7 +77,7 @@ def _thinking(variant: str, *, remember: bool = True, strategy: bool = True, reg
         return Thinker(Asker(advisor, budget, _logging(asking.folder)), think,
                        np.random.default_rng([asking.seed, 3]), memory, load,
                        {"world": asking.world, "seed": asking.seed, "variant": variant, "advisor": asking.advisor,
-                        "run": "" if asking.folder is None else asking.folder.name})
+                        "run": "" if asking.folder is None else asking.folder.name}, asking.believe)
     return make
 
 

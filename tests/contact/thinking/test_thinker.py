@@ -13,6 +13,7 @@ from coral.contact.draw import Physical
 from coral.contact.mind import Moment, Step
 from coral.contact.program import CostError
 from coral.contact.strategy import Progress
+from coral.contact.thinking import thinker as thinking
 from coral.contact.thinking.ask import Asker
 from coral.contact.thinking.beliefs import Estimate
 from coral.contact.thinking.embedding import HashedWords
@@ -26,10 +27,10 @@ from coral.contact.world import HandTarget
 from coral.mppi.knots import Update
 
 
-def thinker(one, advisor=None, memory=None, **cfg):
+def thinker(one, advisor=None, memory=None, given=None, **cfg):
     told = []
     mind = Thinker(Asker(advisor or RuleAdvisor(RULES)), ThinkCfg(**cfg), np.random.default_rng(0), memory,
-                   provenance={"world": "hand", "seed": 0})
+                   provenance={"world": "hand", "seed": 0}, given=given)
     mind.listen(lambda event, **fields: told.append((event, fields)))
     return mind, told
 
@@ -52,6 +53,27 @@ def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):
     assert [event for event, _ in told] == ["beliefs", "plan_answer", "regions"]
     assert json.dumps(told)
     assert Progress(strategy).update(one.world.present(one.now)) is False
+
+
+def test_what_is_given_is_believed_and_not_asked_for(scene):
+    one = scene("pick-box")
+    truth = one.drawn.objects["box"].physical
+    mind, told = thinker(one, given={"box": Physical(2.0, 0.9)})
+    mind.begin(one.drawn, one.now, one.world)
+    assert one.world.beliefs[0]["box"] == Physical(2.0, 0.9)
+    assert one.drawn.objects["box"].physical == truth
+    assert (told[0][0], told[0][1]["source"], told[0][1]["box"]) == ("beliefs", "given", [2.0, 0.9])
+    assert mind.account.advisor_calls == 2
+
+
+def test_what_is_given_of_some_objects_leaves_the_rest_to_the_advisor(scene):
+    one = scene("pick-clutter")
+    name, other = list(one.sizes)[:2]
+    mind, told = thinker(one, given={name: Physical(2.0, 0.9)})
+    mind.begin(one.drawn, one.now, one.world)
+    assert one.world.beliefs[0][name] == Physical(2.0, 0.9)
+    assert one.world.beliefs[0][other].mass_kg < 2.0
+    assert told[0][1]["source"] == "given"
 
 
 def test_without_regions_nothing_guides_the_samples(scene):
@@ -344,3 +366,39 @@ def test_a_unified_mind_that_is_stuck_asks_its_one_question_with_the_history(sce
     assert any(mind.after(moment(one, 0.1 * k, "reach", 5.0, (step,))) for k in range(8))
     assert "What happened lately" in advisor.prompts[-1]
     assert "correction" not in [event for event, _ in told]
+
+
+@pytest.fixture
+def corrected(scene, monkeypatch):
+    """A mind to which a box is moved on, 5 mm in each plan of 0.1 s; the times at which it corrects are noted."""
+    def run(plans, last=True, **cfg):
+        one, noted = scene("pick-box"), []
+        mind, _ = thinker(one, **cfg)
+        monkeypatch.setattr(thinking, "correct", lambda asker, name, now, *_: noted.append((name, now.time_s)))
+        mind.begin(one.drawn, one.now, one.world)
+        box = one.now.objects["box"]
+        for k in range(1, plans + 1):
+            after = dataclasses.replace(box, position=box.position + np.array([0.005, 0.0, 0.0]))
+            here, there = (dataclasses.replace(one.now, time_s=0.1 * (k - 1 + n), objects={"box": body})
+                           for n, body in enumerate((box, after)))
+            step = Step(here, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), there)
+            assert mind.after(moment(one, 0.1 * k, "reach", 50.0 - k, (step,))) is None
+        if last:
+            mind.ended("timeout")
+        return [name for name, _ in noted], [round(time, 3) for _, time in noted]
+    return run
+
+
+def test_by_default_nothing_is_corrected_that_is_not_stuck(corrected):
+    assert corrected(30) == ([], [])
+
+
+def test_the_world_model_is_corrected_at_intervals_and_once_at_the_end(corrected):
+    names, times = corrected(25, correct_every_s=0.5, corrections=4)
+    assert times == [0.5, 1.0, 1.5, 2.5]
+    assert set(names) == {"box"}
+
+
+@pytest.mark.parametrize("off", [{"refine": False}, {"unified": True}])
+def test_variants_without_corrections_have_none_at_intervals_either(corrected, off):
+    assert corrected(12, correct_every_s=0.5, **off) == ([], [])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from coral.config import Count, NonNegative
 from coral.contact.thinking.beliefs import BeliefCfg
 from coral.contact.thinking.identify import IdentifyCfg
 from coral.contact.thinking.outer import OuterCfg
@@ -21,6 +22,9 @@ class ThinkCfg:
         unified: Everything in one question (the paper's unified VLM).
         tracking: Poses come from elsewhere (off: `no-tracking`, they are asked for once).
         least_gain: Share by which rehearsed ways to the regions must lower the first stage's cost in a remembered plan.
+        correct_every_s: Simulated time after which the world model is corrected by what was felt, stuck or not;
+            0 for only when stuck.
+        corrections: Most of these in an episode; the last is kept for its end.
         belief: Bounds of what may be believed.
         region: Bounds of what regions may be.
         identify: The fit of corrections.
@@ -33,6 +37,8 @@ class ThinkCfg:
     unified: bool = False
     tracking: bool = True
     least_gain: float = 0.05
+    correct_every_s: NonNegative = 0.0
+    corrections: Count = 5
     belief: BeliefCfg = field(default_factory=BeliefCfg)
     region: RegionCfg = field(default_factory=RegionCfg)
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)

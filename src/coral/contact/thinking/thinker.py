@@ -29,6 +29,7 @@ from coral.contact.thinking.recall import adapted
 from coral.contact.thinking.regions import RegionsAnswer, verify_regions
 from coral.contact.thinking.rehearse import gain, sample_states
 from coral.contact.thinking.repair import TEXTS, Diagnosis, diagnose, recent
+from coral.contact.thinking.rhythm import Rhythm
 from coral.contact.thinking.rules import RULES
 from coral.contact.thinking.scene_facts import interface_text, scene_facts
 from coral.contact.thinking.think_cfg import ThinkCfg
@@ -47,13 +48,18 @@ class Thinker:
         memory: Of successes; None for none.
         load: How cost programs are made: in this process, or in the confined one.
         provenance: For what is stored: world, seed, variant, advisor.
+        given: What is believed of objects at first, whatever the advisor would estimate.
     """
 
     def __init__(self, asker: Asker, cfg: ThinkCfg, rng: np.random.Generator, memory: Memory | None = None,
-                 load: Loader = in_process, provenance: Mapping[str, Any] | None = None) -> None:
+                 load: Loader = in_process, provenance: Mapping[str, Any] | None = None,
+                 given: Mapping[str, Physical] | None = None) -> None:
         self.asker, self.cfg, self.memory = asker, cfg, memory
         self._rng, self._load, self._provenance = rng, load, dict(provenance or {})
         self._emit: Callable[..., None] = lambda event, **fields: None
+        self._given = dict(given or {})
+        self._rhythm = Rhythm(cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0, cfg.corrections)
+        self._now: Observation
         self._repairs = 0
         self._hit: Match | None = None
         self._unanswered = ""
@@ -121,15 +127,17 @@ class Thinker:
             CostError: See `Mind.after`.
         """
         self._past += moment.taken
+        self._now = moment.now
         failure, self._failure = self._failure, None
         if failure is not None:
             strategy = self._mend(failure, moment.stage, moment.now, self._keep.name)
             if strategy is None:
                 raise failure
             return strategy
-        if not self._watch.see(moment) or not self.cfg.refine or self._repairs >= self.cfg.outer.refinements:
-            return None
-        return self._refine(moment)
+        if self._watch.see(moment) and self.cfg.refine and self._repairs < self.cfg.outer.refinements:
+            return self._refine(moment)
+        self._correct_in_passing()
+        return None
 
     def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
         """Have a cost repaired that failed while it was in use, as often as the outer loop may think again."""
@@ -152,6 +160,7 @@ class Thinker:
     def ended(self, reason: str) -> None:
         """Keep what succeeded; note whether what was remembered helped."""
         success = reason == "success"
+        self._correct_in_passing(last=True)
         if self._hit is not None and self.memory is not None:
             self.memory.used(self._hit.stored.id, success)
         elif success and self.memory is not None and self._facts:
@@ -164,14 +173,19 @@ class Thinker:
         return dict(self._world.beliefs[0])
 
     def _believe_first(self, first: Observation) -> None:
+        if set(self._given) >= set(self._sizes):
+            self._world.believe(self._given)
+            self._emit("beliefs", source="given", attempts=0, refused=[], **_told(self._given))
+            return
         facts = scene_facts(self._drawn, first)
         outcome = self.asker.ask(
             "physical-parameters", Estimates, facts, belief_prompt(facts),
             lambda answer: verify_estimates(answer, {name: list(size) for name, size in self._sizes.items()},
                                             self.cfg.belief), seen=True)
-        beliefs = prior(self._drawn) if outcome.answer is None else outcome.answer.physical()
+        beliefs = {**(prior(self._drawn) if outcome.answer is None else outcome.answer.physical()), **self._given}
         self._world.believe(beliefs)
-        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts,
+        source = "given" if self._given else outcome.failure or "advisor"
+        self._emit("beliefs", source=source, attempts=outcome.attempts,
                    refused=[rejection.reason for rejection in outcome.rejections], **_told(beliefs))
 
     def _recall(self, first: Observation) -> Strategy | None:
@@ -307,6 +321,12 @@ class Thinker:
         past = Past(tuple(self._past), recent(self._watch.steps, self._watch.costs, name))
         return correct(self.asker, name, now, past, self._drawn, self._world, self._facts, self.cfg, self._rng,
                        self._emit)
+
+    def _correct_in_passing(self, last: bool = False) -> None:
+        """Correct by what was touched, stuck or not; plan and stage go on."""
+        name = self._rhythm.due(self._past, last)
+        if name is not None:
+            self._correct(name, self._now)
 
     def _asked(self) -> dict[str, Any]:
         """The facts that go with a question about the plan."""
