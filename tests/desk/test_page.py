@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 from playwright.sync_api import expect, sync_playwright
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, RootModel
 
 from coral.advisor.question import Question
 from coral.desk.notice import mission_notice
@@ -29,6 +29,18 @@ class Contact(BaseModel):
     direction: tuple[float, float, float]
     objects: list[Object] = Field(min_length=1)
     note: str | None
+
+
+class Mass(BaseModel):
+    mass: float = Field(gt=0)
+
+
+class Masses(RootModel[dict[str, Mass]]):
+    pass
+
+
+class Program(BaseModel):
+    code: str = ""
 
 
 @pytest.fixture(scope="module")
@@ -151,9 +163,9 @@ def test_bounds_are_checked_before_anything_is_sent_to_the_robot(visit, ask, cas
 
 
 def test_nested_answers_have_a_form_and_a_text(visit, ask):
-    asking = ask(Question(kind="contact-regions", prompt="Where?", answer_type=Contact, facts={}))
+    asking = ask(Question(kind="some-contacts", prompt="Where?", answer_type=Contact, facts={}))
     page = visit()
-    expect(page.get_by_role("heading", name="Contact regions")).to_be_visible()
+    expect(page.get_by_role("heading", name="Some contacts")).to_be_visible()
     page.get_by_label("Count").fill("12")
     for k, value in enumerate(("0", "0.5", "-1")):
         page.get_by_label(f"entry {k + 1}").fill(value)
@@ -174,6 +186,38 @@ def test_nested_answers_have_a_form_and_a_text(visit, ask):
     page.get_by_role("button", name="Submit").click()
     answer = asking.result()
     assert (answer.count, answer.direction, answer.objects[0].mass, answer.note) == (3, (1, 0, 0), 0.4, "so")
+
+
+def test_an_answer_by_object_has_an_entry_for_each_of_them(visit, ask):
+    asking = ask(Question(kind="physical-parameters", prompt="How heavy?", answer_type=Masses,
+                          facts={"objects": {"mug": {}, "can": {}}}))
+    page = visit()
+    expect(page.get_by_role("heading", name="How heavy, how rough?")).to_be_visible()
+    names = page.get_by_label("name")
+    expect(names).to_have_count(2)
+    page.get_by_label("Mass").first.fill("0.4")
+    page.get_by_role("button", name="Remove").nth(1).click()
+    page.get_by_role("button", name="Add a name").click()
+    names.nth(1).fill("mug")
+    page.get_by_label("Mass").nth(1).fill("0.1")
+    page.get_by_role("button", name="Submit").click()
+    expect(page.locator("#send-fault")).to_contain_text("stands there twice")
+    names.nth(1).fill("lid")
+    page.get_by_role("button", name="Submit").click()
+    assert asking.result().model_dump() == {"mug": {"mass": 0.4}, "lid": {"mass": 0.1}}
+
+
+def test_a_program_is_typed_like_one(visit, ask):
+    asking = ask(Question(kind="cost-function", prompt="What is wanted?", answer_type=Program, facts={}))
+    page = visit()
+    expect(page.get_by_role("article", name="The question")).to_have_text("What is wanted?")
+    code = page.get_by_label("Code")
+    code.press_sequentially("def state_cost(self):")
+    code.press("Enter")
+    code.press("Tab")
+    code.press_sequentially("return 1")
+    page.get_by_role("button", name="Submit").click()
+    assert asking.result().code == "def state_cost(self):\n    return 1"
 
 
 def test_the_end_of_a_mission_is_shown(visit, ask, case, tmp_path):
@@ -210,6 +254,5 @@ def test_text_from_an_inbox_is_never_markup(visit, ask):
     evil = "<img src=x onerror=document.title='owned'><script>document.title='owned'</script>"
     ask(Question(kind="pick", prompt=evil, answer_type=Object, facts={"x": evil}))
     page = visit()
-    expect(page.get_by_role("heading", name="No pictures")).to_be_visible()
-    expect(page.locator("#prompt")).to_have_text(evil)
+    expect(page.get_by_role("article", name="The question")).to_have_text(evil)
     assert "owned" not in page.title()
