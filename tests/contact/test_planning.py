@@ -58,6 +58,22 @@ def test_each_rehearsal_is_what_stepping_it_alone_gives():
     assert min(moved) > 0.01
 
 
+def test_far_from_the_edges_the_table_is_a_plane_on_which_things_move_alike():
+    drawn = trial()
+    flat, _ = world(drawn).rollout(beside(drawn), controls(pushes()))
+    edged, _ = world(drawn, cfg=PlanningCfg(threads=1, inland_m=9.0)).rollout(beside(drawn), controls(pushes()))
+    assert flat.box_pos[:, -1] == pytest.approx(edged.box_pos[:, -1], abs=2e-3)
+    assert np.array_equal(flat.box_table_contact, edged.box_table_contact)
+
+
+@pytest.mark.parametrize(("x", "falls"), [(0.28, False), (0.5, True)])
+def test_what_is_near_an_edge_can_fall(x, falls):
+    drawn = trial()
+    now = seen(drawn, box=body((x, 0.0, 0.03)))
+    context, _ = world(drawn).rollout(now, controls(np.tile(now.tool.position, (1, 20, 1))))
+    assert (context.box_pos[0, -1, 2] < 0.0) == falls
+
+
 def test_threads_and_order_do_not_matter():
     drawn = trial()
     plan = pushes(5)

@@ -19,9 +19,21 @@ SWING_RAD = 0.8
 0.1 kg was thrown out within a second in 22 of 33 rehearsals that did nothing but hold it (measured); now in none."""
 
 
-def build_model(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjModel:
-    """The reduced model, as stiff as the hand is when nothing else is asked for."""
-    model = reduced(drawn, hand, physics_dt_s).compile()
+def build_model(drawn: Drawn, hand: HandCfg, physics_dt_s: float, endless: bool = False) -> mujoco.MjModel:
+    """The reduced model, as stiff as the hand is when nothing else is asked for.
+
+    Args:
+        drawn: The trial as it is believed to be.
+        hand: The hand.
+        physics_dt_s: Step of the physics.
+        endless: The table is a plane, without edges.
+    """
+    spec = reduced(drawn, hand, physics_dt_s)
+    if endless:
+        table = spec.geom("table")
+        table.type, table.size = mujoco.mjtGeom.mjGEOM_PLANE, [0, 0, 1]
+        table.pos = [*drawn.task.table.center, 0]
+    model = spec.compile()
     set_stiffness(model, hand, hand.stiffness_n_m)
     return model
 
@@ -72,7 +84,8 @@ def _add_sensors(spec: mujoco.MjSpec, drawn: Drawn) -> None:
         for side in ("left", "right"):
             contact(pair(side, item.name), (body, side), (body, item.name), FOUND)
     for name, other in contact_pairs(drawn):
-        contact(pair(name, other), (body, name), (geom if other in fixed else body, other), FOUND)
+        if other in fixed or name < other:  # two objects share one
+            contact(pair(name, other), (body, name), (geom if other in fixed else body, other), FOUND)
 
 
 class Index:

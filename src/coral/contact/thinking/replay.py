@@ -52,6 +52,7 @@ class Replay:
 
     def __init__(self, world: PlanningWorld, windows: Sequence[Window], cfg: ReplayCfg | None = None) -> None:
         self.world, self.windows, self.cfg = world, list(windows), cfg or ReplayCfg()
+        self.world.edges = True
 
     def parts(self, beliefs: Sequence[Mapping[str, Physical]], name: str) -> Array:
         """Root mean square errors in their units, Shape=(beliefs, windows, kinds); diverged rehearsals are infinite.
