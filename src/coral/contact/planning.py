@@ -40,9 +40,9 @@ class PlanningCfg:
         physics_dt_s: Step of the physics; a whole number of them makes a control step. 10 ms keeps the box within 12 mm
             of a 1 ms reference over a second of pushing (measured), and costs a fifth of 2 ms.
         inland_m: While the hand and everything that moves are this far from the table's edges, it is rehearsed as a
-            plane. Where a cylinder touches a box is a general search, where it touches a plane a formula: pick-clutter costs
-            a third less (measured), what has only boxes hardly less. A hand at full speed goes so far in a quarter of
-            the horizon; by then it is planned anew six times.
+            plane. Where a cylinder touches a box is a general search, where it touches a plane a formula:
+            pick-clutter costs a third less (measured), what has only boxes hardly less. A hand at full speed goes so
+            far in a quarter of the horizon; by then it is planned anew six times.
         threads: Of the rollout; 0 takes every core.
         hand: The hand's apparent dynamics.
     """
