@@ -1,15 +1,20 @@
-"""`coral contact identify`: find the mass and friction of a pushed board from a belief that is far off (Fig. 4)."""
+"""`coral contact identify`: find the mass and friction of a board by touch, from a belief that is far off (Fig. 4)."""
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from coral.contact.draw import Physical, draw
+from coral.commands.contact_progress import EpisodeProgress
+from coral.commands.contact_run import with_poses, with_samples
+from coral.contact.draw import Drawn, Physical, draw
+from coral.contact.episode import EpisodeCfg
+from coral.contact.probe_episode import probe_episode
 from coral.contact.task import load_task
 from coral.contact.thinking.identify import Fit
 from coral.contact.thinking.probe import ProbeCfg, probe
@@ -19,12 +24,15 @@ from coral.errors import InputError
 
 @dataclass(frozen=True, kw_only=True)
 class ContactIdentify:
-    """Push a board of known mass and friction, and see how fast and how well replaying the history finds them."""
+    """Touch a board of known mass and friction, and see how fast and how well replaying the history finds them."""
 
     task: str = "push-pick-board"
-    """Task whose first object is pushed."""
+    """Task whose first object is touched."""
     world: str = "hand"
-    """Where it is pushed: hand or panda."""
+    """Where: hand or panda."""
+    by: Literal["pushes", "episode"] | None = None
+    """How: pushes, back and forth for nothing else; episode, the task itself, corrected as it goes. By default
+    episode with the panda, else pushes."""
     mass: float = 0.1
     """True mass, kg."""
     friction: float = 0.5
@@ -35,40 +43,81 @@ class ContactIdentify:
     """Friction believed at first."""
     seed: int = 0
     """Seed of the trial and of the fits."""
+    every: float = 2.0
+    """In an episode: correct after so much simulated time (s), five times at most, the last at its end."""
+    poses: Literal["tracked", "ground-truth"] | None = None
+    """In an episode: where the object's poses come from; tracked unless said otherwise."""
+    samples: int | None = None
+    """In an episode: rehearsals of each plan, instead of the configuration's."""
+    out: Path | None = None
+    """Of an episode: keep its run folder here."""
     figure: Path | None = None
     """Also draw the corrections into this PNG."""
     json: bool = False
     """Print one JSON object on standard output."""
+    quiet: bool = False
+    """No progress bar."""
     cfg: ProbeCfg = field(default_factory=ProbeCfg)
-    """The experiment."""
+    """The pushes."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Push and correct."""
+        """Touch and correct."""
         check_world(self.world)
         for flag, value in (("--mass", self.mass), ("--friction", self.friction),
                             ("--believed-mass", self.believed_mass), ("--believed-friction", self.believed_friction)):
             if not 0.01 <= value <= 20:
                 raise InputError(flag, "", value, "a number from 0.01 to 20")
+        if not 0.2 <= self.every <= 60:
+            raise InputError("--every", "", self.every, "a number of seconds from 0.2 to 60")
         drawn = draw(load_task(self.task), self.seed)
         name = drawn.task.objects[0].name
-        fits = list(probe(drawn, name, Physical(self.mass, self.friction),
-                          Physical(self.believed_mass, self.believed_friction), self.cfg,
-                          np.random.default_rng([self.seed, 4]), self.world))
-        rows = [_row(fit) for fit in fits]
-        believed = [fit.after if fit.accepted else fit.before for fit in fits]
+        by = self.by or ("episode" if self.world == "panda" else "pushes")
+        found = self._episode(drawn, name) if by == "episode" else self._pushes(drawn, name)
+        believed = [Physical(*row["believed"]) for row in found["corrections"]]
+        last = believed[-1] if believed else self._first
         if self.figure is not None:
             self._draw(believed, self.figure)
-        return {"object": name, "mass_kg": self.mass, "friction": self.friction, "corrections": rows,
-                "mass_error": round(believed[-1].mass_kg / self.mass - 1, 4),
-                "friction_error": round(believed[-1].friction / self.friction - 1, 4),
+        return {"object": name, "by": by, "mass_kg": self.mass, "friction": self.friction, **found,
+                "mass_error": round(last.mass_kg / self.mass - 1, 4),
+                "friction_error": round(last.friction / self.friction - 1, 4),
                 "figure": None if self.figure is None else str(self.figure)}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Every correction, and what is left of the error."""
-        lines = [f"{index}. {'accepted' if row['accepted'] else 'refused '}  {row['text']}"
+        lines = [f"{index}. {'accepted' if row['accepted'] else 'refused '}  "
+                 f"{'at {t:.1f} s, '.format(**row) if 't' in row else ''}{row['text']}"
                  for index, row in enumerate(result["corrections"], start=1)]
+        if "end_reason" in result:
+            lines.append(f"the episode: {result['end_reason']} after {result['sim_time_s']:.1f} s")
         return "\n".join([*lines, f"left over: mass {100 * result['mass_error']:+.0f} %, friction "
                           f"{100 * result['friction_error']:+.0f} % of {self.mass:g} kg and {self.friction:g}"])
+
+    @property
+    def _first(self) -> Physical:
+        return Physical(self.believed_mass, self.believed_friction)
+
+    def _pushes(self, drawn: Drawn, name: str) -> dict[str, Any]:
+        fits = probe(drawn, name, Physical(self.mass, self.friction), self._first, self.cfg,
+                     np.random.default_rng([self.seed, 4]), self.world)
+        return {"corrections": [_row(fit) for fit in fits]}
+
+    def _episode(self, drawn: Drawn, name: str) -> dict[str, Any]:
+        cfg = EpisodeCfg()
+        identify = replace(cfg.think.identify, by="balance")
+        cfg = replace(cfg, think=replace(cfg.think, correct_every_s=self.every, identify=identify),
+                      record=replace(cfg.record, report=False))
+        cfg = with_poses(with_samples(cfg, self.samples), self.poses)
+        progress = EpisodeProgress(quiet=self.quiet)
+        with tempfile.TemporaryDirectory() as aside:
+            try:
+                found = probe_episode(drawn, name, Physical(self.mass, self.friction), self._first, cfg,
+                                      self.out or Path(aside) / "run", self.world, progress)
+            finally:
+                progress.close()
+        return {"corrections": [
+            {"t": event["t"], "accepted": event["accepted"], "believed": event["after"],
+             "error_before": event["errors"][0], "error_after": event["errors"][1], "text": event["text"]}
+            for event in found.corrections], "end_reason": found.end_reason, "sim_time_s": found.sim_time_s}
 
     def _draw(self, believed: list[Physical], path: Path) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -92,7 +141,9 @@ class ContactIdentify:
 
 
 def _row(fit: Fit) -> dict[str, Any]:
-    return {"accepted": fit.accepted, "mass_kg": round(fit.after.mass_kg, 5), "friction": round(fit.after.friction, 4),
+    held = fit.after if fit.accepted else fit.before
+    return {"accepted": fit.accepted, "believed": [held.mass_kg, held.friction],
+            "mass_kg": round(fit.after.mass_kg, 5), "friction": round(fit.after.friction, 4),
             "mass_sd": round(fit.mass_sd, 3), "friction_sd": round(fit.friction_sd, 3),
             "product_sd": round(fit.product_sd, 3), "error_before": round(fit.error_before, 4),
             "error_after": round(fit.error_after, 4), "windows": fit.windows, "text": fit.words()}

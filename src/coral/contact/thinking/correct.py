@@ -13,8 +13,9 @@ from coral.contact.draw import Drawn
 from coral.contact.mind import Step
 from coral.contact.planning import PlanningWorld
 from coral.contact.thinking.ask import Asker
+from coral.contact.thinking.balance import balances
 from coral.contact.thinking.history import windows
-from coral.contact.thinking.identify import compare, correction
+from coral.contact.thinking.identify import correction, explained, weighed
 from coral.contact.thinking.repair import ParametersAnswer, verify_parameters
 from coral.contact.thinking.replay import Replay
 from coral.contact.thinking.think_cfg import ThinkCfg
@@ -60,14 +61,18 @@ def correct(asker: Asker, name: str, now: Observation, past: Past, drawn: Drawn,
     finer = PlanningWorld(drawn, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s))
     try:
         replay = Replay(finer, stretches, cfg.identify.replay)
-        fit = correction(replay, name, believed, cfg.identify, rng)
+        found = balances(past.steps, name, drawn, cfg.identify.balance) if cfg.identify.by == "balance" else None
+        if found is None or len(found) < cfg.identify.balance.least:
+            fit = correction(replay, name, believed, cfg.identify, rng)
+        else:
+            fit = weighed(found, replay, name, believed, cfg.identify)
         tried = [fit.error_before, fit.error_after]
 
         def wrong(answer: ParametersAnswer) -> Rejection | None:
             refusal = verify_parameters(answer, believed, cfg.belief)
             if refusal is not None:
                 return refusal
-            before, after = tried[:] = compare(replay, name, believed, answer.physical(believed))
+            before, after = tried[:] = explained(replay, name, believed, answer.physical(believed), cfg.identify, found)
             if after < (1.0 - cfg.identify.better) * before:
                 return None
             return Rejection(code="replay", reason=f"replayed with your values, the history is explained no better "

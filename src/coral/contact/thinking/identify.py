@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count, Fraction, Positive
 from coral.contact.draw import Physical
+from coral.contact.thinking.balance import Balance, BalanceCfg, solve, unbalanced
 from coral.contact.thinking.replay import Replay, ReplayCfg
 
 Array = NDArray[np.float64]
@@ -36,6 +38,9 @@ class IdentifyCfg:
         mass_doubt, friction_doubt: Relative deviations of what is believed while nobody has touched anything: how far a
             correction moves along what its history tells nothing of.
         replay: Units of the error.
+        by: What proposes a correction: "replay", the fit of replayed commands; "balance", the balance of forces on what
+            was dragged or held up, where there was any, else the fit.
+        balance: Which stretches count there.
     """
 
     mass_kg: tuple[Positive, Positive] = (0.02, 5.0)
@@ -50,6 +55,8 @@ class IdentifyCfg:
     mass_doubt: Positive = 1.0
     friction_doubt: Positive = 0.4
     replay: ReplayCfg = field(default_factory=ReplayCfg)
+    by: Literal["replay", "balance"] = "replay"
+    balance: BalanceCfg = field(default_factory=BalanceCfg)
 
 
 @dataclass(frozen=True)
@@ -145,14 +152,45 @@ def correction(replay: Replay, name: str, believed: Mapping[str, Physical], cfg:
         cfg: The fit.
         rng: Draws the refinements.
     """
-    fit = identify(replay, name, believed, cfg, rng)
+    return drawn_back(identify(replay, name, believed, cfg, rng), replay, believed, cfg)
+
+
+def weighed(found: Balance, replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg) -> Fit:
+    """What the balance of forces proposes, drawn back as in `correction`; the replay says whether it is better.
+
+    Args:
+        found: One stretch or more.
+        replay: The history.
+        name: The object.
+        believed: What is believed now, of all objects.
+        cfg: The fit.
+    """
+    after, covariance = solve(found, np.log([cfg.mass_kg, cfg.friction]), cfg.balance)
+    one = np.ones(2)
+    sd = [float(np.sqrt(v)) for v in (covariance[0, 0], covariance[1, 1], one @ covariance @ one)]
+    fit = Fit(name, believed[name], after, np.inf, np.inf, False, sd[0], sd[1], sd[2], len(replay.windows))
+    return drawn_back(fit, replay, believed, cfg, found)
+
+
+def drawn_back(fit: Fit, replay: Replay, believed: Mapping[str, Physical], cfg: IdentifyCfg,
+               forces: Balance | None = None) -> Fit:
+    """A fit drawn back to the belief, accepted if the replay explains the history better; see `correction`.
+
+    Args:
+        fit: As the history alone tells.
+        replay: The history.
+        believed: What is believed now, of all objects.
+        cfg: How much that is doubted.
+        forces: Balances of forces, where they count too.
+    """
+    name = fit.object
     both = (fit.product_sd**2 - fit.mass_sd**2 - fit.friction_sd**2) / 2
     told = np.array([[fit.mass_sd**2, both], [both, fit.friction_sd**2]])
     doubted = np.diag(np.square([cfg.mass_doubt, cfg.friction_doubt]))
     now, found = (np.log([one.mass_kg, one.friction]) for one in (fit.before, fit.after))
     mean = now + doubted @ np.linalg.solve(doubted + told, found - now)
     after = Physical(float(np.exp(mean[0])), float(np.exp(mean[1])))
-    before_error, after_error = compare(replay, name, believed, {**believed, name: after})
+    before_error, after_error = explained(replay, name, believed, {**believed, name: after}, cfg, forces)
     sd = fit.mass_sd, fit.friction_sd, fit.product_sd
     return replace(fit, after=after, error_before=before_error, error_after=after_error,
                    accepted=_accepted(before_error, after_error, sd, cfg))
@@ -195,6 +233,19 @@ class Corrections:
 def _accepted(before: float, after: float, sd: tuple[float, float, float], cfg: IdentifyCfg) -> bool:
     """Whether errors that fall so far are reason enough, given how well the history tells the parameters."""
     return after < (1.0 - (cfg.better if min(sd) <= cfg.known else cfg.much)) * before
+
+
+def explained(replay: Replay, name: str, believed: Mapping[str, Physical], proposed: Mapping[str, Physical],
+              cfg: IdentifyCfg, found: Balance | None = None) -> tuple[float, float]:
+    """Errors of a belief and of a proposal: of the replay, and of the balance of forces where that counts.
+
+    A rehearsed pinch slips where the real one holds, whatever the mass: beside the balance the replay decides less.
+    """
+    before, after = compare(replay, name, believed, proposed)
+    if found is None or not len(found):
+        return before, after
+    more = unbalanced(found, [believed[name], proposed[name]], cfg.balance)
+    return before + float(more[0]), after + float(more[1])
 
 
 def compare(replay: Replay, name: str, believed: Mapping[str, Physical], proposed: Mapping[str, Physical]
