@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -6,8 +8,9 @@ from coral.contact.mind import Step
 from coral.contact.planning import PlanningCfg, PlanningWorld
 from coral.contact.task import load_task
 from coral.contact.thinking import identify as module
+from coral.contact.thinking.balance import Balance
 from coral.contact.thinking.history import most_telling, windows
-from coral.contact.thinking.identify import Corrections, Fit, IdentifyCfg, compare, correction
+from coral.contact.thinking.identify import Corrections, Fit, IdentifyCfg, compare, correction, explained, weighed
 from coral.contact.thinking.probe import ProbeCfg, probe
 from coral.contact.thinking.repair import choice_after, diagnose
 from coral.contact.thinking.replay import Replay
@@ -73,3 +76,22 @@ def test_what_a_history_does_not_tell_stays_as_it_was_believed(scene, monkeypatc
     assert fit.after.mass_kg * fit.after.friction == pytest.approx(0.8, rel=0.05)
     assert fit.after.mass_kg == pytest.approx(1.5, rel=0.2)
     assert fit.accepted
+
+
+def test_what_forces_propose_is_believed_where_replay_and_forces_explain_more(monkeypatch):
+    held = np.tile([0.981, 9.81], (40, 1))
+    dragged = np.tile([0.5 * (0.981 + 4.0), 4.0, 0.0], (40, 1))
+    before = {"board": FIRST}
+    replay = SimpleNamespace(windows=[None] * 3)
+    # The replay alone would rather have it a little otherwise: a rehearsed pinch slips.
+    monkeypatch.setattr(module, "compare", lambda *_: (0.8, 1.1))
+    fit = weighed(Balance(dragged, held), replay, "board", before, IdentifyCfg())
+    assert fit.accepted
+    assert fit.after.mass_kg == pytest.approx(0.1, rel=0.05)
+    assert fit.after.friction == pytest.approx(0.5, rel=0.05)
+    assert not weighed(Balance(dragged, held), replay, "board", {"board": fit.after}, IdentifyCfg()).accepted
+
+
+def test_without_balances_the_replay_alone_decides(monkeypatch):
+    monkeypatch.setattr(module, "compare", lambda *_: (0.8, 1.1))
+    assert explained(None, "board", {"board": FIRST}, {"board": TRUTH}, IdentifyCfg()) == (0.8, 1.1)

@@ -112,7 +112,7 @@ def balances(steps: Sequence[Step], name: str, drawn: Drawn, cfg: BalanceCfg) ->
         mean = force[part].mean(axis=0)
         if (lowest[part] > cfg.lifted_m).all():
             held.append((-mean[2], GRAVITY_M_S2 + (lift[first + n - 1] - lift[first - 1]) / (n * step_s)))
-        elif slides[part].all():
+        elif first > r and slides[part].all():
             along = way[part, :2].mean(axis=0)
             along /= np.linalg.norm(along)
             speed = way[[first - 1, first + n - 1], :2] @ along / (2 * r * step_s)

@@ -1,0 +1,69 @@
+import json
+
+import pytest
+
+from coral.cli import main
+from coral.commands import contact_identify
+from coral.contact import probe_episode as module
+from coral.contact.draw import Physical, draw
+from coral.contact.episode import EpisodeCfg
+from coral.contact.probe_episode import Found, probe_episode
+from coral.contact.task import load_task
+
+TRUTH, FIRST = Physical(0.1, 0.5), Physical(2.0, 0.9)
+
+
+def test_the_truth_stays_in_the_world_and_the_belief_in_the_mind(tmp_path, monkeypatch):
+    seen = {}
+
+    class Staged:
+        def __init__(self, drawn, world, mind, cfg, folder, **_):
+            seen.update(truth=drawn.objects["board"].physical, given=mind._given, world=world)
+            self.folder = folder
+
+        def run(self, observers):
+            lines = [{"event": "correction", "object": "board", "text": "too little was touched"},
+                     {"event": "correction", "object": "board", "after": [0.1, 0.5]}, {"event": "end"}]
+            (self.folder / "events.jsonl").write_text("\n".join(json.dumps(line) for line in lines))
+            return {"end_reason": "success", "sim_time_s": 9.0}
+
+    monkeypatch.setattr(module, "Episode", Staged)
+    found = probe_episode(draw(load_task("push-pick-board"), 0), "board", TRUTH, FIRST, EpisodeCfg(), tmp_path)
+    assert seen == {"truth": TRUTH, "given": {"board": FIRST}, "world": "panda"}
+    assert [event["after"] for event in found.corrections] == [[0.1, 0.5]]
+
+
+@pytest.fixture
+def told(monkeypatch):
+    """The configuration that an episode was begun with; its corrections are made up."""
+    heard = []
+
+    def probed(drawn, name, truth, first, cfg, *_):
+        heard.append(cfg)
+        event = {"t": 4.0, "accepted": True, "after": [0.11, 0.45], "errors": [6.0, 0.5],
+                 "text": "board: mass 2 to 0.11"}
+        return Found((event,), "success", 9.0)
+    monkeypatch.setattr(contact_identify, "probe_episode", probed)
+    return heard
+
+
+def test_the_command_tells_and_draws_each_correction_of_an_episode(told, tmp_path, capsys):
+    figure = tmp_path / "board.png"
+    words = ["contact", "identify", "--world", "panda", "--quiet", "--samples", "80", "--figure", str(figure)]
+    assert main(words) == 0
+    said = capsys.readouterr().out
+    assert "1. accepted  at 4.0 s, board: mass 2 to 0.11" in said
+    assert "left over: mass +10 %, friction -10 % of 0.1 kg and 0.5" in said
+    assert figure.stat().st_size > 1000
+    assert (told[0].think.correct_every_s, told[0].think.identify.by, told[0].poses) == (2.0, "balance", "tracked")
+    assert told[0].controller.mppi.samples == 80
+
+
+@pytest.mark.parametrize(("words", "said"), [(["--every", "0"], "--every"), (["--samples", "0"], "--samples"),
+                                             (["--mass", "nan"], "--mass")])
+def test_bad_input_is_refused_in_a_line(words, said, told, capsys):
+    assert main(["contact", "identify", "--world", "panda", "--quiet", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not told
