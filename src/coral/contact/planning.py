@@ -97,7 +97,8 @@ class PlanningWorld:
         """Rebuild the models with new masses and frictions."""
         sets = [beliefs] if isinstance(beliefs, Mapping) else list(beliefs)
         self.beliefs: list[Mapping[str, Physical]] = sets
-        self.models, self._endless = self._build(endless=False), []
+        self.models = self._build(endless=False)
+        self._endless: list[mujoco.MjModel] = []
         self._index = Index(self.models[0], self._names)
 
     def _build(self, endless: bool) -> list[mujoco.MjModel]:
