@@ -65,7 +65,9 @@ class Problem:
 
     def world(self, threads: int) -> PlanningWorld:
         """Ours."""
-        return PlanningWorld(self.drawn, prior(self.drawn), self.now, PlanningCfg(threads=threads))
+        world = PlanningWorld(self.drawn, prior(self.drawn), self.now, PlanningCfg(threads=threads))
+        world.edges = True  # the same model for everyone, and the one that the peers are given
+        return world
 
 
 def timed(call: Callable[[], Any], repeats: int) -> dict[str, float]:

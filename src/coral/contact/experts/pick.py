@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,10 @@ from coral.contact.task import Task
 from coral.contact.vocabulary import axis, dot, near, norm
 
 Array = NDArray[np.float64]
+FINGER_OUT_M = 0.05
+"""From the tool to the middle of a finger of the open hand."""
+ENOUGH_M = 0.02
+"""Room beside a finger beyond which more is of no use."""
 
 
 def picks(task: Task) -> bool:
@@ -38,24 +44,39 @@ def grasp_point(state: Context, name: str) -> Array:
     return point
 
 
-def over(name: str, height_m: float = 0.0) -> Guide:
+def over(name: str, height_m: float = 0.0, others: Sequence[str] = ()) -> Guide:
     """Towards the grasp, opening square to the object's nearer side, fingers open."""
     def turn(state: Context) -> Array:
-        return grasp_quaternion(state, name)
+        return grasp_quaternion(state, name, others)
 
     return Guide(lambda state: grasp_point(state, name)[0] + [0, 0, height_m], turn, 0.08)
 
 
-def grasp_quaternion(state: Context, name: str) -> Array:
-    """Orientation of a grasp from above that is nearest the hand's present one, Shape=(4,)."""
+def grasp_quaternion(state: Context, name: str, others: Sequence[str] = ()) -> Array:
+    """Orientation of a grasp from above, Shape=(4,): with room for the open fingers, and nearest the present one.
+
+    An object as wide as it is deep can be grasped along both; beside a carton only one of them leaves a finger room.
+    """
     tool, body = state.ee_quat[0, 0], state[f"{name}_quat"][0, 0]
     size = state[f"{name}_size"][0, 0]
     lying = [k for k in range(3) if abs(rotation_of(body)[2, k]) < 0.7]
-    side = rotation_of(body)[:, min(lying, key=lambda k: size[k])]
-    # Opening along the narrow side: the hand's y axis, that is the world's -y turned by the heading.
-    heading = np.arctan2(side[1], side[0]) + np.pi / 2
-    turns = [multiply([np.cos(a / 2), 0, 0, np.sin(a / 2)], [0, 1.0, 0, 0]) for a in (heading, heading + np.pi)]
-    return np.asarray(max(turns, key=lambda q: abs(float(np.dot(q, tool)))))
+    least = min(size[k] for k in lying)
+    sides = [rotation_of(body)[:, k] for k in lying if size[k] < least + 0.003]
+    # Opening along a narrow side: the hand's y axis, that is the world's -y turned by the heading.
+    turns = [(multiply([np.cos(a / 2), 0, 0, np.sin(a / 2)], [0, 1.0, 0, 0]), side) for side in sides
+             for a in (np.arctan2(side[1], side[0]) + np.pi / 2, np.arctan2(side[1], side[0]) - np.pi / 2)]
+    point = grasp_point(state, name)[0, 0]
+    return np.asarray(max(turns, key=lambda one: (
+        min((room(state, other, point + sign * FINGER_OUT_M * one[1]) for other in others for sign in (1, -1)),
+            default=ENOUGH_M), abs(float(np.dot(one[0], tool)))))[0])
+
+
+def room(state: Context, other: str, point: Array) -> float:
+    """How far (m) a finger at a point is beside another object, `ENOUGH_M` if by more, or if it stands above it."""
+    size, place = state[f"{other}_size"][0, 0], state[f"{other}_pos"][0, 0]
+    local = rotate(conjugate(state[f"{other}_quat"][0, 0]), point - place)
+    beside = float(norm(np.clip(np.abs(local) - size / 2, 0.0, None)))
+    return min(beside, ENOUGH_M)
 
 
 def single(task: Task) -> Strategy:
@@ -83,7 +104,7 @@ def single(task: Task) -> Strategy:
 
 def fsm(task: Task) -> Strategy:
     """Reach, close, lift; back to reaching when the object is lost."""
-    name = task.objects[0].name
+    name, *others = (item.name for item in task.objects)
     height = task.numbers.get("lift_height", 0.12)
 
     def off(state: Context) -> Array:
@@ -131,10 +152,11 @@ def fsm(task: Task) -> Strategy:
 
     up = Guide(lambda now: now.ee_pos[0] + [0.0, 0.0, height], opening_m=0.0)
     return Strategy("pick, stages", (
-        Stage("reach", reach, (over(name, 0.08), over(name)), until=reached),
+        Stage("reach", reach, (over(name, 0.08, others), over(name, 0.0, others)), until=reached),
         Stage("close", close, until=held, back=("reach", lost), sigma=0.5),
         Stage("lift", lift, (up,), back=("reach", lost), sigma=0.7),
     ))
 
 
-__all__ = ["across", "conjugate", "dot", "fsm", "grasp_point", "grasp_quaternion", "over", "rotate", "single"]
+__all__ = ["across", "conjugate", "dot", "fsm", "grasp_point", "grasp_quaternion", "over", "room", "rotate",
+           "single"]

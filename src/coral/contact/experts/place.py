@@ -19,8 +19,8 @@ whose goal lies behind a rim says so by its number `carry_height`."""
 
 
 def _others(state: Context, task: Task) -> Array:
-    """How much what stands around is moved (m/s, summed)."""
-    moved = [norm(state[f"{item.name}_vel"]) for item in task.objects[1:]]
+    """How much what stands around is moved (m/s, summed), and pressed: 60 N count as 1 m/s."""
+    moved = [norm(state[f"{item.name}_vel"]) + norm(state[f"{item.name}_hand_force"]) / 60 for item in task.objects[1:]]
     return np.asarray(sum(moved)) if moved else np.zeros(state.shape)
 
 
