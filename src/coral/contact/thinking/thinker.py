@@ -7,33 +7,28 @@ from typing import Any
 
 import numpy as np
 
-from coral.advisor.consult import Outcome
-from coral.advisor.question import AdvisorUnavailable, Rejection
+from coral.advisor.question import Rejection
 from coral.contact.context import Cost
 from coral.contact.draw import Drawn, Physical
 from coral.contact.mind import Account, Moment, NoStrategy, Step
 from coral.contact.planning import PlanningWorld
 from coral.contact.program import CostError, LastGoodCost
-from coral.contact.scene import prior
 from coral.contact.sight import Look, picture
 from coral.contact.strategy import Strategy
 from coral.contact.thinking.ask import Asker
-from coral.contact.thinking.beliefs import Estimates, belief_prompt, verify_estimates
 from coral.contact.thinking.correct import Past, correct
 from coral.contact.thinking.history import most_telling
 from coral.contact.thinking.locate import ask_poses
 from coral.contact.thinking.memory import Experience, Match, Memory, scene_numbers
 from coral.contact.thinking.outer import Watch
-from coral.contact.thinking.plan_answer import Loader, PlanAnswer, in_process, make_strategy, verify_plan
+from coral.contact.thinking.plan_answer import Loader, PlanAnswer, in_process, make_strategy
+from coral.contact.thinking.questions import Questions
 from coral.contact.thinking.recall import adapted
 from coral.contact.thinking.regions import RegionsAnswer, verify_regions
-from coral.contact.thinking.rehearse import gain, sample_states
-from coral.contact.thinking.repair import TEXTS, Diagnosis, diagnose, recent
+from coral.contact.thinking.rehearse import gain
+from coral.contact.thinking.repair import TEXTS, diagnose, recent
 from coral.contact.thinking.rhythm import Rhythm
-from coral.contact.thinking.rules import RULES
-from coral.contact.thinking.scene_facts import interface_text, scene_facts
 from coral.contact.thinking.think_cfg import ThinkCfg
-from coral.contact.thinking.unified import ask_all
 from coral.contact.world import Body, Observation
 from coral.errors import RunError
 
@@ -62,15 +57,12 @@ class Thinker:
         self._now: Observation
         self._repairs = 0
         self._hit: Match | None = None
-        self._unanswered = ""
-        self._diagnoses: list[Diagnosis] = []
         self._past: list[Step] = []
-        self._sizes: dict[str, np.ndarray] = {}
         self._drawn: Drawn
         self._world: PlanningWorld
         self._plan: PlanAnswer
         self._regions = RegionsAnswer({})
-        self._facts: dict[str, Any] = {}
+        self._questions: Questions
         self._watch: Watch
         self._failure: CostError | None = None
         self._keep = self._keeping()
@@ -105,20 +97,27 @@ class Thinker:
     def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
         """Perceive, recall or ask, check, and make the strategy."""
         self._drawn, self._world = drawn, world
-        self._sizes = {name: drawn.size(name) for name in drawn.objects}
-        if self.cfg.unified:
-            self._facts = scene_facts(drawn, first)
-            self._plan = self._ask_all(first) or self._rule()
-        else:
-            self._believe_first(first)
-            self._facts = scene_facts(drawn, first, self._beliefs)
-        strategy = self._strategy("asked") if self.cfg.unified else self._recall(first)
-        if strategy is None:
-            self._plan = self._ask_plan("cost-function", first, self._plan_prompt()) or self._rule()
-            self._regions = self._ask_regions(first)
-            strategy = self._strategy("asked")
+        self._questions = Questions(self.asker, drawn, world, self.cfg, self._rng, self._load, self._emit)
+        self._questions.look(first, believed=False)
+        strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
         self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
         return strategy
+
+    def _ask_all(self, first: Observation) -> Strategy:
+        found = self._questions.everything(first)
+        self._plan, self._regions = found or (self._questions.rule(), RegionsAnswer({}))
+        return self._strategy("asked")
+
+    def _recall_or_ask(self, first: Observation) -> Strategy:
+        questions = self._questions
+        questions.parameters(self._given)
+        questions.look(first)
+        strategy = self._recall(first)
+        if strategy is not None:
+            return strategy
+        self._plan = questions.formulate(first) or questions.rule()
+        self._regions = questions.regions(self._plan)
+        return self._strategy("asked")
 
     def after(self, moment: Moment) -> Strategy | None:
         """Watch the progress; think again when there is none, or when a cost failed and the last good one took over.
@@ -149,10 +148,10 @@ class Thinker:
             return None
         self._repairs += 1
         self._failure = None
-        self._diagnoses.append("cost-error")
-        self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": 0}
+        self._questions.diagnoses.append("cost-error")
+        self._questions.look(now)
         try:
-            self._replan(now, self._rule, f"in stage {stage!r}, {error}")
+            self._replan(now, self._questions.rule, f"in stage {stage!r}, {error}")
         except NoStrategy:
             return None
         return self._repaired()
@@ -163,37 +162,19 @@ class Thinker:
         self._correct_in_passing(last=True)
         if self._hit is not None and self.memory is not None:
             self.memory.used(self._hit.stored.id, success)
-        elif success and self.memory is not None and self._facts:
+        elif success and self.memory is not None:
             number = self.memory.add(self._experience())
             self._emit("remembered", id=number, file=self.memory.path.name)
         self.asker.close()
 
-    @property
-    def _beliefs(self) -> dict[str, Physical]:
-        return dict(self._world.beliefs[0])
-
-    def _believe_first(self, first: Observation) -> None:
-        if set(self._given) >= set(self._sizes):
-            self._world.believe(self._given)
-            self._emit("beliefs", source="given", attempts=0, refused=[], **_told(self._given))
-            return
-        facts = scene_facts(self._drawn, first)
-        outcome = self.asker.ask(
-            "physical-parameters", Estimates, facts, belief_prompt(facts),
-            lambda answer: verify_estimates(answer, {name: list(size) for name, size in self._sizes.items()},
-                                            self.cfg.belief), seen=True)
-        beliefs = {**(prior(self._drawn) if outcome.answer is None else outcome.answer.physical()), **self._given}
-        self._world.believe(beliefs)
-        source = "given" if self._given else outcome.failure or "advisor"
-        self._emit("beliefs", source=source, attempts=outcome.attempts,
-                   refused=[rejection.reason for rejection in outcome.rejections], **_told(beliefs))
-
     def _recall(self, first: Observation) -> Strategy | None:
         if self.memory is None:
             return None
-        for match in self.memory.find(self._facts):
-            plan, regions = adapted(match.stored.experience, self._facts)
-            refusal = self._wrong_plan(plan, first) or verify_regions(regions, self._facts, plan.names, self.cfg.region)
+        facts = self._questions.facts
+        for match in self.memory.find(facts):
+            plan, regions = adapted(match.stored.experience, facts)
+            refusal = (self._questions.wrong_plan(plan, first)
+                       or verify_regions(regions, facts, plan.names, self.cfg.region))
             risen = 0.0
             if refusal is None:
                 self._plan, self._regions = plan, regions
@@ -211,51 +192,10 @@ class Thinker:
                 return strategy
         return None
 
-    def _wrong_plan(self, plan: PlanAnswer, now: Observation) -> Rejection | None:
-        samples = sample_states(self._world, now, self._sizes, self._rng)
-        return verify_plan(plan, self._world.schema, samples, self._load)
-
-    def _ask_plan(self, kind: str, now: Observation, prompt: Mapping[str, Any]) -> PlanAnswer | None:
-        facts = self._asked()
-        outcome = self.asker.ask(kind, PlanAnswer, facts, prompt, lambda plan: self._wrong_plan(plan, now))
-        self._facts["refused"] = len(outcome.rejections)
-        self._tell_plan(kind, outcome)
-        self._unanswered = outcome.failure
-        return outcome.answer
-
-    def _tell_plan(self, kind: str, outcome: Outcome[Any]) -> None:
-        plan: PlanAnswer | None = outcome.answer
-        self._emit("plan_answer", kind=kind, failure=outcome.failure, attempts=outcome.attempts,
-                   refused=[rejection.reason for rejection in outcome.rejections],
-                   explanation="" if plan is None else plan.explanation, code="" if plan is None else plan.text())
-
-    def _rule(self) -> PlanAnswer:
-        # Without an answer the rules take over, and the record says so: a robot that stands still helps nobody.
-        try:
-            rule = RULES["cost-function"](self._asked(), ())
-        except AdvisorUnavailable as none:
-            raise NoStrategy(none.reason) from None
-        assert isinstance(rule, PlanAnswer)
-        self._emit("fallback", what="plan", by="heuristic", because=self._unanswered)
-        return rule
-
-    def _ask_regions(self, now: Observation) -> RegionsAnswer:
-        if not self.cfg.regions:
-            return RegionsAnswer({})
-        names = self._plan.names
-        outcome = self.asker.ask(
-            "contact-regions", RegionsAnswer, {**self._asked(), "stages": names},
-            {"task": self._facts["instruction"], "objects": self._shown(), "stages": names},
-            lambda answer: verify_regions(answer, self._facts, names, self.cfg.region), seen=True)
-        found = outcome.answer or RegionsAnswer({})
-        self._emit("regions", failure=outcome.failure, attempts=outcome.attempts,
-                   refused=[rejection.reason for rejection in outcome.rejections],
-                   regions=found.model_dump(mode="json"))
-        return found
-
     def _strategy(self, name: str) -> Strategy:
         regions = self._regions if self.cfg.regions else None
-        return make_strategy(name, self._plan, regions, self._world.schema, self._sizes, self._load, self._keep)
+        return make_strategy(name, self._plan, regions, self._world.schema, self._questions.sizes, self._load,
+                             self._keep)
 
     def _keeping(self) -> LastGoodCost:
         def heard(cost: Cost, error: CostError) -> None:
@@ -272,55 +212,37 @@ class Thinker:
 
     def _replan(self, now: Observation, otherwise: Callable[[], PlanAnswer], error: str = "") -> None:
         steps, costs = self._watch.steps, self._watch.costs
-        name = most_telling(steps) or next(iter(self._sizes))
+        name = most_telling(steps) or next(iter(self._questions.sizes))
         history = {"attempts": self._watch.attempts, "history": recent(steps, costs, name), "code": self._plan.text(),
                    "error": error}
         if self.cfg.unified:
-            self._plan = self._ask_all(now, history) or otherwise()
+            self._plan, self._regions = self._questions.everything(now, history) or (otherwise(), self._regions)
             return
-        plan = self._ask_plan("cost-repair", now, {
-            "task": self._facts["instruction"], "world": self._shown(),
-            "interface": interface_text(self._world.schema), **history})
-        self._plan = plan or otherwise()
-        self._regions = self._ask_regions(now)
-
-    def _ask_all(self, now: Observation, history: Mapping[str, Any] | None = None) -> PlanAnswer | None:
-        """One question about everything; what is accepted is believed, and so are its regions."""
-        before = self._beliefs
-        outcome = ask_all(self.asker, self._asked(), self._shown(), self._world,
-                          lambda answer: self._wrong_plan(answer, now), self.cfg, history)
-        found, self._unanswered = outcome.answer, outcome.failure
-        if found is None:
-            self._world.believe(before)
-        else:
-            self._regions = found.places
-        self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": len(outcome.rejections)}
-        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts, **_told(self._beliefs))
-        self._tell_plan("unified", outcome)
-        return None if found is None else found.plan
+        self._plan = self._questions.repair(now, history) or otherwise()
+        self._regions = self._questions.regions(self._plan)
 
     def _refine(self, moment: Moment) -> Strategy | None:
         """The outer loop: what went wrong, a better world model, a better plan."""
         watch, now = self._watch, moment.now
-        name = most_telling(watch.steps) or next(iter(self._sizes))
+        name = most_telling(watch.steps) or next(iter(self._questions.sizes))
         kind = diagnose(watch.steps, name, watch.returns, watch.surprise_m.get(name, 0.0))
         self._repairs += 1
         self._emit("stuck", attempts=watch.attempts, stage=moment.stage, object=name, diagnosis=kind, text=TEXTS[kind],
                    cost=round(moment.plan.cost, 4), history=recent(watch.steps, watch.costs, name))
         corrected = not self.cfg.unified and self._correct(name, now)
-        self._facts = {**scene_facts(self._drawn, now, self._beliefs), "refused": 0}
+        self._questions.look(now)
         if corrected and kind == "moved-otherwise":
             # The plan was right and the world model was not: the stage goes on, rehearsed in the corrected one.
             self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
             return None
-        self._diagnoses.append(kind)
+        self._questions.diagnoses.append(kind)
         self._replan(now, lambda: self._plan)
         return self._repaired()
 
     def _correct(self, name: str, now: Observation) -> bool:
         past = Past(tuple(self._past), recent(self._watch.steps, self._watch.costs, name))
-        return correct(self.asker, name, now, past, self._drawn, self._world, self._facts, self.cfg, self._rng,
-                       self._emit)
+        return correct(self.asker, name, now, past, self._drawn, self._world, self._questions.facts, self.cfg,
+                       self._rng, self._emit)
 
     def _correct_in_passing(self, last: bool = False) -> None:
         """Correct by what was touched, stuck or not; plan and stage go on."""
@@ -328,31 +250,10 @@ class Thinker:
         if name is not None:
             self._correct(name, self._now)
 
-    def _asked(self) -> dict[str, Any]:
-        """The facts that go with a question about the plan."""
-        return {**self._facts, "diagnoses": list(self._diagnoses), "contact_strategy": self.cfg.strategy}
-
-    def _shown(self) -> dict[str, Any]:
-        """The objects as prompts show them: nothing that only the default advisor needs."""
-        hidden = ("stated_mass_kg", "stated_friction", "solid_share", "parts")
-        return {name: {key: value for key, value in item.items() if key not in hidden}
-                for name, item in self._facts["objects"].items()}
-
-    def _plan_prompt(self) -> dict[str, Any]:
-        objects = self._facts["objects"]
-        return {"task": self._facts["instruction"],
-                "poses": {name: item["pose"] for name, item in objects.items()} | {"hand": self._facts["hand"]["pose"]},
-                "parameters": self._shown(), "interface": interface_text(self._world.schema)}
-
     def _experience(self) -> Experience:
         task = self._drawn.task
         return Experience(
-            task=task.name, instruction=task.instruction, goals=self._facts["goals"],
-            numbers=scene_numbers(self._facts),
-            plan=self._plan, regions=self._regions,
-            beliefs={name: (one.mass_kg, one.friction) for name, one in self._beliefs.items()},
+            task=task.name, instruction=task.instruction, goals=self._questions.facts["goals"],
+            numbers=scene_numbers(self._questions.facts), plan=self._plan, regions=self._regions,
+            beliefs={name: (one.mass_kg, one.friction) for name, one in self._questions.beliefs.items()},
             provenance={"success": True, "repairs": self._repairs, **self._provenance})
-
-
-def _told(beliefs: Mapping[str, Physical]) -> dict[str, list[float]]:
-    return {name: [round(one.mass_kg, 5), round(one.friction, 4)] for name, one in beliefs.items()}

@@ -1,0 +1,168 @@
+"""What CoRAL asks about a scene: its physical parameters, the plan, where to touch (A.6 to A.10)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.consult import Outcome
+from coral.advisor.question import AdvisorUnavailable, Rejection
+from coral.contact.draw import Drawn, Physical
+from coral.contact.mind import NoStrategy
+from coral.contact.planning import PlanningWorld
+from coral.contact.scene import prior
+from coral.contact.thinking.ask import Asker
+from coral.contact.thinking.beliefs import Estimates, belief_prompt, verify_estimates
+from coral.contact.thinking.plan_answer import Loader, PlanAnswer, verify_plan
+from coral.contact.thinking.regions import RegionsAnswer, verify_regions
+from coral.contact.thinking.rehearse import sample_states
+from coral.contact.thinking.rules import RULES
+from coral.contact.thinking.scene_facts import interface_text, scene_facts
+from coral.contact.thinking.think_cfg import ThinkCfg
+from coral.contact.thinking.unified import ask_all
+from coral.contact.world import Observation
+
+Emit = Callable[..., None]
+
+
+class Questions:
+    """The questions about one scene, the checks of their answers, and what takes over where there is none.
+
+    Args:
+        asker: The advisor.
+        drawn: The trial.
+        world: The planning world; it is told what to believe.
+        cfg: What is on.
+        rng: Draws the states that programs are checked on.
+        load: How cost programs are made.
+        emit: Receives every outcome.
+
+    Attributes:
+        facts: The scene as it was last looked at.
+        sizes: Of the objects, metres.
+        diagnoses: What went wrong so far; questions about the plan carry it.
+    """
+
+    def __init__(self, asker: Asker, drawn: Drawn, world: PlanningWorld, cfg: ThinkCfg, rng: np.random.Generator,
+                 load: Loader, emit: Emit) -> None:
+        self.facts: dict[str, Any] = {}
+        self.sizes = {name: drawn.size(name) for name in drawn.objects}
+        self.diagnoses: list[str] = []
+        self._asker, self._drawn, self._world, self._cfg = asker, drawn, world, cfg
+        self._rng, self._load, self._emit = rng, load, emit
+        self._unanswered = ""
+
+    @property
+    def beliefs(self) -> dict[str, Physical]:
+        """What the planning world believes of the objects."""
+        return dict(self._world.beliefs[0])
+
+    def look(self, now: Observation, believed: bool = True) -> None:
+        """Gather the facts anew, with what is believed of the objects or without."""
+        self.facts = scene_facts(self._drawn, now, self.beliefs if believed else None)
+
+    def parameters(self, given: Mapping[str, Physical]) -> None:
+        """Masses and frictions, believed from now on: those given, the others as the advisor says."""
+        if set(given) >= set(self.sizes):
+            self._world.believe(given)
+            self._emit("beliefs", source="given", attempts=0, refused=[], **_told(given))
+            return
+        outcome = self._asker.ask(
+            "physical-parameters", Estimates, self.facts, belief_prompt(self.facts),
+            lambda answer: verify_estimates(answer, {name: list(size) for name, size in self.sizes.items()},
+                                            self._cfg.belief), seen=True)
+        beliefs = {**(prior(self._drawn) if outcome.answer is None else outcome.answer.physical()), **given}
+        self._world.believe(beliefs)
+        source = "given" if given else outcome.failure or "advisor"
+        self._emit("beliefs", source=source, attempts=outcome.attempts, refused=_reasons(outcome), **_told(beliefs))
+
+    def formulate(self, now: Observation) -> PlanAnswer | None:
+        """A plan for the scene; None where nobody answers."""
+        objects = self.facts["objects"]
+        poses = {name: item["pose"] for name, item in objects.items()} | {"hand": self.facts["hand"]["pose"]}
+        return self._plan("cost-function", now, {"poses": poses, "parameters": self._shown()})
+
+    def repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
+        """Another plan, told what became of the last one; None where nobody answers."""
+        return self._plan("cost-repair", now, {"world": self._shown(), **history})
+
+    def rule(self) -> PlanAnswer:
+        """The rules' plan. A robot that stands still helps nobody; the record says who took over.
+
+        Raises:
+            NoStrategy: The rules have none either.
+        """
+        try:
+            rule = RULES["cost-function"](self._asked(), ())
+        except AdvisorUnavailable as none:
+            raise NoStrategy(none.reason) from None
+        assert isinstance(rule, PlanAnswer)
+        self._emit("fallback", what="plan", by="heuristic", because=self._unanswered)
+        return rule
+
+    def regions(self, plan: PlanAnswer) -> RegionsAnswer:
+        """Where a plan's stages touch; nowhere in particular where nobody answers."""
+        if not self._cfg.regions:
+            return RegionsAnswer({})
+        outcome = self._asker.ask(
+            "contact-regions", RegionsAnswer, {**self._asked(), "stages": plan.names},
+            {"task": self.facts["instruction"], "objects": self._shown(), "stages": plan.names},
+            lambda answer: verify_regions(answer, self.facts, plan.names, self._cfg.region), seen=True)
+        found = outcome.answer or RegionsAnswer({})
+        self._emit("regions", failure=outcome.failure, attempts=outcome.attempts, refused=_reasons(outcome),
+                   regions=found.model_dump(mode="json"))
+        return found
+
+    def everything(self, now: Observation,
+                   history: Mapping[str, Any] | None = None) -> tuple[PlanAnswer, RegionsAnswer] | None:
+        """One question about all of it (variant `unified`); what is accepted is believed."""
+        before = self.beliefs
+        outcome = ask_all(self._asker, self._asked(), self._shown(), self._world,
+                          lambda answer: self.wrong_plan(answer, now), self._cfg, history)
+        found, self._unanswered = outcome.answer, outcome.failure
+        if found is None:
+            self._world.believe(before)
+        self.look(now)
+        self.facts["refused"] = len(outcome.rejections)
+        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts, **_told(self.beliefs))
+        self._tell_plan("unified", outcome)
+        return None if found is None else (found.plan, found.places)
+
+    def wrong_plan(self, plan: PlanAnswer, now: Observation) -> Rejection | None:
+        """Why a plan's programs cannot be used, seen on states around the present one; None if they can."""
+        samples = sample_states(self._world, now, self.sizes, self._rng)
+        return verify_plan(plan, self._world.schema, samples, self._load)
+
+    def _plan(self, kind: str, now: Observation, about: Mapping[str, Any]) -> PlanAnswer | None:
+        prompt = {"task": self.facts["instruction"], "interface": interface_text(self._world.schema), **about}
+        outcome = self._asker.ask(kind, PlanAnswer, self._asked(), prompt, lambda plan: self.wrong_plan(plan, now))
+        self.facts["refused"] = len(outcome.rejections)
+        self._tell_plan(kind, outcome)
+        self._unanswered = outcome.failure
+        return outcome.answer
+
+    def _tell_plan(self, kind: str, outcome: Outcome[Any]) -> None:
+        plan: PlanAnswer | None = outcome.answer
+        self._emit("plan_answer", kind=kind, failure=outcome.failure, attempts=outcome.attempts,
+                   refused=_reasons(outcome), explanation="" if plan is None else plan.explanation,
+                   code="" if plan is None else plan.text())
+
+    def _asked(self) -> dict[str, Any]:
+        """The facts that go with a question about the plan."""
+        return {**self.facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}
+
+    def _shown(self) -> dict[str, Any]:
+        """The objects as prompts show them: nothing that only the default advisor needs."""
+        hidden = ("stated_mass_kg", "stated_friction", "solid_share", "parts")
+        return {name: {key: value for key, value in item.items() if key not in hidden}
+                for name, item in self.facts["objects"].items()}
+
+
+def _reasons(outcome: Outcome[Any]) -> list[str]:
+    return [rejection.reason for rejection in outcome.rejections]
+
+
+def _told(beliefs: Mapping[str, Physical]) -> dict[str, list[float]]:
+    return {name: [round(one.mass_kg, 5), round(one.friction, 4)] for name, one in beliefs.items()}
