@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import json as json_text
 import shlex
 import sys
@@ -16,7 +15,7 @@ import numpy as np
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
-from coral.campaign.bench import changes, digest, make_executor, table_json
+from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.contact_ablation import NAMES, ablations, chosen
 from coral.campaign.contact_tables import called, contact_tables
@@ -26,8 +25,9 @@ from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store, write_whole
 from coral.campaign.table import document
 from coral.campaign.version import code_version
+from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_run import with_poses, with_samples
-from coral.config import checked, read_config, to_mapping
+from coral.config import checked, to_mapping
 from coral.contact.episode import EpisodeCfg
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.trial import run_policy_trial
@@ -111,10 +111,8 @@ class ContactBench:
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactBench | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        for flag, value in itertools.pairwise(words):
-            if flag == "--config":
-                return cls(cfg=read_config(Path(value), EpisodeCfg()))
-        return None
+        cfg = configured(words, EpisodeCfg())
+        return None if cfg is None else cls(cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Run what is missing, then make the tables."""
@@ -261,9 +259,7 @@ class ContactBench:
         words += ["--poses", self.poses] if self.poses is not None else []
         words += ["--memory", str(self.memory)] if self.memory is not None else []
         words += ["--samples", str(self.samples)] if self.samples is not None else []
-        words += ["--config", str(self.config)] if self.config else [
-            word for key, value in changes(to_mapping(self.cfg), to_mapping(EpisodeCfg()), "cfg")
-            for word in (f"--{key.replace('_', '-')}", str(value))]
+        words += config_words(self.cfg, EpisodeCfg(), self.config)
         return shlex.join(words)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,8 +13,9 @@ import tyro
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
+from coral.commands.config_flag import configured
 from coral.commands.contact_progress import EpisodeProgress
-from coral.config import checked, read_config
+from coral.config import checked
 from coral.contact.draw import draw
 from coral.contact.ends import ENDS
 from coral.contact.episode import Episode, EpisodeCfg
@@ -75,12 +75,8 @@ class ContactRun:
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactRun | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        for word, following in itertools.pairwise([*words, ""]):
-            flag, joined, value = word.partition("=")
-            file = value if joined else following
-            if flag == "--config" and file:
-                return cls(task=tyro.MISSING, cfg=read_config(Path(file), EpisodeCfg()))
-        return None
+        cfg = configured(words, EpisodeCfg())
+        return None if cfg is None else cls(task=tyro.MISSING, cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the episode."""

@@ -113,6 +113,10 @@ class Context:
         """Everything that can be read."""
         return sorted(self._values)
 
+    def first(self) -> Context:
+        """The first state of the first sequence, as a batch of one."""
+        return Context({name: value[:1, :1] for name, value in self._values.items()}, (1, 1))
+
 
 class Cost(Protocol):
     """A running cost over a batch of states (Eq. 5), as named terms."""

@@ -156,7 +156,7 @@ class Controller:
             update=update,
             terms={name: float(weights[counted] @ self._total({name: term}, context.shape)[counted])
                    for name, term in terms.items()},
-            now=_first(context),
+            now=context.first(),
             diverged=int((~sane).sum()),
         )
 
@@ -230,8 +230,3 @@ class Controller:
         controls = self._controls(knots[None], centre, stiffness)
         rows = zip(controls.position[0], controls.quaternion[0], controls.opening[0], strict=True)
         return tuple(HandTarget(position, turn, float(opening), stiffness) for position, turn, opening in rows)
-
-
-def _first(context: Context) -> Context:
-    values = {name: context[name][:1, :1] for name in context.names()}
-    return Context(values, (1, 1))

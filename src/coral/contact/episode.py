@@ -246,7 +246,8 @@ class Episode:
         if self.guessed is not None:
             self.now = self.guessed.settle(self.mind.locate(self.drawn, self.now), self.now)
         self._tell_tracks()
-        self.planner = PlanningWorld(self.drawn, prior(self.drawn), self.now, cfg.planning)
+        self.planner = PlanningWorld(self.drawn, prior(self.drawn), self.now, cfg.planning,
+                                     np.random.default_rng([self.drawn.seed, 6]))
         self.controller = Controller(self.planner, cfg.controller, np.random.default_rng([self.drawn.seed, 1]))
         self.reactive = Reactive(cfg.reactive, cfg.planning.step_s, np.asarray(cfg.controller.workspace_low_m),
                                  np.asarray(cfg.controller.workspace_high_m))
