@@ -30,6 +30,7 @@ from coral.contact.thinking.think_cfg import ThinkCfg
 from coral.contact.tracked import Seen, TrackedCfg, TrackedWorld
 from coral.contact.world import EvaluationWorld, HandTarget, Observation, Truth, WorldFault
 from coral.contact.worlds import make_world
+from coral.errors import InputError, RunError
 from coral.runs import RunWriter, provenance
 
 
@@ -114,6 +115,7 @@ class Episode:
         self._without_plan = 0
         self._taken: list[Step] = []
         self._wall = 0.0
+        self._late: InputError | RunError | None = None
         self.now: Observation
         self.planner: PlanningWorld
         self.controller: Controller
@@ -126,7 +128,11 @@ class Episode:
         return self.progress.stage.name
 
     def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
-        """Run to the end; returns metrics and timing together."""
+        """Run to the end; returns metrics and timing together.
+
+        Raises:
+            InputError, RunError: What the mind wanted to do at the end failed; the run folder is complete all the same.
+        """
         started = time.perf_counter()
         try:
             try:
@@ -145,7 +151,10 @@ class Episode:
         finally:
             self._end()
             self._wall = time.perf_counter() - started
-        return self._finish()
+        made = self._finish()
+        if self._late is not None:
+            raise self._late
+        return made
 
     def advance(self) -> None:
         """Plan once, and take the plan's first steps."""
@@ -294,7 +303,11 @@ class Episode:
         self.emit("stage", before=None, stage=self.stage, index=0)
 
     def _end(self) -> None:
-        self.mind.ended(self.end_reason or "failed")
+        try:
+            self.mind.ended(self.end_reason or "failed")
+        except (InputError, RunError) as error:
+            # As a memory that cannot be written: said when the record is complete.
+            self._late = error
         account = self.mind.account
         self.recorder.state(self.step, self.t, self.world, last=True)
         self.recorder.close(self.step)

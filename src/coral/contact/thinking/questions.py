@@ -136,7 +136,8 @@ class Questions:
         return verify_plan(plan, self._world.schema, samples, self._load)
 
     def _plan(self, kind: str, now: Observation, about: Mapping[str, Any]) -> PlanAnswer | None:
-        prompt = {"task": self.facts["instruction"], "interface": interface_text(self._world.schema), **about}
+        prompt = {"task": self.facts["instruction"], "interface": interface_text(self._world.schema),
+                  "contact_strategy": self._cfg.strategy, **about}
         outcome = self._asker.ask(kind, PlanAnswer, self._asked(), prompt, lambda plan: self.wrong_plan(plan, now))
         self.facts["refused"] = len(outcome.rejections)
         self._tell_plan(kind, outcome)
