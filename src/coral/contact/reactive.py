@@ -90,8 +90,18 @@ class Reactive:
         lead = np.clip(position, self._low, self._high) - now.tool.position + force / target.stiffness
         lead = _short(self._yielding(lead, now), cfg.force_limit_n / target.stiffness)
         position = np.clip(now.tool.position + lead - force / target.stiffness, self._low, self._high)
+        position, force = self._weaker(position, force, target.stiffness, now)
         opening = float(np.clip(target.opening_m, SQUEEZE_M, MAX_OPENING_M))
         return replace(target, position=position, opening_m=opening, force=force)
+
+    def _weaker(self, position: Array, force: Array, stiffness: float, now: Observation) -> tuple[Array, Array]:
+        """Where the box lets them pull harder than the limit: both less, in proportion, on the way to the hand.
+
+        From inside the box that stays inside; from outside the limit counts, and the hand comes back slowly.
+        """
+        way = position - now.tool.position
+        share = min(1.0, self.cfg.force_limit_n / max(stiffness * float(np.linalg.norm(way + force / stiffness)), 1e-9))
+        return (position, force) if share > 1.0 - 1e-9 else (now.tool.position + share * way, share * force)
 
     def _yielding(self, lead: Array, now: Observation) -> Array:
         """The hand's lead, its part against a resistance beyond the limit scaled back to the limit."""
