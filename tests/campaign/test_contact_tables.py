@@ -70,6 +70,14 @@ def test_trials_that_broke_off_are_named():
     assert "1 trials broke off with an error and are left out: expert-fsm in pick-box, seed 7." in notes
 
 
+def test_what_broke_off_is_told_where_it_belongs():
+    broken = {key: value for key, value in row(advisor="b", variant="full", seed=7).items()
+              if key in ("world", "variant", "seed", "advisor", "overrides")}
+    made = tables([row(advisor="a", variant="full"), {**broken, "status": "failed"}])
+    assert [("Advisor: a." in table.caption, any("broke off" in note for note in table.notes)) for table in made] == [
+        (True, False)] * 3 + [(False, True)] * 3
+
+
 @pytest.mark.parametrize(("won", "trials", "low", "high"), [(0, 10, 0.0, 0.2775), (10, 10, 0.7225, 1.0),
                                                             (5, 10, 0.2366, 0.7634), (0, 0, 0.0, 1.0)])
 def test_wilsons_interval(won, trials, low, high):

@@ -31,19 +31,22 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
         about: Of the campaign: commit, machine.
         command: That makes the tables.
     """
-    done = [row for row in rows if row["status"] == "done"]
-    advisors = list(dict.fromkeys(row["advisor"] for row in done if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
+    advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
     tables: list[Table] = []
-    for place in dict.fromkeys(str(row["evaluation_world"]) for row in done):
+    for place in dict.fromkeys(map(_place, rows)):
         for advisor in advisors:
-            chosen = [row for row in done
-                      if row["evaluation_world"] == place and row["advisor"] in (advisor, NO_ADVISOR)]
-            failed = [row for row in rows
-                      if row["status"] == "failed" and json.loads(row["overrides"])["world"] == place]
+            here = [row for row in rows if _place(row) == place and row["advisor"] in (advisor, NO_ADVISOR)]
+            chosen = [row for row in here if row["status"] == "done"]
+            failed = [row for row in here if row["status"] == "failed"]
             source = _source(chosen, failed, about, command)
             caption = f"World: {place}. Advisor: {called(advisor)}."
             tables += [make(chosen, caption, source) for make in (_success, _times, _each)]
     return tables
+
+
+def _place(row: Row) -> str:
+    """Where a trial took place; a failed one has only what was asked for."""
+    return str(json.loads(row["overrides"])["world"])
 
 
 def called(advisor: str) -> str:

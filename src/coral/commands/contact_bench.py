@@ -203,7 +203,7 @@ class ContactBench:
             raise RunError(f"no episode is recorded in {self.out} yet")
         write_parquet(rows, self.out / "results.parquet")
         rows = read_parquet(self.out / "results.parquet")
-        command = manifest["commands"][-1] if manifest["commands"] else "coral contact bench"
+        command = "; then ".join(manifest["commands"]) or "coral contact bench"
         tables = [*contact_tables(rows, about, command), *ablations(rows, command)]
         kept = self._remembered(store)
         for form in ("md", "tex", "html"):

@@ -172,7 +172,7 @@ class ReefBench:
             raise RunError(f"no mission is recorded in {self.out} yet")
         write_parquet(rows, self.out / "results.parquet")
         rows = read_parquet(self.out / "results.parquet")
-        tables = reef_tables(rows, about, manifest["commands"][-1] if manifest["commands"] else "coral reef bench")
+        tables = reef_tables(rows, about, "; then ".join(manifest["commands"]) or "coral reef bench")
         for form in ("md", "tex", "html"):
             write_whole(self.out / f"tables.{form}", document(tables, form, "Reef survey").encode())
         done = [record for record in records if record["status"] == "done"]
