@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from coral.contact.geometry import conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.hand import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.reactive import Reactive, ReactiveCfg
 from coral.contact.world import Body, HandTarget, Observation
@@ -62,6 +63,15 @@ def test_less_resistance_than_expected_pushes_further():
     made = reactive(force_gain=1.0, memory_s=1e-6)
     made.observe(np.array([0.0, 0.0, 0.2]), np.array([-2.0, 0.0, 0.0]), observed())  # pushing along +x feels -x
     np.testing.assert_allclose(made.command(target([0.0, 0.0, 0.2]), observed()).force, [2.0, 0.0, 0.0])
+
+
+def test_an_orientation_that_fell_short_is_made_up_for_where_that_is_on():
+    wanted = multiply(from_rotvec([0.0, 0.0, 0.04]), DOWN)
+    for gain, angle in ((0.0, 0.0), (0.5, 0.02), (5.0, 0.05)):
+        made = reactive(turn_gain=gain, most_rad=0.05)
+        made.observe(np.array([0.0, 0.0, 0.2]), np.zeros(3), observed(), 0, wanted)
+        command = made.command(target([0.0, 0.0, 0.2]), observed())
+        np.testing.assert_allclose(to_rotvec(multiply(command.quaternion, conjugate(DOWN))), [0, 0, angle], atol=1e-12)
 
 
 def test_feedback_is_bounded():

@@ -230,7 +230,8 @@ class Episode:
         self._taken.append(Step(before, command, self.now))
         self.step += 1
         self.t = self.now.time_s
-        self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k)
+        self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k,
+                              plan.expected_quaternion[k])
         self._tell_tracks()
         self.recorder.row(self.step, self.now, truth, command, self.progress.index, self._off(truth))
         self.recorder.state(self.step, self.t, self.world)
