@@ -191,6 +191,20 @@ def test_repairs_of_what_is_remembered_are_confined_too(remembering):
     mind.ended("timeout")
 
 
+def test_what_is_remembered_is_rehearsed_without_regions_too(remembering):
+    one, memory = remembering
+    mind, told = thinker(one, memory=memory, regions=False)
+    mind.begin(one.drawn, one.now, one.world)
+    assert [0.05 < fields["gain"] < 1 for event, fields in told if event == "recall"] == [True]
+    assert mind.account.memory_hit
+    mind.ended("timeout")
+    mind, told = thinker(one, memory=memory, regions=False, least_gain=0.999)
+    mind.begin(one.drawn, one.now, one.world)
+    assert ["rehearsed" in fields["refused"] for event, fields in told if event == "recall"] == [True]
+    assert not mind.account.memory_hit
+    mind.ended("timeout")
+
+
 def test_without_a_hit_no_process_is_started(scene, tmp_path):
     one = scene("pick-box")
     mind, loaded, worker = confining(one, Memory(tmp_path / "none.sqlite", embedder=HashedWords()))

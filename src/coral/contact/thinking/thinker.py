@@ -189,7 +189,7 @@ class Thinker:
                 self._keep = self._keeping()
                 try:
                     strategy = self._strategy(f"remembered {match.stored.id}", self._worker.load)
-                    risen = gain(self._world, strategy.stages[0], first)
+                    risen = gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
                 except CostError as error:
                     refusal = Rejection(code=error.code, reason=str(error))
             if refusal is None and risen < self.cfg.least_gain:
