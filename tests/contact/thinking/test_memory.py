@@ -73,6 +73,36 @@ def test_an_experience_that_did_not_help_ranks_lower(scene, memory):
     assert [match.stored.id for match in memory.find(one.facts)] == [first, second]
 
 
+class Counting(HashedWords):
+    """Hashed words under a name of their own, that remember what they were asked for."""
+
+    def __init__(self, name="hashed-words"):
+        super().__init__()
+        self.name, self.texts = name, []
+
+    def embed(self, text):
+        self.texts.append(text)
+        return super().embed(text)
+
+
+@pytest.mark.parametrize(("name", "times"), [("hashed-words", 1), ("another", 3)])
+def test_texts_are_embedded_once_unless_another_embedder_asks(scene, memory, name, times):
+    one = scene("pick-box")
+    for seed in range(2):
+        memory.add(experience(one, seed=seed))
+    asking = Counting(name)
+    found = Memory(memory.path, embedder=asking).find(one.facts)
+    assert [match.similarity for match in found] == pytest.approx([1.0, 1.0], abs=1e-5)
+    assert asking.texts == [one.facts["instruction"]] * times
+
+
+def test_a_vector_of_another_length_is_made_anew(scene, memory):
+    one = scene("pick-box")
+    memory.add(experience(one))
+    shorter = Memory(memory.path, embedder=HashedWords(size=64))
+    assert [match.similarity for match in shorter.find(one.facts)] == pytest.approx([1.0], abs=1e-5)
+
+
 def test_a_remembered_plan_fits_another_size_and_name(scene, memory):
     one, other = scene("pick-box", 0), scene("pick-box", 2)
     held = experience(one)

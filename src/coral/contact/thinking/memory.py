@@ -10,7 +10,7 @@ import math
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from coral.config import Fraction, Positive
-from coral.contact.thinking.embedding import Embedder, best_embedder
+from coral.contact.thinking.embedding import Embedder, Vector, best_embedder
 from coral.contact.thinking.plan_answer import PlanAnswer
 from coral.contact.thinking.regions import RegionsAnswer
 from coral.errors import InputError
@@ -55,13 +55,24 @@ class Experience(BaseModel):
 
 @dataclass(frozen=True)
 class Stored:
-    """An experience as the memory holds it, with how often it was used and how often that ended in success."""
+    """An experience as the memory holds it, with how often it was used and how often that ended in success.
+
+    Args:
+        id: Its number.
+        created: When it was stored, UTC.
+        experience: It.
+        used, helped: How often it was used, and how often that ended in success.
+        embedder: Who made the vector.
+        vector: Of the instruction, Shape=(n,); vectors of different embedders cannot be compared.
+    """
 
     id: int
     created: str
     experience: Experience
     used: int
     helped: int
+    embedder: str
+    vector: Vector = field(compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -131,12 +142,14 @@ class Memory:
         if not self.path.exists():
             return []
         with self._open() as base:
-            rows = base.execute("SELECT id, created, record, used, helped FROM experience ORDER BY id").fetchall()
+            rows = base.execute("SELECT id, created, record, used, helped, embedder, vector FROM experience ORDER BY id"
+                                ).fetchall()
         found = []
         for row in rows:
             try:
-                found.append(Stored(row[0], row[1], Experience.model_validate_json(row[2]), row[3], row[4]))
-            except ValidationError:
+                found.append(Stored(row[0], row[1], Experience.model_validate_json(row[2]), row[3], row[4], row[5],
+                                    np.frombuffer(row[6], "<f4")))
+            except ValueError:
                 continue  # of another version: kept in the file, of no use here
         return found
 
@@ -184,7 +197,7 @@ class Memory:
         here = self.embedder.embed(facts["instruction"])
         found = []
         for stored, distance in candidates:
-            there = self.embedder.embed(stored.experience.instruction)
+            there = self._vector(stored, len(here))
             similarity = float(np.dot(here, there))
             if similarity >= self.cfg.similarity:
                 found.append(Match(stored, round(similarity, 4), round(distance, 4)))
@@ -195,6 +208,12 @@ class Memory:
             return (-(match.similarity - 0.5 * match.distance + 0.3 * luck), -match.stored.id)
 
         return sorted(found, key=rank)[:most]
+
+    def _vector(self, stored: Stored, size: int) -> Vector:
+        """What was stored with it, unless another embedder made it."""
+        if stored.embedder == self.embedder.name and len(stored.vector) == size:
+            return stored.vector
+        return self.embedder.embed(stored.experience.instruction)
 
     def export(self) -> dict[str, Any]:
         """Everything as JSON."""
@@ -247,9 +266,7 @@ def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:
             continue
         key = f"object{order[name]}"
         found |= {f"{key}.size.{k}": float(value) for k, value in enumerate(item["size_m"])}
-        for field in ("mass_kg", "friction"):
-            if field in item:
-                found[f"{key}.{field}"] = float(item[field])
+        found |= {f"{key}.{name}": float(item[name]) for name in ("mass_kg", "friction") if name in item}
     for index, goal in enumerate(facts["goals"]):
         found |= {f"goal{index}.{key}": float(value) for key, value in goal.items()
                   if isinstance(value, int | float) and not isinstance(value, bool)}
