@@ -1,5 +1,6 @@
 import json
 import signal
+import sqlite3
 import subprocess
 import sys
 
@@ -154,6 +155,63 @@ def test_a_killed_writer_loses_nothing_it_has_acknowledged(scene, memory, tmp_pa
         told += [int(line) for line in writer.stdout.read().split("\n")[:-1]]
     assert set(told) <= {stored.id for stored in memory.all()}
     assert memory.add(experience(scene("pick-box"))) > max(told)
+
+
+ADDER = """
+import sys
+from pathlib import Path
+from coral.contact.thinking.embedding import HashedWords
+from coral.contact.thinking.memory import Experience, Memory
+memory = Memory(Path(sys.argv[1]), embedder=HashedWords())
+one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
+print("ready", flush=True)
+sys.stdin.readline()
+for seed in range(10):
+    memory.add(one.model_copy(update={"provenance": {**one.provenance, "seed": 10 * int(sys.argv[3]) + seed}}))
+"""
+
+
+@pytest.fixture
+def adding(tmp_path):
+    """Processes that are all there, and that all add ten episodes to one memory once they are told to."""
+    started = []
+
+    def start(path, one, count):
+        (tmp_path / "one.json").write_text(one.model_dump_json())
+        started.extend(subprocess.Popen([sys.executable, "-c", ADDER, path, tmp_path / "one.json", str(number)],
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE) for number in range(count))
+        assert [writer.stdout.readline() for writer in started] == [b"ready\n"] * count
+        return started
+    yield start
+    for writer in started:
+        writer.kill()
+        writer.communicate()
+
+
+def test_many_processes_write_into_a_new_memory_at_once_and_nothing_is_lost(scene, memory, adding):
+    writers = adding(memory.path, experience(scene("pick-box")), 4)
+    for writer in writers:
+        writer.stdin.write(b"\n")
+        writer.stdin.flush()
+    assert [writer.wait() for writer in writers] == [0] * 4
+    stored = memory.all()
+    assert sorted(one.experience.provenance["seed"] for one in stored) == list(range(40))
+    assert len({one.id for one in stored}) == 40
+
+
+def test_a_file_that_another_process_is_just_making_is_waited_for(scene, memory, monkeypatch):
+    other = sqlite3.connect(memory.path, isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    waited = []
+
+    def wait(seconds):
+        waited.append(seconds)
+        other.execute("COMMIT")
+
+    monkeypatch.setattr("coral.contact.thinking.memory.time.sleep", wait)
+    assert memory.add(experience(scene("pick-box"))) == 1
+    assert len(waited) == 1
+    other.close()
 
 
 def test_commands(scene, memory, tmp_path, capsys):

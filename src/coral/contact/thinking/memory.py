@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import sqlite3
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
@@ -25,6 +26,8 @@ from coral.contact.thinking.regions import RegionsAnswer
 from coral.errors import InputError
 
 FORMAT = "coral-memory/1"
+BUSY_S = 30.0
+"""Longest wait for others that write."""
 TABLE = """CREATE TABLE IF NOT EXISTS experience (
     id INTEGER PRIMARY KEY AUTOINCREMENT, created TEXT NOT NULL, record TEXT NOT NULL, embedder TEXT NOT NULL,
     vector BLOB NOT NULL, used INTEGER NOT NULL DEFAULT 0, helped INTEGER NOT NULL DEFAULT 0)"""
@@ -246,15 +249,35 @@ class Memory:
         try:
             if write:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
-            with closing(sqlite3.connect(self.path, timeout=30.0)) as base:
+            with closing(sqlite3.connect(self.path, timeout=BUSY_S)) as base:
                 if write:
-                    base.execute("PRAGMA journal_mode=WAL")
-                    base.execute("PRAGMA synchronous=FULL")
+                    _ahead(base)
                 base.execute(TABLE)
                 with base:
                     yield base
         except (sqlite3.Error, OSError) as error:
             raise InputError(str(self.path), "", error, "an SQLite file of experiences that can be opened") from None
+
+
+def _ahead(base: sqlite3.Connection) -> None:
+    """Write ahead, synchronised fully.
+
+    SQLite does not wait for its lock when it changes the journal, but gives up at once where another process writes
+    into a new file at the same moment.
+
+    Raises:
+        sqlite3.OperationalError: The file stays locked.
+    """
+    until = time.monotonic() + BUSY_S
+    while True:
+        try:
+            base.execute("PRAGMA journal_mode=WAL")
+            base.execute("PRAGMA synchronous=FULL")
+            return
+        except sqlite3.OperationalError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(0.005)
 
 
 def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:
