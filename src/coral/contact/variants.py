@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -71,14 +72,25 @@ def _thinking(variant: str, *, remember: bool = True, strategy: bool = True, reg
                                     tracking=tracking and asking.think.tracking)
         advisor = make_advisor(asking.advisor, rules=RULES, rng=np.random.default_rng([asking.seed, 2]),
                                inbox=asking.inbox, cfg=asking.model, spoil=SPOILT)
-        # What rules compose needs no confinement; what a model writes gets it.
-        load = in_process if asking.advisor.rsplit(":", 1)[-1] == "heuristic" else CostWorker().load
+        # What rules compose needs no confinement; what a model writes gets it, and so does what is remembered.
+        worker = CostWorker()
+        load = in_process if rules_alone(asking.advisor) else worker.load
         budget = BudgetCfg(deadline_s=DESK_S) if asking.advisor.rsplit(":", 1)[-1] == "desk" else None
         return Thinker(Asker(advisor, budget, _logging(asking.folder)), think,
                        np.random.default_rng([asking.seed, 3]), memory, load,
                        {"world": asking.world, "seed": asking.seed, "variant": variant, "advisor": asking.advisor,
-                        "run": "" if asking.folder is None else asking.folder.name}, asking.believe)
+                        "run": "" if asking.folder is None else asking.folder.name}, asking.believe,
+                       worker)
     return make
+
+
+def rules_alone(advisor: str) -> bool:
+    """Whether only rules answer for an advisor, spoilt or not: no model, no person, no recording of either.
+
+    Args:
+        advisor: As on the command line.
+    """
+    return re.fullmatch(r"(fallible:[^:]*:)*heuristic", advisor.replace(" ", "")) is not None
 
 
 def _logging(folder: Path | None) -> Callable[[Attempt], None] | None:

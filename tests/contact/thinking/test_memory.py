@@ -1,5 +1,6 @@
 import json
 import signal
+import sqlite3
 import subprocess
 import sys
 
@@ -73,6 +74,36 @@ def test_an_experience_that_did_not_help_ranks_lower(scene, memory):
     assert [match.stored.id for match in memory.find(one.facts)] == [first, second]
 
 
+class Counting(HashedWords):
+    """Hashed words under a name of their own, that remember what they were asked for."""
+
+    def __init__(self, name="hashed-words"):
+        super().__init__()
+        self.name, self.texts = name, []
+
+    def embed(self, text):
+        self.texts.append(text)
+        return super().embed(text)
+
+
+@pytest.mark.parametrize(("name", "times"), [("hashed-words", 1), ("another", 3)])
+def test_texts_are_embedded_once_unless_another_embedder_asks(scene, memory, name, times):
+    one = scene("pick-box")
+    for seed in range(2):
+        memory.add(experience(one, seed=seed))
+    asking = Counting(name)
+    found = Memory(memory.path, embedder=asking).find(one.facts)
+    assert [match.similarity for match in found] == pytest.approx([1.0, 1.0], abs=1e-5)
+    assert asking.texts == [one.facts["instruction"]] * times
+
+
+def test_a_vector_of_another_length_is_made_anew(scene, memory):
+    one = scene("pick-box")
+    memory.add(experience(one))
+    shorter = Memory(memory.path, embedder=HashedWords(size=64))
+    assert [match.similarity for match in shorter.find(one.facts)] == pytest.approx([1.0], abs=1e-5)
+
+
 def test_a_remembered_plan_fits_another_size_and_name(scene, memory):
     one, other = scene("pick-box", 0), scene("pick-box", 2)
     held = experience(one)
@@ -124,6 +155,63 @@ def test_a_killed_writer_loses_nothing_it_has_acknowledged(scene, memory, tmp_pa
         told += [int(line) for line in writer.stdout.read().split("\n")[:-1]]
     assert set(told) <= {stored.id for stored in memory.all()}
     assert memory.add(experience(scene("pick-box"))) > max(told)
+
+
+ADDER = """
+import sys
+from pathlib import Path
+from coral.contact.thinking.embedding import HashedWords
+from coral.contact.thinking.memory import Experience, Memory
+memory = Memory(Path(sys.argv[1]), embedder=HashedWords())
+one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
+print("ready", flush=True)
+sys.stdin.readline()
+for seed in range(10):
+    memory.add(one.model_copy(update={"provenance": {**one.provenance, "seed": 10 * int(sys.argv[3]) + seed}}))
+"""
+
+
+@pytest.fixture
+def adding(tmp_path):
+    """Processes that are all there, and that all add ten episodes to one memory once they are told to."""
+    started = []
+
+    def start(path, one, count):
+        (tmp_path / "one.json").write_text(one.model_dump_json())
+        started.extend(subprocess.Popen([sys.executable, "-c", ADDER, path, tmp_path / "one.json", str(number)],
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE) for number in range(count))
+        assert [writer.stdout.readline() for writer in started] == [b"ready\n"] * count
+        return started
+    yield start
+    for writer in started:
+        writer.kill()
+        writer.communicate()
+
+
+def test_many_processes_write_into_a_new_memory_at_once_and_nothing_is_lost(scene, memory, adding):
+    writers = adding(memory.path, experience(scene("pick-box")), 4)
+    for writer in writers:
+        writer.stdin.write(b"\n")
+        writer.stdin.flush()
+    assert [writer.wait() for writer in writers] == [0] * 4
+    stored = memory.all()
+    assert sorted(one.experience.provenance["seed"] for one in stored) == list(range(40))
+    assert len({one.id for one in stored}) == 40
+
+
+def test_a_file_that_another_process_is_just_making_is_waited_for(scene, memory, monkeypatch):
+    other = sqlite3.connect(memory.path, isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    waited = []
+
+    def wait(seconds):
+        waited.append(seconds)
+        other.execute("COMMIT")
+
+    monkeypatch.setattr("coral.contact.thinking.memory.time.sleep", wait)
+    assert memory.add(experience(scene("pick-box"))) == 1
+    assert len(waited) == 1
+    other.close()
 
 
 def test_commands(scene, memory, tmp_path, capsys):

@@ -11,7 +11,7 @@ from coral.contact.context import Context
 from coral.contact.controller import Plan
 from coral.contact.draw import Physical
 from coral.contact.mind import Moment, Step
-from coral.contact.program import CostError
+from coral.contact.program import CostError, CostWorker
 from coral.contact.strategy import Progress
 from coral.contact.thinking import thinker as thinking
 from coral.contact.thinking.ask import Asker
@@ -19,11 +19,12 @@ from coral.contact.thinking.beliefs import Estimate
 from coral.contact.thinking.embedding import HashedWords
 from coral.contact.thinking.memory import Memory
 from coral.contact.thinking.outer import OuterCfg, Watch
-from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer
+from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer, in_process
 from coral.contact.thinking.rules import RULES
 from coral.contact.thinking.think_cfg import ThinkCfg
 from coral.contact.thinking.thinker import Thinker
 from coral.contact.world import HandTarget
+from coral.errors import InputError
 from coral.mppi.knots import Update
 
 
@@ -140,6 +141,89 @@ def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
     assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
     again.ended("success")
     assert (memory.all()[0].used, memory.all()[0].helped) == (1, 1)
+
+
+@pytest.fixture
+def remembering(scene, tmp_path):
+    """A scene, and a memory in which the rules' own plan for it is."""
+    one = scene("pick-box")
+    memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    mind, _ = thinker(one, memory=memory)
+    mind.begin(one.drawn, one.now, one.world)
+    mind.ended("success")
+    return one, memory
+
+
+def confining(one, memory, **cfg):
+    """A thinker, what was loaded into this process, and the confined process."""
+    loaded, worker = [], CostWorker()
+
+    def load(source, schema, name):
+        loaded.append(source)
+        return in_process(source, schema, name)
+
+    mind = Thinker(Asker(RuleAdvisor(RULES)), ThinkCfg(**cfg), np.random.default_rng(0), memory, load,
+                   {"world": "hand", "seed": 0}, worker=worker)
+    return mind, loaded, worker
+
+
+def test_what_is_remembered_runs_in_the_confined_process_until_the_episode_ends(remembering):
+    one, memory = remembering
+    mind, loaded, worker = confining(one, memory)
+    strategy = mind.begin(one.drawn, one.now, one.world)
+    assert mind.account.memory_hit
+    assert loaded == []
+    assert worker.pid is not None
+    direct, _ = thinker(one)
+    context = one.samples[0]
+    expected = direct.begin(one.drawn, one.now, one.world).stages[0].cost(context)
+    found = strategy.stages[0].cost(context)
+    assert all((found[name] == expected[name]).all() for name in expected)
+    mind.ended("timeout")
+    assert worker.pid is None
+
+
+def test_repairs_of_what_is_remembered_are_confined_too(remembering):
+    one, memory = remembering
+    mind, loaded, _ = confining(one, memory)
+    mind.begin(one.drawn, one.now, one.world)
+    assert mind.failed(CostError("runtime", "no"), "reach", one.now) is not None
+    assert loaded == []
+    mind.ended("timeout")
+
+
+def test_what_is_remembered_is_rehearsed_without_regions_too(remembering):
+    one, memory = remembering
+    mind, told = thinker(one, memory=memory, regions=False)
+    mind.begin(one.drawn, one.now, one.world)
+    assert [0.05 < fields["gain"] < 1 for event, fields in told if event == "recall"] == [True]
+    assert mind.account.memory_hit
+    mind.ended("timeout")
+    mind, told = thinker(one, memory=memory, regions=False, least_gain=0.999)
+    mind.begin(one.drawn, one.now, one.world)
+    assert ["rehearsed" in fields["refused"] for event, fields in told if event == "recall"] == [True]
+    assert not mind.account.memory_hit
+    mind.ended("timeout")
+
+
+def test_without_a_hit_no_process_is_started(scene, tmp_path):
+    one = scene("pick-box")
+    mind, loaded, worker = confining(one, Memory(tmp_path / "none.sqlite", embedder=HashedWords()))
+    mind.begin(one.drawn, one.now, one.world)
+    assert loaded
+    assert worker.starts == 0
+    mind.ended("timeout")
+
+
+def test_the_process_ends_though_the_memory_cannot_be_written(remembering):
+    one, memory = remembering
+    mind, _, worker = confining(one, memory)
+    mind.begin(one.drawn, one.now, one.world)
+    memory.path.unlink()
+    memory.path.mkdir()
+    with pytest.raises(InputError):
+        mind.ended("success")
+    assert worker.pid is None
 
 
 def test_attempts_without_progress_are_counted(scene):

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 import sqlite3
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -19,12 +20,14 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from coral.config import Fraction, Positive
-from coral.contact.thinking.embedding import Embedder, best_embedder
+from coral.contact.thinking.embedding import Embedder, Vector, best_embedder
 from coral.contact.thinking.plan_answer import PlanAnswer
 from coral.contact.thinking.regions import RegionsAnswer
 from coral.errors import InputError
 
 FORMAT = "coral-memory/1"
+BUSY_S = 30.0
+"""Longest wait for others that write."""
 TABLE = """CREATE TABLE IF NOT EXISTS experience (
     id INTEGER PRIMARY KEY AUTOINCREMENT, created TEXT NOT NULL, record TEXT NOT NULL, embedder TEXT NOT NULL,
     vector BLOB NOT NULL, used INTEGER NOT NULL DEFAULT 0, helped INTEGER NOT NULL DEFAULT 0)"""
@@ -55,13 +58,24 @@ class Experience(BaseModel):
 
 @dataclass(frozen=True)
 class Stored:
-    """An experience as the memory holds it, with how often it was used and how often that ended in success."""
+    """An experience as the memory holds it, with how often it was used and how often that ended in success.
+
+    Args:
+        id: Its number.
+        created: When it was stored, UTC.
+        experience: It.
+        used, helped: How often it was used, and how often that ended in success.
+        embedder: Who made the vector.
+        vector: Of the instruction, Shape=(n,); vectors of different embedders cannot be compared.
+    """
 
     id: int
     created: str
     experience: Experience
     used: int
     helped: int
+    embedder: str
+    vector: Vector = field(compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -131,12 +145,14 @@ class Memory:
         if not self.path.exists():
             return []
         with self._open() as base:
-            rows = base.execute("SELECT id, created, record, used, helped FROM experience ORDER BY id").fetchall()
+            rows = base.execute("SELECT id, created, record, used, helped, embedder, vector FROM experience ORDER BY id"
+                                ).fetchall()
         found = []
         for row in rows:
             try:
-                found.append(Stored(row[0], row[1], Experience.model_validate_json(row[2]), row[3], row[4]))
-            except ValidationError:
+                found.append(Stored(row[0], row[1], Experience.model_validate_json(row[2]), row[3], row[4], row[5],
+                                    np.frombuffer(row[6], "<f4")))
+            except ValueError:
                 continue  # of another version: kept in the file, of no use here
         return found
 
@@ -184,7 +200,7 @@ class Memory:
         here = self.embedder.embed(facts["instruction"])
         found = []
         for stored, distance in candidates:
-            there = self.embedder.embed(stored.experience.instruction)
+            there = self._vector(stored, len(here))
             similarity = float(np.dot(here, there))
             if similarity >= self.cfg.similarity:
                 found.append(Match(stored, round(similarity, 4), round(distance, 4)))
@@ -195,6 +211,12 @@ class Memory:
             return (-(match.similarity - 0.5 * match.distance + 0.3 * luck), -match.stored.id)
 
         return sorted(found, key=rank)[:most]
+
+    def _vector(self, stored: Stored, size: int) -> Vector:
+        """What was stored with it, unless another embedder made it."""
+        if stored.embedder == self.embedder.name and len(stored.vector) == size:
+            return stored.vector
+        return self.embedder.embed(stored.experience.instruction)
 
     def export(self) -> dict[str, Any]:
         """Everything as JSON."""
@@ -227,15 +249,35 @@ class Memory:
         try:
             if write:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
-            with closing(sqlite3.connect(self.path, timeout=30.0)) as base:
+            with closing(sqlite3.connect(self.path, timeout=BUSY_S)) as base:
                 if write:
-                    base.execute("PRAGMA journal_mode=WAL")
-                    base.execute("PRAGMA synchronous=FULL")
+                    _ahead(base)
                 base.execute(TABLE)
                 with base:
                     yield base
         except (sqlite3.Error, OSError) as error:
             raise InputError(str(self.path), "", error, "an SQLite file of experiences that can be opened") from None
+
+
+def _ahead(base: sqlite3.Connection) -> None:
+    """Write ahead, synchronised fully.
+
+    SQLite does not wait for its lock when it changes the journal, but gives up at once where another process writes
+    into a new file at the same moment.
+
+    Raises:
+        sqlite3.OperationalError: The file stays locked.
+    """
+    until = time.monotonic() + BUSY_S
+    while True:
+        try:
+            base.execute("PRAGMA journal_mode=WAL")
+            base.execute("PRAGMA synchronous=FULL")
+            return
+        except sqlite3.OperationalError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(0.005)
 
 
 def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:
@@ -247,9 +289,7 @@ def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:
             continue
         key = f"object{order[name]}"
         found |= {f"{key}.size.{k}": float(value) for k, value in enumerate(item["size_m"])}
-        for field in ("mass_kg", "friction"):
-            if field in item:
-                found[f"{key}.{field}"] = float(item[field])
+        found |= {f"{key}.{name}": float(item[name]) for name in ("mass_kg", "friction") if name in item}
     for index, goal in enumerate(facts["goals"]):
         found |= {f"goal{index}.{key}": float(value) for key, value in goal.items()
                   if isinstance(value, int | float) and not isinstance(value, bool)}

@@ -40,6 +40,7 @@ class Questions:
         emit: Receives every outcome.
 
     Attributes:
+        load: How cost programs are made from now on.
         facts: The scene as it was last looked at.
         sizes: Of the objects, metres.
         diagnoses: What went wrong so far; questions about the plan carry it.
@@ -51,7 +52,7 @@ class Questions:
         self.sizes = {name: drawn.size(name) for name in drawn.objects}
         self.diagnoses: list[str] = []
         self._asker, self._drawn, self._world, self._cfg = asker, drawn, world, cfg
-        self._rng, self._load, self._emit = rng, load, emit
+        self._rng, self.load, self._emit = rng, load, emit
         self._unanswered = ""
 
     @property
@@ -130,10 +131,16 @@ class Questions:
         self._tell_plan("unified", outcome)
         return None if found is None else (found.plan, found.places)
 
-    def wrong_plan(self, plan: PlanAnswer, now: Observation) -> Rejection | None:
-        """Why a plan's programs cannot be used, seen on states around the present one; None if they can."""
+    def wrong_plan(self, plan: PlanAnswer, now: Observation, load: Loader | None = None) -> Rejection | None:
+        """Why a plan's programs cannot be used, seen on states around the present one; None if they can.
+
+        Args:
+            plan: The plan.
+            now: The present state.
+            load: How its programs are made, where it is not as those of answers are.
+        """
         samples = sample_states(self._world, now, self.sizes, self._rng)
-        return verify_plan(plan, self._world.schema, samples, self._load)
+        return verify_plan(plan, self._world.schema, samples, load or self.load)
 
     def _plan(self, kind: str, now: Observation, about: Mapping[str, Any]) -> PlanAnswer | None:
         prompt = {"task": self.facts["instruction"], "interface": interface_text(self._world.schema),

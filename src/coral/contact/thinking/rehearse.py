@@ -1,4 +1,4 @@
-"""Trying things out in the planning world before they are relied on: states for checking costs."""
+"""Trying things out in the planning world before they are relied on: states for checking costs, and what they gain."""
 
 from __future__ import annotations
 
@@ -35,8 +35,7 @@ def sample_states(world: PlanningWorld, now: Observation, sizes: Mapping[str, Ar
         count: Rollouts that go anywhere.
         horizon: Control steps of each.
     """
-    ways = [way for name, body in now.objects.items() for way in _around(body, np.asarray(sizes[name]), now)]
-    ways += [_anywhere(now, rng) for _ in range(count)]
+    ways = _some(now, sizes, rng, count)
     share = np.linspace(0, 1, horizon)
     position = np.stack([_along(now.tool.position, way[0], share) for way in ways])
     quaternion = np.stack([_turning(now.tool.quaternion, way[1], share) for way in ways])
@@ -46,6 +45,12 @@ def sample_states(world: PlanningWorld, now: Observation, sizes: Mapping[str, Ar
 
 
 Way = tuple[list[Array], Array, float]
+
+
+def _some(now: Observation, sizes: Mapping[str, Array], rng: np.random.Generator, count: int) -> list[Way]:
+    """Ways where a hand can go, then some that go anywhere."""
+    ways = [way for name, body in now.objects.items() for way in _around(body, np.asarray(sizes[name]), now)]
+    return ways + [_anywhere(now, rng) for _ in range(count)]
 
 
 def _around(body: Body, size: Array, now: Observation) -> list[Way]:
@@ -90,23 +95,28 @@ def _turning(start: Array, end: Array, share: Array) -> Array:
     return multiply(start, from_rotvec(np.minimum(1, 3 * share)[:, None] * turn))
 
 
-def gain(world: PlanningWorld, stage: Stage, now: Observation, horizon: int = 50) -> float:
+def gain(world: PlanningWorld, stage: Stage, now: Observation, sizes: Mapping[str, Array], rng: np.random.Generator,
+         horizon: int = 50, count: int = 24) -> float:
     """Share by which the best of some rehearsed ways lowers a stage's cost against keeping still; 1 is all of it.
 
     Args:
         world: The planning world.
-        stage: Its guides give the ways; without any the hand goes nowhere and the gain is 1, as nothing can be said.
+        stage: Its guides give the ways; without any they are those of `sample_states`.
         now: Where the rehearsals begin.
+        sizes: Full extents of the objects, m.
+        rng: Chooses the ways where there are no guides; not drawn from otherwise.
         horizon: Control steps.
+        count: Of the ways without guides, how many go anywhere.
     """
-    if not stage.guides:
-        return 1.0
     present = world.present(now)
-    start, ways = now.tool, []
+    start = now.tool
+    ways: list[Way] = []
     for guide in stage.guides:
         turn = guide.quaternion(present) if guide.quaternion else start.quaternion
         opening = now.opening_m if guide.opening_m is None else guide.opening_m
         ways += [([point], np.asarray(turn), float(opening)) for point in guide.points(present)]
+    if not stage.guides:
+        ways = _some(now, sizes, rng, count)
     ways.append(([start.position], start.quaternion, now.opening_m))
     share = np.linspace(0, 1, horizon)
     controls = Controls(

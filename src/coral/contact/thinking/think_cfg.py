@@ -21,7 +21,7 @@ class ThinkCfg:
         refine: Refine when stuck (off: `no-refinement`).
         unified: Everything in one question (the paper's unified VLM).
         tracking: Poses come from elsewhere (off: `no-tracking`, they are asked for once).
-        least_gain: Share by which rehearsed ways to the regions must lower the first stage's cost in a remembered plan.
+        least_gain: Share by which the best rehearsed way must lower the first stage's cost in a remembered plan.
         correct_every_s: Simulated time after which the world model is corrected by what was felt, stuck or not;
             0 for only when stuck.
         corrections: Most of these in an episode; the last is kept for its end.

@@ -12,7 +12,7 @@ from coral.contact.context import Cost
 from coral.contact.draw import Drawn, Physical
 from coral.contact.mind import Account, Moment, NoStrategy, Step
 from coral.contact.planning import PlanningWorld
-from coral.contact.program import CostError, LastGoodCost
+from coral.contact.program import CostError, CostWorker, LastGoodCost
 from coral.contact.sight import Look, picture
 from coral.contact.strategy import Strategy
 from coral.contact.thinking.ask import Asker
@@ -42,17 +42,19 @@ class Thinker:
         rng: Draws samples for checks and fits.
         memory: Of successes; None for none.
         load: How cost programs are made: in this process, or in the confined one.
+        worker: The confined process, in which all that is remembered runs; closed at the end of the episode.
         provenance: For what is stored: world, seed, variant, advisor.
         given: What is believed of objects at first, whatever the advisor would estimate.
     """
 
     def __init__(self, asker: Asker, cfg: ThinkCfg, rng: np.random.Generator, memory: Memory | None = None,
                  load: Loader = in_process, provenance: Mapping[str, Any] | None = None,
-                 given: Mapping[str, Physical] | None = None) -> None:
+                 given: Mapping[str, Physical] | None = None, worker: CostWorker | None = None) -> None:
         self.asker, self.cfg, self.memory = asker, cfg, memory
         self._rng, self._load, self._provenance = rng, load, dict(provenance or {})
         self._emit: Callable[..., None] = lambda event, **fields: None
         self._given = dict(given or {})
+        self._worker = worker or CostWorker()  # its process starts at the first program
         self._rhythm = Rhythm(cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0, cfg.corrections)
         self._now: Observation
         self._repairs = 0
@@ -158,44 +160,54 @@ class Thinker:
 
     def ended(self, reason: str) -> None:
         """Keep what succeeded; note whether what was remembered helped."""
-        success = reason == "success"
+        try:
+            self._keep_or_count(reason == "success")
+        finally:
+            self._worker.close()
+            self.asker.close()
+
+    def _keep_or_count(self, success: bool) -> None:
         self._correct_in_passing(last=True)
         if self._hit is not None and self.memory is not None:
             self.memory.used(self._hit.stored.id, success)
         elif success and self.memory is not None:
             number = self.memory.add(self._experience())
             self._emit("remembered", id=number, file=self.memory.path.name)
-        self.asker.close()
 
     def _recall(self, first: Observation) -> Strategy | None:
         if self.memory is None:
             return None
         facts = self._questions.facts
         for match in self.memory.find(facts):
+            # A memory may come from anybody, and hold what a model wrote: nothing of it runs in this process.
             plan, regions = adapted(match.stored.experience, facts)
-            refusal = (self._questions.wrong_plan(plan, first)
+            refusal = (self._questions.wrong_plan(plan, first, self._worker.load)
                        or verify_regions(regions, facts, plan.names, self.cfg.region))
             risen = 0.0
             if refusal is None:
                 self._plan, self._regions = plan, regions
                 self._keep = self._keeping()
-                strategy = self._strategy(f"remembered {match.stored.id}")
-                risen = gain(self._world, strategy.stages[0], first)
-                if risen < self.cfg.least_gain:
-                    refusal = Rejection(code="rehearsal",
-                                        reason=f"rehearsed, it lowers the cost by {100 * risen:.0f} %")
+                try:
+                    strategy = self._strategy(f"remembered {match.stored.id}", self._worker.load)
+                    risen = gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
+                except CostError as error:
+                    refusal = Rejection(code=error.code, reason=str(error))
+            if refusal is None and risen < self.cfg.least_gain:
+                refusal = Rejection(code="rehearsal", reason=f"rehearsed, it lowers the cost by {100 * risen:.0f} %")
             self._emit("recall", id=match.stored.id, similarity=match.similarity, distance=match.distance,
                        embedder=self.memory.embedder.name, gain=round(risen, 4),
                        refused="" if refusal is None else refusal.reason)
             if refusal is None:
                 self._hit = match
+                # Repairs of it too: a plan that stays, or one that quotes it, is as foreign as it is.
+                self._load = self._questions.load = self._worker.load
                 return strategy
         return None
 
-    def _strategy(self, name: str) -> Strategy:
+    def _strategy(self, name: str, load: Loader | None = None) -> Strategy:
         regions = self._regions if self.cfg.regions else None
-        return make_strategy(name, self._plan, regions, self._world.schema, self._questions.sizes, self._load,
-                             self._keep)
+        return make_strategy(name, self._plan, regions, self._world.schema, self._questions.sizes,
+                             load or self._load, self._keep)
 
     def _keeping(self) -> LastGoodCost:
         def heard(cost: Cost, error: CostError) -> None:

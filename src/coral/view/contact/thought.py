@@ -167,7 +167,7 @@ def _poses(event: Record) -> Part:
 
 def _recall(event: Record) -> Part:
     known = f"It is similar by {float(event['similarity']):.2f} and differs by {float(event['distance']):.2f}"
-    gain = f"rehearsed, the ways to its regions lower the cost by {100 * float(event['gain']):.0f} %"
+    gain = f"rehearsed, the ways tried lower the cost by {100 * float(event['gain']):.0f} %"
     if event.get("refused"):
         return Part(title=f"Memory {event['id']} was not used", state="warn", text=f"{known}.",
                     refused=(str(event["refused"]),))
