@@ -100,6 +100,7 @@ class Questions:
         except AdvisorUnavailable as none:
             raise NoStrategy(none.reason) from None
         assert isinstance(rule, PlanAnswer)
+        self.facts["refused"] = 0  # its regions are to fit it, not the answers that were refused
         self._emit("fallback", what="plan", by="heuristic", because=self._unanswered)
         return rule
 
