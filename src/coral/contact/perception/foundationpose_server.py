@@ -21,6 +21,7 @@ import os
 import sys
 import uuid
 import zipfile
+import zlib
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from typing import Any, Callable, Dict, Tuple  # noqa: UP035 (FoundationPose's own environment is Python 3.8 or 3.9)
 
@@ -52,7 +53,7 @@ def decode(data: bytes) -> Arrays:
                 raise ValueError("more than 256 MiB of arrays")
         with np.load(io.BytesIO(data), allow_pickle=False) as found:
             return {name: found[name] for name in found.files}
-    except (zipfile.BadZipFile, KeyError, EOFError, OSError) as error:
+    except (zipfile.BadZipFile, zlib.error, KeyError, EOFError, OSError, RuntimeError, MemoryError) as error:
         raise ValueError(f"not an npz file: {error}") from None
 
 
