@@ -270,6 +270,7 @@ class Episode:
         self.emit("start", task=task.name, instruction=task.instruction, world=self.world.name, variant=self.variant,
                   advisor=self.advisor, seed=self.drawn.seed,
                   poses=self.cfg.poses if self.guessed is None else "guessed",
+                  **({} if self.tracked is None else {"tracker": self.tracked.tracker}),
                   time_limit_s=task.time_limit_s,
                   trial={name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
                          for name, item in self.drawn.objects.items()})
