@@ -55,7 +55,7 @@ def test_another_tracker_than_the_embedded_one_is_named_below():
     for fields, said in (({}, "ground-truth"), ({"poses": "tracked"}, "tracked"),
                          ({"poses": "tracked", "tracker": "model"}, "tracked"),
                          ({"poses": "tracked", "tracker": "foundationpose"}, "tracked (foundationpose)")):
-        assert f"Object poses: {said}. " in tables([row(**fields)])[0].notes[0]
+        assert f"Object poses: {said}. " in " ".join(tables([row(**fields)])[0].notes)
 
 
 def test_worlds_have_tables_of_their_own():

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from coral.contact.perception.rotation import inverse, pose
 from coral.contact.tracked import TrackedCfg, viewpoint
 from coral.contact.trial import run_trial
 from coral.errors import InputError, RunError
+from coral.view.contact.report import write_contact_report
 
 from .episodes import COARSE, short_task, strategy, trial
 
@@ -60,6 +62,8 @@ def test_an_episode_on_served_poses(tmp_path, monkeypatch):
     assert {verb for verb, _ in Oracle.calls[1:]} == {"track"}
     assert events(tmp_path / "run")[0]["tracker"] == "foundationpose"
     assert json.loads((tmp_path / "run" / "metrics.json").read_text())["tracker"] == "foundationpose"
+    page = write_contact_report(tmp_path / "run").read_text()
+    assert re.search(r"tracker</\w+>\s*<\w+>foundationpose<", page)
 
 
 def test_colours_are_taken_only_for_a_tracker_that_wants_them(tmp_path):
@@ -144,6 +148,9 @@ def test_the_configuration_names_the_tracker_too(tmp_path, capsys):
     file = tmp_path / "cfg.yaml"
     file.write_text("tracked: {by: 'foundationpose:http://127.0.0.1:9'}\n")
     words = ["contact", "run", "pick-box", "--world", "hand", "--config", str(file), "--out", str(tmp_path / "run")]
+    assert main(words) == 1
+    assert "http://127.0.0.1:9 does not answer" in capsys.readouterr().err
+    file.write_text("tracked: {by: foundationpose, foundationpose: {url: 'http://127.0.0.1:9'}}\n")
     assert main(words) == 1
     assert "http://127.0.0.1:9 does not answer" in capsys.readouterr().err
     file.write_text("tracked: {by: magic}\n")

@@ -38,8 +38,9 @@ def test_nobody_there_is_one_line():
         choose("foundationpose:http://127.0.0.1:9").check()
 
 
-@pytest.mark.parametrize("word", ["", "models", "foundationpose:", "foundationpose:ws://127.0.0.1:1", "model:x",
-                                  "foundationpose:http://x:99999", "Foundationpose:http://x"])
+@pytest.mark.parametrize("word", [
+    "", "models", "model:x", "foundationpose", "foundationpose:", "foundationpose:ws://127.0.0.1:1",
+    "foundationpose:http://x:99999", "Foundationpose:http://x"])
 def test_another_word_is_refused_where_it_stands(word):
     with pytest.raises(InputError, match=r"^tracked: by: found"):
         choose(word, where="tracked", field="by")

@@ -15,7 +15,7 @@ from coral.contact.perception.tracking import ModelTracker, TrackerCfg
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
-WORDS = "model, foundationpose or foundationpose:http://HOST:PORT"
+WORDS = "model or foundationpose:http://HOST:PORT"
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ def choose(word: str, model: TrackerCfg | None = None, server: FoundationPoseCfg
     """The tracker that a word names.
 
     Args:
-        word: `model`, `foundationpose`, or `foundationpose:URL` for another server than the configuration's.
-        model: Of the embedded one.
-        server: Of the other.
+        word: `model`, `foundationpose:URL`, or `foundationpose` alone where the configuration has the URL.
+        model: Configuration of the embedded one.
+        server: Configuration of the other.
         where: What holds the word, for errors.
         field: Likewise.
 
@@ -54,11 +54,11 @@ def choose(word: str, model: TrackerCfg | None = None, server: FoundationPoseCfg
     if word == "model":
         return Choice(ModelTracker.name, ModelTracker.wants_colours,
                       lambda shape, expected: ModelTracker(shape, model, expected), lambda: None)
-    if kind != "foundationpose" or bool(separator) != bool(url):
-        raise InputError(where, field, repr(word), WORDS)
     cfg = server or FoundationPoseCfg()
-    if url:
-        parse_url(url, where, field)
+    if separator or not cfg.url:
         cfg = replace(cfg, url=url)
+    if kind != "foundationpose" or not cfg.url:
+        raise InputError(where, field, repr(word), WORDS)
+    parse_url(cfg.url, where, field)
     return Choice(FoundationPoseTracker.name, FoundationPoseTracker.wants_colours,
                   lambda shape, expected: FoundationPoseTracker(shape, cfg, expected), lambda: reach(cfg))

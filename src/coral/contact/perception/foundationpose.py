@@ -31,14 +31,14 @@ class FoundationPoseCfg:
     """Steps are those of FoundationPose's own demo.
 
     Args:
-        url: Of the server.
+        url: Of the server, as http://127.0.0.1:5070; there is none by default, and a tracker's word may have it.
         register_steps, track_steps: Refinements of a pose.
         connect_s: To connect.
         timeout_s: For one answer, from its first byte to its last.
         confidence: When an object is held to be lost.
     """
 
-    url: str = "http://127.0.0.1:5070"
+    url: str = ""
     register_steps: Count = 5
     track_steps: Count = 2
     connect_s: Positive = 5.0
