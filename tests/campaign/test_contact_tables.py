@@ -51,6 +51,13 @@ def test_failures_are_told_by_their_reason():
     assert found["success"] == "2/3"
 
 
+def test_another_tracker_than_the_embedded_one_is_named_below():
+    for fields, said in (({}, "ground-truth"), ({"poses": "tracked"}, "tracked"),
+                         ({"poses": "tracked", "tracker": "model"}, "tracked"),
+                         ({"poses": "tracked", "tracker": "foundationpose"}, "tracked (foundationpose)")):
+        assert f"Object poses: {said}. " in " ".join(tables([row(**fields)])[0].notes)
+
+
 def test_worlds_have_tables_of_their_own():
     captions = [table.caption for table in tables([*ROWS, row(place="hand")])]
     assert len(captions) == 6

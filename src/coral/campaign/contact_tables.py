@@ -56,6 +56,13 @@ def called(advisor: str) -> str:
     return f"{advisor} (rules, no language model)" if advisor.endswith("heuristic") else advisor
 
 
+def poses_of(rows: Sequence[Row]) -> str:
+    """Where the trials' object poses came from; a tracker is named where it is not the embedded one."""
+    return ", ".join(sorted({
+        f"{row.get('poses')} ({row['tracker']})" if row.get("tracker") not in (None, "", "model")
+        else str(row.get("poses")) for row in rows}))
+
+
 def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     """Successes of trials, beside the paper's of ten."""
     tasks, variants = _tasks(rows), _variants(rows)
@@ -169,8 +176,7 @@ def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, An
     """How the table was made."""
     seeds = sorted({int(row["seed"]) for row in chosen})
     versions = sorted({str(row.get("code")) for row in chosen})
-    poses = sorted({str(row.get("poses")) for row in chosen})
-    parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {', '.join(poses)}. "
+    parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {poses_of(chosen)}. "
              f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), "
              f"{about.get('machine', '?')}. Made by: {command}"]
     remembering = [row for row in chosen if row.get("memory_known") is not None]

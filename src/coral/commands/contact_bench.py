@@ -26,7 +26,7 @@ from coral.campaign.store import Store, write_whole
 from coral.campaign.table import document
 from coral.campaign.version import code_version
 from coral.commands.config_flag import config_words, configured
-from coral.commands.contact_run import with_poses, with_samples
+from coral.commands.contact_run import with_poses, with_samples, with_tracker
 from coral.config import checked, to_mapping
 from coral.contact.episode import EpisodeCfg
 from coral.contact.policy.address import Address, parse_address
@@ -80,6 +80,9 @@ class ContactBench:
     """As for coral contact run, separated by commas."""
     poses: Literal["tracked", "ground-truth"] | None = None
     """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
+    tracker: str | None = None
+    """What finds the objects in those pictures: model, the embedded tracker (the default), or
+    foundationpose:http://HOST:PORT, a server of it that every worker can reach."""
     memory: Path | None = None
     """What variants that remember begin with: a memory, or an export of one (also the memory.json of a campaign). Every
     trial has a copy to itself. Without it they begin with nothing."""
@@ -125,7 +128,10 @@ class ContactBench:
             raise InputError("--jobs", "", self.jobs, "a number from 1 on")
         names = shipped_tasks() if self.tasks == "all" else parse_names(self.tasks, "--tasks")
         tasks = {name: load_task(name) for name in names}
-        cfg = checked(with_poses(with_samples(self.cfg, self.samples), self.poses), "--cfg")
+        cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
+        cfg = checked(cfg, "--cfg")
+        if cfg.poses == "tracked" and self.executor == "local":  # a cluster may reach what this machine does not
+            cfg.tracked.choice().check()
         specs, memory = self._specs(tasks), None if self.memory is None else read_memory(self.memory)
         with store.lock():
             store.open(specs, self._conditions(cfg, tasks, memory), command=self._command(), mix=self.mix,
@@ -177,6 +183,8 @@ class ContactBench:
         content = to_mapping(cfg)
         content.pop("record")
         content["planning"].pop("threads")  # changes how long it takes, and nothing else
+        content["tracked"]["by"] = cfg.tracked.choice().name  # nor does it matter where a server is
+        content["tracked"]["foundationpose"].pop("url")
         return {"code version": f"{code_version()}", "configuration": digest(content),
                 "memory": "none" if memory is None else digest([
                     {**one, "created": ""} for one in memory["experiences"]]),
@@ -257,6 +265,7 @@ class ContactBench:
                  "--worlds", self.worlds, "--seeds", self.seeds, "--advisors", self.advisors]
         words += ["--policies", self.policies] if self.policies else []
         words += ["--poses", self.poses] if self.poses is not None else []
+        words += ["--tracker", self.tracker] if self.tracker is not None else []
         words += ["--memory", str(self.memory)] if self.memory is not None else []
         words += ["--samples", str(self.samples)] if self.samples is not None else []
         words += config_words(self.cfg, EpisodeCfg(), self.config)

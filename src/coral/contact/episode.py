@@ -219,7 +219,9 @@ class Episode:
     def _act(self, plan: Plan, k: int) -> bool:
         """One control step; false when the world could not take it."""
         before = self.now
-        target = plan.targets[k] if self.tracked is None else self.tracked.retreat(plan.targets[k], before)
+        target = planned = plan.targets[k]
+        if self.tracked is not None:
+            target = self.tracked.retreat(planned, before)
         command = self.reactive.command(target, before)
         try:
             self.now = self.world.step(command)
@@ -230,8 +232,11 @@ class Episode:
         self._taken.append(Step(before, command, self.now))
         self.step += 1
         self.t = self.now.time_s
-        self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k,
-                              plan.expected_quaternion[k])
+        if target is planned:
+            self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k,
+                                  plan.expected_quaternion[k])
+        else:
+            self.reactive.reset()  # the plan expected something else of this step
         self._tell_tracks()
         self.recorder.row(self.step, self.now, truth, command, self.progress.index, self._off(truth))
         self.recorder.state(self.step, self.t, self.world)
@@ -281,6 +286,7 @@ class Episode:
         self.emit("start", task=task.name, instruction=task.instruction, world=self.world.name, variant=self.variant,
                   advisor=self.advisor, seed=self.drawn.seed,
                   poses=self.cfg.poses if self.guessed is None else "guessed",
+                  **({} if self.tracked is None else {"tracker": self.tracked.tracker}),
                   time_limit_s=task.time_limit_s,
                   trial={name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
                          for name, item in self.drawn.objects.items()})
