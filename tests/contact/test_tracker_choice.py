@@ -16,7 +16,7 @@ from coral.contact.geometry import rotation_of
 from coral.contact.mind import Fixed
 from coral.contact.perception.camera import CameraCfg, look_at
 from coral.contact.perception.rotation import inverse, pose
-from coral.contact.tracked import TrackedCfg, viewpoint
+from coral.contact.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.trial import run_trial
 from coral.errors import InputError, RunError
 from coral.view.contact.report import write_contact_report

@@ -27,7 +27,8 @@ from coral.contact.scene import believing, prior
 from coral.contact.sight import SightCfg, eyes
 from coral.contact.strategy import Progress, Strategy
 from coral.contact.thinking.think_cfg import ThinkCfg
-from coral.contact.tracked import Seen, TrackedCfg, TrackedWorld
+from coral.contact.tracked import Seen, TrackedWorld
+from coral.contact.tracked_cfg import TrackedCfg
 from coral.contact.world import EvaluationWorld, HandTarget, Observation, Truth, WorldFault
 from coral.contact.worlds import make_world
 from coral.errors import InputError, RunError

@@ -22,7 +22,7 @@ from coral.contact.thinking.locate import (
     pose_prompt,
     verify_poses,
 )
-from coral.contact.tracked import TrackedCfg
+from coral.contact.tracked_cfg import TrackedCfg
 from coral.contact.variants import Asking, make_mind
 from coral.contact.world import HandTarget
 
