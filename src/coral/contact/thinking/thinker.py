@@ -24,7 +24,7 @@ from coral.contact.thinking.outer import Watch
 from coral.contact.thinking.plan_answer import Loader, PlanAnswer, in_process, make_strategy
 from coral.contact.thinking.questions import Questions
 from coral.contact.thinking.recall import adapted
-from coral.contact.thinking.regions import RegionsAnswer, verify_regions
+from coral.contact.thinking.regions import RegionsAnswer
 from coral.contact.thinking.rehearse import gain
 from coral.contact.thinking.repair import TEXTS, diagnose, recent
 from coral.contact.thinking.rhythm import Rhythm
@@ -173,8 +173,7 @@ class Thinker:
         facts = self._questions.facts
         for match in self.memory.find(facts):
             plan, regions = adapted(match.stored.experience, facts)
-            refusal = (self._questions.wrong_plan(plan, first)
-                       or verify_regions(regions, facts, plan.names, self.cfg.region))
+            refusal = self._questions.wrong_plan(plan, first) or self._questions.wrong_regions(regions, plan)
             risen = 0.0
             if refusal is None:
                 self._plan, self._regions = plan, regions
@@ -194,8 +193,9 @@ class Thinker:
 
     def _strategy(self, name: str) -> Strategy:
         regions = self._regions if self.cfg.regions else None
+        candidates = None if regions is None else self._questions.candidates(regions, self._plan)
         return make_strategy(name, self._plan, regions, self._world.schema, self._questions.sizes, self._load,
-                             self._keep)
+                             self._keep, candidates)
 
     def _keeping(self) -> LastGoodCost:
         def heard(cost: Cost, error: CostError) -> None:
