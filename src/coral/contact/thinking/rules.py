@@ -10,8 +10,9 @@ from pydantic import BaseModel
 from coral.advisor.question import AdvisorUnavailable, Rejection
 from coral.advisor.rules import Rule
 from coral.contact.thinking.beliefs import Estimate, estimate
-from coral.contact.thinking.compose import Composed, NoRule, compose
+from coral.contact.thinking.compose import Composed, compose
 from coral.contact.thinking.compose_outcome import outcome_plan
+from coral.contact.thinking.goals import NoRule, goal_words
 from coral.contact.thinking.locate import locate
 from coral.contact.thinking.regions import ObjectRegions, RegionsAnswer
 from coral.contact.thinking.repair import TEXTS, ObjectParameters, ParametersAnswer, change_words, choice_after
@@ -22,7 +23,8 @@ def _composed(facts: Mapping[str, Any], refused: int = 0) -> Composed:
     if not facts.get("contact_strategy", True):
         plan = outcome_plan(facts)
         if plan is None:
-            raise AdvisorUnavailable("no-rule", "no goal asks for anything to be moved", final=True)
+            asked = ", ".join(goal_words(goal) for goal in facts["goals"])
+            raise AdvisorUnavailable("no-rule", f"no goal asks for anything to be moved: {asked}", final=True)
         return Composed(plan, RegionsAnswer({}))
     diagnoses = [*facts.get("diagnoses", ()), *["no-progress"] * refused]
     try:
