@@ -57,6 +57,16 @@ def test_inside_a_region_is_carried_over_its_rim_and_let_go_in_it(scene):
         10 * (aside + abs(here[2] - float(raised.done.split("> ")[1]) - 0.03)), rel=1e-2)
 
 
+def test_several_objects_are_put_side_by_side_into_one_region(scene):
+    objects = [{"name": name, "parts": [{"size": [0.04, 0.04, 0.06]}], "mass_kg": 0.2, "friction": 0.6, "x": 0, "y": y}
+               for name, y in (("brick", -0.05), ("can", -0.15))]
+    wide = {"low": [0.0, 0.1, 0.0], "high": [0.2, 0.22, 0.1]}
+    one = scene(task({**INTO_TRAY, **wide}, {**INTO_TRAY, **wide, "object": "can"}, objects=objects))
+    codes = [stage.code for stage in check(one).stages if stage.name.startswith("lower")]
+    assert "np.array([0.05, 0.16, 0])" in codes[0]
+    assert "np.array([0.15, 0.16, 0])" in codes[1]
+
+
 def test_the_palm_stays_above_the_rim(scene):
     low = scene(task({**INTO_TRAY, "high": [0.16, 0.22, 0.1]}, fixtures=TRAY, size=(0.04, 0.04, 0.03)))
     lower = next(stage for stage in check(low).stages if stage.name == "lower")

@@ -23,6 +23,9 @@ from coral.contact.thinking.regions import (
 from coral.contact.thinking.solid import Solid
 from coral.contact.thinking.touch import MISSED, REACH, Candidates, Scenery, candidates_of, off_surface
 
+UNTOUCHABLE = ("missed", "buried", "out-of-reach")
+"""Codes of what cannot be touched as things stand, though a region is sound in itself."""
+
 
 def verify_regions(answer: RegionsAnswer, facts: Mapping[str, Any], stages: Sequence[str] = (),
                    cfg: RegionCfg | None = None, scenery: Scenery | None = None) -> Rejection | None:

@@ -64,7 +64,12 @@ def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -
 
 def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
     low, high = np.asarray(goal["low"], dtype=float), np.asarray(goal["high"], dtype=float)
+    sharing = [one["object"] for one in facts["goals"]
+               if one["kind"] == "inside" and one["low"] == goal["low"] and one["high"] == goal["high"]]
+    along = int(np.argmax((high - low)[:2]))
     middle = (low + high) / 2
+    # Side by side, where one region is for several objects.
+    middle[along] = low[along] + (high - low)[along] * (sharing.index(thing.name) + 0.5) / len(sharing)
     tops = [top(facts, name, middle[:2]) for name in around(facts, thing)]
     floor = max((height for height in tops if height is not None and height < high[2]), default=None)
     if floor is None:
@@ -75,7 +80,8 @@ def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) 
     over, palm = _tops_around(thing, facts, middle[:2], floor)
     _not_too_high(thing, over, goal)
     return Spot(where=vector([*middle[:2], floor]), height_m=height, top_m=over, palm_m=palm,
-                near_m=min(0.02, 0.25 * float((high - low)[:2].min())), words="into the region and let go")
+                near_m=min(0.02, 0.25 * float((high - low)[:2].min()) / len(sharing)),
+                words="into the region and let go")
 
 
 def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
