@@ -1,8 +1,11 @@
+import mujoco
 import numpy as np
 import pytest
 
 from coral.contact.draw import draw
-from coral.contact.task import Task
+from coral.contact.geometry import rotation_of
+from coral.contact.scene import add_scene
+from coral.contact.task import Task, load_task
 from coral.contact.thinking.solid import box, pieces
 
 UP, SIDE = np.array([0.0, 0, 1]), np.array([1.0, 0, 0])
@@ -55,3 +58,27 @@ def test_of_a_mesh_the_hull_counts(tmp_path):
 def test_a_line_that_misses_leaves_nowhere():
     assert np.isnan(leaves(box(np.full(3, 0.1)), (0.06, 0, 0), UP)[0])
     assert not np.isnan(leaves(box(np.full(3, 0.1)), (0.04, 0, 0), UP)[0])
+
+
+@pytest.mark.parametrize("name", ["can", "carton"])
+def test_lines_leave_where_a_ray_of_mujoco_comes_in(name):
+    drawn = draw(load_task("pick-clutter"), 4)
+    spec = mujoco.MjSpec()
+    add_scene(spec, drawn)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    geom = model.geom(f"{name}/0").id
+    model.geom_group[:] = 3
+    model.geom_group[geom] = 0
+    only = np.array([1, 0, 0, 0, 0, 0], dtype=np.uint8)
+    pose, one, rng = drawn.objects[name].pose, pieces(drawn, name)[0], np.random.default_rng(0)
+    turn = rotation_of(pose.quaternion)
+    for _ in range(200):
+        way = rng.normal(size=3)
+        way /= np.linalg.norm(way)
+        point = rng.uniform(-0.06, 0.06, 3)
+        start, hit = pose.position + turn @ (point + way), np.zeros(1, dtype=np.int32)
+        found = mujoco.mj_ray(model, data, start, -(turn @ way), only, 1, -1, hit)
+        rise, _ = leaves(one, point, way)
+        assert np.isnan(rise) if found < 0 else rise == pytest.approx(1.0 - found, abs=1e-6)
