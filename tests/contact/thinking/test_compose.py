@@ -37,6 +37,23 @@ def names(one):
     return compose(one.facts).plan.names
 
 
+def test_between_two_objects_the_hand_first_gets_clear_of_the_one_that_it_let_go(scene):
+    goals = [{"kind": "at", "object": name, "place": place, "tolerance_m": 0.03}
+             for name, place in (("brick", "there"), ("stone", "here"))]
+    other = {"name": "stone", "parts": [{"size": [0.04, 0.04, 0.06]}], "mass_kg": 0.2, "friction": 0.5, "x": -0.15,
+             "y": 0}
+    task = new_task(goals, places={"there": [0.1, 0.15, 0.0], "here": [0.1, -0.15, 0.0]})
+    first = task.objects[0].model_dump()
+    one = scene(Task.model_validate({**task.model_dump(), "objects": [first, other]}))
+    made = compose(one.facts)
+    strategy = make_strategy("x", made.plan, None, one.world.schema, one.sizes)
+    last = next(stage for stage in strategy.stages if stage.name == "retire")
+    at = one.now.objects["brick"].position
+    seen = [last.until(one.world.present(replace(one.now, opening_m=0.08, tool=replace(
+        one.now.tool, position=at + np.array([0, 0, up]))))) for up in (0.01, 0.15)]
+    assert seen == [False, True]
+
+
 def test_the_goal_and_the_size_choose_the_way(scene):
     to_there = {"kind": "at", "object": "brick", "place": "there", "tolerance_m": 0.03}
     assert names(scene(new_task([to_there])))[:2] == ["reach", "close"]

@@ -13,7 +13,7 @@ from typing import Any
 from coral.contact.thinking.goals import NoRule, goal_words, once, served, wanted
 from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer
 from coral.contact.thinking.regions import ObjectRegions, Region, RegionsAnswer
-from coral.contact.thinking.setting import Choice, Draft, Thing
+from coral.contact.thinking.setting import Choice, Draft, Thing, number
 from coral.contact.thinking.skill_edge import add_overhang, can_overhang
 from coral.contact.thinking.skill_grasp import add_grasp, add_lift, add_place, add_release
 from coral.contact.thinking.skill_pivot import add_pivot
@@ -47,13 +47,14 @@ def compose(facts: Mapping[str, Any], choice: Choice | None = None) -> Composed:
         if not moving:
             continue
         goals = {goal["kind"]: goal for goal in asked} | once(moving)
-        drafts.append(_for_object(Thing(name, facts), goals, [goal["kind"] for goal in moving], facts, choice))
+        thing = Thing(name, facts)
+        drafts.append((thing, _for_object(thing, goals, [goal["kind"] for goal in moving], facts, choice)))
     if not drafts:
         asked_for = ", ".join(goal_words(goal) for goal in facts["goals"])
         raise NoRule(f"no goal asks for anything to be moved: {asked_for}")
     merged = Draft()
-    for draft in drafts:
-        _append(merged, draft)
+    for before, (_, draft) in zip([None, *(thing for thing, _ in drafts)], drafts, strict=False):
+        _append(merged, draft, before)
     held: dict[str, list[Region]] = {}
     for name, region in merged.regions:
         held.setdefault(name, []).append(region)
@@ -134,12 +135,14 @@ def _straight_on(thing: Thing, facts: Mapping[str, Any]) -> dict[str, Any]:
     return {"place": next(iter(facts["places"])), "tolerance_m": 0.02, "axes": "xy"}
 
 
-def _append(merged: Draft, draft: Draft) -> None:
-    """Add one object's stages after another's, its names made its own, the one before ending when it has settled."""
+def _append(merged: Draft, draft: Draft, before: Thing | None) -> None:
+    """Add one object's stages after another's, its names made its own, the one before ending when the hand is clear."""
     taken = {stage.name for stage in merged.stages}
     names = {stage.name: stage.name if stage.name not in taken else _free(stage.name, taken) for stage in draft.stages}
-    if merged.stages and not merged.stages[-1].done:
-        merged.stages[-1] = merged.stages[-1].model_copy(update={"done": "norm(self.ee_vel) < 0.05"})
+    if before is not None and not merged.stages[-1].done:
+        n, clear = before.name, number(before.height / 2 + 0.06)
+        done = f"not self.{n}_hand_contact and norm(self.ee_pos - self.{n}_pos) > {clear}"
+        merged.stages[-1] = merged.stages[-1].model_copy(update={"done": done})
     for stage in draft.stages:
         merged.stages.append(_renamed(stage, names))
     merged.regions += [(name, region.model_copy(update={"stage": names.get(region.stage, region.stage)}))
