@@ -80,9 +80,9 @@ class ContactBench:
     """As for coral contact run, separated by commas."""
     poses: Literal["tracked", "ground-truth"] | None = None
     """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
-    memory: Path | None = None
-    """What variants that remember begin with: a memory, or an export of one (also the memory.json of a campaign). Every
-    trial has a copy to itself. Without it they begin with nothing."""
+    memory: str | None = None
+    """What variants that remember begin with: a memory (an SQLite file, or lance:FOLDER_OR_URI), or an export of one
+    (also the memory.json of a campaign). Every trial has a copy to itself. Without it they begin with nothing."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
     jobs: int = 1
@@ -259,7 +259,7 @@ class ContactBench:
                  "--worlds", self.worlds, "--seeds", self.seeds, "--advisors", self.advisors]
         words += ["--policies", self.policies] if self.policies else []
         words += ["--poses", self.poses] if self.poses is not None else []
-        words += ["--memory", str(self.memory)] if self.memory is not None else []
+        words += ["--memory", self.memory] if self.memory is not None else []
         words += ["--samples", str(self.samples)] if self.samples is not None else []
         words += ["--config", str(self.config)] if self.config else [
             word for key, value in changes(to_mapping(self.cfg), to_mapping(EpisodeCfg()), "cfg")
@@ -267,12 +267,18 @@ class ContactBench:
         return shlex.join(words)
 
 
-def read_memory(file: Path) -> dict[str, Any]:
+def read_memory(where: str | Path) -> dict[str, Any]:
     """What is remembered in a memory, or in an export of one.
 
     Raises:
         InputError: It is neither.
     """
+    if isinstance(where, str) and where.startswith("lance:"):
+        known = Memory(where)
+        if not known.store.exists():
+            raise InputError("--memory", "", f"{where}: nothing there", "a memory, or an export of one")
+        return known.export()
+    file = Path(where)
     try:
         head = file.read_bytes()
     except OSError as error:

@@ -44,7 +44,7 @@ def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant:
         own = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None
         known = own.load(memory, "memory") if own is not None and memory is not None else 0
         mind = make_mind(variant, task, Asking(advisor=advisor, seed=seed, world=world, folder=folder, think=cfg.think,
-                                               memory=None if own is None else own.path))
+                                               memory=None if own is None else own.where))
         result = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor).run()
         if own is not None:
             _keep_new(own, known, folder)

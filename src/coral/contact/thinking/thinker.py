@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -172,7 +173,7 @@ class Thinker:
             self.memory.used(self._hit.stored.id, success)
         elif success and self.memory is not None:
             number = self.memory.add(self._experience())
-            self._emit("remembered", id=number, file=self.memory.path.name)
+            self._emit("remembered", id=number, file=Path(self.memory.where).name)
 
     def _recall(self, first: Observation) -> Strategy | None:
         if self.memory is None:
