@@ -33,8 +33,8 @@ def _existing(file: str) -> Memory:
 
 def _row(stored: Stored) -> dict[str, Any]:
     held = stored.experience
-    return {"id": stored.id, "created": stored.created, "task": held.task, "instruction": held.instruction,
-            "stages": held.plan.names, "used": stored.used, "helped": stored.helped, **held.provenance}
+    return {"seed": None, **held.provenance, "id": stored.id, "created": stored.created, "task": held.task,
+            "instruction": held.instruction, "stages": held.plan.names, "used": stored.used, "helped": stored.helped}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,8 +52,8 @@ class MemoryList:
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """One line each."""
-        rows = [f"{row['id']:>4}  {row['task']:<18} {row['world']:<6} seed {row['seed']:<5} used {row['used']}, helped "
-                f"{row['helped']}  {', '.join(row['stages'])}" for row in result["experiences"]]
+        rows = [f"{row['id']:>4}  {row['task']:<18} {row['world']!s:<6} seed {row['seed']!s:<5} used {row['used']}, "
+                f"helped {row['helped']}  {', '.join(row['stages'])}" for row in result["experiences"]]
         return "\n".join(rows) or f"{result['file']}: nothing is remembered"
 
 

@@ -158,6 +158,32 @@ def test_a_killed_writer_loses_nothing_it_has_acknowledged(scene, memory, tmp_pa
     assert memory.add(experience(scene("pick-box"))) > max(told)
 
 
+@pytest.mark.parametrize("wrong", [
+    {"goals": [{"kind": "lifted"}]}, {"goals": [{"object": "box"}]}, {"goals": [{"kind": "lifted", "object": ["box"]}]},
+    {"numbers": {"object0.size.0": float("nan")}}, {"numbers": {"object0.size.0": float("inf")}}])
+def test_an_export_that_says_nonsense_is_refused_before_it_is_compared(scene, memory, wrong):
+    memory.add(experience(scene("pick-box")))
+    content = memory.export()
+    content["experiences"].append({**content["experiences"][0], **wrong})
+    with pytest.raises(InputError, match=r"experiences\[1\]\.(goals|numbers).*expected an exported experience"):
+        memory.load(content, "x")
+
+
+def test_a_stored_row_that_says_nonsense_is_passed_over(scene, memory):
+    one = scene("pick-box")
+    made = json.loads(experience(one).model_dump_json())
+    memory.store.insert("now", json.dumps({**made, "goals": [{"kind": "lifted"}]}), "hashed-words",
+                        memory.embedder.embed(one.facts["instruction"]))
+    assert memory.find(one.facts) == []
+
+
+def test_the_list_shows_provenance_that_says_little_or_too_much(scene, memory, capsys):
+    one = experience(scene("pick-box"))
+    number = memory.add(one.model_copy(update={"provenance": {"success": True, "world": "hand", "id": 77}}))
+    assert main(["memory", "list", "--file", memory.where]) == 0
+    assert capsys.readouterr().out.split()[0] == str(number)
+
+
 ADDER = """
 import sys
 from pathlib import Path

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError, field_validator
 
 from coral.config import Fraction, Positive
 from coral.contact.thinking.embedding import Embedder, Vector, best_embedder
@@ -38,11 +38,19 @@ class Experience(BaseModel):
     task: str
     instruction: str
     goals: list[dict[str, Any]]
-    numbers: dict[str, float]
+    numbers: dict[str, FiniteFloat]
     plan: PlanAnswer
     regions: RegionsAnswer
-    beliefs: dict[str, tuple[float, float]]
+    beliefs: dict[str, tuple[FiniteFloat, FiniteFloat]]
     provenance: dict[str, Any]
+
+    @field_validator("goals")
+    @classmethod
+    def _of_objects(cls, goals: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        # What is looked up by; the rest of a goal only has to be the same.
+        if not all(isinstance(goal.get(key), str) for goal in goals for key in ("kind", "object")):
+            raise ValueError("a goal has a kind and an object")
+        return goals
 
 
 @dataclass(frozen=True)
@@ -221,8 +229,11 @@ class Memory:
             try:
                 one = Experience.model_validate({key: value for key, value in dict(item).items() if key != "created"})
             except (ValidationError, TypeError, ValueError) as error:
-                raise InputError(where, f"experiences[{index}]", str(error).splitlines()[0], "an exported experience"
-                                 ) from None
+                path, why = f"experiences[{index}]", str(error)
+                if isinstance(error, ValidationError):
+                    first = error.errors(include_url=False)[0]
+                    path, why = ".".join([path, *map(str, first["loc"])]), first["msg"]
+                raise InputError(where, path, why, "an exported experience") from None
             if one.model_dump_json() not in known:
                 self.add(one)
                 count += 1
