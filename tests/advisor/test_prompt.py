@@ -9,10 +9,11 @@ CONTEXT = {
     "reef-centroid": {"step_m": 6},
     "reef-waypoint": {"step_m": 6},
     "physical-parameters": {"task": "push it", "objects": {"board": {"pose_estimated": POSE, "mass_kg": None}}},
-    "cost-function": {"task": "push it", "poses": {"board": POSE}, "parameters": {}, "interface": "self.board_pos"},
+    "cost-function": {"task": "push it", "poses": {"board": POSE}, "parameters": {}, "interface": "self.board_pos",
+                      "contact_strategy": True},
     "contact-regions": {"task": "push it", "objects": {"board": POSE}},
     "cost-repair": {"task": "push it", "attempts": 3, "world": {}, "interface": "", "history": [], "code": "x = 1",
-                    "error": "x is unknown"},
+                    "error": "x is unknown", "contact_strategy": True},
     "parameter-repair": {"parameters": {"board": {"mass": 0.4}}, "history": []},
     "object-poses": {"task": "push it", "camera": {"focal_px": 500.0}, "table": {}, "objects": {"board": {}}},
     "unified": {"task": "push it", "objects": {"board": POSE}, "hand": {}, "interface": "self.board_pos",
@@ -53,6 +54,13 @@ def test_prompt_holds_every_element_of_the_papers(kind):
 def test_mapping_and_names_are_the_same():
     assert render("reef-waypoint", {"step_m": 4}) == render("reef-waypoint", step_m=4)
     assert "0 to 4" in render("reef-waypoint", step_m=4)[0]
+
+
+@pytest.mark.parametrize("kind", ["cost-function", "cost-repair"])
+def test_without_a_contact_strategy_a_model_is_told_so(kind):
+    told = "nothing of where or how the hand touches"
+    assert told not in render(kind, CONTEXT[kind])[0]
+    assert told in render(kind, {**CONTEXT[kind], "contact_strategy": False})[0]
 
 
 def test_optional_parts_leave_no_trace():

@@ -73,3 +73,11 @@ def test_rehearsals_end_where_the_plain_loop_ends_and_plans_take_time(tmp_path):
     assert [row["horizon"] for row in out["curves"]["horizon"]] == [2, 2, 4, 6, 8]
     assert (tmp_path / "contact-planner.png").stat().st_size > 5000
     assert len((tmp_path / "contact-planner.csv").read_text().splitlines()) == 11
+
+
+def test_a_cost_is_the_same_in_every_way_of_evaluating_it():
+    found = result("costs.py", "--samples", "6", "--horizon", "4", "--repeats", "1", "--alone", "3")
+    assert found["cost"]["confined_agrees"]
+    assert found["cost"]["one_by_one_agrees"]
+    assert found["cost"]["terms"] == 11
+    assert len(found["beliefs"]) == 6

@@ -51,6 +51,13 @@ def test_failures_are_told_by_their_reason():
     assert found["success"] == "2/3"
 
 
+def test_another_tracker_than_the_embedded_one_is_named_below():
+    for fields, said in (({}, "ground-truth"), ({"poses": "tracked"}, "tracked"),
+                         ({"poses": "tracked", "tracker": "model"}, "tracked"),
+                         ({"poses": "tracked", "tracker": "foundationpose"}, "tracked (foundationpose)")):
+        assert f"Object poses: {said}. " in " ".join(tables([row(**fields)])[0].notes)
+
+
 def test_worlds_have_tables_of_their_own():
     captions = [table.caption for table in tables([*ROWS, row(place="hand")])]
     assert len(captions) == 6
@@ -68,6 +75,14 @@ def test_trials_that_broke_off_are_named():
               if key in ("world", "variant", "seed", "advisor", "overrides")}
     notes = tables([*ROWS, {**broken, "status": "failed"}])[0].notes
     assert "1 trials broke off with an error and are left out: expert-fsm in pick-box, seed 7." in notes
+
+
+def test_what_broke_off_is_told_where_it_belongs():
+    broken = {key: value for key, value in row(advisor="b", variant="full", seed=7).items()
+              if key in ("world", "variant", "seed", "advisor", "overrides")}
+    made = tables([row(advisor="a", variant="full"), {**broken, "status": "failed"}])
+    assert [("Advisor: a." in table.caption, any("broke off" in note for note in table.notes)) for table in made] == [
+        (True, False)] * 3 + [(False, True)] * 3
 
 
 @pytest.mark.parametrize(("won", "trials", "low", "high"), [(0, 10, 0.0, 0.2775), (10, 10, 0.7225, 1.0),

@@ -39,7 +39,8 @@ def test_only_plans_with_regions_are_handed_on(practised):
     _, practice = practised
     kept = json.loads((practice / "memory.json").read_text())["experiences"]
     assert {one["provenance"]["variant"] for one in kept} == {"full"}
-    assert len(list(practice.glob("runs/*/remembered.json"))) > len(kept)
+    assert len(list(practice.glob("runs/*_full_*/remembered.json"))) == len(kept)
+    assert not list(practice.glob("runs/*_cost-only_*/remembered.json"))
 
 
 def test_an_advisor_that_errs_has_tables_of_its_own(practised):

@@ -208,3 +208,14 @@ def test_the_same_seed_gives_the_same_files_whatever_the_number_of_threads(tmp_p
         Episode(trial(0.3), "hand", Fixed(strategy()), cfg, folders[-1], variant="expert").run()
     for name in ("metrics.json", "events.jsonl", "trajectory.csv", "states.csv", "task.yaml"):
         assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes()
+
+
+def test_what_fails_at_the_end_does_not_cost_the_record(run, tmp_path):
+    class Forgetful(Fixed):
+        def ended(self, reason):
+            raise InputError("memory.sqlite", "", "read-only", "a file that can be written")
+
+    with pytest.raises(InputError, match="read-only"):
+        run(Forgetful(strategy()))
+    assert json.loads((tmp_path / "run" / "metrics.json").read_text())["end_reason"] == "timeout"
+    assert events(tmp_path / "run")[-1]["event"] == "end"

@@ -27,8 +27,15 @@ def test_metrics_of_a_finished_episode():
         "peak_hand_force_n": 5.0, "mean_hand_force_n": 4.0, "contact_time_s": 0.04, "contacts": 1,
         "first_touch_s": 0.04, "plan_cost": 3.5, "plan_cost_jump": 1.0, "effective_samples": 3.0,
         "diverged_rehearsals": 1, "track_lost": 0, "track_recovered": 0, "track_lost_s": 0.0,
-        "pose_error_mm": None, "pose_error_deg": None, "poses": "ground-truth"}
+        "pose_error_mm": None, "pose_error_deg": None, "poses": "ground-truth", "tracker": ""}
     assert set(found) == set(DEFINITIONS)
+
+
+def test_the_tracker_is_named_where_there_is_one():
+    start = {**EVENTS[0], "event": "start", "poses": "tracked"}
+    assert metrics_of([start], [])["tracker"] == "model"  # older runs had no other, and did not say so
+    assert metrics_of([{**start, "tracker": "foundationpose"}], [])["tracker"] == "foundationpose"
+    assert metrics_of([{**start, "poses": "guessed"}], [])["tracker"] == ""
 
 
 def test_a_killed_episode_is_no_success():

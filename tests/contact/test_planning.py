@@ -1,5 +1,7 @@
 """Rehearsals: each as MuJoCo would step it alone, under what is believed, and safe from each other."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from contact_bench import DOWN, body, plain, seen, trial
 from coral.contact.draw import Physical
 from coral.contact.hand import set_stiffness
 from coral.contact.planning import Controls, PlanningCfg, PlanningWorld
+from coral.contact.uncertainty import UncertaintyCfg
 
 CFG = PlanningCfg(threads=1)
 LIGHT, HEAVY = {"box": Physical(0.1, 0.3)}, {"box": Physical(1.5, 0.6)}
@@ -164,6 +167,25 @@ def test_several_beliefs_are_rehearsed_side_by_side():
         assert np.array_equal(both.box_pos[rows], alone.box_pos)
         assert both.box_mass[rows, 0] == pytest.approx(belief["box"].mass_kg)
         assert np.array_equal(both.last_action[rows], alone.last_action)
+
+
+def test_plans_are_rehearsed_under_beliefs_drawn_around_the_believed_one():
+    cfg = replace(CFG, uncertainty=UncertaintyCfg(sets=3))
+    drawn = trial()
+    planner = PlanningWorld(drawn, LIGHT, seen(drawn), cfg, np.random.default_rng(1))
+    assert planner.beliefs[0] == LIGHT
+    assert len({one["box"].mass_kg for one in planner.beliefs}) == 3
+    context, sane = planner.rollout(beside(drawn), controls(pushes(2)))
+    assert context.shape[0] == len(sane) == 6
+    planner.believe(HEAVY)
+    assert planner.beliefs[0] == HEAVY
+    assert len(planner.beliefs) == 3
+
+
+def test_the_present_is_one_state_however_many_beliefs():
+    drawn = trial()
+    planner = world(drawn, [LIGHT, HEAVY])
+    assert planner.present(beside(drawn)).box_pos.shape == (1, 1, 3)
 
 
 def test_every_quantity_is_there_in_its_shape():

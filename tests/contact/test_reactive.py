@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from coral.contact.geometry import conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.hand import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.reactive import Reactive, ReactiveCfg
 from coral.contact.world import Body, HandTarget, Observation
@@ -64,6 +65,15 @@ def test_less_resistance_than_expected_pushes_further():
     np.testing.assert_allclose(made.command(target([0.0, 0.0, 0.2]), observed()).force, [2.0, 0.0, 0.0])
 
 
+def test_an_orientation_that_fell_short_is_made_up_for_where_that_is_on():
+    wanted = multiply(from_rotvec([0.0, 0.0, 0.04]), DOWN)
+    for gain, angle in ((0.0, 0.0), (0.5, 0.02), (5.0, 0.05)):
+        made = reactive(turn_gain=gain, most_rad=0.05)
+        made.observe(np.array([0.0, 0.0, 0.2]), np.zeros(3), observed(), 0, wanted)
+        command = made.command(target([0.0, 0.0, 0.2]), observed())
+        np.testing.assert_allclose(to_rotvec(multiply(command.quaternion, conjugate(DOWN))), [0, 0, angle], atol=1e-12)
+
+
 def test_feedback_is_bounded():
     made = reactive(pose_gain=1.0, most_m=0.005, force_gain=1.0, most_n=3.0, memory_s=1e-6)
     made.observe(np.array([0.3, 0.0, 0.2]), np.array([80.0, 0.0, 0.0]), observed())
@@ -88,11 +98,22 @@ def test_whatever_is_planned_pull_workspace_and_opening_stay_within_bounds(wante
     now = observed(force=200 * felt)
     command = made.command(target(wanted, stiffness, opening), now)
     lead = command.position - now.tool.position
-    assert stiffness * np.linalg.norm(lead) + np.linalg.norm(command.force) <= 30.0 + 2 * 3.0 + 1e-6
-    assert stiffness * np.linalg.norm(lead + command.force / stiffness) <= 30.0 + 3.0 + 1e-6
+    assert stiffness * np.linalg.norm(lead + command.force / stiffness) <= 30.0 + 1e-5
     assert (command.position >= LOW).all()
     assert (command.position <= HIGH).all()
     assert SQUEEZE_M <= command.opening_m <= MAX_OPENING_M
+
+
+@settings(max_examples=40, deadline=None)
+@given(vectors, vectors, st.floats(100.0, 3000.0))
+def test_a_hand_outside_the_workspace_is_drawn_back_no_harder_than_allowed(wanted, away, stiffness):
+    made = reactive(force_limit_n=30.0)
+    made.observe(np.zeros(3), 50 * away, observed())
+    now = observed(position=HIGH + np.abs(away))
+    command = made.command(target(wanted, stiffness), now)
+    assert stiffness * np.linalg.norm(command.position - now.tool.position + command.force / stiffness) <= 30.0 + 1e-5
+    assert (np.abs(command.position - np.clip(command.position, LOW, HIGH))
+            <= np.abs(now.tool.position - np.clip(now.tool.position, LOW, HIGH)) + 1e-9).all()
 
 
 def test_what_is_felt_beyond_the_limit_makes_the_hand_yield_along_it_only():

@@ -11,7 +11,8 @@ from coral.contact.hand_world import HandWorld, HandWorldCfg
 from coral.contact.mind import Fixed
 from coral.contact.perception.camera import CameraCfg, RgbdFrame
 from coral.contact.task import load_task
-from coral.contact.tracked import TrackedCfg, TrackedWorld, _camera
+from coral.contact.tracked import TrackedWorld
+from coral.contact.tracked_cfg import TrackedCfg, make_camera
 from coral.contact.world import HandTarget, WorldFault
 from coral.errors import InputError
 
@@ -24,7 +25,7 @@ class Scripted:
     """The usual camera, but some pictures do not come, or do not show any object."""
 
     def __init__(self, world, drawn, cfg, off=lambda k: False, covered=lambda k: False):
-        self._camera, self._off, self._covered, self.taken = _camera(world.model, drawn, cfg), off, covered, 0
+        self._camera, self._off, self._covered, self.taken = make_camera(world.model, drawn, cfg), off, covered, 0
 
     def take(self, data, rng):
         self.taken += 1

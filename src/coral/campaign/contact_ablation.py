@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from statistics import fmean, median
 
-from coral.campaign.contact_tables import called, paper
+from coral.campaign.contact_tables import called, paper, poses_of
 from coral.campaign.measures import Row, number
 from coral.campaign.spec import NO_ADVISOR
 from coral.campaign.table import Table
@@ -53,15 +53,14 @@ def _table(trials: dict[str, list[Row]], task: str, place: str, advisor: str, co
         lines += [(f"paper, {NAMES[variant]}", "–", str(printed[variant][0]), f"{printed[variant][1]:.2f}",
                    *["–"] * 3) for variant in (GUIDED, UNGUIDED)]
         lines.append(("paper, change", "", *printed["change"], *["–"] * 3))
-    poses = sorted({str(row.get("poses")) for row in (*guided, *unguided)})
     notes = (
         "Medians over all trials; one that fails counts all its steps. Change: of the median with the strategy against "
         "that without.",
         "Without: the cost is of outcomes alone (variant `cost-only`). Planning cost: mean expected cost of a trial's "
         "plans, no comparison between different costs; its jumps: mean change from one plan to the next in a stage. "
         "First touch: of the hand on an object, of the trials that have one.",
-        f"Seeds: {', '.join(str(row['seed']) for row in guided)}. Object poses: {', '.join(poses)} (paper: ground "
-        f"truth). Made by: {command}")
+        f"Seeds: {', '.join(str(row['seed']) for row in guided)}. Object poses: {poses_of((*guided, *unguided))} "
+        f"(paper: ground truth). Made by: {command}")
     return Table("Contact-strategy ablation", f"{Path(task).stem}, world: {place}. Advisor: {called(advisor)}.", HEADER,
                  tuple(lines), notes)
 

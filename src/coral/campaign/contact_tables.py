@@ -31,19 +31,22 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
         about: Of the campaign: commit, machine.
         command: That makes the tables.
     """
-    done = [row for row in rows if row["status"] == "done"]
-    advisors = list(dict.fromkeys(row["advisor"] for row in done if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
+    advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
     tables: list[Table] = []
-    for place in dict.fromkeys(str(row["evaluation_world"]) for row in done):
+    for place in dict.fromkeys(map(_place, rows)):
         for advisor in advisors:
-            chosen = [row for row in done
-                      if row["evaluation_world"] == place and row["advisor"] in (advisor, NO_ADVISOR)]
-            failed = [row for row in rows
-                      if row["status"] == "failed" and json.loads(row["overrides"])["world"] == place]
+            here = [row for row in rows if _place(row) == place and row["advisor"] in (advisor, NO_ADVISOR)]
+            chosen = [row for row in here if row["status"] == "done"]
+            failed = [row for row in here if row["status"] == "failed"]
             source = _source(chosen, failed, about, command)
             caption = f"World: {place}. Advisor: {called(advisor)}."
             tables += [make(chosen, caption, source) for make in (_success, _times, _each)]
     return tables
+
+
+def _place(row: Row) -> str:
+    """Where a trial took place; a failed one has only what was asked for."""
+    return str(json.loads(row["overrides"])["world"])
 
 
 def called(advisor: str) -> str:
@@ -51,6 +54,13 @@ def called(advisor: str) -> str:
     if advisor == NO_ADVISOR:
         return "none"
     return f"{advisor} (rules, no language model)" if advisor.endswith("heuristic") else advisor
+
+
+def poses_of(rows: Sequence[Row]) -> str:
+    """Where the trials' object poses came from; a tracker is named where it is not the embedded one."""
+    return ", ".join(sorted({
+        f"{row.get('poses')} ({row['tracker']})" if row.get("tracker") not in (None, "", "model")
+        else str(row.get("poses")) for row in rows}))
 
 
 def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
@@ -166,8 +176,7 @@ def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, An
     """How the table was made."""
     seeds = sorted({int(row["seed"]) for row in chosen})
     versions = sorted({str(row.get("code")) for row in chosen})
-    poses = sorted({str(row.get("poses")) for row in chosen})
-    parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {', '.join(poses)}. "
+    parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {poses_of(chosen)}. "
              f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), "
              f"{about.get('machine', '?')}. Made by: {command}"]
     remembering = [row for row in chosen if row.get("memory_known") is not None]

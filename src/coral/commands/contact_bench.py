@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import json as json_text
 import shlex
 import sys
@@ -16,7 +15,7 @@ import numpy as np
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
-from coral.campaign.bench import changes, digest, make_executor, table_json
+from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.contact_ablation import NAMES, ablations, chosen
 from coral.campaign.contact_tables import called, contact_tables
@@ -26,8 +25,9 @@ from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store, write_whole
 from coral.campaign.table import document
 from coral.campaign.version import code_version
-from coral.commands.contact_run import with_poses, with_samples
-from coral.config import checked, read_config, to_mapping
+from coral.commands.config_flag import config_words, configured
+from coral.commands.contact_run import with_poses, with_samples, with_tracker
+from coral.config import checked, to_mapping
 from coral.contact.episode import EpisodeCfg
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.trial import run_policy_trial
@@ -80,6 +80,9 @@ class ContactBench:
     """As for coral contact run, separated by commas."""
     poses: Literal["tracked", "ground-truth"] | None = None
     """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
+    tracker: str | None = None
+    """What finds the objects in those pictures: model, the embedded tracker (the default), or
+    foundationpose:http://HOST:PORT, a server of it that every worker can reach."""
     memory: str | None = None
     """What variants that remember begin with: a memory (an SQLite file, or lance:FOLDER_OR_URI), or an export of one
     (also the memory.json of a campaign). Every trial has a copy to itself. Without it they begin with nothing."""
@@ -111,10 +114,8 @@ class ContactBench:
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactBench | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        for flag, value in itertools.pairwise(words):
-            if flag == "--config":
-                return cls(cfg=read_config(Path(value), EpisodeCfg()))
-        return None
+        cfg = configured(words, EpisodeCfg())
+        return None if cfg is None else cls(cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Run what is missing, then make the tables."""
@@ -127,7 +128,10 @@ class ContactBench:
             raise InputError("--jobs", "", self.jobs, "a number from 1 on")
         names = shipped_tasks() if self.tasks == "all" else parse_names(self.tasks, "--tasks")
         tasks = {name: load_task(name) for name in names}
-        cfg = checked(with_poses(with_samples(self.cfg, self.samples), self.poses), "--cfg")
+        cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
+        cfg = checked(cfg, "--cfg")
+        if cfg.poses == "tracked" and self.executor == "local":  # a cluster may reach what this machine does not
+            cfg.tracked.choice().check()
         specs, memory = self._specs(tasks), None if self.memory is None else read_memory(self.memory)
         with store.lock():
             store.open(specs, self._conditions(cfg, tasks, memory), command=self._command(), mix=self.mix,
@@ -179,6 +183,8 @@ class ContactBench:
         content = to_mapping(cfg)
         content.pop("record")
         content["planning"].pop("threads")  # changes how long it takes, and nothing else
+        content["tracked"]["by"] = cfg.tracked.choice().name  # nor does it matter where a server is
+        content["tracked"]["foundationpose"].pop("url")
         return {"code version": f"{code_version()}", "configuration": digest(content),
                 "memory": "none" if memory is None else digest([
                     {**one, "created": ""} for one in memory["experiences"]]),
@@ -205,7 +211,7 @@ class ContactBench:
             raise RunError(f"no episode is recorded in {self.out} yet")
         write_parquet(rows, self.out / "results.parquet")
         rows = read_parquet(self.out / "results.parquet")
-        command = manifest["commands"][-1] if manifest["commands"] else "coral contact bench"
+        command = "; then ".join(manifest["commands"]) or "coral contact bench"
         tables = [*contact_tables(rows, about, command), *ablations(rows, command)]
         kept = self._remembered(store)
         for form in ("md", "tex", "html"):
@@ -259,11 +265,10 @@ class ContactBench:
                  "--worlds", self.worlds, "--seeds", self.seeds, "--advisors", self.advisors]
         words += ["--policies", self.policies] if self.policies else []
         words += ["--poses", self.poses] if self.poses is not None else []
+        words += ["--tracker", self.tracker] if self.tracker is not None else []
         words += ["--memory", self.memory] if self.memory is not None else []
         words += ["--samples", str(self.samples)] if self.samples is not None else []
-        words += ["--config", str(self.config)] if self.config else [
-            word for key, value in changes(to_mapping(self.cfg), to_mapping(EpisodeCfg()), "cfg")
-            for word in (f"--{key.replace('_', '-')}", str(value))]
+        words += config_words(self.cfg, EpisodeCfg(), self.config)
         return shlex.join(words)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,11 +13,13 @@ import tyro
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
+from coral.commands.config_flag import configured
 from coral.commands.contact_progress import EpisodeProgress
-from coral.config import checked, read_config
+from coral.config import checked
 from coral.contact.draw import draw
 from coral.contact.ends import ENDS
 from coral.contact.episode import Episode, EpisodeCfg
+from coral.contact.perception.choice import choose
 from coral.contact.policy.address import parse_address
 from coral.contact.policy.episode import PolicyEpisode
 from coral.contact.policy.trial import serving
@@ -50,6 +51,9 @@ class ContactRun:
     """[NAME=]ws://HOST:PORT: no planner and no variant, a vision-language-action policy that this server runs."""
     poses: Literal["tracked", "ground-truth"] | None = None
     """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
+    tracker: str | None = None
+    """What finds the objects in those pictures: model, the embedded tracker (the default), or
+    foundationpose:http://HOST:PORT, a server of it."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
     believe: str | None = None
@@ -76,12 +80,8 @@ class ContactRun:
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactRun | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        for word, following in itertools.pairwise([*words, ""]):
-            flag, joined, value = word.partition("=")
-            file = value if joined else following
-            if flag == "--config" and file:
-                return cls(task=tyro.MISSING, cfg=read_config(Path(file), EpisodeCfg()))
-        return None
+        cfg = configured(words, EpisodeCfg())
+        return None if cfg is None else cls(task=tyro.MISSING, cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the episode."""
@@ -97,7 +97,11 @@ class ContactRun:
         if self.believe is not None and (self.policy is not None or self.variant in (*ALONE, "unified")):
             raise InputError("--believe", "", f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
                              "a variant that asks for masses and frictions, such as full")
-        cfg = checked(with_poses(with_samples(self.cfg, self.samples), self.poses), "--cfg")
+        cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
+        cfg = checked(cfg, "--cfg")
+        if self.tracker is not None and (self.policy is not None or self.variant == "no-tracking"):
+            raise InputError("--tracker", "", f"also {'--policy' if self.policy else '--variant no-tracking'}",
+                             "a variant that tracks the objects")
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.policy is not None:
@@ -163,6 +167,20 @@ def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
 def with_poses(cfg: EpisodeCfg, poses: Literal["tracked", "ground-truth"] | None) -> EpisodeCfg:
     """The configuration with poses from elsewhere."""
     return cfg if poses is None else dataclasses.replace(cfg, poses=poses)
+
+
+def with_tracker(cfg: EpisodeCfg, tracker: str | None) -> EpisodeCfg:
+    """The configuration with another tracker.
+
+    Raises:
+        InputError: There is none of this name, or none is asked for poses.
+    """
+    if tracker is None:
+        return cfg
+    choose(tracker)
+    if cfg.poses != "tracked":
+        raise InputError("--tracker", "", f"{tracker!r} beside poses from the simulator", "--poses tracked")
+    return dataclasses.replace(cfg, tracked=dataclasses.replace(cfg.tracked, by=tracker))
 
 
 def render(folder: Path, cfg: EpisodeCfg) -> dict[str, str]:

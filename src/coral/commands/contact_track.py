@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
 from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from coral.contact.perception.shapes import ObjectModel
+    from coral.contact.perception.tracker import PoseTracker
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +27,7 @@ class ContactTrack:
     tasks: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[TASK ...]")] = ()
     """Names or task files; all shipped tasks by default."""
     tracker: str = "model"
-    """`model`, the embedded one, or `foundationpose:URL` for a server."""
+    """model, the embedded one, or foundationpose:http://HOST:PORT for a server."""
     seed: int = 0
     """Of the trials and of the noise."""
     width: int = 320
@@ -42,11 +46,12 @@ class ContactTrack:
         from coral.contact.draw import draw
         from coral.contact.perception.accuracy import AccuracyCfg, measure
         from coral.contact.perception.camera import CameraCfg
+        from coral.contact.perception.choice import choose
         from coral.contact.perception.depth_noise import DepthNoise
         from coral.contact.perception.losing import lose
         from coral.contact.task import load_task, shipped_tasks
 
-        make, colours = _maker(self.tracker)
+        choice = choose(self.tracker)
         if self.width < 64:
             raise InputError("--width", "", self.width, "64 columns or more")
         if not 1.0 <= self.rate_hz <= 100.0:
@@ -55,7 +60,12 @@ class ContactTrack:
             raise InputError("--seed", "", self.seed, "0 or more")
         cfg = AccuracyCfg(
             camera=CameraCfg(width=self.width, height=round(self.width * 0.75)), period_s=1.0 / self.rate_hz,
-            noise=DepthNoise() if self.noise else None, colours=colours)
+            noise=DepthNoise() if self.noise else None, colours="best" if choice.wants_colours else "none")
+        choice.check()
+
+        def make(model: ObjectModel) -> PoseTracker:
+            return choice.make(model, None)
+
         trials = [draw(load_task(name), self.seed) for name in self.tasks or shipped_tasks()]
         tracked = [dataclasses.asdict(row) for trial in trials for row in measure(trial, make, cfg)]
         lost = [dataclasses.asdict(lose(trial, make, cfg, how))
@@ -65,17 +75,17 @@ class ContactTrack:
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Two tables."""
-        lines = ["Errors modulo symmetry, over all pictures: median and what 95 % stay below.", "",
-                 f"{'task':<16} {'object':<10} {'seen':>5} {'mm':>5} {'95 %':>6} {'deg':>5} {'95 %':>6} {'ADD-S':>6} "
-                 f"{'MSSD':>6} {'lost':>5} {'ms':>6} {'95 %':>6} {'fresh':>6} {'s':>5}"]
+        lines = ["Errors modulo symmetry, but for ADD, over all pictures: median and what 95 % stay below.", "",
+                 f"{'task':<16} {'object':<10} {'seen':>5} {'mm':>5} {'95 %':>6} {'deg':>5} {'95 %':>6} {'ADD':>6} "
+                 f"{'ADD-S':>6} {'MSSD':>6} {'lost':>5} {'ms':>6} {'95 %':>6} {'fresh':>6} {'s':>5}"]
         for r in result["tracked"]:
             lines.append(
                 f"{r['task']:<16} {r['object']:<10} {r['least_visible']:>5.0%} {r['mm']:>5.1f} {r['mm_95']:>6.1f} "
-                f"{r['deg']:>5.1f} {r['deg_95']:>6.1f} {r['add_s_mm']:>6.1f} {r['mssd_mm']:>6.1f} {r['lost']:>5} "
-                f"{r['update_ms']:>6.1f} {r['update_ms_95']:>6.1f} {r['registered']:>3}/{r['registrations']} "
-                f"{r['registration_s']:>5.2f}")
-        lines += ["", "seen: least share of the object; ADD-S, MSSD: medians, mm; fresh: fresh starts within 5 mm and "
-                  "5 deg, and their time"]
+                f"{r['deg']:>5.1f} {r['deg_95']:>6.1f} {r['add_mm']:>6.1f} {r['add_s_mm']:>6.1f} "
+                f"{r['mssd_mm']:>6.1f} {r['lost']:>5} {r['update_ms']:>6.1f} {r['update_ms_95']:>6.1f} "
+                f"{r['registered']:>3}/{r['registrations']} {r['registration_s']:>5.2f}")
+        lines += ["", "seen: least share of the object; ADD, ADD-S, MSSD: medians, mm; fresh: fresh starts within 5 mm "
+                  "and 5 deg, and their time"]
         if result["lost"]:
             lines += ["", f"{'task':<16} {'object':<10} {'how':<12} {'noticed':>8} {'reported':>9} {'recovered':>10} "
                       f"{'mm':>5} {'deg':>5} {'slowest s':>10}  reason"]
@@ -86,17 +96,3 @@ class ContactTrack:
                              f"{recovered:>10} {r['mm']:>5.1f} {r['deg']:>5.1f} {r['slowest_s']:>10.2f}  {r['reason']}")
             lines += ["", "noticed, recovered: after so many pictures; reported: share of the second without it"]
         return "\n".join(lines)
-
-
-def _maker(tracker: str) -> tuple[Callable[[Any], Any], Any]:
-    """What makes a tracker for an object, and the colours that it needs."""
-    from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker
-    from coral.contact.perception.tracking import ModelTracker
-
-    kind, _, url = tracker.partition(":")
-    if tracker == "model":
-        return ModelTracker, "none"
-    if kind == "foundationpose" and url:
-        cfg = FoundationPoseCfg(url=url)
-        return lambda model: FoundationPoseTracker(model, cfg), "best"
-    raise InputError("--tracker", "", tracker, "model, or foundationpose:URL")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -14,7 +13,7 @@ import tyro
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
-from coral.campaign.bench import changes, digest, make_executor, table_json
+from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.dataset import read_parquet, to_rows, write_parquet
 from coral.campaign.progress import CampaignProgress
@@ -24,7 +23,8 @@ from coral.campaign.store import Store, write_whole
 from coral.campaign.sweep import parse_sweeps
 from coral.campaign.table import document
 from coral.campaign.version import code_version
-from coral.config import checked, read_config, to_mapping
+from coral.commands.config_flag import config_words, configured
+from coral.config import checked, to_mapping
 from coral.errors import InputError, RunError
 from coral.reef.episode import run_episode
 from coral.reef.heuristic import REEF_RULES
@@ -99,10 +99,8 @@ class ReefBench:
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefBench | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        for flag, value in itertools.pairwise(words):
-            if flag == "--config":
-                return cls(cfg=read_config(Path(value), MissionCfg()))
-        return None
+        cfg = configured(words, MissionCfg())
+        return None if cfg is None else cls(cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Run what is missing, then make the tables."""
@@ -174,7 +172,7 @@ class ReefBench:
             raise RunError(f"no mission is recorded in {self.out} yet")
         write_parquet(rows, self.out / "results.parquet")
         rows = read_parquet(self.out / "results.parquet")
-        tables = reef_tables(rows, about, manifest["commands"][-1] if manifest["commands"] else "coral reef bench")
+        tables = reef_tables(rows, about, "; then ".join(manifest["commands"]) or "coral reef bench")
         for form in ("md", "tex", "html"):
             write_whole(self.out / f"tables.{form}", document(tables, form, "Reef survey").encode())
         done = [record for record in records if record["status"] == "done"]
@@ -229,10 +227,8 @@ class ReefBench:
         words = ["coral", "reef", "bench", "--variants", self.variants, "--worlds", self.worlds, "--seeds", self.seeds,
                  "--advisors", self.advisors]
         words += [word for text in self.sweep for word in ("--sweep", text)]
-        words += ["--config", str(self.config)] if self.config else []
-        for prefix, now, default in (("cfg", self.cfg, MissionCfg()), ("model", self.model, ModelCfg())):
-            words += [word for key, value in changes(to_mapping(now), to_mapping(default), prefix)
-                      for word in (f"--{key.replace('_', '-')}", str(value))] if not self.config else []
+        words += config_words(self.cfg, MissionCfg(), self.config)
+        words += config_words(self.model, ModelCfg(), None, "model")
         return shlex.join(words)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
@@ -17,8 +16,9 @@ import tyro
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
+from coral.commands.config_flag import configured
 from coral.commands.progress import MissionProgress
-from coral.config import checked, read_config
+from coral.config import checked
 from coral.desk.notice import mission_notice
 from coral.errors import InputError
 from coral.reef.fleet import MOST_ROBOTS
@@ -75,12 +75,8 @@ class ReefRun:
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefRun | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        for word, following in itertools.pairwise([*words, ""]):
-            flag, joined, value = word.partition("=")
-            file = value if joined else following
-            if flag == "--config" and file:
-                return cls(world=tyro.MISSING, cfg=read_config(Path(file), MissionCfg()))
-        return None
+        cfg = configured(words, MissionCfg())
+        return None if cfg is None else cls(world=tyro.MISSING, cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the mission."""

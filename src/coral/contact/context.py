@@ -69,7 +69,7 @@ def object_quantities(name: str, points: Iterable[str] = (), fixtures: Iterable[
         others: Other movable objects that it may touch.
     """
     found = {
-        f"{name}_pos": Quantity(3, "m", f"centre of the {name}"),
+        f"{name}_pos": Quantity(3, "m", f"origin of the {name}'s frame: its middle, unless its parts lie elsewhere"),
         f"{name}_quat": Quantity(4, "", f"orientation of the {name}"),
         f"{name}_vel": Quantity(3, "m/s", f"velocity of the {name}"),
         f"{name}_angvel": Quantity(3, "rad/s", f"angular velocity of the {name}, world axes"),
@@ -87,6 +87,21 @@ def object_quantities(name: str, points: Iterable[str] = (), fixtures: Iterable[
         found[f"{name}_{point}_pos"] = Quantity(3, "m", f"the {point} of the {name}")
     for thing in (*fixtures, *others):
         found[f"{name}_{thing}_contact"] = Quantity(0, "", f"whether the {name} touches the {thing}", truth=True)
+    return found
+
+
+def scenery_quantities(fixtures: Iterable[str] = (), places: Iterable[str] = (), numbers: Iterable[str] = ()
+                       ) -> dict[str, Quantity]:
+    """The quantities of what stays where it is: the table, fixtures, and places and numbers of the task file."""
+    found = {"table_min": Quantity(3, "m", "corner of the table with the smallest coordinates", constant=True),
+             "table_max": Quantity(3, "m", "corner of the table with the largest coordinates", constant=True)}
+    for name in fixtures:
+        found[f"{name}_pos"] = Quantity(3, "m", f"centre of the {name}", constant=True)
+        found[f"{name}_size"] = Quantity(3, "m", f"full extents of the {name}", constant=True)
+    for name in places:
+        found[f"{name}_pos"] = Quantity(3, "m", f"the place {name} of the task", constant=True)
+    for name in numbers:
+        found[name] = Quantity(0, "", f"the number {name} of the task", constant=True)
     return found
 
 
@@ -112,6 +127,10 @@ class Context:
     def names(self) -> list[str]:
         """Everything that can be read."""
         return sorted(self._values)
+
+    def first(self) -> Context:
+        """The first state of the first sequence, as a batch of one."""
+        return Context({name: value[:1, :1] for name, value in self._values.items()}, (1, 1))
 
 
 class Cost(Protocol):

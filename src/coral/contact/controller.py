@@ -63,6 +63,7 @@ class Plan:
     Args:
         targets: One for each control step of the horizon.
         expected_position: Shape=(H, 3) m, where the rehearsals expect the tool.
+        expected_quaternion: Shape=(H, 4), how they expect it turned.
         expected_force: Shape=(H, 3) N, what they expect the hand to feel.
         update: The sampler's account.
         terms: The expected value of each term of the cost, over the horizon.
@@ -72,6 +73,7 @@ class Plan:
 
     targets: tuple[HandTarget, ...]
     expected_position: Array
+    expected_quaternion: Array
     expected_force: Array
     update: Update
     terms: dict[str, float]
@@ -152,11 +154,12 @@ class Controller:
         return Plan(
             targets=targets,
             expected_position=np.tensordot(weights[counted], context.ee_pos[counted], axes=1),
+            expected_quaternion=_mean_turn(context.ee_quat[counted], weights[counted]),
             expected_force=np.tensordot(weights[counted], context.ee_force[counted], axes=1),
             update=update,
             terms={name: float(weights[counted] @ self._total({name: term}, context.shape)[counted])
                    for name, term in terms.items()},
-            now=_first(context),
+            now=context.first(),
             diverged=int((~sane).sum()),
         )
 
@@ -232,6 +235,8 @@ class Controller:
         return tuple(HandTarget(position, turn, float(opening), stiffness) for position, turn, opening in rows)
 
 
-def _first(context: Context) -> Context:
-    values = {name: context[name][:1, :1] for name in context.names()}
-    return Context(values, (1, 1))
+def _mean_turn(quaternions: Array, weights: Array) -> Array:
+    """Shape=(H, 4): weighted mean of orientations that lie near each other, Shape=(K, H, 4)."""
+    same = np.where((quaternions * quaternions[:1]).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+    mean = np.tensordot(weights, same * quaternions, axes=1)
+    return np.asarray(mean / np.linalg.norm(mean, axis=-1, keepdims=True))

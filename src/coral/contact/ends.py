@@ -10,6 +10,7 @@ ENDS = {
     "diverged": "the evaluation world's simulation diverged",
     "unreachable": "the robot's arm cannot go on",
     "camera-off": "the camera gives no pictures",
+    "tracker-failed": "what follows the objects in the pictures does not answer, or with no poses",
     "not-found": "an object could not be found in the first pictures",
     "no-strategy": "nobody found a way to what is asked",
     "cost-error": "the strategy's cost could not be evaluated",

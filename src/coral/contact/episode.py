@@ -27,9 +27,11 @@ from coral.contact.scene import believing, prior
 from coral.contact.sight import SightCfg, eyes
 from coral.contact.strategy import Progress, Strategy
 from coral.contact.thinking.think_cfg import ThinkCfg
-from coral.contact.tracked import Seen, TrackedCfg, TrackedWorld
+from coral.contact.tracked import Seen, TrackedWorld
+from coral.contact.tracked_cfg import TrackedCfg
 from coral.contact.world import EvaluationWorld, HandTarget, Observation, Truth, WorldFault
 from coral.contact.worlds import make_world
+from coral.errors import InputError, RunError
 from coral.runs import RunWriter, provenance
 
 
@@ -114,6 +116,7 @@ class Episode:
         self._without_plan = 0
         self._taken: list[Step] = []
         self._wall = 0.0
+        self._late: InputError | RunError | None = None
         self.now: Observation
         self.planner: PlanningWorld
         self.controller: Controller
@@ -126,7 +129,11 @@ class Episode:
         return self.progress.stage.name
 
     def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
-        """Run to the end; returns metrics and timing together."""
+        """Run to the end; returns metrics and timing together.
+
+        Raises:
+            InputError, RunError: What the mind wanted to do at the end failed; the run folder is complete all the same.
+        """
         started = time.perf_counter()
         try:
             try:
@@ -145,7 +152,10 @@ class Episode:
         finally:
             self._end()
             self._wall = time.perf_counter() - started
-        return self._finish()
+        made = self._finish()
+        if self._late is not None:
+            raise self._late
+        return made
 
     def advance(self) -> None:
         """Plan once, and take the plan's first steps."""
@@ -210,7 +220,9 @@ class Episode:
     def _act(self, plan: Plan, k: int) -> bool:
         """One control step; false when the world could not take it."""
         before = self.now
-        target = plan.targets[k] if self.tracked is None else self.tracked.retreat(plan.targets[k], before)
+        target = planned = plan.targets[k]
+        if self.tracked is not None:
+            target = self.tracked.retreat(planned, before)
         command = self.reactive.command(target, before)
         try:
             self.now = self.world.step(command)
@@ -221,7 +233,11 @@ class Episode:
         self._taken.append(Step(before, command, self.now))
         self.step += 1
         self.t = self.now.time_s
-        self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k)
+        if target is planned:
+            self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k,
+                                  plan.expected_quaternion[k])
+        else:
+            self.reactive.reset()  # the plan expected something else of this step
         self._tell_tracks()
         self.recorder.row(self.step, self.now, truth, command, self.progress.index, self._off(truth))
         self.recorder.state(self.step, self.t, self.world)
@@ -246,7 +262,8 @@ class Episode:
         if self.guessed is not None:
             self.now = self.guessed.settle(self.mind.locate(self.drawn, self.now), self.now)
         self._tell_tracks()
-        self.planner = PlanningWorld(self.drawn, prior(self.drawn), self.now, cfg.planning)
+        self.planner = PlanningWorld(self.drawn, prior(self.drawn), self.now, cfg.planning,
+                                     np.random.default_rng([self.drawn.seed, 6]))
         self.controller = Controller(self.planner, cfg.controller, np.random.default_rng([self.drawn.seed, 1]))
         self.reactive = Reactive(cfg.reactive, cfg.planning.step_s, np.asarray(cfg.controller.workspace_low_m),
                                  np.asarray(cfg.controller.workspace_high_m))
@@ -270,6 +287,7 @@ class Episode:
         self.emit("start", task=task.name, instruction=task.instruction, world=self.world.name, variant=self.variant,
                   advisor=self.advisor, seed=self.drawn.seed,
                   poses=self.cfg.poses if self.guessed is None else "guessed",
+                  **({} if self.tracked is None else {"tracker": self.tracked.tracker}),
                   time_limit_s=task.time_limit_s,
                   trial={name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
                          for name, item in self.drawn.objects.items()})
@@ -293,7 +311,11 @@ class Episode:
         self.emit("stage", before=None, stage=self.stage, index=0)
 
     def _end(self) -> None:
-        self.mind.ended(self.end_reason or "failed")
+        try:
+            self.mind.ended(self.end_reason or "failed")
+        except (InputError, RunError) as error:
+            # As a memory that cannot be written: said when the record is complete.
+            self._late = error
         account = self.mind.account
         self.recorder.state(self.step, self.t, self.world, last=True)
         self.recorder.close(self.step)

@@ -43,6 +43,7 @@ DEFINITIONS = {
     "pose_error_deg": "Median of their angles (degrees), likewise.",
     "poses": "Where objects' poses came from: the simulator (ground-truth), a camera (tracked), one look at a picture "
              "(guessed), or nowhere (pictures).",
+    "tracker": "What tracked them: model, the embedded tracker, or foundationpose, a server's; \"\" where nothing did.",
 }
 
 
@@ -98,6 +99,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
             pair = {str(event.get("first")), str(event.get("second"))}
             if touched is None and len(pair & HAND) == 1 and pair & objects:
                 touched = float(event["t"])
+    poses = str(start.get("poses", ""))
     path, last, step, t, before = 0.0, None, 0, 0.0, 0.0
     peak = impulse = touching = missed = 0.0
     off_m: list[float] = []
@@ -127,7 +129,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "track_lost": lost, "track_recovered": recovered, "track_lost_s": round(missed, 3),
         "pose_error_mm": round(1e3 * median(off_m), 2) if off_m else None,
         "pose_error_deg": round(math.degrees(median(off_rad)), 2) if off_rad else None,
-        "poses": str(start.get("poses", ""))}
+        "poses": poses,
+        "tracker": str(start.get("tracker", "model" if poses == "tracked" else ""))}  # older runs had no other
 
 
 def _tracked(row: Mapping[str, str], ending: str) -> list[float]:

@@ -23,6 +23,7 @@ from coral.contact.hand import HandCfg, set_stiffness
 from coral.contact.planning_model import Index, build_model, pair
 from coral.contact.quantities import constants, task_schema_of
 from coral.contact.scene import believing, contact_pairs
+from coral.contact.uncertainty import UncertaintyCfg, around
 from coral.contact.world import Body, Observation
 
 Array = NDArray[np.float64]
@@ -45,6 +46,7 @@ class PlanningCfg:
             far in a quarter of the horizon; by then it is planned anew six times.
         threads: Of the rollout; 0 takes every core.
         hand: The hand's apparent dynamics.
+        uncertainty: Other beliefs that a plan is rehearsed under, over which its risk is taken.
     """
 
     step_s: TimeStep = 0.02
@@ -52,6 +54,7 @@ class PlanningCfg:
     inland_m: Positive = 0.12
     threads: int = 0
     hand: HandCfg = field(default_factory=HandCfg)
+    uncertainty: UncertaintyCfg = field(default_factory=UncertaintyCfg)
 
 
 @dataclass(frozen=True)
@@ -76,14 +79,17 @@ class PlanningWorld:
 
     Args:
         drawn: The trial; its sizes and shapes are known, its masses and frictions are replaced by `beliefs`.
-        beliefs: One belief for each object, or several sets of them, over which a plan's risk is taken.
+        beliefs: One belief for each object, or several sets of them, over which a plan's risk is taken. The first set
+            is what is believed.
         start: The first observation; what the costs call `_init_`.
         cfg: How coarse.
+        rng: Draws the other beliefs around a single one, where `uncertainty` asks for them.
     """
 
     def __init__(self, drawn: Drawn, beliefs: Mapping[str, Physical] | Sequence[Mapping[str, Physical]],
-                 start: Observation, cfg: PlanningCfg) -> None:
+                 start: Observation, cfg: PlanningCfg, rng: np.random.Generator | None = None) -> None:
         self.cfg = cfg
+        self._rng = rng or np.random.default_rng(0)
         self._drawn, self._start = drawn, start
         self.edges = False
         """Whether the table has its edges however far they are."""
@@ -95,8 +101,8 @@ class PlanningWorld:
 
     def believe(self, beliefs: Mapping[str, Physical] | Sequence[Mapping[str, Physical]]) -> None:
         """Rebuild the models with new masses and frictions."""
-        sets = [beliefs] if isinstance(beliefs, Mapping) else list(beliefs)
-        self.beliefs: list[Mapping[str, Physical]] = sets
+        self.beliefs: list[Mapping[str, Physical]] = (
+            around(beliefs, self.cfg.uncertainty, self._rng) if isinstance(beliefs, Mapping) else list(beliefs))
         self.models = self._build(endless=False)
         self._endless: list[mujoco.MjModel] = []
         self._index = Index(self.models[0], self._names)
@@ -151,11 +157,11 @@ class PlanningWorld:
         return Context(values, (total, horizon)), sane
 
     def present(self, now: Observation, step: int = 0) -> Context:
-        """The measured state as a batch of one, contacts as the model holds them a step on with the hand kept still."""
+        """The measured state as a batch of one; contacts as the first belief has them after a step of keeping still."""
         still = Controls(now.tool.position[None, None], now.tool.quaternion[None, None],
                          np.full((1, 1), now.opening_m), self.cfg.hand.stiffness_n_m)
         context, _ = self.rollout(now, still, step)
-        return context
+        return context.first() if len(self.models) > 1 else context
 
     def _inland(self, now: Observation) -> bool:
         """Whether nothing comes near an edge of the table for a while."""

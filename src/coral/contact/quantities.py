@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.context import HAND, Quantity, object_quantities
+from coral.contact.context import HAND, Quantity, object_quantities, scenery_quantities
 from coral.contact.draw import Drawn, Physical
 from coral.contact.task import Task
 from coral.contact.world import Observation
@@ -48,13 +48,5 @@ def task_schema_of(task: Task) -> dict[str, Quantity]:
     for item in task.objects:
         others = [other.name for other in task.objects if other.name != item.name]
         schema |= object_quantities(item.name, item.points, task.things, others)
-    schema["table_min"] = Quantity(3, "m", "corner of the table with the smallest coordinates", constant=True)
-    schema["table_max"] = Quantity(3, "m", "corner of the table with the largest coordinates", constant=True)
-    for fixture in task.fixtures:
-        schema[f"{fixture.name}_pos"] = Quantity(3, "m", f"centre of the {fixture.name}", constant=True)
-        schema[f"{fixture.name}_size"] = Quantity(3, "m", f"full extents of the {fixture.name}", constant=True)
-    for name in task.places:
-        schema[f"{name}_pos"] = Quantity(3, "m", f"the place {name} of the task", constant=True)
-    for name in task.numbers:
-        schema[name] = Quantity(0, "", f"the number {name} of the task", constant=True)
+    schema |= scenery_quantities((item.name for item in task.fixtures), task.places, task.numbers)
     return schema

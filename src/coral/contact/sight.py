@@ -14,7 +14,7 @@ from coral.contact.draw import Drawn
 from coral.contact.perception.camera import CameraCfg, RayCamera, RgbdFrame, look_at
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.stage import covered, instances
-from coral.contact.tracked import TrackedCfg, viewpoint
+from coral.contact.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.world import EvaluationWorld
 
 Look = Callable[[], RgbdFrame | None]

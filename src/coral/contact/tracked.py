@@ -3,81 +3,27 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import mujoco
 import numpy as np
 
-from coral.config import Count, NonNegative, Positive, Signed
 from coral.contact.draw import Drawn
 from coral.contact.geometry import from_rpy_deg, quaternion_of, rotation_of
-from coral.contact.grip import GripCfg, gripped
-from coral.contact.perception.camera import CameraCfg, RayCamera, RgbdFrame, look_at
-from coral.contact.perception.depth_noise import DepthNoise, DepthNoiseCfg
+from coral.contact.grip import gripped
+from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
 from coral.contact.perception.rotation import about, inverse, pose
-from coral.contact.perception.stage import instances, object_model
-from coral.contact.perception.tracker import Estimate
-from coral.contact.perception.tracking import ModelTracker, TrackerCfg
+from coral.contact.perception.stage import object_model
+from coral.contact.perception.tracker import Estimate, PoseTracker, TrackerFailed
+from coral.contact.tracked_cfg import TrackedCfg, make_camera
 from coral.contact.world import Array, Body, EvaluationWorld, HandTarget, Observation, Truth, WorldFault
 from coral.errors import InputError
 
-Place = tuple[Signed, Signed, Signed]
-EYE, TARGET = (0.05, -0.9, 0.35), (0.05, 0.0, 0.08)
-"""From the robot's right across the table, low: the arm comes from behind and above, and hides least from there."""
-EYES: Mapping[str, tuple[Place, Place]] = {
-    "push-pick-board": ((-0.35, 0.75, 0.6), (0.05, 0.0, 0.05)),  # the hand takes the board's right-hand side
-}
-"""Of the tasks that are seen better from elsewhere."""
 _IN_HAND_GAIN = 0.3
-_DRAWN = (0,)
-"""The robot's collision shapes stand for its looks: a little fuller, and drawn in half the time."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrackedCfg:
-    """The camera, and what is made of its pictures.
-
-    Args:
-        period_s: Between two pictures.
-        latency_s: From a picture to the poses in it; no more than `period_s`: one picture is worked on at a time.
-        camera: The lens.
-        eye_m, target_m: Where the camera is and what it looks at; by default where the task's objects are seen best.
-        noise: Whether depth and outlines are as a camera measures them.
-        depth_noise: How.
-        tracker: The tracker.
-        motion: What is made of its poses.
-        grip: When an object is held to be between the fingers, and so to move with the hand.
-        first_pictures: Taken before the clock starts, for a better first pose.
-        search_s: For so long objects are looked for at first.
-        blind_s: Without a picture for so long the camera is off.
-        retreat_after_s: An object lost for so long lets the hand retreat upwards; 0 for never.
-        retreat_s: For so long, at most; then the plan is followed again, as long as before.
-        retreat_m_s: So fast.
-    """
-
-    period_s: Positive = 0.04
-    latency_s: NonNegative = 0.04
-    camera: CameraCfg = field(default_factory=CameraCfg)
-    eye_m: Place | None = None
-    target_m: Place | None = None
-    noise: bool = True
-    depth_noise: DepthNoiseCfg = field(default_factory=DepthNoiseCfg)
-    tracker: TrackerCfg = field(default_factory=TrackerCfg)
-    motion: MotionFilterCfg = field(default_factory=MotionFilterCfg)
-    grip: GripCfg = field(default_factory=GripCfg)
-    first_pictures: Count = 3
-    search_s: NonNegative = 1.0
-    blind_s: Positive = 0.5
-    retreat_after_s: NonNegative = 1.0
-    retreat_s: Positive = 1.0
-    retreat_m_s: Positive = 0.15
-
-    def __post_init__(self) -> None:
-        if self.latency_s > self.period_s:
-            raise InputError("tracked", "latency_s", self.latency_s, f"at most period_s ({self.period_s:g} s)")
 
 
 class Eye(Protocol):
@@ -105,7 +51,7 @@ class Seen:
 class _Followed:
     """One object: its tracker, and its motion in the world or, held between the fingers, in the hand."""
 
-    def __init__(self, tracker: ModelTracker, cfg: MotionFilterCfg) -> None:
+    def __init__(self, tracker: PoseTracker, cfg: MotionFilterCfg) -> None:
         self.tracker, self._cfg = tracker, cfg
         # Squeezed between rubber pads it moves with them: what pictures say otherwise is mostly noise.
         self.in_hand = replace(cfg, position_gain=_IN_HAND_GAIN, velocity_gain=0.0)
@@ -144,6 +90,7 @@ class TrackedWorld:
 
     Raises:
         InputError: The world cannot be seen.
+        TrackerFailed: There is no tracker: nobody serves it.
     """
 
     poses = "tracked"
@@ -157,20 +104,27 @@ class TrackedWorld:
             raise InputError("--poses", "", "'tracked'", "ground-truth, in a world of which no pictures can be made")
         self.model: mujoco.MjModel = model
         self.data: mujoco.MjData = data
-        self._eye = eye or _camera(model, drawn, cfg)
+        self._choice = cfg.choice()
+        self._choice.check()
+        self.tracker = self._choice.name
+        self._eye = eye or make_camera(model, drawn, cfg)
         self._shapes = {name: object_model(model, drawn, name) for name in drawn.objects}
+        self._objects: dict[str, _Followed] = {}
         self._news: list[dict[str, Any]] = []
 
     def reset(self) -> Observation:
         """See `EvaluationWorld.reset`; the hand waits until every object has been found.
 
         Raises:
-            WorldFault: An object was not found ("not-found"), or there are no pictures ("camera-off").
+            WorldFault: An object was not found ("not-found"), there are no pictures ("camera-off"), or no poses
+                ("tracker-failed").
         """
         now = self._world.reset()
-        self._objects = {name: _Followed(ModelTracker(shape, self.cfg.tracker, nominal(self._drawn, name)),
-                                         self.cfg.motion)
-                         for name, shape in self._shapes.items()}
+        self._let_go()
+        for name, shape in self._shapes.items():
+            with _named():
+                tracker = self._choice.make(shape, nominal(self._drawn, name))
+            self._objects[name] = _Followed(tracker, self.cfg.motion)
         self._late: deque[tuple[float, Array, dict[str, Estimate]]] = deque()
         self._pictured_s, self._due_s, self._retreated_s = now.time_s, now.time_s, -np.inf
         self._news.clear()
@@ -194,7 +148,8 @@ class TrackedWorld:
         """See `EvaluationWorld.step`.
 
         Raises:
-            WorldFault: The world cannot go on, or there are no pictures any more ("camera-off").
+            WorldFault: The world cannot go on, or there are no pictures any more ("camera-off"), or no poses
+                ("tracker-failed").
         """
         now = self._world.step(target)
         tool = _transform(now.tool)
@@ -207,9 +162,10 @@ class TrackedWorld:
             self._due_s += self.cfg.period_s
             frame = self._take(now)
             if frame is not None:
-                self._late.append((now.time_s, tool, {
-                    name: one.tracker.track(frame, frame.mask(name), one.at(tool, now.time_s))
-                    for name, one in self._objects.items()}))
+                with _named():
+                    self._late.append((now.time_s, tool, {
+                        name: one.tracker.track(frame, frame.mask(name), one.at(tool, now.time_s))
+                        for name, one in self._objects.items()}))
                 if self.cfg.latency_s == 0.0:
                     self._deliver(now.time_s)
         return self._seen(now)
@@ -220,6 +176,7 @@ class TrackedWorld:
 
     def close(self) -> None:
         """See `EvaluationWorld.close`."""
+        self._let_go()
         self._world.close()
 
     def news(self) -> list[dict[str, Any]]:
@@ -255,7 +212,8 @@ class TrackedWorld:
         """Look for what has not been found, look again at the rest; what was never found, and why not."""
         missing = {}
         for name, one in self._objects.items():
-            estimate = None if frame is None else one.tracker.track(frame, frame.mask(name))
+            with _named():
+                estimate = None if frame is None else one.tracker.track(frame, frame.mask(name))
             if estimate is None or estimate.lost:
                 if one.motion is None:
                     missing[name] = "no picture" if estimate is None else estimate.reason
@@ -264,6 +222,12 @@ class TrackedWorld:
             else:
                 one.motion.measure(estimate.T_world_object, now.time_s)
         return missing
+
+    def _let_go(self) -> None:
+        """Take leave of the trackers."""
+        for one in self._objects.values():
+            one.tracker.close()
+        self._objects.clear()
 
     def _take(self, now: Observation) -> RgbdFrame | None:
         frame = self._eye.take(self.data, self._rng)
@@ -312,23 +276,13 @@ class TrackedWorld:
         return Body(T[:3, 3], quaternion_of(T[:3, :3]), velocity, spin)
 
 
-def viewpoint(drawn: Drawn, cfg: TrackedCfg) -> tuple[Place, Place]:
-    """Where the camera is, and what it looks at.
-
-    Raises:
-        InputError: It would look straight down.
-    """
-    eye, target = EYES.get(drawn.task.name, (EYE, TARGET))
-    eye, target = cfg.eye_m or eye, cfg.target_m or target
-    if np.allclose(eye[:2], target[:2]):
-        raise InputError("tracked", "target_m", target, "a point that is not straight below the camera")
-    return eye, target
-
-
-def _camera(model: mujoco.MjModel, drawn: Drawn, cfg: TrackedCfg) -> RayCamera:
-    noise = DepthNoise(cfg.depth_noise) if cfg.noise else None
-    return RayCamera(model, cfg.camera, look_at(*viewpoint(drawn, cfg)), instances(model, drawn), groups=_DRAWN,
-                     noise=noise)
+@contextmanager
+def _named() -> Iterator[None]:
+    """A tracker's failure as one of the world."""
+    try:
+        yield
+    except TrackerFailed as error:
+        raise WorldFault("tracker-failed", str(error)) from None
 
 
 def nominal(drawn: Drawn, name: str) -> Array:

@@ -37,7 +37,7 @@ def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant:
         Metrics and timing, with `evaluation_world`, and `memory_known`, the number of experiences at the start.
 
     Raises:
-        RunError: The episode was interrupted.
+        RunError: The episode was interrupted, or its tracker failed: that says nothing of the variant.
     """
     cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
     with tempfile.TemporaryDirectory() as aside:
@@ -45,11 +45,14 @@ def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant:
         known = own.load(memory, "memory") if own is not None and memory is not None else 0
         mind = make_mind(variant, task, Asking(advisor=advisor, seed=seed, world=world, folder=folder, think=cfg.think,
                                                memory=None if own is None else own.where))
-        result = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor).run()
+        episode = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor)
+        result = episode.run()
         if own is not None:
             _keep_new(own, known, folder)
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])
+    if result["end_reason"] == "tracker-failed":
+        raise RunError(f"tracker-failed: {episode.detail}")
     return {**result, "evaluation_world": world, "memory_known": None if own is None else known}
 
 

@@ -101,7 +101,12 @@ class Truth:
 
 
 class WorldFault(RuntimeError):
-    """The world can no longer be stepped; `code` names why: "diverged", "tunnelling", "unreachable", "camera-off"."""
+    """The world can no longer be stepped.
+
+    Args:
+        code: Why: "diverged", "tunnelling", "unreachable", "camera-off", "not-found", "tracker-failed".
+        text: For people.
+    """
 
     def __init__(self, code: str, text: str) -> None:
         super().__init__(text)

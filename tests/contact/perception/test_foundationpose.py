@@ -1,51 +1,27 @@
 """The FoundationPose client and server, with an estimator that knows the answer."""
 
 import io
+import socket
 import threading
 
 import numpy as np
 import pytest
+from stub_foundationpose import Oracle, serving
 
 from coral.contact.perception.camera import CameraCfg
 from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker
-from coral.contact.perception.foundationpose_server import Sessions, decode, encode, serve
+from coral.contact.perception.foundationpose_server import Sessions, decode, encode
 from coral.contact.perception.motions import motion_of
 from coral.contact.perception.rotation import inverse
 from coral.contact.perception.stage import Stage, object_model
-from coral.errors import InputError, RunError
-
-
-class Oracle:
-    """Has the verbs of FoundationPose's estimator."""
-
-    answer = np.eye(4)
-    calls: list = []
-
-    def __init__(self, vertices, faces, symmetry):
-        self.vertices, self.faces, self.symmetry = vertices, faces, symmetry
-        Oracle.last = self
-
-    def register(self, K, rgb, depth, ob_mask, iteration):
-        assert rgb.dtype == np.uint8
-        assert ob_mask.any()
-        Oracle.calls.append(("register", iteration))
-        return self.answer
-
-    def track_one(self, rgb, depth, K, iteration):
-        Oracle.calls.append(("track", iteration))
-        return self.answer
+from coral.contact.perception.tracker import TrackerFailed
+from coral.errors import InputError
 
 
 @pytest.fixture
 def url():
-    Oracle.calls = []
-    server = serve(Sessions(Oracle), "127.0.0.1", 0)
-    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True)
-    thread.start()
-    yield f"http://127.0.0.1:{server.server_port}"
-    server.shutdown()
-    server.server_close()
-    thread.join()
+    with serving() as server:
+        yield server.url
 
 
 @pytest.fixture(scope="module")
@@ -131,21 +107,125 @@ def test_the_server_s_complaint_reaches_the_user(url, seen, monkeypatch):
     def fail(self, **request):
         raise RuntimeError("CUDA out of memory")
     monkeypatch.setattr(Oracle, "register", fail)
-    with pytest.raises(RunError, match="CUDA out of memory"):
+    with pytest.raises(TrackerFailed, match="CUDA out of memory"):
         tracker.register(frame, frame.mask("box"))
     monkeypatch.setattr(Oracle, "register", lambda self, **request: np.zeros((4, 4)))
-    with pytest.raises(RunError, match="no pose"):
+    with pytest.raises(TrackerFailed, match="no pose"):
         tracker.register(frame, frame.mask("box"))
 
 
 def test_bad_addresses_and_colourless_pictures(url, seen, trial):
     model, _, _ = seen
-    with pytest.raises(InputError, match="url"):
-        FoundationPoseTracker(model, FoundationPoseCfg(url="tcp://x"))
-    with pytest.raises(RunError, match="does not answer"):
+    for wrong in ("tcp://x", "ws://127.0.0.1:5070", "http://", "http://x:none", "http://me:word@x:5070", "http://x/a"):
+        with pytest.raises(InputError, match="url"):
+            FoundationPoseTracker(model, FoundationPoseCfg(url=wrong))
+    with pytest.raises(TrackerFailed, match="does not answer"):
         FoundationPoseTracker(model, FoundationPoseCfg(url="http://127.0.0.1:9"))
     stage = Stage(trial, CameraCfg(width=160, height=120), None)
     frame = stage.take(motion_of(trial).at(0.0), np.random.default_rng(0))
     tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url))
     with pytest.raises(InputError, match="colours"):
         tracker.register(frame, frame.mask("box"))
+
+
+def test_a_hint_is_taken_and_left_alone(url, seen):
+    model, frame, truth = seen
+    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
+    Oracle.answer = inverse(frame.T_world_camera) @ truth
+    for _ in range(2):
+        estimate = tracker.track(frame, frame.mask("box"), guess=np.eye(4))
+        np.testing.assert_allclose(estimate.T_world_object, truth, atol=1e-9)
+
+
+def test_a_closed_tracker_leaves_nothing_on_the_server(seen):
+    model, _, _ = seen
+    with serving() as server:
+        tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=server.url))
+        assert len(server.sessions._open) == 1
+        tracker.close()
+        assert len(server.sessions._open) == 0
+        tracker.close()  # a second time, and a server that knows nothing of it, are no error
+
+
+@pytest.mark.parametrize("answer", [np.full((4, 4), np.nan), np.eye(3), np.diag([1.0, 1.0, -1.0, 1.0]),
+                                    np.eye(4) + np.array([[0, 0, 0, np.inf]] + [[0] * 4] * 3)])
+def test_what_is_no_pose_is_named(url, seen, monkeypatch, answer):
+    model, frame, _ = seen
+    monkeypatch.setattr(Sessions, "answer", lambda self, verb, request: {
+        "session": np.array("a")} if verb == "init" else {"pose": answer})
+    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url))
+    with pytest.raises(TrackerFailed, match="no pose"):
+        tracker.register(frame, frame.mask("box"))
+
+
+@pytest.mark.parametrize("answer", [{}, {"pose": np.array("text")}])
+def test_answers_that_lack_what_was_asked_are_named(url, seen, monkeypatch, answer):
+    model, frame, _ = seen
+    monkeypatch.setattr(Sessions, "answer", lambda self, verb, request: answer)
+    with pytest.raises(TrackerFailed, match="session"):
+        FoundationPoseTracker(model, FoundationPoseCfg(url=url))
+    monkeypatch.setattr(Sessions, "answer", lambda self, verb, request: answer | {"session": np.array("a")})
+    with pytest.raises(TrackerFailed, match="no pose"):
+        FoundationPoseTracker(model, FoundationPoseCfg(url=url)).register(frame, frame.mask("box"))
+
+
+@pytest.mark.parametrize("sent", [b"", b"HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\n", b"not HTTP at all\r\n\r\n"])
+def test_a_server_that_falls_silent_is_not_waited_for(seen, sent):
+    model, _, _ = seen
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        def speak():
+            line, _ = listener.accept()
+            line.sendall(sent)
+            lines.append(line)
+        lines = []
+        thread = threading.Thread(target=speak, daemon=True)
+        thread.start()
+        url = f"http://127.0.0.1:{listener.getsockname()[1]}"
+        with pytest.raises(TrackerFailed, match=url):
+            FoundationPoseTracker(model, FoundationPoseCfg(url=url, timeout_s=0.1))
+        thread.join()
+        lines[0].close()
+
+
+def test_a_server_that_drips_is_not_waited_for(seen):
+    """Byte by byte: no single wait is long, all of them together are."""
+    model, _, _ = seen
+    stop = threading.Event()
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        def drip():
+            line, _ = listener.accept()
+            line.sendall(b"HTTP/1.1 200 OK\r\nContent-Length: 100000000\r\n\r\n")
+            while not stop.wait(0.02):
+                try:
+                    line.sendall(b"x")
+                except OSError:
+                    return
+        thread = threading.Thread(target=drip, daemon=True)
+        thread.start()
+        url = f"http://127.0.0.1:{listener.getsockname()[1]}"
+        try:
+            with pytest.raises(TrackerFailed, match=r"no answer to init in 0\.2 s"):
+                FoundationPoseTracker(model, FoundationPoseCfg(url=url, timeout_s=0.2))
+        finally:
+            stop.set()
+            thread.join()
+
+
+def test_garbage_from_the_network_is_a_named_failure(url, seen, monkeypatch):
+    model, _, _ = seen
+    for raw in (b"PK\x03\x04 and no more", b"", encode({"session": np.array("a")})[:60]):
+        monkeypatch.setattr("coral.contact.perception.foundationpose_server.encode", lambda arrays, raw=raw: raw)
+        with pytest.raises(TrackerFailed, match="npz"):
+            FoundationPoseTracker(model, FoundationPoseCfg(url=url))
+
+
+@pytest.mark.parametrize("place", [(0, 0, 0), (0, 0, -1), (1e9, 0, 1), (0, 0, 1e9)])
+def test_a_pose_out_of_this_world_is_a_lost_object(url, seen, monkeypatch, place):
+    model, frame, truth = seen
+    pose = np.eye(4)
+    pose[:3, 3] = place
+    monkeypatch.setattr(Oracle, "answer", pose)
+    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
+    estimate = tracker.register(frame, frame.mask("box"))
+    assert estimate.lost
+    np.testing.assert_array_equal(estimate.T_world_object, truth)

@@ -1,3 +1,4 @@
+import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +13,7 @@ from coral.contact.thinking.balance import Balance
 from coral.contact.thinking.history import most_telling, windows
 from coral.contact.thinking.identify import Corrections, Fit, IdentifyCfg, compare, correction, explained, weighed
 from coral.contact.thinking.probe import ProbeCfg, probe
-from coral.contact.thinking.repair import choice_after, diagnose
+from coral.contact.thinking.repair import choice_after, diagnose, recent
 from coral.contact.thinking.replay import Replay
 from coral.contact.world import HandTarget
 
@@ -55,6 +56,25 @@ def test_a_proposal_equal_to_the_belief_explains_no_better(scene):
     assert before == after
     world.close()
     assert Corrections().fits == []
+
+
+def test_a_window_that_diverges_under_every_belief_decides_nothing():
+    replay = Replay(SimpleNamespace(edges=False), [], None)
+    parts = np.array([[[1.0, 2.0], [np.inf, np.inf]], [[3.0, 2.0], [np.inf, np.inf]]])
+    score = replay.score(parts, parts.min(axis=0))
+    assert np.isfinite(score).all()
+    assert score[0, 1] == score[1, 1]
+    assert score[0, 0] < score[1, 0]
+
+
+def test_rows_for_prompts_carry_the_cost_of_their_own_plan_and_what_was_told(scene):
+    one, step = still(scene)
+    steps = [dataclasses.replace(step, before=dataclasses.replace(step.before, time_s=0.1 * k),
+                                 after=dataclasses.replace(step.after, time_s=0.1 * (k + 1))) for k in range(5)]
+    rows = recent(steps, [(0.0, 9.0), (0.2, 7.0), (0.4, 5.0)], "box")
+    assert [row["cost"] for row in rows] == [9.0, 9.0, 7.0, 7.0, 5.0]
+    assert rows[0]["opening_told_m"] == 0.08
+    assert rows[0]["hand_told_to"] == [round(float(v), 4) for v in one.now.tool.position]
 
 
 @pytest.mark.parametrize(("force", "returns", "surprise", "kind"), [

@@ -5,14 +5,24 @@ import numpy as np
 import pytest
 from episodes import COARSE, short_task
 
+from coral.advisor.consult import Outcome
 from coral.contact.draw import draw
 from coral.contact.episode import Episode
+from coral.contact.geometry import rotation_of
 from coral.contact.guessed import GuessedWorld
 from coral.contact.hand_world import HandWorld, HandWorldCfg
 from coral.contact.sight import SightCfg, eyes
 from coral.contact.task import load_task
-from coral.contact.thinking.locate import ObjectPose, PosesAnswer, locate, pose_facts, pose_prompt, verify_poses
-from coral.contact.tracked import TrackedCfg
+from coral.contact.thinking.locate import (
+    ObjectPose,
+    PosesAnswer,
+    ask_poses,
+    locate,
+    pose_facts,
+    pose_prompt,
+    verify_poses,
+)
+from coral.contact.tracked_cfg import TrackedCfg
 from coral.contact.variants import Asking, make_mind
 from coral.contact.world import HandTarget
 
@@ -27,9 +37,54 @@ def clutter():
     return drawn, first, pose_facts(drawn, dataclasses.replace(first, objects={}), frame)
 
 
+@pytest.fixture(scope="module")
+def board():
+    """A trial with an object whose frame is not in the middle of it, its first observation and first picture."""
+    drawn = draw(load_task("push-pick-board"), 3)
+    world = HandWorld(drawn, HandWorldCfg())
+    first = world.reset()
+    frame = eyes(world, drawn, TrackedCfg(), SightCfg(width=320, height=240), np.random.default_rng(0))()
+    return drawn, first, frame
+
+
+def middle(drawn, body):
+    """Centre of the board's bounding box, in the world."""
+    corners = drawn.corners("board")
+    return body.position + rotation_of(body.quaternion) @ ((corners.min(axis=0) + corners.max(axis=0)) / 2)
+
+
+def test_an_answer_is_the_middle_of_the_object_and_becomes_its_origin(board):
+    drawn, first, frame = board
+    true = first.objects["board"]
+    centre = middle(drawn, true)
+    assert np.linalg.norm(centre - true.position) == pytest.approx(0.055, abs=1e-6)
+
+    class Model:
+        def ask(self, kind, schema, facts, shown, verify, pictures):
+            assert shown["objects"]["board"]["points_m"]["handle"] == pytest.approx([0.0, 0.145, 0.0])
+            answer = PosesAnswer({"board": ObjectPose(position=tuple(centre), quaternion=tuple(3 * true.quaternion))})
+            assert verify(answer) is None
+            return Outcome(answer=answer, question=None, attempts=1)
+
+    found = ask_poses(Model(), drawn, first, frame, lambda *given, **fields: None)["board"]
+    np.testing.assert_allclose(found.position, true.position, atol=1e-5)
+    np.testing.assert_allclose(found.quaternion, true.quaternion, atol=1e-9)
+
+
+def test_the_rule_speaks_of_the_middle_too(board):
+    drawn, first, frame = board
+    facts = pose_facts(drawn, first, frame)
+    answer, true = locate(facts), first.objects["board"]
+    assert np.linalg.norm(np.array(answer.root["board"].position) - middle(drawn, true)) < 0.03
+    assert np.linalg.norm(answer.bodies(facts)["board"].position - true.position) < 0.03
+    unseen = {**facts, "objects": {"board": {**facts["objects"]["board"], "pixels": 0, "seen_box_m": None}}}
+    np.testing.assert_allclose(locate(unseen).bodies(unseen)["board"].position[:2],
+                               facts["objects"]["board"]["usual_pose"][:2], atol=1e-4)
+
+
 def test_the_rule_guesses_places_from_the_picture_to_a_few_centimetres(clutter):
     _, first, facts = clutter
-    guessed = locate(facts).bodies()
+    guessed = locate(facts).bodies(facts)
     off = {name: np.linalg.norm(guessed[name].position - body.position) for name, body in first.objects.items()}
     assert max(off.values()) < 0.05
     assert min(off.values()) > 1e-3
@@ -66,7 +121,7 @@ def test_a_guess_is_never_updated(clutter):
     drawn, first, facts = clutter
     world = GuessedWorld(HandWorld(drawn, HandWorldCfg()), drawn)
     assert world.reset().objects == {}
-    guessed = locate(facts).bodies()
+    guessed = locate(facts).bodies(facts)
     now = world.settle(guessed, first)
     target = HandTarget(now.tool.position, now.tool.quaternion, 0.08, 600.0)
     after = world.step(target)

@@ -40,7 +40,8 @@ def moment(one, t, stage, cost, taken=()):
     body = one.now.objects["box"]
     now = type(one.now)(t, one.now.tool, one.now.opening_m, one.now.wrench, one.now.objects)
     state = one.world.present(now)
-    plan = Plan((), np.zeros((1, 3)), np.zeros((1, 3)), Update(*[np.zeros(1)] * 4, 1.0, True), {"all": cost}, state, 0)
+    plan = Plan((), np.zeros((1, 3)), np.zeros((1, 4)), np.zeros((1, 3)), Update(*[np.zeros(1)] * 4, 1.0, True),
+                {"all": cost}, state, 0)
     assert body is not None
     return Moment(0, now, plan, stage, taken)
 
@@ -205,6 +206,26 @@ def test_what_is_remembered_is_rehearsed_without_regions_too(remembering):
     mind.ended("timeout")
 
 
+def test_a_remembered_plan_that_was_replaced_did_not_help_and_the_one_that_did_is_kept(remembering):
+    one, memory = remembering
+    mind, _ = thinker(one, memory=memory)
+    mind.begin(one.drawn, one.now, one.world)
+    assert mind.failed(CostError("runtime", "no"), "reach", one.now) is not None
+    mind.ended("success")
+    first, *others = memory.all()
+    assert (first.used, first.helped) == (1, 0)
+    assert len(others) == 1
+
+
+def test_a_success_without_regions_is_not_kept(scene, tmp_path):
+    one = scene("pick-box")
+    memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    mind, _ = thinker(one, memory=memory, regions=False)
+    mind.begin(one.drawn, one.now, one.world)
+    mind.ended("success")
+    assert memory.all() == []
+
+
 def test_without_a_hit_no_process_is_started(scene, tmp_path):
     one = scene("pick-box")
     mind, loaded, worker = confining(one, Memory(tmp_path / "none.sqlite", embedder=HashedWords()))
@@ -308,6 +329,26 @@ def test_after_a_repair_places_to_touch_are_asked_for_the_new_stages(scene):
     regions = [fields for event, fields in told if event == "regions"]
     assert [(fields["failure"], fields["refused"]) for fields in regions] == [("", [])] * 2
     assert {region["stage"] for region in regions[1]["regions"]["box"]["regions"]} <= {"reach", "close", "lift"}
+
+
+class Silent(Regrouper):
+    """Has one plan, and no answer to a repair."""
+
+    async def answer(self, question, rejections):
+        if question.kind == "cost-repair":
+            raise AdvisorUnavailable("no-network", "there is none", final=True)
+        return Reply(value=RULES[question.kind](question.facts, rejections), raw="")
+
+
+def test_a_plan_that_stays_keeps_the_places_that_it_was_made_for(scene):
+    one = scene("pick-box")
+    mind, told = thinker(one, Silent(), outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    before = mind.begin(one.drawn, one.now, one.world)
+    other = None
+    for k in range(8):
+        other = other or mind.after(moment(one, 0.1 * k, "reach", 5.0))
+    assert [event for event, _ in told].count("regions") == 1
+    assert [len(stage.guides) for stage in other.stages] == [len(stage.guides) for stage in before.stages]
 
 
 def test_the_first_stage_of_a_plan_that_breaks_off_is_no_plan():

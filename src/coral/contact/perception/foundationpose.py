@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
+import socket
+import threading
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -12,22 +17,31 @@ from numpy.typing import NDArray
 from coral.config import Count, Positive
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.confidence import ConfidenceCfg, judge, unseen, view_of
-from coral.contact.perception.foundationpose_server import Arrays, decode, encode
+from coral.contact.perception.foundationpose_server import LIMIT_BYTES, Arrays, decode, encode
 from coral.contact.perception.rotation import inverse
 from coral.contact.perception.shapes import ObjectModel
-from coral.contact.perception.tracker import Estimate
-from coral.errors import InputError, RunError
+from coral.contact.perception.tracker import Estimate, TrackerFailed
+from coral.errors import InputError
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
 class FoundationPoseCfg:
-    """Defaults are those of FoundationPose's own demo."""
+    """Steps are those of FoundationPose's own demo.
 
-    url: str = "http://127.0.0.1:5070"
+    Args:
+        url: Of the server, as http://127.0.0.1:5070; there is none by default, and a tracker's word may have it.
+        register_steps, track_steps: Refinements of a pose.
+        connect_s: To connect.
+        timeout_s: For one answer, from its first byte to its last.
+        confidence: When an object is held to be lost.
+    """
+
+    url: str = ""
     register_steps: Count = 5
     track_steps: Count = 2
+    connect_s: Positive = 5.0
     timeout_s: Positive = 30.0
     confidence: ConfidenceCfg = field(default_factory=ConfidenceCfg)
 
@@ -42,43 +56,46 @@ class FoundationPoseTracker:
 
     Raises:
         InputError: The address is none of an HTTP server.
-        RunError: The server does not answer, or refuses the object.
+        TrackerFailed: The server does not answer, or refuses the object.
     """
 
     name = "foundationpose"
+    wants_colours = True
 
     def __init__(
         self, model: ObjectModel, cfg: FoundationPoseCfg | None = None, expected: Array | None = None,
     ) -> None:
         self.model, self.cfg = model, cfg or FoundationPoseCfg()
-        address = urlsplit(self.cfg.url)
-        if address.scheme != "http" or not address.hostname:
-            raise InputError("foundationpose", "url", self.cfg.url, "an address as http://127.0.0.1:5070")
-        self._host, self._port = address.hostname, address.port or 80
+        self._address = parse_url(self.cfg.url)
+        self._session: NDArray[Any] | None = None
         self._reference = np.eye(4) if expected is None else expected
         self._found, self._lost = False, False
         vertices, faces = np.unique(model.triangles.reshape(-1, 3).round(7), axis=0, return_inverse=True)
         self._session = self._ask("init", {
-            "vertices": vertices, "faces": faces.reshape(-1, 3), "symmetry": model.symmetry.members(36)})["session"]
+            "vertices": vertices, "faces": faces.reshape(-1, 3), "symmetry": model.symmetry.members(36)}).get("session")
+        if self._session is None:
+            raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to init names no session")
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
         """See `PoseTracker`.
 
         Raises:
             InputError: The picture has no colours.
-            RunError: The server fails.
+            TrackerFailed: The server fails.
         """
         if unseen(frame, mask, self.cfg.confidence):  # the network would return the identity without a word
             return self._give_up("not seen")
         request = self._picture(frame) | {"mask": mask, "iterations": np.array(self.cfg.register_steps)}
         return self._judge(frame, mask, self._pose("register", request), registered=True)
 
-    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
-        """See `PoseTracker`; FoundationPose itself does without the mask, which here tells whether the object is lost.
+    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> Estimate:
+        """See `PoseTracker`. FoundationPose follows from its own last pose, and takes no hint and no mask.
+
+        The mask tells here whether the object is lost.
 
         Raises:
             InputError: The picture has no colours.
-            RunError: The server fails.
+            TrackerFailed: The server fails.
         """
         if not self._found or self._lost:
             return self.register(frame, mask)
@@ -87,16 +104,27 @@ class FoundationPoseTracker:
         request = self._picture(frame) | {"iterations": np.array(self.cfg.track_steps)}
         return self._judge(frame, mask, self._pose("track", request))
 
+    def close(self) -> None:
+        """See `PoseTracker`; the server forgets the object."""
+        session, self._session = self._session, None
+        if session is not None:
+            with contextlib.suppress(TrackerFailed):
+                self._ask("close", {"session": session})
+
     def _picture(self, frame: RgbdFrame) -> Arrays:
         if frame.rgb is None:
             raise InputError("foundationpose", "camera", "a picture without colours", "a camera that takes colours")
+        if self._session is None:
+            raise TrackerFailed(f"foundationpose at {self.cfg.url}: the tracker was closed, or lost its server")
         return {"session": self._session, "K": frame.K, "rgb": frame.rgb, "depth": frame.depth}
 
     def _pose(self, verb: str, request: Arrays) -> Array:
-        pose = np.asarray(self._ask(verb, request).get("pose", np.zeros(0)), float)
-        if pose.shape != (4, 4) or not np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-3):
-            raise RunError(f"foundationpose at {self.cfg.url}: the answer to {verb} is no pose")
-        return pose
+        pose = self._ask(verb, request).get("pose", np.zeros(0))
+        if pose.shape != (4, 4) or pose.dtype.kind != "f" or not np.isfinite(pose).all() \
+                or not np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-3) \
+                or np.linalg.det(pose[:3, :3]) < 0:
+            raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to {verb} is no pose")
+        return pose.astype(float)
 
     def _judge(self, frame: RgbdFrame, mask: NDArray[np.bool_], pose: Array, registered: bool = False) -> Estimate:
         cfg = self.cfg.confidence
@@ -114,18 +142,94 @@ class FoundationPoseTracker:
         return Estimate(self._reference, 0.0, True, visible, reason)
 
     def _ask(self, verb: str, request: Arrays) -> Arrays:
-        connection = http.client.HTTPConnection(self._host, self._port, timeout=self.cfg.timeout_s)
         try:
-            connection.request("POST", f"/{verb}", encode(request))
+            return _exchange(self._address, verb, encode(request), self.cfg)
+        except OutOfReach:
+            self._session = None  # so that `close` does not wait for a dead server once more
+            raise
+
+
+class OutOfReach(TrackerFailed):
+    """Nobody answers."""
+
+
+def reach(cfg: FoundationPoseCfg) -> None:
+    """Make sure that somebody listens; nothing is asked.
+
+    Raises:
+        InputError: The address is none of an HTTP server.
+        OutOfReach: Nobody does.
+    """
+    address = parse_url(cfg.url)
+    try:
+        socket.create_connection(address, timeout=cfg.connect_s).close()
+    except OSError as error:
+        raise OutOfReach(_silent(cfg, error)) from None
+
+
+def parse_url(url: str, where: str = "foundationpose", field: str = "url") -> tuple[str, int]:
+    """Host and port.
+
+    Raises:
+        InputError: The address is none of an HTTP server; `where` and `field` are named as the place that holds it.
+    """
+    try:
+        parts = urlsplit(url)
+        port = parts.port
+    except ValueError:
+        parts, port = urlsplit(""), None
+    if parts.scheme != "http" or not parts.hostname or parts.path.strip("/") or parts.query or parts.fragment \
+            or parts.username is not None or any(c.isspace() for c in url):
+        raise InputError(where, field, repr(url), "an address as http://127.0.0.1:5070")
+    return parts.hostname, port or 80
+
+
+def _exchange(address: tuple[str, int], verb: str, question: bytes, cfg: FoundationPoseCfg) -> Arrays:
+    """One question and its answer."""
+    connection = http.client.HTTPConnection(*address, timeout=cfg.connect_s)
+    late = threading.Event()
+    try:
+        connection.connect()
+        line: socket.socket = connection.sock
+        line.settimeout(cfg.timeout_s)
+        with _patience(line, cfg.timeout_s, late):
+            connection.request("POST", f"/{verb}", question)
             reply = connection.getresponse()
-            body = reply.read()
-            if reply.status != 200:
-                text = body[:300].decode("utf-8", "replace")
-                raise RunError(f"foundationpose at {self.cfg.url} refuses to {verb}: {text}")
-            return decode(body)
-        except (OSError, http.client.HTTPException) as error:
-            raise RunError(f"foundationpose at {self.cfg.url} does not answer: {error}") from None
-        except ValueError as error:
-            raise RunError(f"foundationpose at {self.cfg.url}: {error}") from None
-        finally:
-            connection.close()
+            body = reply.read(LIMIT_BYTES + 1)
+        if late.is_set():
+            raise TimeoutError
+        if reply.status != 200:
+            text = " ".join(body[:300].decode("utf-8", "replace").split())
+            raise TrackerFailed(f"foundationpose at {cfg.url} refuses to {verb}: {text}")
+        if len(body) > LIMIT_BYTES:
+            raise ValueError("an answer of more than 256 MiB")
+        return {name: np.asarray(array) for name, array in decode(body).items()}
+    except (OSError, http.client.HTTPException) as error:
+        if late.is_set() or (isinstance(error, TimeoutError) and connection.sock is not None):
+            raise OutOfReach(f"foundationpose at {cfg.url}: no answer to {verb} in {cfg.timeout_s:g} s") from None
+        raise OutOfReach(_silent(cfg, error)) from None
+    except ValueError as error:
+        raise TrackerFailed(f"foundationpose at {cfg.url}: {error}") from None
+    finally:
+        connection.close()
+
+
+@contextlib.contextmanager
+def _patience(line: socket.socket, seconds: float, late: threading.Event) -> Iterator[None]:
+    """Hang up after a while: the socket's own timeout begins anew with every byte that comes."""
+    def hang_up() -> None:
+        late.set()
+        with contextlib.suppress(OSError):
+            line.shutdown(socket.SHUT_RDWR)
+
+    clock = threading.Timer(seconds, hang_up)
+    clock.daemon = True
+    clock.start()
+    try:
+        yield
+    finally:
+        clock.cancel()
+
+
+def _silent(cfg: FoundationPoseCfg, error: Exception) -> str:
+    return f"foundationpose at {cfg.url} does not answer: {' '.join(str(error).split()) or type(error).__name__}"

@@ -21,6 +21,7 @@ import os
 import sys
 import uuid
 import zipfile
+import zlib
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from typing import Any, Callable, Dict, Tuple  # noqa: UP035 (FoundationPose's own environment is Python 3.8 or 3.9)
 
@@ -52,7 +53,7 @@ def decode(data: bytes) -> Arrays:
                 raise ValueError("more than 256 MiB of arrays")
         with np.load(io.BytesIO(data), allow_pickle=False) as found:
             return {name: found[name] for name in found.files}
-    except (zipfile.BadZipFile, KeyError, EOFError, OSError) as error:
+    except (zipfile.BadZipFile, zlib.error, KeyError, EOFError, OSError, RuntimeError, MemoryError) as error:
         raise ValueError(f"not an npz file: {error}") from None
 
 
@@ -113,6 +114,8 @@ def serve(sessions: Sessions, host: str, port: int) -> HTTPServer:
     """A server that is bound and not yet started; one request at a time, as there is one GPU."""
 
     class Handler(BaseHTTPRequestHandler):
+        timeout = 30.0  # a client that goes quiet must not keep the others out
+
         def do_POST(self) -> None:
             try:
                 length = int(self.headers.get("Content-Length", "0"))
@@ -121,10 +124,11 @@ def serve(sessions: Sessions, host: str, port: int) -> HTTPServer:
                 reply, status = encode(sessions.answer(self.path.strip("/"), decode(self.rfile.read(length)))), 200
             except Exception as error:  # whatever it was, the client is told, and the server goes on
                 reply, status = str(error).encode("utf-8", "replace"), 400
-            self.send_response(status)
-            self.send_header("Content-Length", str(len(reply)))
-            self.end_headers()
-            self.wfile.write(reply)
+            with contextlib.suppress(OSError):  # a client that has left
+                self.send_response(status)
+                self.send_header("Content-Length", str(len(reply)))
+                self.end_headers()
+                self.wfile.write(reply)
 
         def log_message(self, format: str, *args: Any) -> None:
             """Say nothing for each request."""

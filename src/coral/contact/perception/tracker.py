@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
+from coral.errors import RunError
 
 Array = NDArray[np.float64]
 
@@ -35,10 +36,20 @@ class Estimate:
     registered: bool = False
 
 
+class TrackerFailed(RunError):
+    """A tracker cannot go on: its server is out of reach, say. That an object is lost is no such failure."""
+
+
 class PoseTracker(Protocol):
-    """Finds and follows one object. The verbs are FoundationPose's."""
+    """Finds and follows one object. The verbs are FoundationPose's.
+
+    Attributes:
+        name: For records.
+        wants_colours: Whether its pictures must have colours; without, none are made.
+    """
 
     name: str
+    wants_colours: bool
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
         """Find the object without knowing where it was.
@@ -46,9 +57,26 @@ class PoseTracker(Protocol):
         Args:
             frame: The picture.
             mask: Shape=(H, W), where the object is seen in it.
+
+        Raises:
+            TrackerFailed: The tracker cannot go on.
         """
         ...
 
-    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
-        """Follow the object into the next picture; the arguments are those of `register`."""
+    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> Estimate:
+        """Follow the object into the next picture.
+
+        Args:
+            frame: The picture.
+            mask: Shape=(H, W), where the object is seen in it.
+            guess: T_world_object, Shape=(4, 4), where the object may be: with the hand that holds it, say. A hint,
+                which a tracker may leave alone.
+
+        Raises:
+            TrackerFailed: The tracker cannot go on.
+        """
+        ...
+
+    def close(self) -> None:
+        """Give back what is held elsewhere, on a server say; never fails, and may be called again."""
         ...

@@ -56,6 +56,7 @@ class ModelTracker:
     """
 
     name = "model"
+    wants_colours = False
 
     def __init__(self, model: ObjectModel, cfg: TrackerCfg | None = None, expected: Array | None = None) -> None:
         self.model, self.cfg = model, cfg or TrackerCfg()
@@ -74,13 +75,7 @@ class ModelTracker:
         return self._judge(frame, self._view(frame, mask, [pose]), pose, registered=True)
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> Estimate:
-        """Follow the object; where it was lost, find it again. See `PoseTracker`.
-
-        Args:
-            frame: The picture.
-            mask: Shape=(H, W), where the object is seen in it.
-            guess: T_world_object, Shape=(4, 4), where the object may be: with the hand that holds it, say.
-        """
+        """Follow the object; where it was lost, find it again. The hint is one more start. See `PoseTracker`."""
         if self._last is None:
             return self.register(frame, mask)
         if unseen(frame, mask, self.cfg.confidence):
@@ -101,6 +96,9 @@ class ModelTracker:
         if estimate.reason == "does not fit":
             estimate = self.register(frame, mask)
         return estimate
+
+    def close(self) -> None:
+        """See `PoseTracker`; nothing is held elsewhere."""
 
     def _view(self, frame: RgbdFrame, mask: NDArray[np.bool_], poses: list[Array]) -> View:
         return view_of(frame, mask, self.model, poses, self.cfg.confidence, self.cfg.pixels)

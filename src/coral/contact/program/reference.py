@@ -9,7 +9,7 @@ import re
 import sys
 from pathlib import Path
 
-from coral.contact.context import HAND, Quantity, Schema, object_quantities
+from coral.contact.context import HAND, Quantity, Schema, object_quantities, scenery_quantities
 from coral.contact.program.errors import CODES
 from coral.contact.program.library import CONSTANTS, MATH, OURS, PYTHON, VECTOR_METHODS
 from coral.contact.program.library import MODULES as LIBRARIES
@@ -73,7 +73,9 @@ def _errors() -> str:
 def tables() -> dict[str, str]:
     """The generated tables of the reference page by name."""
     box = object_quantities("box", ["handle"], ["table"], ["bottle"])
-    return {"hand": _quantities(HAND), "object": _quantities(box), "functions": _functions(), "errors": _errors()}
+    scenery = scenery_quantities(["wall"], ["goal"], ["force"])
+    return {"hand": _quantities(HAND), "object": _quantities(box), "scenery": _quantities(scenery),
+            "functions": _functions(), "errors": _errors()}
 
 
 def updated(page: str) -> str:

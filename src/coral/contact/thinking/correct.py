@@ -19,6 +19,7 @@ from coral.contact.thinking.identify import correction, explained, weighed
 from coral.contact.thinking.repair import ParametersAnswer, verify_parameters
 from coral.contact.thinking.replay import Replay
 from coral.contact.thinking.think_cfg import ThinkCfg
+from coral.contact.uncertainty import UncertaintyCfg
 from coral.contact.world import Observation
 
 
@@ -58,7 +59,8 @@ def correct(asker: Asker, name: str, now: Observation, past: Past, drawn: Drawn,
         emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
         return False
     believed = dict(world.beliefs[0])
-    finer = PlanningWorld(drawn, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s))
+    finer = PlanningWorld(drawn, believed, now, replace(
+        world.cfg, physics_dt_s=cfg.outer.replay_dt_s, uncertainty=UncertaintyCfg()))
     try:
         replay = Replay(finer, stretches, cfg.identify.replay)
         found = balances(past.steps, name, drawn, cfg.identify.balance) if cfg.identify.by == "balance" else None

@@ -1,4 +1,8 @@
-"""Where the objects are, guessed once from the first picture: the ablation without tracking (Table 1, last row)."""
+"""Where the objects are, guessed once from the first picture: the ablation without tracking (Table 1, last row).
+
+What is asked for is the centre of an object's bounding box, which a picture shows; its frame's origin, which the rest
+of the package calls its position, may lie elsewhere (of a board with a handle, in the middle of the board).
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ from pydantic import BaseModel, RootModel
 
 from coral.advisor.question import Rejection
 from coral.contact.draw import Drawn
-from coral.contact.geometry import quaternion_of, rotation_of
+from coral.contact.geometry import quaternion_of, rotate, rotation_of
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.sight import picture
 from coral.contact.thinking.ask import Asker
@@ -29,7 +33,7 @@ class ObjectPose(BaseModel):
     """One object's pose.
 
     Args:
-        position: Of its centre in the world, m.
+        position: Of the centre of its bounding box in the world, m.
         quaternion: (w, x, y, z), of any length but 0.
     """
 
@@ -40,10 +44,14 @@ class ObjectPose(BaseModel):
 class PosesAnswer(RootModel[dict[str, ObjectPose]]):
     """Poses by the objects' names."""
 
-    def bodies(self) -> dict[str, Body]:
-        """As an observation holds them, at rest."""
-        return {name: Body(np.array(one.position), np.array(one.quaternion) / np.linalg.norm(one.quaternion))
-                for name, one in self.root.items()}
+    def bodies(self, facts: Mapping[str, Any]) -> dict[str, Body]:
+        """As an observation holds them, at rest: positions of the frames' origins, no longer of the boxes' centres."""
+        found = {}
+        for name, one in self.root.items():
+            quaternion = np.array(one.quaternion) / np.linalg.norm(one.quaternion)
+            middle = np.array(facts["objects"][name]["middle_m"])
+            found[name] = Body(np.array(one.position) - rotate(quaternion, middle), quaternion)
+        return found
 
 
 def verify_poses(answer: PosesAnswer, facts: Mapping[str, Any]) -> Rejection | None:
@@ -78,9 +86,14 @@ def pose_facts(drawn: Drawn, now: Observation, frame: RgbdFrame) -> dict[str, An
     for item in drawn.task.objects:
         T = nominal(drawn, item.name)
         seen = points[frame.mask(item.name) & (frame.depth > 0)]
+        corners = drawn.corners(item.name)
+        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
         usual = Body(T[:3, 3], quaternion_of(T[:3, :3]))
         objects[item.name] = {
             "label": item.label or item.name, "size_m": [round(float(v), 5) for v in drawn.size(item.name)],
+            "middle_m": _rounded(middle),
+            "points_m": {point: _rounded(np.asarray(at) * drawn.objects[item.name].scale - middle)
+                         for point, at in item.points.items()},
             "usual_pose": pose(usual), "pixels": len(seen),
             "seen_box_m": [_rounded(seen.min(axis=0)), _rounded(seen.max(axis=0))] if len(seen) else None}
     height, width = frame.depth.shape
@@ -95,9 +108,12 @@ def pose_facts(drawn: Drawn, now: Observation, frame: RgbdFrame) -> dict[str, An
 
 
 def pose_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
-    """What the template "object-poses" shows. No measured depth: the picture is what a model guesses by."""
+    """What the template "object-poses" shows. No measured depth: the picture is what a model guesses by.
+
+    Named points, as seen from the centre of the box, tell an object's front from its back.
+    """
     return {"task": facts["instruction"], "camera": facts["camera"], "table": facts["table"],
-            "objects": {name: {"label": item["label"], "size_m": item["size_m"]}
+            "objects": {name: {key: item[key] for key in ("label", "size_m", "points_m") if item[key]}
                         for name, item in facts["objects"].items()}}
 
 
@@ -110,9 +126,10 @@ def locate(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> Po
     found = {}
     for name, item in facts["objects"].items():
         usual = item["usual_pose"]
-        turn = np.abs(rotation_of(np.array(usual[3:])))
-        half = float(turn[2] @ np.array(item["size_m"])) / 2
-        x, y, z = usual[0], usual[1], half
+        turn = rotation_of(np.array(usual[3:]))
+        half = float(np.abs(turn[2]) @ np.array(item["size_m"])) / 2
+        x, y = (np.array(usual[:3]) + turn @ np.array(item["middle_m"]))[:2]
+        z = half
         if item["pixels"] >= LEAST_PIXELS and not rejections:
             low, high = item["seen_box_m"]
             x, y, z = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2, max(high[2] - half, 0.0)
@@ -134,7 +151,7 @@ def ask_poses(asker: Asker, drawn: Drawn, first: Observation, frame: RgbdFrame, 
     facts = pose_facts(drawn, first, frame)
     outcome = asker.ask("object-poses", PosesAnswer, facts, pose_prompt(facts),
                         lambda answer: verify_poses(answer, facts), pictures=(picture(frame),))
-    found = (outcome.answer or locate(facts)).bodies()
+    found = (outcome.answer or locate(facts)).bodies(facts)
     emit("poses", failure=outcome.failure, attempts=outcome.attempts,
          refused=[rejection.reason for rejection in outcome.rejections],
          **{name: pose(body) for name, body in found.items()})

@@ -52,7 +52,7 @@ class Watch:
     attempts: int = 0
     returns: int = 0
     steps: list[Step] = field(default_factory=list)
-    costs: list[float] = field(default_factory=list)
+    costs: list[tuple[float, float]] = field(default_factory=list)
     surprise_m: Mapping[str, float] = field(default_factory=dict)
     _farthest: int = -1
     _stage: int = -1
@@ -101,7 +101,7 @@ class Watch:
 
     def _remember(self, moment: Moment) -> None:
         self.steps += moment.taken
-        self.costs.append(moment.plan.cost)
+        self.costs.append((moment.now.time_s, moment.plan.cost))
         surprise = dict(self.surprise_m)
         for name, place in self._expected.items():
             if moment.taken:
@@ -114,4 +114,5 @@ class Watch:
         horizon = moment.now.time_s - self.cfg.history_s
         while self.steps and self.steps[0].before.time_s < horizon:
             self.steps.pop(0)
-        del self.costs[:-400]
+        while self.costs and self.costs[0][0] < horizon:
+            self.costs.pop(0)

@@ -100,6 +100,7 @@ class Questions:
         except AdvisorUnavailable as none:
             raise NoStrategy(none.reason) from None
         assert isinstance(rule, PlanAnswer)
+        self.facts["refused"] = 0  # its regions are to fit it, not the answers that were refused
         self._emit("fallback", what="plan", by="heuristic", because=self._unanswered)
         return rule
 
@@ -143,7 +144,8 @@ class Questions:
         return verify_plan(plan, self._world.schema, samples, load or self.load)
 
     def _plan(self, kind: str, now: Observation, about: Mapping[str, Any]) -> PlanAnswer | None:
-        prompt = {"task": self.facts["instruction"], "interface": interface_text(self._world.schema), **about}
+        prompt = {"task": self.facts["instruction"], "interface": interface_text(self._world.schema),
+                  "contact_strategy": self._cfg.strategy, **about}
         outcome = self._asker.ask(kind, PlanAnswer, self._asked(), prompt, lambda plan: self.wrong_plan(plan, now))
         self.facts["refused"] = len(outcome.rejections)
         self._tell_plan(kind, outcome)

@@ -129,7 +129,6 @@ def gain(world: PlanningWorld, stage: Stage, now: Observation, sizes: Mapping[st
     total = np.zeros(states.shape)
     for term in terms.values():
         total = total + term
-    cost = total.mean(axis=1) + total[:, -1]
-    still = float(cost[-1])
-    best = float(np.where(sane, cost, np.inf)[:-1].min())
+    cost = np.where(sane, total.mean(axis=1) + total[:, -1], np.inf).reshape(len(world.models), -1).mean(axis=0)
+    still, best = float(cost[-1]), float(cost[:-1].min())
     return (still - best) / max(abs(still), 1e-9)

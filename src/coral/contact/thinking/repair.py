@@ -111,8 +111,16 @@ def verify_parameters(answer: ParametersAnswer, believed: Mapping[str, Physical]
     return None
 
 
-def recent(steps: Sequence[Step], costs: Sequence[float], name: str, most: int = 5) -> list[dict[str, Any]]:
-    """The last stretch in a few rows, as the prompts show it (the paper's last five steps)."""
+def recent(steps: Sequence[Step], costs: Sequence[tuple[float, float]], name: str, most: int = 5
+           ) -> list[dict[str, Any]]:
+    """The last stretch in a few rows, as the prompts show it (the paper's last five steps).
+
+    Args:
+        steps: What was done and what came of it.
+        costs: Of plans, each after the time when it was made.
+        name: The object that is looked at.
+        most: Rows.
+    """
     if not steps:
         return []
     chosen = np.unique(np.linspace(0, len(steps) - 1, most).astype(int))
@@ -124,10 +132,14 @@ def recent(steps: Sequence[Step], costs: Sequence[float], name: str, most: int =
             "time_s": round(step.after.time_s, 2), "object_pos": [round(float(v), 4) for v in body.position],
             "object_moved_mm": round(1e3 * float(np.linalg.norm(body.position - before.position)), 2),
             "hand_pos": [round(float(v), 4) for v in step.after.tool.position],
+            "hand_told_to": [round(float(v), 4) for v in step.command.position],
+            "opening_told_m": round(step.command.opening_m, 4),
             "force_on_hand_n": [round(float(v), 2) for v in step.after.wrench[:3]],
-            "cost": _at(costs, float(index) / len(steps))})
+            "cost": _at(costs, step.before.time_s)})
     return rows
 
 
-def _at(costs: Sequence[float], share: float) -> float | None:
-    return round(float(costs[min(int(share * len(costs)), len(costs) - 1)]), 4) if costs else None
+def _at(costs: Sequence[tuple[float, float]], time_s: float) -> float | None:
+    """Cost of the last plan that was made by then."""
+    made = [cost for when, cost in costs if when <= time_s + 1e-9] or [cost for _, cost in costs[:1]]
+    return round(made[-1], 4) if made else None

@@ -73,9 +73,12 @@ class Replay:
         Args:
             parts: As from `parts`.
             floor: Shape=(windows, kinds), what no belief explains: a kind of error that the rehearsal's coarseness, or
-                an arm that is no floating hand, leaves over in any case decides less.
+                an arm that is no floating hand, leaves over in any case decides less. A window that diverges under
+                every belief tells nothing of any.
         """
-        return np.asarray(np.square(np.minimum(parts / (1.0 + floor), self.cfg.most)).mean(axis=-1))
+        share = np.full(parts.shape, np.inf)
+        np.divide(parts, 1.0 + floor, out=share, where=np.broadcast_to(np.isfinite(floor), parts.shape))
+        return np.asarray(np.square(np.minimum(share, self.cfg.most)).mean(axis=-1))
 
     def _parts(self, window: Window, name: str, count: int) -> Array:
         cfg, steps = self.cfg, window.steps

@@ -60,6 +60,7 @@ class Thinker:
         self._now: Observation
         self._repairs = 0
         self._hit: Match | None = None
+        self._recalled: PlanAnswer | None = None
         self._past: list[Step] = []
         self._drawn: Drawn
         self._world: PlanningWorld
@@ -118,6 +119,7 @@ class Thinker:
         strategy = self._recall(first)
         if strategy is not None:
             return strategy
+        self._keep, self._failure = self._keeping(), None  # nothing of a plan that was refused takes over
         self._plan = questions.formulate(first) or questions.rule()
         self._regions = questions.regions(self._plan)
         return self._strategy("asked")
@@ -169,9 +171,13 @@ class Thinker:
 
     def _keep_or_count(self, success: bool) -> None:
         self._correct_in_passing(last=True)
-        if self._hit is not None and self.memory is not None:
-            self.memory.used(self._hit.stored.id, success)
-        elif success and self.memory is not None:
+        if self.memory is None:
+            return
+        followed = self._hit is not None and self._plan is self._recalled
+        if self._hit is not None:
+            self.memory.used(self._hit.stored.id, success and followed)
+        # Without regions a plan is no help to whom it would guide.
+        if success and not followed and self.cfg.regions:
             number = self.memory.add(self._experience())
             self._emit("remembered", id=number, file=Path(self.memory.where).name)
 
@@ -183,7 +189,7 @@ class Thinker:
             # A memory may come from anybody, and hold what a model wrote: nothing of it runs in this process.
             plan, regions = adapted(match.stored.experience, facts)
             refusal = (self._questions.wrong_plan(plan, first, self._worker.load)
-                       or verify_regions(regions, facts, plan.names, self.cfg.region))
+                       or (verify_regions(regions, facts, plan.names, self.cfg.region) if self.cfg.regions else None))
             risen = 0.0
             if refusal is None:
                 self._plan, self._regions = plan, regions
@@ -199,7 +205,7 @@ class Thinker:
                        embedder=self.memory.embedder.name, gain=round(risen, 4),
                        refused="" if refusal is None else refusal.reason)
             if refusal is None:
-                self._hit = match
+                self._hit, self._recalled = match, plan
                 # Repairs of it too: a plan that stays, or one that quotes it, is as foreign as it is.
                 self._load = self._questions.load = self._worker.load
                 return strategy
@@ -231,8 +237,10 @@ class Thinker:
         if self.cfg.unified:
             self._plan, self._regions = self._questions.everything(now, history) or (otherwise(), self._regions)
             return
+        before = self._plan
         self._plan = self._questions.repair(now, history) or otherwise()
-        self._regions = self._questions.regions(self._plan)
+        if self._plan is not before:  # a plan that stays keeps the places that it was made for
+            self._regions = self._questions.regions(self._plan)
 
     def _refine(self, moment: Moment) -> Strategy | None:
         """The outer loop: what went wrong, a better world model, a better plan."""

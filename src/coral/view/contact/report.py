@@ -199,7 +199,8 @@ def _beliefs(run: RunFolder, start: Record) -> list[tuple[str, str, str, str, st
 def _provenance(run: RunFolder, start: Record) -> list[tuple[str, str]]:
     origin = run.config.get("provenance")
     facts: list[tuple[str, object]] = [(key, start.get(key, run.config.get(key))) for key in
-                                       ("task", "world", "variant", "advisor", "seed", "poses")]
+                                       ("task", "world", "variant", "advisor", "seed", "poses",
+                                        "tracker")]
     facts += list(origin.items()) if isinstance(origin, dict) else []
     facts += list(run.timing.items())
     return [(key.replace("_", " "), str(value)) for key, value in facts if value not in (None, "")]

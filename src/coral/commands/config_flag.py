@@ -1,0 +1,35 @@
+"""The flag `--config FILE` of commands: read before the other flags, which override it."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from coral.campaign.bench import changes
+from coral.config import read_config, to_mapping
+
+C = TypeVar("C")
+
+
+def configured(words: Sequence[str], default: C) -> C | None:
+    """The configuration of the file that `--config FILE` or `--config=FILE` names; None where neither is there.
+
+    Raises:
+        InputError: The file cannot be read, or something in it is wrong.
+    """
+    for word, following in itertools.pairwise([*words, ""]):
+        flag, joined, value = word.partition("=")
+        file = value if joined else following
+        if flag == "--config" and file:
+            return read_config(Path(file), default)
+    return None
+
+
+def config_words(cfg: C, default: C, file: Path | None, prefix: str = "cfg") -> list[str]:
+    """The words of a command that make a configuration: the file, and the flags for what differs from it."""
+    base = default if file is None else read_config(file, default)
+    named = ["--config", str(file)] if file is not None else []
+    return named + [word for key, value in changes(to_mapping(cfg), to_mapping(base), prefix)
+                    for word in (f"--{key.replace('_', '-')}", str(value))]

@@ -1,0 +1,46 @@
+"""Trackers by their words."""
+
+import numpy as np
+import pytest
+from stub_foundationpose import serving
+
+from coral.contact.perception.choice import choose
+from coral.contact.perception.foundationpose import FoundationPoseCfg
+from coral.contact.perception.shapes import from_mesh
+from coral.contact.perception.tracker import TrackerFailed
+from coral.contact.perception.tracking import ModelTracker, TrackerCfg
+from coral.errors import InputError
+
+
+def test_the_embedded_one_gets_its_configuration_and_wants_no_colours(mug_obj):
+    cfg, expected = TrackerCfg(steps=3), np.diag([-1.0, -1.0, 1.0, 1.0])
+    choice = choose("model", cfg)
+    tracker = choice.make(from_mesh("mug", mug_obj), expected)
+    assert isinstance(tracker, ModelTracker)
+    assert (tracker.cfg, choice.name, choice.wants_colours) == (cfg, "model", False)
+    np.testing.assert_array_equal(tracker._reference, expected)
+    choice.check()
+    tracker.close()
+
+
+def test_a_server_s_address_is_in_the_word_or_in_the_configuration(mug_obj):
+    with serving() as server:
+        for choice in (choose(f"foundationpose:{server.url}", server=FoundationPoseCfg(track_steps=7)),
+                       choose("foundationpose", server=FoundationPoseCfg(url=server.url, track_steps=7))):
+            assert (choice.name, choice.wants_colours) == ("foundationpose", True)
+            choice.check()
+            tracker = choice.make(from_mesh("mug", mug_obj), None)
+            assert (tracker.cfg.url, tracker.cfg.track_steps) == (server.url, 7)
+
+
+def test_nobody_there_is_one_line():
+    with pytest.raises(TrackerFailed, match=r"^foundationpose at http://127\.0\.0\.1:9 does not answer: .+$"):
+        choose("foundationpose:http://127.0.0.1:9").check()
+
+
+@pytest.mark.parametrize("word", [
+    "", "models", "model:x", "foundationpose", "foundationpose:", "foundationpose:ws://127.0.0.1:1",
+    "foundationpose:http://x:99999", "Foundationpose:http://x"])
+def test_another_word_is_refused_where_it_stands(word):
+    with pytest.raises(InputError, match=r"^tracked: by: found"):
+        choose(word, where="tracked", field="by")

@@ -1,0 +1,50 @@
+from dataclasses import dataclass
+
+import pytest
+
+from coral.commands.config_flag import config_words, configured
+from coral.commands.contact_bench import ContactBench
+from coral.commands.reef_bench import ReefBench
+from coral.errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cfg:
+    speed: float = 1.0
+    count: int = 2
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "a.yaml"
+    path.write_text("speed: 3.0\n")
+    return path
+
+
+def test_the_file_is_read_with_a_space_and_with_an_equals_sign(file):
+    for words in (["run", "--config", str(file)], ["run", f"--config={file}", "--quiet"]):
+        assert configured(words, Cfg()) == Cfg(speed=3.0)
+
+
+def test_without_the_flag_there_is_none():
+    assert configured(["run", "--configure", "x"], Cfg()) is None
+    assert configured(["run", "--config"], Cfg()) is None
+
+
+def test_a_missing_file_is_one_clear_line(tmp_path):
+    with pytest.raises(InputError, match="a readable YAML file"):
+        configured(["--config", str(tmp_path / "none.yaml")], Cfg())
+
+
+def test_the_words_name_the_file_and_what_differs_from_it(file):
+    assert config_words(Cfg(speed=3.0, count=5), Cfg(), file) == ["--config", str(file), "--cfg.count", "5"]
+    assert config_words(Cfg(count=5), Cfg(), None) == ["--cfg.count", "5"]
+
+
+@pytest.mark.parametrize(("command", "text", "key"), [(ContactBench, "replan_steps: 1\n", "replan_steps"),
+                                                      (ReefBench, "time_limit_s: 9.0\n", "time_limit_s")])
+def test_campaigns_read_it_too(tmp_path, command, text, key):
+    path = tmp_path / "b.yaml"
+    path.write_text(text)
+    made = command.from_file([f"--config={path}"])
+    assert f"{key}: {getattr(made.cfg, key)}\n" == text
