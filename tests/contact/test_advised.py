@@ -81,7 +81,7 @@ def test_a_goal_that_nobody_knows_a_way_to_is_named_and_no_traceback(task, tmp_p
     result = attempted(odd, tmp_path / "run")
     assert (result["end_reason"], result["steps"]) == ("no-strategy", 0)
     end = json.loads((tmp_path / "run" / "events.jsonl").read_text().splitlines()[-1])
-    assert end["detail"] == "no goal asks for anything to be moved"
+    assert end["detail"] == "no goal asks for anything to be moved: upright"
 
 
 def test_a_cost_that_a_person_writes_at_the_desk_drives_a_task(task, tmp_path, person):

@@ -89,6 +89,8 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
      "A better plan: none", "No answer came in time"),
     ({"event": "poses", "attempts": 2, "box": [0.1, 0.0, 0.03, 1, 0, 0, 0], "refused": ["off the table"]},
      "Where the objects are held to be, from now on", "Accepted at attempt 2"),
+    ({"event": "candidates", "regions": [{"object": "box", "stage": "push", "kept": 3, "lost": {"inside wall": 2}}]},
+     "Some points cannot be touched", "3 of 5 are left on the box for push; 2 inside wall."),
 ])
 def test_each_kind_of_event_is_told_in_words(tmp_path, event, title, said):
     part = thoughts(told(tmp_path, event))[0].parts[0]
@@ -108,4 +110,4 @@ def test_a_run_that_never_began_has_a_page_that_says_why(tmp_path):
     mind = make_mind("full", odd, Asking(folder=folder))
     assert Episode(draw(odd, 0), "hand", mind, COARSE, folder, variant="full", advisor="heuristic").run()["steps"] == 0
     page = write_contact_report(folder).read_text()
-    assert "Ended before it began: nobody found a way (no goal asks for anything to be moved)." in page
+    assert "Ended before it began: nobody found a way (no goal asks for anything to be moved: upright)." in page

@@ -25,6 +25,7 @@ from coral.contact.policy.episode import PolicyEpisode
 from coral.contact.policy.trial import serving
 from coral.contact.task import Task, load_task
 from coral.contact.thinking.given import parse_beliefs
+from coral.contact.thinking.think_cfg import within
 from coral.contact.variants import ALONE, VARIANTS, Asking, check_variant, make_mind
 from coral.contact.worlds import check_world
 from coral.errors import InputError
@@ -109,7 +110,7 @@ class ContactRun:
         folder = self.out or new_run_folder(Path("runs"), task.name)
         mind = make_mind(self.variant, task, Asking(
             advisor=self.advisor, seed=self.seed, world=self.world, memory=self.memory, folder=folder, inbox=self.inbox,
-            think=cfg.think, believe=believe))
+            think=within(cfg.controller, cfg.think), believe=believe))
         advisor = "none" if self.variant in ALONE else self.advisor
         episode = Episode(draw(task, self.seed), self.world, mind, cfg, folder, variant=self.variant, advisor=advisor)
         progress = EpisodeProgress(quiet=self.quiet)

@@ -15,6 +15,7 @@ from typing import Any
 from coral.contact.draw import Drawn, Physical
 from coral.contact.episode import Episode, EpisodeCfg, Observer
 from coral.contact.scene import believing
+from coral.contact.thinking.think_cfg import within
 from coral.contact.variants import Asking, make_mind
 
 
@@ -48,8 +49,8 @@ def probe_episode(drawn: Drawn, name: str, truth: Physical, first: Physical, cfg
         observer: Watches the episode.
     """
     real = believing(drawn, {**{key: item.physical for key, item in drawn.objects.items()}, name: truth})
-    mind = make_mind("full", drawn.task, Asking(seed=drawn.seed, world=world, folder=folder, think=cfg.think,
-                                                believe={name: first}))
+    mind = make_mind("full", drawn.task, Asking(
+        seed=drawn.seed, world=world, folder=folder, think=within(cfg.controller, cfg.think), believe={name: first}))
     episode = Episode(real, world, mind, cfg, folder, variant="full", advisor="heuristic")
     result = episode.run([] if observer is None else [observer])
     events = (json.loads(line) for line in (folder / "events.jsonl").read_text(encoding="utf-8").splitlines())

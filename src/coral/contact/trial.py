@@ -13,6 +13,7 @@ from coral.contact.draw import draw
 from coral.contact.episode import Episode, EpisodeCfg
 from coral.contact.task import Task
 from coral.contact.thinking.memory import Memory
+from coral.contact.thinking.think_cfg import within
 from coral.contact.variants import REMEMBERING, Asking, make_mind
 from coral.errors import RunError
 
@@ -43,8 +44,9 @@ def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant:
     with tempfile.TemporaryDirectory() as aside:
         own = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None
         known = own.load(memory, "memory") if own is not None and memory is not None else 0
-        mind = make_mind(variant, task, Asking(advisor=advisor, seed=seed, world=world, folder=folder, think=cfg.think,
-                                               memory=None if own is None else own.where))
+        mind = make_mind(variant, task, Asking(
+            advisor=advisor, seed=seed, world=world, folder=folder, think=within(cfg.controller, cfg.think),
+            memory=None if own is None else own.where))
         episode = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor)
         result = episode.run()
         if own is not None:

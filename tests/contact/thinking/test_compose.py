@@ -8,7 +8,8 @@ from coral.contact.strategy import Progress
 from coral.contact.task import Task, shipped_tasks
 from coral.contact.thinking.compose import NoRule, compose
 from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer, make_strategy, verify_plan
-from coral.contact.thinking.regions import tool_quaternion, verify_regions
+from coral.contact.thinking.region_check import verify_regions
+from coral.contact.thinking.regions import tool_quaternion
 from coral.contact.thinking.repair import choice_after
 from coral.contact.thinking.rules import RULES
 from coral.contact.thinking.setting import Choice, Thing

@@ -13,7 +13,7 @@ from coral.contact.thinking.embedding import HashedWords
 from coral.contact.thinking.memory import Experience, Memory, scene_numbers
 from coral.contact.thinking.plan_answer import verify_plan
 from coral.contact.thinking.recall import adapted, renamed
-from coral.contact.thinking.regions import verify_regions
+from coral.contact.thinking.region_check import verify_regions
 from coral.errors import InputError
 
 

@@ -5,7 +5,8 @@ from pydantic import ValidationError
 from coral.advisor.question import Question
 from coral.contact.thinking.beliefs import Estimates, verify_estimates
 from coral.contact.thinking.plan_answer import PlanAnswer, verify_plan
-from coral.contact.thinking.regions import RegionsAnswer, verify_regions
+from coral.contact.thinking.region_check import verify_regions
+from coral.contact.thinking.regions import RegionsAnswer
 from coral.contact.thinking.rules import RULES
 from coral.contact.thinking.spoil import SPOILT, spoil
 

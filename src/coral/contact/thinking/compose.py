@@ -6,10 +6,11 @@ grasping from above, pushing, tipping, raising against something upright, and pi
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from coral.contact.thinking.goals import NoRule, goal_words, once, served, wanted
 from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer
 from coral.contact.thinking.regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.thinking.setting import Choice, Draft, Thing
@@ -17,6 +18,7 @@ from coral.contact.thinking.skill_edge import add_overhang, can_overhang
 from coral.contact.thinking.skill_grasp import add_grasp, add_lift, add_place, add_release
 from coral.contact.thinking.skill_pivot import add_pivot
 from coral.contact.thinking.skill_push import add_push, add_tip
+from coral.contact.thinking.spot import spot_of
 
 
 @dataclass(frozen=True)
@@ -25,10 +27,6 @@ class Composed:
 
     plan: PlanAnswer
     regions: RegionsAnswer
-
-
-class NoRule(ValueError):
-    """The rules know no way to what is asked."""
 
 
 def compose(facts: Mapping[str, Any], choice: Choice | None = None) -> Composed:
@@ -44,12 +42,15 @@ def compose(facts: Mapping[str, Any], choice: Choice | None = None) -> Composed:
     choice = choice or Choice()
     drafts = []
     for name in dict.fromkeys(goal["object"] for goal in facts["goals"]):
-        goals = {goal["kind"]: goal for goal in facts["goals"] if goal["object"] == name}
-        if set(goals) <= {"undisturbed", "upright", "released"}:
+        asked = [goal for goal in facts["goals"] if goal["object"] == name]
+        moving = wanted(asked, facts)
+        if not moving:
             continue
-        drafts.append(_for_object(Thing(name, facts), goals, facts, choice))
+        goals = {goal["kind"]: goal for goal in asked} | once(moving)
+        drafts.append(_for_object(Thing(name, facts), goals, [goal["kind"] for goal in moving], facts, choice))
     if not drafts:
-        raise NoRule("no goal asks for anything to be moved")
+        asked_for = ", ".join(goal_words(goal) for goal in facts["goals"])
+        raise NoRule(f"no goal asks for anything to be moved: {asked_for}")
     merged = Draft()
     for draft in drafts:
         _append(merged, draft)
@@ -61,36 +62,65 @@ def compose(facts: Mapping[str, Any], choice: Choice | None = None) -> Composed:
                     RegionsAnswer({name: ObjectRegions(regions=regions) for name, regions in held.items()}))
 
 
-def _for_object(thing: Thing, goals: Mapping[str, Any], facts: Mapping[str, Any], choice: Choice) -> Draft:
-    draft = Draft()
-    turned = "flipped" in goals and goals["flipped"]["degrees"] > 45
-    if turned:
+def _for_object(thing: Thing, goals: Mapping[str, Any], moving: Sequence[str], facts: Mapping[str, Any],
+                choice: Choice) -> Draft:
+    """The one way that serves what is asked of an object.
+
+    Args:
+        thing: The object.
+        goals: Its goals by kind.
+        moving: Those that ask for it to be moved.
+        facts: The scene.
+        choice: What repairs have changed.
+
+    Raises:
+        NoRule: No way serves all of them.
+    """
+    draft, asked = Draft(), set(moving)
+    if "flipped" in asked:
         against = goals.get("touched-while-turning", {}).get("thing")
+        served(goals, asked, {"flipped", "touched-while-turning"}, thing.name, "turned over")
+        if not 45 < goals["flipped"]["degrees"] < 135:
+            raise NoRule(f"no rule turns the {thing.name} by other than a right angle: {goal_words(goals['flipped'])}")
+        if against in facts["objects"]:
+            raise NoRule(f"no rule turns the {thing.name} against what moves itself: "
+                         f"{goal_words(goals['touched-while-turning'])}")
         if against in facts["fixtures"]:
             add_pivot(draft, thing, facts, against, choice)
         else:
             add_tip(draft, thing, facts, choice)
         return draft
     to_place = goals.get("at")
-    pushed = "steady-force" in goals or bool(to_place and not thing.closings())
-    if pushed:
+    if "steady-force" in asked or ("at" in asked and not thing.closings()):
+        served(goals, asked, {"steady-force", "at"}, thing.name, "pushed")
         place = to_place or _straight_on(thing, facts)
         add_push(draft, thing, facts, place, goals.get("steady-force", {}).get("newtons"), choice)
         return draft
-    lift = max(goals.get("lifted", {}).get("height_m", 0.0), 0.0 if to_place else 0.02)
-    if thing.closings():
+    held = {"lifted", "grasped"} & asked
+    if held and thing.closings():
+        served(goals, asked, {"lifted", "grasped"}, thing.name, "held")
         add_grasp(draft, thing, facts, choice)
-        if to_place:
-            add_place(draft, thing, facts, to_place, choice)
-        elif "lifted" in goals or "grasped" in goals:
-            add_lift(draft, thing, facts, lift, choice)
-            if "released" in goals:
-                add_release(draft, thing, facts, choice)
+        lift = max(goals.get("lifted", {}).get("height_m", 0.0), 0.02)
+        add_lift(draft, thing, facts, lift, choice)
+        if "released" in goals:
+            add_release(draft, thing, facts, choice)
         return draft
-    if ("lifted" in goals or "grasped" in goals) and can_overhang(thing):
+    if held and can_overhang(thing):
+        served(goals, asked, {"lifted", "grasped"}, thing.name, "held")
+        lift = max(goals.get("lifted", {}).get("height_m", 0.0), 0.02)
         add_overhang(draft, thing, facts, lift, choice)
         return draft
-    raise NoRule(f"the {thing.name} is too wide to grasp and no goal can be reached by pushing: {', '.join(goals)}")
+    put = next((kind for kind in ("at", "inside", "resting") if kind in asked), None)
+    if put is not None and thing.closings():
+        # What is put somewhere rests there; whether on the right thing, the place decides.
+        served(goals, asked, {put, "resting"}, thing.name, "put down")
+        spot = spot_of(thing, facts, goals[put])
+        add_grasp(draft, thing, facts, choice)
+        add_place(draft, thing, facts, spot, choice)
+        return draft
+    unserved = ", ".join(goal_words(goals[kind]) for kind in moving)
+    raise NoRule(f"the {thing.name} is too wide to grasp and no goal can be reached by pushing: {unserved}"
+                 if not thing.closings() else f"no rule moves the {thing.name} so: {unserved}")
 
 
 def _straight_on(thing: Thing, facts: Mapping[str, Any]) -> dict[str, Any]:

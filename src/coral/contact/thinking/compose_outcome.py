@@ -11,28 +11,36 @@ from typing import Any
 
 import numpy as np
 
+from coral.contact.thinking.goals import wanted
 from coral.contact.thinking.plan_answer import PlanAnswer
-from coral.contact.thinking.setting import axis_of, number
+from coral.contact.thinking.setting import Thing, axis_of, number, vector
+from coral.contact.thinking.stands import rise, top
 
 MARGIN_M = 0.02
 """Beyond an object's largest half extent the hand is drawn to it; within, it may touch anywhere."""
+EDGE_M = 0.02
+"""How far within a region an object is drawn to."""
 
 
 def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
     """One cost for the whole task, of its goals alone; None where no goal asks for something that a cost can lower."""
     terms: list[str] = []
-    wanted: list[str] = []
+    drawn: list[str] = []
+    moving = [goal for name in dict.fromkeys(goal["object"] for goal in facts["goals"])
+              for goal in wanted([one for one in facts["goals"] if one["object"] == name], facts)]
     for goal in facts["goals"]:
         kind, name = goal["kind"], goal["object"]
         if kind in _TERMS:
             terms.append(f"    terms['{name} {kind}'] = {_TERMS[kind](goal)}")
-        if kind in _MOVING:
-            wanted.append(name)
-    if not wanted:
+        if kind == "resting" and goal in moving:
+            terms.append(f"    terms['{name} on {goal['thing']}'] = {_onto(goal, facts)}")
+        if goal in moving:
+            drawn.append(name)
+    if not drawn:
         return None
     reach = [f"    terms['{name} reach'] = 8.0 * clip(norm(self.ee_pos - self.{name}_pos) - "
              f"{number(max(facts['objects'][name]['size_m']) / 2 + MARGIN_M)}, 0.0, 1.0)"
-             for name in dict.fromkeys(wanted)]
+             for name in dict.fromkeys(drawn)]
     body = "\n".join([*reach, *terms])
     return PlanAnswer(code=f"def state_cost(self):\n{body}\n    return terms\n",
                       explanation="Be near what is to be moved; every goal costs its distance; touch it anywhere.")
@@ -56,8 +64,31 @@ def _lifted(goal: Mapping[str, Any]) -> str:
     return f"15.0 * clip({number(goal['height_m'])} - ({risen}), 0.0, 1.0)"
 
 
+def _inside(goal: Mapping[str, Any]) -> str:
+    low, high = np.asarray(goal["low"], dtype=float), np.asarray(goal["high"], dtype=float)
+    inward = np.minimum(EDGE_M, (high - low) / 4)
+    at = f"self.{goal['object']}_pos"
+    return f"15.0 * norm({at} - np.maximum({vector(low + inward)}, np.minimum({vector(high - inward)}, {at})))"
+
+
+def _onto(goal: Mapping[str, Any], facts: Mapping[str, Any]) -> str:
+    """How far the object is from lying on something: aside of its middle, and off its top."""
+    thing, name = Thing(goal["object"], facts), goal["thing"]
+    at = f"self.{thing.name}_pos"
+    if name == "table":
+        return f"15.0 * abs({at}[2] - {number(rise(thing))})"
+    if name in facts["fixtures"]:
+        middle = np.asarray(facts["fixtures"][name]["position"], dtype=float)
+        aside = f"norm(({at} - {vector(middle)})[:2])"
+    else:
+        middle = Thing(name, facts).position
+        aside = f"norm(({at} - self.{name}_pos)[:2])"
+    height = (top(facts, name, middle[:2]) or 0.0) + rise(thing)
+    return f"10.0 * ({aside} + abs({at}[2] - {number(height)}))"
+
+
 _TERMS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
-    "flipped": _flipped, "at": _at, "lifted": _lifted,
+    "flipped": _flipped, "at": _at, "inside": _inside, "lifted": _lifted,
     "touched-while-turning": lambda goal: f"1.0 - self.{goal['object']}_{goal['thing']}_contact",
     "grasped": lambda goal: f"2.0 - self.{goal['object']}_left_contact - self.{goal['object']}_right_contact",
     "resting": lambda goal: f"0.3 * norm(self.{goal['object']}_vel)",
@@ -65,4 +96,3 @@ _TERMS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
                                   f"abs(norm(self.{goal['object']}_hand_force) - {number(goal['newtons'])})"),
     "undisturbed": lambda goal: f"5.0 * norm(self.{goal['object']}_pos - self.{goal['object']}_init_pos)",
 }
-_MOVING = ("flipped", "at", "lifted", "grasped", "steady-force")

@@ -189,7 +189,8 @@ def verify_plan(answer: PlanAnswer, schema: Schema, samples: Sequence[Context], 
 
 
 def make_strategy(name: str, answer: PlanAnswer, regions: RegionsAnswer | None, schema: Schema,
-                  sizes: Mapping[str, Array], load: Loader = in_process, keep: LastGoodCost | None = None) -> Strategy:
+                  sizes: Mapping[str, Array], load: Loader = in_process, keep: LastGoodCost | None = None,
+                  candidates: Sequence[Array] | None = None) -> Strategy:
     """The strategy that the planner follows.
 
     Args:
@@ -200,6 +201,8 @@ def make_strategy(name: str, answer: PlanAnswer, regions: RegionsAnswer | None, 
         sizes: Full extents of the objects, m.
         load: How programs are made.
         keep: Takes over, with the last cost that worked, from one that fails later on; None lets it fail.
+        candidates: Of each region, in their order, the points that can be touched, Shape=(n, 3) m in the object's
+            frame; None takes the regions' flat discs.
 
     Raises:
         CostError: A program is not of the accepted language.
@@ -209,8 +212,10 @@ def make_strategy(name: str, answer: PlanAnswer, regions: RegionsAnswer | None, 
         said = stage.answer
         guides: list[Guide] = []
         if regions is not None:
-            guides = [guide(thing, region, np.asarray(sizes[thing])) for thing, region in regions.each()
-                      if region.stage in ("", said.name)]
+            held: Sequence[Array | None] = candidates or [None] * len(regions.each())
+            guides = [guide(thing, region, np.asarray(sizes[thing]), local=points)
+                      for (thing, region), points in zip(regions.each(), held, strict=True)
+                      if region.stage in ("", said.name) and (points is None or len(points))]
             if stage.toward is not None:
                 guides.append(Guide(_points(stage.toward), opening_m=said.opening))
         cost = stage.cost if keep is None else keep.following(stage.cost)

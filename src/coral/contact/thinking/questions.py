@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coral.advisor.consult import Outcome
 from coral.advisor.question import AdvisorUnavailable, Rejection
@@ -16,14 +17,17 @@ from coral.contact.scene import prior
 from coral.contact.thinking.ask import Asker
 from coral.contact.thinking.beliefs import Estimates, belief_prompt, verify_estimates
 from coral.contact.thinking.plan_answer import Loader, PlanAnswer, verify_plan
-from coral.contact.thinking.regions import RegionsAnswer, verify_regions
+from coral.contact.thinking.region_check import verify_regions
+from coral.contact.thinking.regions import RegionsAnswer
 from coral.contact.thinking.rehearse import sample_states
 from coral.contact.thinking.rules import RULES
 from coral.contact.thinking.scene_facts import interface_text, scene_facts
 from coral.contact.thinking.think_cfg import ThinkCfg
+from coral.contact.thinking.touch import Scenery, candidates_of
 from coral.contact.thinking.unified import ask_all
 from coral.contact.world import Observation
 
+Array = NDArray[np.float64]
 Emit = Callable[..., None]
 
 
@@ -43,6 +47,7 @@ class Questions:
         load: How cost programs are made from now on.
         facts: The scene as it was last looked at.
         sizes: Of the objects, metres.
+        scenery: Their true shapes.
         diagnoses: What went wrong so far; questions about the plan carry it.
     """
 
@@ -50,6 +55,7 @@ class Questions:
                  load: Loader, emit: Emit) -> None:
         self.facts: dict[str, Any] = {}
         self.sizes = {name: drawn.size(name) for name in drawn.objects}
+        self.scenery = Scenery.of(drawn)
         self.diagnoses: list[str] = []
         self._asker, self._drawn, self._world, self._cfg = asker, drawn, world, cfg
         self._rng, self.load, self._emit = rng, load, emit
@@ -111,18 +117,31 @@ class Questions:
         outcome = self._asker.ask(
             "contact-regions", RegionsAnswer, {**self._asked(), "stages": plan.names},
             {"task": self.facts["instruction"], "objects": self._shown(), "stages": plan.names},
-            lambda answer: verify_regions(answer, self.facts, plan.names, self._cfg.region), seen=True)
+            lambda answer: self.wrong_regions(answer, plan), seen=True)
         found = outcome.answer or RegionsAnswer({})
         self._emit("regions", failure=outcome.failure, attempts=outcome.attempts, refused=_reasons(outcome),
                    regions=found.model_dump(mode="json"))
         return found
+
+    def wrong_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
+        """Why a plan's regions cannot be used in the scene as it was last looked at; None if they can."""
+        return verify_regions(regions, self.facts, plan.names, self._cfg.region, self.scenery)
+
+    def candidates(self, regions: RegionsAnswer, plan: PlanAnswer) -> list[Array]:
+        """The points of each region that can be touched; where some were dropped, the record tells how many and why."""
+        found = candidates_of(regions, self.facts, plan.names, self.scenery, self._cfg.region)
+        dropped = [{"object": name, "stage": region.stage, "kept": len(left.points), "lost": dict(left.lost)}
+                   for (name, region), left in zip(regions.each(), found, strict=True) if left.lost]
+        if dropped:
+            self._emit("candidates", regions=dropped)
+        return [left.points for left in found]
 
     def everything(self, now: Observation,
                    history: Mapping[str, Any] | None = None) -> tuple[PlanAnswer, RegionsAnswer] | None:
         """One question about all of it (variant `unified`); what is accepted is believed."""
         before = self.beliefs
         outcome = ask_all(self._asker, self._asked(), self._shown(), self._world,
-                          lambda answer: self.wrong_plan(answer, now), self._cfg, history)
+                          lambda answer: self.wrong_plan(answer, now), self._cfg, self.scenery, history)
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
             self._world.believe(before)

@@ -1,4 +1,4 @@
-"""Where to touch: surface regions that an advisor names, checked, and the candidate points of Eq. 3 that follow.
+"""Where to touch: surface regions that an advisor names, the candidate points of Eq. 3 and A.10, guides to them.
 
 Regions are given in the object's own frame, so that they stay right while the object moves.
 """
@@ -6,17 +6,16 @@ Regions are given in the object's own frame, so that they stay right while the o
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field, RootModel
 
-from coral.advisor.question import Rejection
-from coral.config import Positive
+from coral.config import Fraction, Positive, Signed
 from coral.contact.context import Context
+from coral.contact.controller import ControllerCfg
 from coral.contact.geometry import quaternion_of, rotate, rotation_of
 from coral.contact.hand import MAX_OPENING_M
 from coral.contact.strategy import Guide
@@ -27,6 +26,10 @@ PAD_M = 0.010
 """From the tool to a finger's forward face."""
 TIP_M = 0.008
 """From the tool to the fingers' tips."""
+LOWEST_M = 0.012
+"""The tool comes no lower over the table."""
+GOLDEN_RAD = math.pi * (3 - math.sqrt(5))
+_REACH = ControllerCfg()
 
 
 class Region(BaseModel):
@@ -74,8 +77,12 @@ class RegionCfg:
     Args:
         most: Regions of one object; the paper asks for 1 to 3, a plan of several stages may need more.
         samples: Most candidates of one region.
-        off_surface_m: How far a centre may lie from the surface of the object's box.
+        off_surface_m: How far a centre may lie from the object's surface.
         extent_m: Largest radius.
+        facing: Least cosine between the region's normal and the surface's at a candidate.
+        buried_m: A candidate, or the tool at it, lies in another thing when it is so deep in it; tracked poses err by
+            as much.
+        reach_low_m, reach_high_m: Corners of the box that the tool stays in; by default the controller's workspace.
         standoff_m: Candidates are mirrored so far out along the normal: the way in is a way from there.
     """
 
@@ -83,83 +90,11 @@ class RegionCfg:
     samples: int = 64
     off_surface_m: Positive = 0.008
     extent_m: Positive = 0.15
+    facing: Fraction = 0.5
+    buried_m: Positive = 0.003
+    reach_low_m: tuple[Signed, Signed, Signed] = _REACH.workspace_low_m
+    reach_high_m: tuple[Signed, Signed, Signed] = _REACH.workspace_high_m
     standoff_m: Positive = 0.08
-
-
-def verify_regions(answer: RegionsAnswer, facts: Mapping[str, Any], stages: Sequence[str] = (),
-                   cfg: RegionCfg | None = None) -> Rejection | None:
-    """Why regions cannot be used, or None: unknown object, off the surface, below the table, out of the hand's reach.
-
-    Args:
-        answer: The regions.
-        facts: The scene (`scene_facts`): sizes, poses, table.
-        stages: Names of the plan's stages.
-        cfg: Bounds.
-    """
-    cfg = cfg or RegionCfg()
-    for name, held in answer.root.items():
-        if name not in facts["objects"]:
-            return _no(name, "objects", f"{name} is no object of the scene; there are {', '.join(facts['objects'])}")
-        if len(held.regions) > cfg.most:
-            return _no(name, "too-many", f"{len(held.regions)} regions on {name}; name the {cfg.most} that matter most")
-        for index, region in enumerate(held.regions):
-            reason = _wrong(region, facts["objects"][name], facts, stages, cfg)
-            if reason:
-                return _no(name, reason[0], f"region {index + 1} of {name}: {reason[1]}", index)
-    if not answer.each():
-        return Rejection(code="none", reason="no region on any object; name at least one place to touch")
-    return None
-
-
-def _no(name: str, code: str, reason: str, index: int | None = None) -> Rejection:
-    return Rejection(code=code, reason=reason, details={"object": name, "region": index})
-
-
-def _wrong(region: Region, item: Mapping[str, Any], facts: Mapping[str, Any], stages: Sequence[str], cfg: RegionCfg
-           ) -> tuple[str, str] | None:
-    center, normal = np.asarray(region.center), np.asarray(region.normal)
-    if not (np.isfinite(center).all() and np.isfinite(normal).all() and math.isfinite(region.extent)):
-        return "not-finite", "center, normal and extent must be finite numbers"
-    if abs(float(np.linalg.norm(normal)) - 1.0) > 0.05:
-        return "normal", f"the normal {_text(normal)} has length {np.linalg.norm(normal):.2f}; make it 1"
-    if not 0.0 <= region.extent <= cfg.extent_m or not 1 <= region.num_samples <= cfg.samples:
-        return "extent", (f"extent {region.extent:g} m with {region.num_samples} samples; extent lies within 0 and "
-                          f"{cfg.extent_m:g} m, num_samples within 1 and {cfg.samples}")
-    if region.stage and region.stage not in stages:
-        return "stage", f"the plan has no stage {region.stage!r}; its stages are {', '.join(stages) or 'none'}"
-    if region.opening is not None and not 0.0 <= region.opening <= MAX_OPENING_M:
-        return "opening", f"the fingers open from 0 to {MAX_OPENING_M:g} m, not {region.opening:g} m"
-    half, middle = np.asarray(item["size_m"]) / 2, np.asarray(item.get("middle_m", (0.0, 0.0, 0.0)))
-    outside = np.maximum(np.abs(center - middle) - half, 0)
-    depth = float((half - np.abs(center - middle)).min())
-    off = float(np.linalg.norm(outside)) if outside.any() else depth
-    box_like = item["shapes"] == ["box"] and item["solid_share"] > 0.95
-    # Inside the hull's box of a rounded or compound thing there may well be surface.
-    if (outside.any() or box_like) and off > cfg.off_surface_m:
-        return "off-surface", (f"the center {_text(center)} lies {off:.3f} m off the surface; in the object's frame it "
-                               f"extends {_text(middle - half)} to {_text(middle + half)} m")
-    facing = normal * (center - middle) / np.maximum(half, 1e-6)
-    if box_like and facing.max() < 0.5:
-        return "inward", f"the normal {_text(normal)} does not point out of the object at {_text(center)}"
-    pose = np.asarray(item["pose"])
-    here, out = pose[:3] + rotate(pose[3:], center), rotate(pose[3:], normal)
-    if out[2] < -0.5 and not _overhangs(here, facts):
-        return "underside", "the normal points down at the table: the hand cannot get under it"
-    approach = region.approach or natural_approach(out)
-    if approach == "pinch" and not _graspable(region, item):
-        return "too-wide", (f"the fingers open to {MAX_OPENING_M:g} m and the object is wider there; pinch a narrower "
-                            "part, or push or press")
-    if here[2] < -TIP_M and not _overhangs(here, facts):
-        return "below-table", f"it lies {-here[2]:.3f} m below the table's top"
-    return None
-
-
-def _text(vector: Array) -> str:
-    return "[" + ", ".join(f"{value:.3f}" for value in vector) + "]"
-
-
-def _overhangs(point: Array, facts: Mapping[str, Any]) -> bool:
-    return not all(facts["table"][axis][0] <= point[k] <= facts["table"][axis][1] for k, axis in enumerate("xy"))
 
 
 def natural_approach(normal: Array) -> Approach:
@@ -174,19 +109,19 @@ def closing_axis(normal: Array, size: Array) -> int | None:
     return min(fits, key=lambda axis: size[axis]) if fits else None
 
 
-def _graspable(region: Region, item: Mapping[str, Any]) -> bool:
-    if closing_axis(np.asarray(region.normal), np.asarray(item["size_m"])) is not None:
-        return True
-    # A handle is narrower than the thing that it is part of; the rehearsal will tell.
-    return item["shapes"] != ["box"] or item["solid_share"] < 0.95 or bool(item["points"])
-
-
 def candidates(region: Region) -> Array:
-    """Eq. 3: points on the region's rim, and its centre, Shape=(num_samples + 1, 3), in the object's frame."""
+    """Points of a region's disc, Shape=(num_samples + 1, 3), in the object's frame: centre, rim (Eq. 3), inside (A.10).
+
+    A.10 draws them at random from the disc; here few lie evenly on the rim, as Eq. 3 has them, and of many most fill
+    the inside evenly (sunflower: Vogel 1979, "A better way to construct the sunflower head").
+    """
     normal = np.asarray(region.normal) / np.linalg.norm(region.normal)
     first, second = tangents(normal)
-    phi = 2 * np.pi * np.arange(region.num_samples) / region.num_samples
-    ring = region.extent * (np.cos(phi)[:, None] * first + np.sin(phi)[:, None] * second)
+    rim = min(region.num_samples, round(2 * math.sqrt(region.num_samples)))
+    inner = region.num_samples - rim
+    phi = np.concatenate([2 * np.pi * np.arange(rim) / rim, GOLDEN_RAD * np.arange(inner)])
+    rho = np.concatenate([np.ones(rim), np.sqrt((np.arange(inner) + 0.5) / (inner + rim / 2))])
+    ring = region.extent * rho[:, None] * (np.cos(phi)[:, None] * first + np.sin(phi)[:, None] * second)
     return np.asarray(np.concatenate([np.zeros((1, 3)), ring]) + np.asarray(region.center))
 
 
@@ -199,7 +134,23 @@ def tangents(normal: Array) -> tuple[Array, Array]:
     return first, second
 
 
-def guide(name: str, region: Region, size: Array, lowest_m: float = 0.012, cfg: RegionCfg | None = None) -> Guide:
+def tool_at(surface: Array, normal: Array, size: Array, out: Array, approach: Approach) -> Array:
+    """Where the tool is, Shape=(n, 3) m in the world, when it touches points of a surface.
+
+    Args:
+        surface: Shape=(n, 3) m, in the world.
+        normal: The region's, in the object's frame.
+        size: Shape=(3,), the object's full extents, m.
+        out: The normal in the world.
+        approach: How it touches.
+    """
+    if approach == "pinch":
+        return np.asarray(surface - out * min(0.025, float(size[int(np.argmax(np.abs(normal)))]) / 2))
+    return np.asarray(surface + out * (PAD_M if approach == "push" else TIP_M))
+
+
+def guide(name: str, region: Region, size: Array, lowest_m: float = LOWEST_M, cfg: RegionCfg | None = None,
+          local: Array | None = None) -> Guide:
     """Tool poses for a region, wherever the object is: at the candidates, and a standoff away from them.
 
     Args:
@@ -208,9 +159,10 @@ def guide(name: str, region: Region, size: Array, lowest_m: float = 0.012, cfg: 
         size: Shape=(3,), its full extents, m.
         lowest_m: The tool comes no lower over the table.
         cfg: Standoff.
+        local: Shape=(n, 3) m, its candidates that can be touched, in the object's frame; by default the flat disc.
     """
     cfg = cfg or RegionCfg()
-    local, normal = candidates(region), np.asarray(region.normal, dtype=float)
+    local, normal = candidates(region) if local is None else local, np.asarray(region.normal, dtype=float)
     closing = closing_axis(normal, size) if region.closing is None else region.closing
 
     def how(state: Context) -> tuple[Array, Array, Approach]:
@@ -221,11 +173,7 @@ def guide(name: str, region: Region, size: Array, lowest_m: float = 0.012, cfg: 
     def points(state: Context) -> Array:
         turn, out, approach = how(state)
         surface = state[f"{name}_pos"][0, 0] + rotate(turn, local)
-        if approach == "pinch":
-            reach = float(size[int(np.argmax(np.abs(normal)))])
-            at = surface - out * min(0.025, reach / 2)
-        else:
-            at = surface + out * (PAD_M if approach == "push" else TIP_M)
+        at = tool_at(surface, normal, size, out, approach)
         away = at + out * cfg.standoff_m
         if approach == "push":
             away = np.concatenate([away, away + np.array([0.0, 0.0, cfg.standoff_m])])

@@ -10,9 +10,11 @@ from pydantic import BaseModel
 from coral.advisor.question import AdvisorUnavailable, Rejection
 from coral.advisor.rules import Rule
 from coral.contact.thinking.beliefs import Estimate, estimate
-from coral.contact.thinking.compose import Composed, NoRule, compose
+from coral.contact.thinking.compose import Composed, compose
 from coral.contact.thinking.compose_outcome import outcome_plan
+from coral.contact.thinking.goals import NoRule, goal_words
 from coral.contact.thinking.locate import locate
+from coral.contact.thinking.region_check import UNTOUCHABLE
 from coral.contact.thinking.regions import ObjectRegions, RegionsAnswer
 from coral.contact.thinking.repair import TEXTS, ObjectParameters, ParametersAnswer, change_words, choice_after
 from coral.contact.thinking.unified import UnifiedAnswer
@@ -22,7 +24,8 @@ def _composed(facts: Mapping[str, Any], refused: int = 0) -> Composed:
     if not facts.get("contact_strategy", True):
         plan = outcome_plan(facts)
         if plan is None:
-            raise AdvisorUnavailable("no-rule", "no goal asks for anything to be moved", final=True)
+            asked = ", ".join(goal_words(goal) for goal in facts["goals"])
+            raise AdvisorUnavailable("no-rule", f"no goal asks for anything to be moved: {asked}", final=True)
         return Composed(plan, RegionsAnswer({}))
     diagnoses = [*facts.get("diagnoses", ()), *["no-progress"] * refused]
     try:
@@ -39,9 +42,13 @@ def _regions(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseM
     made = _composed(facts, int(facts.get("refused", 0))).regions
     # The plan may be somebody else's, with other stages: then a place is good for all of them.
     stages = facts.get("stages", ())
-    return RegionsAnswer({name: ObjectRegions(regions=[
-        region if not stages or region.stage in stages else region.model_copy(update={"stage": ""})
-        for region in held.regions]) for name, held in made.root.items()})
+    held = {name: [region if not stages or region.stage in stages else region.model_copy(update={"stage": ""})
+                   for region in regions.regions] for name, regions in made.root.items()}
+    # The rules have no second choice of a place: the others are better than none.
+    for rejection in rejections:
+        if rejection.code in UNTOUCHABLE:
+            held[rejection.details["object"]].pop(rejection.details["region"])
+    return RegionsAnswer({name: ObjectRegions(regions=regions) for name, regions in held.items()})
 
 
 def _repair(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:

@@ -10,6 +10,11 @@ import numpy as np
 from coral.contact.thinking.plan_answer import StageAnswer
 from coral.contact.thinking.regions import Region
 from coral.contact.thinking.setting import Choice, Draft, Thing, care, number, others, vector
+from coral.contact.thinking.spot import Spot
+from coral.contact.thinking.stands import rise
+
+PALM_M = 0.037
+"""From the tool back to the palm."""
 
 
 def add_grasp(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Choice) -> None:
@@ -60,21 +65,20 @@ def add_lift(draft: Draft, thing: Thing, facts: Mapping[str, Any], height_m: flo
     draft.words.append(f"raise it by {100 * rise:.0f} cm")
 
 
-def add_place(draft: Draft, thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any], choice: Choice) -> None:
-    """Carry what is held above everything to a place, set it down, let go, retire."""
+def add_place(draft: Draft, thing: Thing, facts: Mapping[str, Any], spot: Spot, choice: Choice) -> None:
+    """Carry what is held above everything to a spot, set it down, let go, retire."""
     n, depth = thing.name, _depth(thing, choice)
-    place = np.asarray(facts["places"][goal["place"]], dtype=float)
     tops = [Thing(other, facts).position[2] + Thing(other, facts).height / 2 for other in others(facts, n)]
     tops += [item["position"][2] + item["size_m"][2] / 2 for item in facts["fixtures"].values()
              if item["position"][2] + item["size_m"][2] / 2 < 0.3]
     carry = max([0.06, *(min(top, 0.2) for top in tops)]) + thing.height / 2 + 0.02
-    floor = place[2] + thing.height / 2 if goal.get("axes", "xy") == "xy" else place[2]
-    shift = _point_shift(thing, goal)
-    near_m = min(0.02, 0.5 * goal["tolerance_m"])
+    # Once raised it may be 3 cm lower than that; a rim has to be cleared then, too.
+    carry = max(carry, spot.top_m + rise(thing) + 0.045)
+    floor = max(spot.height_m, spot.palm_m - PALM_M - depth)
     lost = f"({_off(thing, depth)}) > 0.05"
-    aside = f"norm((self.{n}_pos + {vector(shift)} - self.{goal['place']}_pos)[:2])"
+    aside = f"norm((self.{n}_pos + {vector(spot.shift)} - {spot.where})[:2])"
     hold = _holding(thing, facts, choice)
-    target = f"self.{goal['place']}_pos - {vector(shift)}"
+    target = f"{spot.where} - {vector(spot.shift)}"
     offset = f"(self.ee_pos - self.{n}_pos)"
 
     def to(over: str, height: float) -> str:
@@ -87,7 +91,7 @@ def add_place(draft: Draft, thing: Thing, facts: Mapping[str, Any], goal: Mappin
     terms['raise'] = 10.0 * abs(self.{n}_pos[2] - {number(carry)})
     return terms
 """),
-        StageAnswer(name="carry", done=f"{aside} < {number(near_m)}", back_to="reach", lost=lost, noise=soft,
+        StageAnswer(name="carry", done=f"{aside} < {number(spot.near_m)}", back_to="reach", lost=lost, noise=soft,
                     opening=0.0, toward=to(target, carry), code=hold + f"""
     terms['carry'] = 10.0 * ({aside} + abs(self.{n}_pos[2] - {number(carry)}))
     return terms
@@ -98,7 +102,7 @@ def add_place(draft: Draft, thing: Thing, facts: Mapping[str, Any], goal: Mappin
     terms['gently'] = 1.0 * norm(self.{n}_vel)
     return terms
 """)]
-    draft.words.append(f"carry it at {100 * carry:.0f} cm to {goal['place']} and set it down")
+    draft.words.append(f"carry it at {100 * carry:.0f} cm {spot.words}")
     add_release(draft, thing, facts, choice)
 
 
@@ -169,9 +173,3 @@ def _holding(thing: Thing, facts: Mapping[str, Any], choice: Choice) -> str:
     terms['upright'] = 1.5 * (1.0 + quat_axis(self.ee_quat, 2)[2]) + 1.5 * ({upright})
     terms['calm'] = 0.1 * norm(self.ee_vel)
 {care(facts, n)}"""
-
-
-def _point_shift(thing: Thing, goal: Mapping[str, Any]) -> np.ndarray:
-    """From the object's centre to its named point, in the world as it stands now."""
-    point = goal.get("point")
-    return np.zeros(3) if point is None else np.asarray(thing.rotation @ thing.points[point])

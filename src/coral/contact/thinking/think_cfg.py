@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from coral.config import Count, NonNegative
+from coral.contact.controller import ControllerCfg
 from coral.contact.thinking.beliefs import BeliefCfg
 from coral.contact.thinking.identify import IdentifyCfg
 from coral.contact.thinking.outer import OuterCfg
@@ -43,3 +44,12 @@ class ThinkCfg:
     region: RegionCfg = field(default_factory=RegionCfg)
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
     outer: OuterCfg = field(default_factory=OuterCfg)
+
+
+def within(controller: ControllerCfg, think: ThinkCfg) -> ThinkCfg:
+    """The same, told where a controller lets the hand go; bounds that were set for the regions themselves stay."""
+    region, untold = think.region, RegionCfg()
+    if (region.reach_low_m, region.reach_high_m) != (untold.reach_low_m, untold.reach_high_m):
+        return think
+    return replace(think, region=replace(region, reach_low_m=controller.workspace_low_m,
+                                         reach_high_m=controller.workspace_high_m))

@@ -25,7 +25,7 @@ from coral.contact.thinking.outer import Watch
 from coral.contact.thinking.plan_answer import Loader, PlanAnswer, in_process, make_strategy
 from coral.contact.thinking.questions import Questions
 from coral.contact.thinking.recall import adapted
-from coral.contact.thinking.regions import RegionsAnswer, verify_regions
+from coral.contact.thinking.regions import RegionsAnswer
 from coral.contact.thinking.rehearse import gain
 from coral.contact.thinking.repair import TEXTS, diagnose, recent
 from coral.contact.thinking.rhythm import Rhythm
@@ -188,8 +188,9 @@ class Thinker:
         for match in self.memory.find(facts):
             # A memory may come from anybody, and hold what a model wrote: nothing of it runs in this process.
             plan, regions = adapted(match.stored.experience, facts)
-            refusal = (self._questions.wrong_plan(plan, first, self._worker.load)
-                       or (verify_regions(regions, facts, plan.names, self.cfg.region) if self.cfg.regions else None))
+            refusal = self._questions.wrong_plan(plan, first, self._worker.load)
+            if refusal is None and self.cfg.regions:
+                refusal = self._questions.wrong_regions(regions, plan)
             risen = 0.0
             if refusal is None:
                 self._plan, self._regions = plan, regions
@@ -213,8 +214,9 @@ class Thinker:
 
     def _strategy(self, name: str, load: Loader | None = None) -> Strategy:
         regions = self._regions if self.cfg.regions else None
+        candidates = None if regions is None else self._questions.candidates(regions, self._plan)
         return make_strategy(name, self._plan, regions, self._world.schema, self._questions.sizes,
-                             load or self._load, self._keep)
+                             load or self._load, self._keep, candidates)
 
     def _keeping(self) -> LastGoodCost:
         def heard(cost: Cost, error: CostError) -> None:

@@ -17,9 +17,11 @@ from coral.contact.planning import PlanningWorld
 from coral.contact.thinking.ask import Asker
 from coral.contact.thinking.beliefs import Estimate, Estimates, verify_estimates
 from coral.contact.thinking.plan_answer import PlanAnswer
-from coral.contact.thinking.regions import ObjectRegions, RegionsAnswer, verify_regions
+from coral.contact.thinking.region_check import verify_regions
+from coral.contact.thinking.regions import ObjectRegions, RegionsAnswer
 from coral.contact.thinking.scene_facts import interface_text
 from coral.contact.thinking.think_cfg import ThinkCfg
+from coral.contact.thinking.touch import Scenery
 
 KIND = "unified"
 
@@ -53,7 +55,7 @@ class UnifiedAnswer(PlanAnswer):
 
 def ask_all(asker: Asker, facts: Mapping[str, Any], shown: Mapping[str, Any], world: PlanningWorld,
             wrong_plan: Callable[[UnifiedAnswer], Rejection | None], cfg: ThinkCfg,
-            history: Mapping[str, Any] | None = None) -> Outcome[UnifiedAnswer]:
+            scenery: Scenery, history: Mapping[str, Any] | None = None) -> Outcome[UnifiedAnswer]:
     """Put the one question. While an answer is checked, the planning world believes what it says.
 
     Args:
@@ -63,6 +65,7 @@ def ask_all(asker: Asker, facts: Mapping[str, Any], shown: Mapping[str, Any], wo
         world: The planning world.
         wrong_plan: Why its programs cannot be used.
         cfg: Thresholds.
+        scenery: True shapes of the objects.
         history: In a repair: attempts, history, code and error.
     """
     objects = {name: {"mass_kg": None, "friction": None, **item} for name, item in shown.items()}
@@ -78,7 +81,7 @@ def ask_all(asker: Asker, facts: Mapping[str, Any], shown: Mapping[str, Any], wo
         world.believe(answer.estimates.physical())
         refusal = wrong_plan(answer)
         if refusal is None and cfg.regions:
-            refusal = verify_regions(answer.places, facts, answer.names, cfg.region)
+            refusal = verify_regions(answer.places, facts, answer.names, cfg.region, scenery)
         return refusal
 
     return asker.ask(KIND, UnifiedAnswer, facts, prompt, wrong, seen=True)

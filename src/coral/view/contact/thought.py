@@ -193,6 +193,16 @@ def _regions(event: Record) -> Part:
                 text=f"Nowhere in particular: {_failed(failure)}." if failure else "")
 
 
+def _candidates(event: Record) -> Part:
+    said = []
+    for item in event.get("regions", ()):
+        lost: Mapping[str, int] = item["lost"]
+        stage = f" for {item['stage']}" if item.get("stage") else ""
+        said.append(f"{item['kept']} of {item['kept'] + sum(lost.values())} are left on the {item['object']}{stage}; "
+                    f"{', '.join(f'{count} {reason}' for reason, count in lost.items())}.")
+    return Part(title="Some points cannot be touched", text=" ".join(said))
+
+
 def _stuck(event: Record) -> Part:
     kind = str(event.get("diagnosis", ""))
     said = str(event.get("text", ""))
@@ -244,9 +254,9 @@ def _strategy(event: Record) -> Part | None:
 
 
 _PARTS: Mapping[str, Callable[[Record], Part | None]] = {
-    "poses": _poses, "beliefs": _beliefs, "recall": _recall, "plan_answer": _plan, "regions": _regions, "stuck": _stuck,
-    "correction": _correction, "cost_error": _cost_error, "fallback": _fallback, "remembered": _remembered,
-    "strategy": _strategy}
+    "poses": _poses, "beliefs": _beliefs, "recall": _recall, "plan_answer": _plan, "regions": _regions,
+    "candidates": _candidates, "stuck": _stuck, "correction": _correction, "cost_error": _cost_error,
+    "fallback": _fallback, "remembered": _remembered, "strategy": _strategy}
 
 
 def _refused(event: Record) -> tuple[str, ...]:
