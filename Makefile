@@ -8,7 +8,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-libero demo test test-ray test-model test-libero check docs figures bench clean help
+.PHONY: setup setup-libero demo test test-ray test-lance test-model test-libero check docs figures bench clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -38,6 +38,10 @@ endif
 test-ray: setup  ## a two-node Ray cluster on this machine, one node killed midway
 	$(PIP) --no-build-isolation --editable '.[ray]'
 	$(BIN)/python -m pytest -m ray tests/campaign/test_ray.py
+
+test-lance: setup  ## experience memories in LanceDB, several processes writing (a download of 75 MB)
+	$(PIP) --no-build-isolation --editable '.[lance]'
+	$(BIN)/python -m pytest tests/contact/thinking/test_store.py tests/contact/thinking/test_memory.py
 
 # Without GGML_NATIVE=OFF the compiled server crashes on some virtual machines that advertise AMX.
 test-model: setup  ## a mission through a small real language model (compiles for minutes)

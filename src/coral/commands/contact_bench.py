@@ -83,9 +83,9 @@ class ContactBench:
     tracker: str | None = None
     """What finds the objects in those pictures: model, the embedded tracker (the default), or
     foundationpose:http://HOST:PORT, a server of it that every worker can reach."""
-    memory: Path | None = None
-    """What variants that remember begin with: a memory, or an export of one (also the memory.json of a campaign). Every
-    trial has a copy to itself. Without it they begin with nothing."""
+    memory: str | None = None
+    """What variants that remember begin with: a memory (an SQLite file, or lance:FOLDER_OR_URI), or an export of one
+    (also the memory.json of a campaign). Every trial has a copy to itself. Without it they begin with nothing."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
     jobs: int = 1
@@ -266,18 +266,24 @@ class ContactBench:
         words += ["--policies", self.policies] if self.policies else []
         words += ["--poses", self.poses] if self.poses is not None else []
         words += ["--tracker", self.tracker] if self.tracker is not None else []
-        words += ["--memory", str(self.memory)] if self.memory is not None else []
+        words += ["--memory", self.memory] if self.memory is not None else []
         words += ["--samples", str(self.samples)] if self.samples is not None else []
         words += config_words(self.cfg, EpisodeCfg(), self.config)
         return shlex.join(words)
 
 
-def read_memory(file: Path) -> dict[str, Any]:
+def read_memory(where: str | Path) -> dict[str, Any]:
     """What is remembered in a memory, or in an export of one.
 
     Raises:
         InputError: It is neither.
     """
+    if isinstance(where, str) and where.startswith("lance:"):
+        known = Memory(where)
+        if not known.store.exists():
+            raise InputError("--memory", "", f"{where}: nothing there", "a memory, or an export of one")
+        return known.export()
+    file = Path(where)
     try:
         head = file.read_bytes()
     except OSError as error:

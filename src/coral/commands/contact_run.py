@@ -60,8 +60,9 @@ class ContactRun:
     believe: str | None = None
     """Believe this at first of masses (kg) and frictions, NAME=MASS,FRICTION[;...], instead of the advisor's
     estimate."""
-    memory: Path | None = None
-    """File of the experience memory: read at the start, a success is added to it. Without it nothing is remembered."""
+    memory: str | None = None
+    """Experience memory: an SQLite file, or lance:FOLDER_OR_URI. It is read at the start, and a success is added to it.
+    Without it nothing is remembered."""
     inbox: Path = Path("inbox")
     """Folder of the questions that the advisor `desk` puts."""
     out: Path | None = None

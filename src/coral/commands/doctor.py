@@ -16,6 +16,7 @@ from typing import Any
 CORE = ("numpy", "numba", "opencv-python-headless", "pydantic", "pydantic-ai-slim", "httpx2", "tyro", "rich", "PyYAML",
         "Jinja2", "viser", "matplotlib", "imageio-ffmpeg", "pyarrow")
 EXTRAS = {
+    "lance": ("lancedb", "an experience memory that several machines share"),
     "ray": ("ray", "campaigns on a cluster"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),
 }

@@ -12,45 +12,48 @@ import tyro
 
 from coral.contact.thinking.embedding import HashedWords
 from coral.contact.thinking.memory import Memory, Stored
+from coral.contact.thinking.store_sqlite import SqliteStore
 from coral.errors import InputError
 
-FILE = Path("memory.sqlite")
+FILE = "memory.sqlite"
 
 
-def _existing(file: Path) -> Memory:
-    """The memory in a file that is there; texts are not embedded by these commands.
+def _existing(file: str) -> Memory:
+    """A memory that is there; texts are not embedded by these commands.
 
     Raises:
-        InputError: There is no such file.
+        InputError: There is none.
     """
-    if not file.is_file():
-        raise InputError(str(file), "", "no such file", "the file that coral contact run --memory has made")
-    return Memory(file, embedder=HashedWords())
+    memory = Memory(file, embedder=HashedWords())
+    if not memory.store.exists():
+        raise InputError(file, "", "no such file" if isinstance(memory.store, SqliteStore) else "no such memory",
+                         "what coral contact run --memory has made")
+    return memory
 
 
 def _row(stored: Stored) -> dict[str, Any]:
     held = stored.experience
-    return {"id": stored.id, "created": stored.created, "task": held.task, "instruction": held.instruction,
-            "stages": held.plan.names, "used": stored.used, "helped": stored.helped, **held.provenance}
+    return {"seed": None, **held.provenance, "id": stored.id, "created": stored.created, "task": held.task,
+            "instruction": held.instruction, "stages": held.plan.names, "used": stored.used, "helped": stored.helped}
 
 
 @dataclass(frozen=True, kw_only=True)
 class MemoryList:
     """List what is remembered."""
 
-    file: Path = FILE
-    """The memory."""
+    file: str = FILE
+    """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
     json: bool = False
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Read the rows."""
-        return {"file": str(self.file), "experiences": [_row(stored) for stored in _existing(self.file).all()]}
+        return {"file": self.file, "experiences": [_row(stored) for stored in _existing(self.file).all()]}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """One line each."""
-        rows = [f"{row['id']:>4}  {row['task']:<18} {row['world']:<6} seed {row['seed']:<5} used {row['used']}, helped "
-                f"{row['helped']}  {', '.join(row['stages'])}" for row in result["experiences"]]
+        rows = [f"{row['id']:>4}  {row['task']:<18} {row['world']!s:<6} seed {row['seed']!s:<5} used {row['used']}, "
+                f"helped {row['helped']}  {', '.join(row['stages'])}" for row in result["experiences"]]
         return "\n".join(rows) or f"{result['file']}: nothing is remembered"
 
 
@@ -60,8 +63,8 @@ class MemoryShow:
 
     id: tyro.conf.Positional[int]
     """As `coral memory list` tells."""
-    file: Path = FILE
-    """The memory."""
+    file: str = FILE
+    """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
     json: bool = False
     """Print one JSON object."""
 
@@ -83,15 +86,15 @@ class MemoryForget:
 
     id: tyro.conf.Positional[int]
     """As `coral memory list` tells."""
-    file: Path = FILE
-    """The memory."""
+    file: str = FILE
+    """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
     json: bool = False
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Delete it."""
         _existing(self.file).forget(self.id)
-        return {"file": str(self.file), "forgotten": self.id}
+        return {"file": self.file, "forgotten": self.id}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """What was done."""
@@ -104,8 +107,8 @@ class MemoryExport:
 
     to: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
     """The JSON file; it must not exist yet."""
-    file: Path = FILE
-    """The memory."""
+    file: str = FILE
+    """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
     json: bool = False
     """Print one JSON object."""
 
@@ -130,8 +133,8 @@ class MemoryImport:
 
     source: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
     """The JSON file."""
-    file: Path = FILE
-    """The memory; made if it is not there."""
+    file: str = FILE
+    """The memory, an SQLite file or lance:FOLDER_OR_URI; made if it is not there."""
     json: bool = False
     """Print one JSON object."""
 
@@ -143,7 +146,7 @@ class MemoryImport:
             raise InputError(str(self.source), "", error, "a JSON file that coral memory export has written") from None
         if not isinstance(content, dict):
             raise InputError(str(self.source), "", type(content).__name__, "an object")
-        return {"file": str(self.file), "added": Memory(self.file).load(content, str(self.source))}
+        return {"file": self.file, "added": Memory(self.file).load(content, str(self.source))}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """What was added."""

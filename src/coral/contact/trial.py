@@ -46,7 +46,7 @@ def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant:
         known = own.load(memory, "memory") if own is not None and memory is not None else 0
         mind = make_mind(variant, task, Asking(
             advisor=advisor, seed=seed, world=world, folder=folder, think=within(cfg.controller, cfg.think),
-            memory=None if own is None else own.path))
+            memory=None if own is None else own.where))
         episode = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor)
         result = episode.run()
         if own is not None:

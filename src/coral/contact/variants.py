@@ -37,7 +37,7 @@ class Asking:
         advisor: As on the command line.
         seed: Of the trial; what is drawn while thinking follows from it.
         world: Where it takes place, for the record of a success.
-        memory: File of the experience memory; None for none.
+        memory: The experience memory, as `store_of` takes it; None for none.
         folder: Run folder, in which every attempt is logged; None for no log.
         inbox: Of the advisor `desk`.
         think: What of the thinking is on, and its thresholds.
@@ -48,7 +48,7 @@ class Asking:
     advisor: str = "heuristic"
     seed: int = 0
     world: str = ""
-    memory: Path | None = None
+    memory: str | Path | None = None
     folder: Path | None = None
     inbox: Path | None = None
     think: ThinkCfg = field(default_factory=ThinkCfg)

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from coral.cli import main
+from coral.commands.contact_bench import read_memory
 from coral.contact.thinking.compose import compose
 from coral.contact.thinking.embedding import HashedWords
 from coral.contact.thinking.memory import Experience, Memory, scene_numbers
@@ -25,8 +26,8 @@ def experience(one, **provenance):
 
 
 @pytest.fixture
-def memory(tmp_path):
-    return Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+def memory(place):
+    return Memory(place("m"), embedder=HashedWords())
 
 
 def changed(facts, **size):
@@ -92,7 +93,7 @@ def test_texts_are_embedded_once_unless_another_embedder_asks(scene, memory, nam
     for seed in range(2):
         memory.add(experience(one, seed=seed))
     asking = Counting(name)
-    found = Memory(memory.path, embedder=asking).find(one.facts)
+    found = Memory(memory.where, embedder=asking).find(one.facts)
     assert [match.similarity for match in found] == pytest.approx([1.0, 1.0], abs=1e-5)
     assert asking.texts == [one.facts["instruction"]] * times
 
@@ -100,7 +101,7 @@ def test_texts_are_embedded_once_unless_another_embedder_asks(scene, memory, nam
 def test_a_vector_of_another_length_is_made_anew(scene, memory):
     one = scene("pick-box")
     memory.add(experience(one))
-    shorter = Memory(memory.path, embedder=HashedWords(size=64))
+    shorter = Memory(memory.where, embedder=HashedWords(size=64))
     assert [match.similarity for match in shorter.find(one.facts)] == pytest.approx([1.0], abs=1e-5)
 
 
@@ -114,9 +115,9 @@ def test_a_remembered_plan_fits_another_size_and_name(scene, memory):
         "self.can_pos + self.boxer_pos + self.can_init_pos")
 
 
-def test_export_import_and_forget(scene, memory, tmp_path):
+def test_export_import_and_forget(scene, memory, place):
     number = memory.add(experience(scene("pick-box")))
-    copy = Memory(tmp_path / "copy.sqlite", embedder=HashedWords())
+    copy = Memory(place("copy"), embedder=HashedWords())
     assert copy.load(memory.export(), "x") == 1
     assert copy.load(memory.export(), "x") == 0
     memory.forget(number)
@@ -139,7 +140,7 @@ import sys, json
 from pathlib import Path
 from coral.contact.thinking.embedding import HashedWords
 from coral.contact.thinking.memory import Experience, Memory
-memory = Memory(Path(sys.argv[1]), embedder=HashedWords())
+memory = Memory(sys.argv[1], embedder=HashedWords())
 one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
 while True:
     print(memory.add(one), flush=True)
@@ -148,7 +149,7 @@ while True:
 
 def test_a_killed_writer_loses_nothing_it_has_acknowledged(scene, memory, tmp_path):
     (tmp_path / "one.json").write_text(experience(scene("pick-box")).model_dump_json())
-    with subprocess.Popen([sys.executable, "-c", WRITER, str(memory.path), str(tmp_path / "one.json")],
+    with subprocess.Popen([sys.executable, "-c", WRITER, memory.where, str(tmp_path / "one.json")],
                           stdout=subprocess.PIPE, text=True) as writer:
         told = [int(writer.stdout.readline()) for _ in range(20)]
         writer.send_signal(signal.SIGKILL)
@@ -157,12 +158,38 @@ def test_a_killed_writer_loses_nothing_it_has_acknowledged(scene, memory, tmp_pa
     assert memory.add(experience(scene("pick-box"))) > max(told)
 
 
+@pytest.mark.parametrize("wrong", [
+    {"goals": [{"kind": "lifted"}]}, {"goals": [{"object": "box"}]}, {"goals": [{"kind": "lifted", "object": ["box"]}]},
+    {"numbers": {"object0.size.0": float("nan")}}, {"numbers": {"object0.size.0": float("inf")}}])
+def test_an_export_that_says_nonsense_is_refused_before_it_is_compared(scene, memory, wrong):
+    memory.add(experience(scene("pick-box")))
+    content = memory.export()
+    content["experiences"].append({**content["experiences"][0], **wrong})
+    with pytest.raises(InputError, match=r"experiences\[1\]\.(goals|numbers).*expected an exported experience"):
+        memory.load(content, "x")
+
+
+def test_a_stored_row_that_says_nonsense_is_passed_over(scene, memory):
+    one = scene("pick-box")
+    made = json.loads(experience(one).model_dump_json())
+    memory.store.insert("now", json.dumps({**made, "goals": [{"kind": "lifted"}]}), "hashed-words",
+                        memory.embedder.embed(one.facts["instruction"]))
+    assert memory.find(one.facts) == []
+
+
+def test_the_list_shows_provenance_that_says_little_or_too_much(scene, memory, capsys):
+    one = experience(scene("pick-box"))
+    number = memory.add(one.model_copy(update={"provenance": {"success": True, "world": "hand", "id": 77}}))
+    assert main(["memory", "list", "--file", memory.where]) == 0
+    assert capsys.readouterr().out.split()[0] == str(number)
+
+
 ADDER = """
 import sys
 from pathlib import Path
 from coral.contact.thinking.embedding import HashedWords
 from coral.contact.thinking.memory import Experience, Memory
-memory = Memory(Path(sys.argv[1]), embedder=HashedWords())
+memory = Memory(sys.argv[1], embedder=HashedWords())
 one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
 print("ready", flush=True)
 sys.stdin.readline()
@@ -189,7 +216,7 @@ def adding(tmp_path):
 
 
 def test_many_processes_write_into_a_new_memory_at_once_and_nothing_is_lost(scene, memory, adding):
-    writers = adding(memory.path, experience(scene("pick-box")), 4)
+    writers = adding(memory.where, experience(scene("pick-box")), 4)
     for writer in writers:
         writer.stdin.write(b"\n")
         writer.stdin.flush()
@@ -199,8 +226,9 @@ def test_many_processes_write_into_a_new_memory_at_once_and_nothing_is_lost(scen
     assert len({one.id for one in stored}) == 40
 
 
-def test_a_file_that_another_process_is_just_making_is_waited_for(scene, memory, monkeypatch):
-    other = sqlite3.connect(memory.path, isolation_level=None)
+def test_a_file_that_another_process_is_just_making_is_waited_for(scene, tmp_path, monkeypatch):
+    memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    other = sqlite3.connect(tmp_path / "m.sqlite", isolation_level=None)
     other.execute("BEGIN IMMEDIATE")
     waited = []
 
@@ -208,23 +236,27 @@ def test_a_file_that_another_process_is_just_making_is_waited_for(scene, memory,
         waited.append(seconds)
         other.execute("COMMIT")
 
-    monkeypatch.setattr("coral.contact.thinking.memory.time.sleep", wait)
+    monkeypatch.setattr("coral.contact.thinking.store_sqlite.time.sleep", wait)
     assert memory.add(experience(scene("pick-box"))) == 1
     assert len(waited) == 1
     other.close()
 
 
-def test_commands(scene, memory, tmp_path, capsys):
+def test_commands(scene, memory, place, tmp_path, capsys):
     number = memory.add(experience(scene("pick-box")))
-    file = ["--file", str(memory.path)]
+    file = ["--file", memory.where]
     assert main(["memory", "list", *file, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["experiences"][0]["id"] == number
     assert main(["memory", "show", str(number), *file]) == 0
     assert "def state_cost" in capsys.readouterr().out
     assert main(["memory", "export", str(tmp_path / "e.json"), *file]) == 0
     assert main(["memory", "export", str(tmp_path / "e.json"), *file]) == 2
-    assert main(["memory", "import", str(tmp_path / "e.json"), "--file", str(tmp_path / "new.sqlite")]) == 0
+    assert main(["memory", "import", str(tmp_path / "e.json"), "--file", place("new")]) == 0
+    assert [one["numbers"] for one in read_memory(place("new"))["experiences"]] == [memory.all()[0].experience.numbers]
     assert main(["memory", "forget", "99", *file]) == 2
     assert main(["memory", "forget", str(number), *file]) == 0
-    assert main(["memory", "list", "--file", str(tmp_path / "none")]) == 2
-    assert "no such file" in capsys.readouterr().err
+    capsys.readouterr()
+    assert main(["memory", "list", "--file", place("none")]) == 2
+    assert "found no such" in capsys.readouterr().err
+    with pytest.raises(InputError, match="a memory, or an export"):
+        read_memory(place("none"))

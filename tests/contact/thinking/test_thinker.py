@@ -239,8 +239,8 @@ def test_the_process_ends_though_the_memory_cannot_be_written(remembering):
     one, memory = remembering
     mind, _, worker = confining(one, memory)
     mind.begin(one.drawn, one.now, one.world)
-    memory.path.unlink()
-    memory.path.mkdir()
+    memory.store.path.unlink()
+    memory.store.path.mkdir()
     with pytest.raises(InputError):
         mind.ended("success")
     assert worker.pid is None

@@ -1,36 +1,25 @@
-"""The experience memory (Eq. 1): plans that have succeeded, kept in one SQLite file, found again by task and numbers.
-
-Rows are written in one transaction each, with a write-ahead log that is synchronised fully: a process killed at any
-moment loses nothing that was acknowledged, and several processes may write.
-"""
+"""The experience memory (Eq. 1): plans that have succeeded, found again by task and numbers."""
 
 from __future__ import annotations
 
 import math
-import sqlite3
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError, field_validator
 
 from coral.config import Fraction, Positive
 from coral.contact.thinking.embedding import Embedder, Vector, best_embedder
 from coral.contact.thinking.plan_answer import PlanAnswer
 from coral.contact.thinking.regions import RegionsAnswer
+from coral.contact.thinking.store import Store, store_of
 from coral.errors import InputError
 
 FORMAT = "coral-memory/1"
-BUSY_S = 30.0
-"""Longest wait for others that write."""
-TABLE = """CREATE TABLE IF NOT EXISTS experience (
-    id INTEGER PRIMARY KEY AUTOINCREMENT, created TEXT NOT NULL, record TEXT NOT NULL, embedder TEXT NOT NULL,
-    vector BLOB NOT NULL, used INTEGER NOT NULL DEFAULT 0, helped INTEGER NOT NULL DEFAULT 0)"""
 
 
 class Experience(BaseModel):
@@ -49,11 +38,19 @@ class Experience(BaseModel):
     task: str
     instruction: str
     goals: list[dict[str, Any]]
-    numbers: dict[str, float]
+    numbers: dict[str, FiniteFloat]
     plan: PlanAnswer
     regions: RegionsAnswer
-    beliefs: dict[str, tuple[float, float]]
+    beliefs: dict[str, tuple[FiniteFloat, FiniteFloat]]
     provenance: dict[str, Any]
+
+    @field_validator("goals")
+    @classmethod
+    def _of_objects(cls, goals: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        # What is looked up by; the rest of a goal only has to be the same.
+        if not all(isinstance(goal.get(key), str) for goal in goals for key in ("kind", "object")):
+            raise ValueError("a goal has a kind and an object")
+        return goals
 
 
 @dataclass(frozen=True)
@@ -113,47 +110,45 @@ class MemoryCfg:
 
 
 class Memory:
-    """A file of experiences.
+    """A store of experiences, and how they are found in it.
 
     Args:
-        path: The SQLite file; made at the first success.
+        where: The SQLite file, or what `store_of` takes; made at the first success.
         cfg: When an experience fits.
         embedder: For texts; by default the best that is installed.
     """
 
-    def __init__(self, path: Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
-        self.path, self.cfg, self.embedder = path, cfg or MemoryCfg(), embedder or best_embedder()
+    def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
+        self.store: Store = store_of(where)
+        self.cfg, self.embedder = cfg or MemoryCfg(), embedder or best_embedder()
+
+    @property
+    def where(self) -> str:
+        """The store, as a user writes it."""
+        return self.store.name
 
     def add(self, experience: Experience) -> int:
         """Store a success; its id.
 
         Raises:
-            InputError: It is no verified success, or the file cannot be written.
+            InputError: It is no verified success, or the store cannot be written.
         """
         if experience.provenance.get("success") is not True or not experience.provenance.get("world"):
             raise InputError("memory", "provenance", dict(experience.provenance),
                              "success: true and the world that it was judged in")
-        vector = self.embedder.embed(experience.instruction).astype("<f4").tobytes()
         now = datetime.now(UTC).isoformat(timespec="seconds")
-        with self._open(write=True) as base:
-            row = base.execute("INSERT INTO experience (created, record, embedder, vector) VALUES (?, ?, ?, ?)",
-                               (now, experience.model_dump_json(), self.embedder.name, vector))
-            return int(row.lastrowid or 0)
+        return self.store.insert(now, experience.model_dump_json(), self.embedder.name,
+                                 self.embedder.embed(experience.instruction))
 
     def all(self) -> list[Stored]:
         """Everything that is remembered and can be read, oldest first."""
-        if not self.path.exists():
-            return []
-        with self._open() as base:
-            rows = base.execute("SELECT id, created, record, used, helped, embedder, vector FROM experience ORDER BY id"
-                                ).fetchall()
         found = []
-        for row in rows:
+        for row in self.store.rows():
             try:
-                found.append(Stored(row[0], row[1], Experience.model_validate_json(row[2]), row[3], row[4], row[5],
-                                    np.frombuffer(row[6], "<f4")))
-            except ValueError:
-                continue  # of another version: kept in the file, of no use here
+                found.append(Stored(row.id, row.created, Experience.model_validate_json(row.record), row.used,
+                                    row.helped, row.embedder, row.vector))
+            except ValidationError:
+                continue  # of another version: kept in the store, of no use here
         return found
 
     def get(self, number: int) -> Stored:
@@ -165,7 +160,7 @@ class Memory:
         for stored in self.all():
             if stored.id == number:
                 return stored
-        raise InputError(str(self.path), "id", number, f"one of {', '.join(str(s.id) for s in self.all()) or 'none'}")
+        raise InputError(self.where, "id", number, f"one of {', '.join(str(s.id) for s in self.all()) or 'none'}")
 
     def forget(self, number: int) -> None:
         """Remove one experience.
@@ -174,14 +169,11 @@ class Memory:
             InputError: There is none of this id.
         """
         self.get(number)
-        with self._open(write=True) as base:
-            base.execute("DELETE FROM experience WHERE id = ?", (number,))
+        self.store.delete(number)
 
     def used(self, number: int, helped: bool) -> None:
         """Note that an experience was used, and whether the episode succeeded."""
-        with self._open(write=True) as base:
-            base.execute("UPDATE experience SET used = used + 1, helped = helped + ? WHERE id = ?",
-                         (int(helped), number))
+        self.store.count(number, helped)
 
     def find(self, facts: Mapping[str, Any], most: int = 3) -> list[Match]:
         """Experiences that fit a scene, best first: same goals, numbers near, then by the texts.
@@ -237,47 +229,15 @@ class Memory:
             try:
                 one = Experience.model_validate({key: value for key, value in dict(item).items() if key != "created"})
             except (ValidationError, TypeError, ValueError) as error:
-                raise InputError(where, f"experiences[{index}]", str(error).splitlines()[0], "an exported experience"
-                                 ) from None
+                path, why = f"experiences[{index}]", str(error)
+                if isinstance(error, ValidationError):
+                    first = error.errors(include_url=False)[0]
+                    path, why = ".".join([path, *map(str, first["loc"])]), first["msg"]
+                raise InputError(where, path, why, "an exported experience") from None
             if one.model_dump_json() not in known:
                 self.add(one)
                 count += 1
         return count
-
-    @contextmanager
-    def _open(self, write: bool = False) -> Iterator[sqlite3.Connection]:
-        try:
-            if write:
-                self.path.parent.mkdir(parents=True, exist_ok=True)
-            with closing(sqlite3.connect(self.path, timeout=BUSY_S)) as base:
-                if write:
-                    _ahead(base)
-                base.execute(TABLE)
-                with base:
-                    yield base
-        except (sqlite3.Error, OSError) as error:
-            raise InputError(str(self.path), "", error, "an SQLite file of experiences that can be opened") from None
-
-
-def _ahead(base: sqlite3.Connection) -> None:
-    """Write ahead, synchronised fully.
-
-    SQLite does not wait for its lock when it changes the journal, but gives up at once where another process writes
-    into a new file at the same moment.
-
-    Raises:
-        sqlite3.OperationalError: The file stays locked.
-    """
-    until = time.monotonic() + BUSY_S
-    while True:
-        try:
-            base.execute("PRAGMA journal_mode=WAL")
-            base.execute("PRAGMA synchronous=FULL")
-            return
-        except sqlite3.OperationalError:
-            if time.monotonic() > until:
-                raise
-            time.sleep(0.005)
 
 
 def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -178,7 +179,7 @@ class Thinker:
         # Without regions a plan is no help to whom it would guide.
         if success and not followed and self.cfg.regions:
             number = self.memory.add(self._experience())
-            self._emit("remembered", id=number, file=self.memory.path.name)
+            self._emit("remembered", id=number, file=Path(self.memory.where).name)
 
     def _recall(self, first: Observation) -> Strategy | None:
         if self.memory is None:
