@@ -3,6 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from coral.contact.task import shipped_tasks
 from coral.contact.thinking.compose import compose
 from coral.contact.thinking.compose_outcome import outcome_plan
 from coral.contact.thinking.plan_answer import PlanAnswer, make_strategy
@@ -36,6 +37,12 @@ def test_without_guides_what_no_way_lowers_gains_nothing(scene):
 def test_without_guides_the_same_seed_gains_the_same(scene):
     stage = first_stage(one := scene("pick-clutter"), outcome_plan(one.facts))
     assert gained(one, stage, 3) == gained(one, stage, 3)
+
+
+@pytest.mark.parametrize("task", shipped_tasks())
+def test_a_plan_of_the_rules_gains_by_its_own_guides(scene, task):
+    made = compose((one := scene(task)).facts)
+    assert gained(one, first_stage(one, made.plan, made.regions)) > 0.3
 
 
 def test_guides_alone_give_the_ways_where_there_are_any(scene):

@@ -17,6 +17,8 @@ from coral.contact.world import Body, Observation
 
 Array = NDArray[np.float64]
 ABOVE_M = 0.06
+HALF_TURN = np.array([0.0, 0.0, 0.0, 1.0])
+"""About the palm's axis."""
 DOWNWARD = np.array([0.0, 0.0, -1.0])
 
 
@@ -112,9 +114,11 @@ def gain(world: PlanningWorld, stage: Stage, now: Observation, sizes: Mapping[st
     start = now.tool
     ways: list[Way] = []
     for guide in stage.guides:
-        turn = guide.quaternion(present) if guide.quaternion else start.quaternion
+        turn = np.asarray(guide.quaternion(present) if guide.quaternion else start.quaternion)
         opening = now.opening_m if guide.opening_m is None else guide.opening_m
-        ways += [([point], np.asarray(turn), float(opening)) for point in guide.points(present)]
+        # Either way round: the fingers touch alike, and a cost may ask for one.
+        ways += [([point], way, float(opening)) for way in (turn, multiply(turn, HALF_TURN))
+                 for point in guide.points(present)]
     if not stage.guides:
         ways = _some(now, sizes, rng, count)
     ways.append(([start.position], start.quaternion, now.opening_m))
