@@ -1,9 +1,12 @@
 import numpy as np
 import pytest
 
+from coral.contact.context import Context
 from coral.contact.draw import draw
+from coral.contact.geometry import from_rotvec, multiply
 from coral.contact.hand_world import HandWorld, HandWorldCfg
 from coral.contact.planning import PlanningCfg, PlanningWorld
+from coral.contact.program import CostProgram
 from coral.contact.scene import prior
 from coral.contact.task import load_task, shipped_tasks
 from coral.contact.thinking.compose_outcome import outcome_plan
@@ -40,3 +43,23 @@ def test_the_rules_answer_so_where_there_is_to_be_no_contact_strategy():
 
 def test_goals_that_ask_for_nothing_to_be_moved_make_no_cost():
     assert outcome_plan({"goals": [{"kind": "undisturbed", "object": "box"}]}) is None
+
+
+def test_once_the_other_goals_are_met_letting_go_is_cheaper_and_far_away_costs_nothing():
+    facts, world, samples = scene("flip-wall")
+    program = CostProgram(outcome_plan(facts).code, world.schema)
+    first = samples[0].first()
+    values = {name: first[name] for name in first.names()}
+    turned = multiply(from_rotvec([0.0, np.pi / 2, 0.0]), values["box_init_quat"][0, 0])[None, None]
+    one = np.ones((1, 1))
+
+    def cost(quat, touched, away):
+        state = {**values, "box_quat": quat, "box_wall_contact": one, "box_vel": np.zeros((1, 1, 3)),
+                 "box_hand_contact": touched * one, "ee_pos": values["box_pos"] + np.array([0.0, 0.0, away])}
+        return float(sum(term[0, 0] for term in program(Context(state, (1, 1))).values()))
+
+    assert cost(turned, 1, 0.03) > cost(turned, 0, 0.03) + 0.5
+    assert cost(turned, 0, 0.4) == pytest.approx(cost(turned, 0, 0.03), abs=0.01)
+    lying = values["box_init_quat"]
+    assert cost(lying, 1, 0.03) == pytest.approx(cost(lying, 0, 0.03), abs=0.01)
+    assert cost(lying, 0, 0.4) > cost(lying, 0, 0.03) + 1.0

@@ -6,7 +6,7 @@ strategy provides, and fall back on the object's position; so does this one: the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,8 @@ from coral.contact.thinking.stands import rise, top
 
 MARGIN_M = 0.02
 """Beyond an object's largest half extent the hand is drawn to it; within, it may touch anywhere."""
+DONE = 0.7
+"""An object's goals count as met where their terms add up to less: a flip within 6 degrees, a place within 4 cm."""
 EDGE_M = 0.02
 """How far within a region an object is drawn to."""
 
@@ -38,12 +40,23 @@ def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
             drawn.append(name)
     if not drawn:
         return None
-    reach = [f"    terms['{name} reach'] = 8.0 * clip(norm(self.ee_pos - self.{name}_pos) - "
-             f"{number(max(facts['objects'][name]['size_m']) / 2 + MARGIN_M)}, 0.0, 1.0)"
+    let_go = {goal["object"] for goal in facts["goals"] if goal["kind"] == "released"}
+    reach = [_reach(name, facts, name in let_go, [line for line in terms if f"'{name} " in line])
              for name in dict.fromkeys(drawn)]
-    body = "\n".join([*reach, *terms])
+    body = "\n".join([*terms, *reach])
     return PlanAnswer(code=f"def state_cost(self):\n{body}\n    return terms\n",
                       explanation="Be near what is to be moved; every goal costs its distance; touch it anywhere.")
+
+
+def _reach(name: str, facts: Mapping[str, Any], let_go: bool, goals: Sequence[str]) -> str:
+    """Draw the hand to an object; where it is to be released, only until its other goals are met, and away after."""
+    near = number(max(facts["objects"][name]["size_m"]) / 2 + MARGIN_M)
+    reach = f"terms['{name} reach'] = 8.0 * clip(norm(self.ee_pos - self.{name}_pos) - {near}, 0.0, 1.0)"
+    if not let_go:
+        return f"    {reach}"
+    missed = " + ".join(line.split("=")[0].strip() for line in goals)
+    return (f"    done = near({missed}, {number(DONE)})\n    {reach} * (1.0 - done)\n"
+            f"    terms['{name} released'] = done * self.{name}_hand_contact")
 
 
 def _flipped(goal: Mapping[str, Any]) -> str:
