@@ -14,6 +14,7 @@ import pytest
 
 from coral.contact.context import Context
 from coral.contact.program import CostError, CostProgram, CostWorker, LimitsCfg, WorkerCfg
+from coral.contact.program.sandbox import KEPT
 from coral.contact.program.seccomp import MACHINES, filter_program
 
 LINUX = sys.platform.startswith("linux")
@@ -32,6 +33,13 @@ def test_it_gives_the_same_bits_as_this_process(worker, board, schema, states):
     assert list(found) == list(wanted)
     assert all(np.array_equal(found[name], wanted[name]) for name in wanted)
     assert cost.term_line("drift") == program.term_line("drift")
+
+
+def test_more_programs_than_are_kept_at_a_time_are_all_evaluated(worker, schema, states):
+    state = states(np.random.default_rng(3), 2, 2)
+    costs = [worker.load(f"def state_cost(self):\n    return {k}.0 + 0.0 * self.time", schema) for k in range(KEPT + 3)]
+    for _ in range(2):
+        assert [sum(term[0, 0] for term in cost(state).values()) for cost in costs] == list(range(KEPT + 3))
 
 
 def test_its_trace_is_that_of_this_process(worker, board, schema, states):

@@ -13,6 +13,7 @@ from coral.contact.draw import Physical
 from coral.contact.mind import Moment, Step
 from coral.contact.program import CostError, CostWorker
 from coral.contact.strategy import Progress
+from coral.contact.task import shipped_tasks
 from coral.contact.thinking import thinker as thinking
 from coral.contact.thinking.ask import Asker
 from coral.contact.thinking.beliefs import Estimate
@@ -141,6 +142,20 @@ def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
     assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
     again.ended("success")
     assert (memory.all()[0].used, memory.all()[0].helped) == (1, 1)
+
+
+@pytest.mark.parametrize("task", shipped_tasks())
+def test_what_succeeded_in_a_shipped_task_is_used_when_the_same_trial_comes_again(scene, tmp_path, task):
+    memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    one = scene(task)
+    mind, _ = thinker(one, memory=memory)
+    mind.begin(one.drawn, one.now, one.world)
+    mind.ended("success")
+    mind, told = thinker(one, memory=memory)
+    mind.begin(one.drawn, one.now, one.world)
+    assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
+    assert mind.account.memory_hit
+    mind.ended("timeout")
 
 
 @pytest.fixture

@@ -29,7 +29,8 @@ from coral.contact.program.trace import Trace
 
 HEADER = struct.Struct("<I")
 LONGEST_MESSAGE = 1 << 20
-KEPT = 8
+KEPT = 64
+"""Programs at a time: a plan's costs and tests, and those of the plans that were checked before it."""
 Request = dict[str, Any]
 Reply = dict[str, Any]
 
@@ -99,13 +100,15 @@ class Sandbox:
 
     def _load(self, request: Request) -> Reply:
         program = CostProgram(request["source"], quantities(request["schema"]), limits=LimitsCfg(**request["limits"]))
-        while len(self.programs) >= KEPT:
-            del self.programs[min(self.programs)]
+        dropped = list(self.programs)[:max(0, len(self.programs) + 1 - KEPT)]  # the longest unused
+        for number in dropped:
+            del self.programs[number]
         self.programs[int(request["id"])] = program
-        return {"reads": program.reads, "source": program.source}
+        return {"reads": program.reads, "source": program.source, "dropped": dropped}
 
     def _run(self, request: Request) -> Reply:
-        program = self.programs[int(request["id"])]
+        number = int(request["id"])
+        program = self.programs[number] = self.programs.pop(number)  # the last one used
         values = {name: self._view(offset, [*([size] if size else []), *shape], bool(size))
                   for name, offset, shape, size in request["inputs"]}
         k, h = request["shape"]

@@ -108,6 +108,8 @@ class CostWorker:
         schema = {key: [q.size, q.truth, q.constant] for key, q in cost.schema.items()}
         reply = self._ask({"op": "load", "id": cost.number, "source": cost.given, "schema": schema,
                            "limits": asdict(self.cfg.limits)})
+        dropped = reply.get("dropped")
+        self._loaded -= {one for one in dropped if isinstance(one, int)} if isinstance(dropped, list) else set()
         self._loaded.add(cost.number)
         return reply
 
