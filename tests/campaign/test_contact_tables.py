@@ -74,14 +74,14 @@ def test_trials_that_broke_off_are_named():
     broken = {key: value for key, value in row(seed=7).items()
               if key in ("world", "variant", "seed", "advisor", "overrides")}
     notes = tables([*ROWS, {**broken, "status": "failed"}])[0].notes
-    assert "1 trials broke off with an error and are left out: expert-fsm in pick-box, seed 7." in notes
+    assert "Broke off with an error and left out (1): expert-fsm in pick-box, seed 7." in notes
 
 
 def test_what_broke_off_is_told_where_it_belongs():
     broken = {key: value for key, value in row(advisor="b", variant="full", seed=7).items()
               if key in ("world", "variant", "seed", "advisor", "overrides")}
     made = tables([row(advisor="a", variant="full"), {**broken, "status": "failed"}])
-    assert [("Advisor: a." in table.caption, any("broke off" in note for note in table.notes)) for table in made] == [
+    assert [("Advisor: a." in table.caption, any("Broke off" in note for note in table.notes)) for table in made] == [
         (True, False)] * 3 + [(False, True)] * 3
 
 

@@ -80,7 +80,7 @@ def test_every_table_says_where_it_comes_from():
         text = " ".join(table.notes)
         assert "heuristic (embedded rules, no foundation model)" in table.caption
         for part in ("l1, k1", "Seeds: 0, 1", "abc1234", "x86_64", "coral reef bench --seeds 0-1", "Mixed",
-                     "1 missions failed and are left out: pd in l1, seed 0"):
+                     "Failed and left out (1): pd in l1, seed 0"):
             assert part in text
 
 

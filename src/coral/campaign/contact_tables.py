@@ -189,6 +189,6 @@ def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, An
         parts.append("Mixed: these trials ran on different versions of the code.")
     if failed:
         names = ", ".join(f"{row['variant']} in {Path(row['world']).stem}, seed {row['seed']}" for row in failed[:4])
-        parts.append(f"{len(failed)} trials broke off with an error and are left out: {names}"
+        parts.append(f"Broke off with an error and left out ({len(failed)}): {names}"
                      f"{', …' if len(failed) > 4 else ''}.")
     return tuple(parts)

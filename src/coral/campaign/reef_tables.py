@@ -225,7 +225,7 @@ def _source(rows: Sequence[Row], chosen: Sequence[Row], advisor: str, overrides:
     if len(versions) > 1:
         parts.append("Mixed: these missions ran on different versions of the code.")
     if failed:
-        parts.append(f"{len(failed)} missions failed and are left out: {', '.join(_label(row) for row in failed[:4])}"
+        parts.append(f"Failed and left out ({len(failed)}): {', '.join(_label(row) for row in failed[:4])}"
                      f"{', …' if len(failed) > 4 else ''}.")
     if any(row["advisor"] == NO_ADVISOR for row in chosen) and advisor != NO_ADVISOR:
         parts.append("Variants that ask no advisor ran once and stand beside every advisor; their calls are questions "

@@ -34,7 +34,7 @@ def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str,
     settings = by_setting(rows)
     worlds = len({row["world"] for row in rows})
     if worlds < FEW_WORLDS:
-        notes = (f"{worlds} worlds are few to draw from: these intervals are narrower than they should be.", *notes)
+        notes = (f"Few worlds to draw from ({worlds}): these intervals are narrower than they should be.", *notes)
     if not set(settings) - {NOMINAL}:
         return []
     labels = [measure.label for measure in measures]
