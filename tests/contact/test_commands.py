@@ -52,6 +52,8 @@ def test_run_says_in_words_how_it_ended(task, tmp_path, capsys):
     (["pick-box", "--cfg.reactive.memory-s", "0"], "reactive.memory_s"),
     (["push-pick-board", "--variant", "full", "--believe", "bord=2,0.9"], "did you mean 'board'?"),
     (["push-pick-board", "--believe", "board=2,0.9"], "also --variant expert-fsm"),
+    (["pick-box", "--advisor", "desk"], "desk with --variant expert-fsm"),
+    (["pick-box", "--variant", "full", "--model.attempt-timeout-s", "nan"], "attempt_timeout_s"),
     (["absent.yaml"], "no such file"),
 ])
 def test_bad_input_is_one_line_and_exit_code_2(words, said, tmp_path, capsys, monkeypatch):

@@ -1,6 +1,21 @@
+import dataclasses
+
 import pytest
 
-from coral.contact.variants import rules_alone
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.models import ModelAdvisor
+from coral.contact.task import load_task
+from coral.contact.thinking.think_cfg import ThinkCfg
+from coral.contact.thinking.thinker import Thinker
+from coral.contact.variants import DESK_S, Asking, make_mind, rules_alone
+
+SERVER = "local:http://127.0.0.1:1/v1#m"
+
+
+def thinker(asking: Asking) -> Thinker:
+    mind = make_mind("full", load_task("pick-box"), asking)
+    assert isinstance(mind, Thinker)
+    return mind
 
 
 @pytest.mark.parametrize("advisor", ["heuristic", "fallible:0.3:heuristic", "fallible:0.1:fallible:0.2:heuristic"])
@@ -12,3 +27,24 @@ def test_what_rules_alone_compose_needs_no_confinement(advisor):
                                      "replay:runs:heuristic", "local:http://127.0.0.1:1/v1#a:heuristic", ""])
 def test_a_name_that_ends_like_the_rules_is_still_confined(advisor):
     assert not rules_alone(advisor)
+
+
+def test_a_model_is_called_as_configured():
+    advisor = thinker(Asking(advisor=SERVER, model=ModelCfg(output="tool", max_retries=7))).asker.advisor
+    assert isinstance(advisor, ModelAdvisor)
+    assert (advisor.cfg.output, advisor.cfg.max_retries) == ("tool", 7)
+
+
+def test_a_model_has_time_and_room_to_write_and_mend_a_program():
+    mind = thinker(Asking(advisor=SERVER))
+    assert isinstance(mind.asker.advisor, ModelAdvisor)
+    assert mind.asker.advisor.cfg.max_output_tokens >= 16_000
+    assert mind.asker.budget.deadline_s >= 3 * mind.asker.advisor.cfg.deadline_s
+
+
+def test_a_person_has_a_day_unless_told_otherwise(tmp_path):
+    asking = Asking(advisor="desk", inbox=tmp_path)
+    assert thinker(asking).asker.budget.deadline_s == DESK_S
+    budget = dataclasses.replace(ThinkCfg().budget, deadline_s=30.0)
+    asking = dataclasses.replace(asking, think=dataclasses.replace(asking.think, budget=budget))
+    assert thinker(asking).asker.budget.deadline_s == 30.0

@@ -34,7 +34,7 @@ from coral.contact.policy.trial import run_policy_trial
 from coral.contact.task import Task, load_task, shipped_tasks
 from coral.contact.thinking.memory import FORMAT, Memory
 from coral.contact.trial import run_trial
-from coral.contact.variants import ALONE, VARIANTS, check_variant, make_mind
+from coral.contact.variants import ALONE, VARIANTS, check_variant, contact_model, make_mind
 from coral.contact.worlds import check_world
 from coral.errors import InputError, RunError
 from coral.runs import provenance
@@ -45,6 +45,7 @@ class ContactEpisode:
     """A spec into an episode. The tasks travel along, so that a worker needs none of the caller's files."""
 
     cfg: EpisodeCfg
+    model: ModelCfg
     tasks: Mapping[str, Task]
     policies: Mapping[str, Address] = field(default_factory=dict)
     memory: Mapping[str, Any] | None = None
@@ -56,7 +57,7 @@ class ContactEpisode:
             return run_policy_trial(task, self.cfg, folder, world=world, address=self.policies[spec.variant],
                                     seed=spec.seed)
         return run_trial(task, self.cfg, folder, world=world, variant=spec.variant, advisor=spec.advisor,
-                         seed=spec.seed, memory=self.memory)
+                         seed=spec.seed, memory=self.memory, model=self.model)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,6 +109,8 @@ class ContactBench:
     """Print one JSON object on standard output; progress stays on standard error."""
     quiet: bool = False
     """No progress."""
+    model: ModelCfg = field(default_factory=contact_model)
+    """How a real model is called, and what each episode may spend."""
     cfg: EpisodeCfg = field(default_factory=EpisodeCfg)
     """The episode."""
 
@@ -165,7 +168,8 @@ class ContactBench:
         for advisor in advisors:
             if advisor.split(":")[-1] == "desk":
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
-            make_advisor(advisor, rules={}, rng=np.random.default_rng(0), cfg=ModelCfg(), where="--advisors")
+            make_advisor(advisor, rules={}, rng=np.random.default_rng(0), cfg=checked(self.model, "--model"),
+                         where="--advisors")
         return grid("contact", variants=(*variants, *policies), worlds=tuple(tasks), seeds=parse_seeds(self.seeds),
                     advisors=advisors, alone=[*(name for name in variants if name in ALONE), *policies],
                     overrides=[{"world": world} for world in worlds])
@@ -185,7 +189,8 @@ class ContactBench:
         content["planning"].pop("threads")  # changes how long it takes, and nothing else
         content["tracked"]["by"] = cfg.tracked.choice().name  # nor does it matter where a server is
         content["tracked"]["foundationpose"].pop("url")
-        return {"code version": f"{code_version()}", "configuration": digest(content),
+        whole = {"episode": content, "model": to_mapping(self.model)}
+        return {"code version": f"{code_version()}", "configuration": digest(whole),
                 "memory": "none" if memory is None else digest([
                     {**one, "created": ""} for one in memory["experiences"]]),
                 **{f"task {name}": digest(task.model_dump(mode="json")) for name, task in tasks.items()}}
@@ -196,8 +201,8 @@ class ContactBench:
             cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
         executor = make_executor(self.executor, self.jobs, self.address)
         try:
-            return run_campaign(store, specs, ContactEpisode(cfg, tasks, self._policies(), memory), executor,
-                                retry_failed=self.retry_failed, mix=self.mix,
+            episode = ContactEpisode(cfg, self.model, tasks, self._policies(), memory)
+            return run_campaign(store, specs, episode, executor, retry_failed=self.retry_failed, mix=self.mix,
                                 progress=CampaignProgress(quiet=self.quiet))
         except KeyboardInterrupt:
             print(f"stopped; the same command goes on from here ({self.out})", file=sys.stderr)
@@ -269,6 +274,7 @@ class ContactBench:
         words += ["--memory", self.memory] if self.memory is not None else []
         words += ["--samples", str(self.samples)] if self.samples is not None else []
         words += config_words(self.cfg, EpisodeCfg(), self.config)
+        words += config_words(self.model, contact_model(), None, "model")
         return shlex.join(words)
 
 

@@ -26,7 +26,7 @@ from coral.contact.policy.trial import serving
 from coral.contact.task import Task, load_task
 from coral.contact.thinking.given import parse_beliefs
 from coral.contact.thinking.think_cfg import within
-from coral.contact.variants import ALONE, VARIANTS, Asking, check_variant, make_mind
+from coral.contact.variants import ALONE, VARIANTS, Asking, check_variant, contact_model, make_mind
 from coral.contact.worlds import check_world
 from coral.errors import InputError
 from coral.runs import new_run_folder
@@ -75,6 +75,8 @@ class ContactRun:
     """No progress bar."""
     video: bool = False
     """Also write episode.mp4."""
+    model: ModelCfg = field(default_factory=contact_model)
+    """How a real model is called, and what the run may spend."""
     cfg: EpisodeCfg = field(default_factory=EpisodeCfg)
     """The episode."""
 
@@ -93,7 +95,12 @@ class ContactRun:
             raise InputError("--policy", "", f"also --variant {self.variant}",
                              "one of the two: a policy has no variant")
         check_world(self.world)
-        make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=ModelCfg())
+        model = checked(self.model, "--model")
+        make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=model)
+        if self.advisor != type(self).advisor and (self.policy is not None or self.variant in ALONE):
+            which = "--policy" if self.policy else f"--variant {self.variant}"
+            raise InputError("--advisor", "", f"{self.advisor} with {which}",
+                             "a variant that asks an advisor, such as --variant full")
         task = load_task(self.task)
         if self.believe is not None and (self.policy is not None or self.variant in (*ALONE, "unified")):
             raise InputError("--believe", "", f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
@@ -110,7 +117,7 @@ class ContactRun:
         folder = self.out or new_run_folder(Path("runs"), task.name)
         mind = make_mind(self.variant, task, Asking(
             advisor=self.advisor, seed=self.seed, world=self.world, memory=self.memory, folder=folder, inbox=self.inbox,
-            think=within(cfg.controller, cfg.think), believe=believe))
+            think=within(cfg.controller, cfg.think), believe=believe, model=model))
         advisor = "none" if self.variant in ALONE else self.advisor
         episode = Episode(draw(task, self.seed), self.world, mind, cfg, folder, variant=self.variant, advisor=advisor)
         progress = EpisodeProgress(quiet=self.quiet)

@@ -9,17 +9,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from coral.advisor.model_cfg import ModelCfg
 from coral.contact.draw import draw
 from coral.contact.episode import Episode, EpisodeCfg
 from coral.contact.task import Task
 from coral.contact.thinking.memory import Memory
 from coral.contact.thinking.think_cfg import within
-from coral.contact.variants import REMEMBERING, Asking, make_mind
+from coral.contact.variants import REMEMBERING, Asking, contact_model, make_mind
 from coral.errors import RunError
 
 
 def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant: str, advisor: str, seed: int,
-              memory: Mapping[str, Any] | None = None) -> dict[str, Any]:
+              memory: Mapping[str, Any] | None = None, model: ModelCfg | None = None) -> dict[str, Any]:
     """Run an episode; the same arguments give the same episode as `coral contact run`.
 
     Args:
@@ -33,6 +34,7 @@ def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant:
         memory: What a variant that remembers begins with, as `Memory.export` gives it; None for nothing. The trial has
             it to itself, so that trials do not depend on each other or on their order; what it adds is written into
             `remembered.json` of the run folder.
+        model: How a real model is called.
 
     Returns:
         Metrics and timing, with `evaluation_world`, and `memory_known`, the number of experiences at the start.
@@ -46,7 +48,7 @@ def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant:
         known = own.load(memory, "memory") if own is not None and memory is not None else 0
         mind = make_mind(variant, task, Asking(
             advisor=advisor, seed=seed, world=world, folder=folder, think=within(cfg.controller, cfg.think),
-            memory=None if own is None else own.where))
+            memory=None if own is None else own.where, model=model or contact_model()))
         episode = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor)
         result = episode.run()
         if own is not None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from coral.advisor.consult import Attempt, BudgetCfg
+from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
@@ -27,6 +27,11 @@ from coral.contact.thinking.spoil import SPOILT
 from coral.contact.thinking.think_cfg import ThinkCfg
 from coral.contact.thinking.thinker import Thinker
 from coral.errors import InputError, nearest
+
+
+def contact_model() -> ModelCfg:
+    """How a real model is called here: it writes programs, and simulated time does not pass while it does."""
+    return ModelCfg(attempt_timeout_s=120.0, deadline_s=180.0, max_output_tokens=16_384)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,12 +58,12 @@ class Asking:
     inbox: Path | None = None
     think: ThinkCfg = field(default_factory=ThinkCfg)
     believe: Mapping[str, Physical] = field(default_factory=dict)
-    model: ModelCfg = field(default_factory=ModelCfg)
+    model: ModelCfg = field(default_factory=contact_model)
 
 
 Make = Callable[[Task, Asking], Mind]
 DESK_S = 86_400.0
-"""A person at the desk may take a day: simulated time does not pass, and writing a cost takes more than a minute."""
+"""A person at the desk may take a day, unless the configuration says otherwise."""
 
 
 def _thinking(variant: str, *, remember: bool = True, strategy: bool = True, regions: bool = True, refine: bool = True,
@@ -75,7 +80,9 @@ def _thinking(variant: str, *, remember: bool = True, strategy: bool = True, reg
         # What rules compose needs no confinement; what a model writes gets it, and so does what is remembered.
         worker = CostWorker()
         load = in_process if rules_alone(asking.advisor) else worker.load
-        budget = BudgetCfg(deadline_s=DESK_S) if asking.advisor.rsplit(":", 1)[-1] == "desk" else None
+        budget = asking.think.budget
+        if asking.advisor.rsplit(":", 1)[-1] == "desk" and budget == ThinkCfg().budget:
+            budget = dataclasses.replace(budget, deadline_s=DESK_S)
         return Thinker(Asker(advisor, budget, _logging(asking.folder)), think,
                        np.random.default_rng([asking.seed, 3]), memory, load,
                        {"world": asking.world, "seed": asking.seed, "variant": variant, "advisor": asking.advisor,

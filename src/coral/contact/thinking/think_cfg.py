@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from coral.advisor.consult import BudgetCfg
 from coral.config import Count, NonNegative
 from coral.contact.controller import ControllerCfg
 from coral.contact.thinking.beliefs import BeliefCfg
@@ -26,6 +27,8 @@ class ThinkCfg:
         correct_every_s: Simulated time after which the world model is corrected by what was felt, stuck or not;
             0 for only when stuck.
         corrections: Most of these in an episode; the last is kept for its end.
+        budget: Attempts and wall time for one decision. Simulated time stands still, and a program takes a model minutes
+            to write and mend.
         belief: Bounds of what may be believed.
         region: Bounds of what regions may be.
         identify: The fit of corrections.
@@ -40,6 +43,7 @@ class ThinkCfg:
     least_gain: float = 0.05
     correct_every_s: NonNegative = 0.0
     corrections: Count = 5
+    budget: BudgetCfg = field(default_factory=lambda: BudgetCfg(deadline_s=600.0))
     belief: BeliefCfg = field(default_factory=BeliefCfg)
     region: RegionCfg = field(default_factory=RegionCfg)
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
