@@ -42,7 +42,7 @@ class RayExecutor:
             import ray
         except ImportError:
             raise InputError("--executor", "", "ray, which is not installed",
-                             "local, or the extra installed: pip install 'coral-robotics[ray]'") from None
+                             "local, or the extra installed: pip install -e '.[ray]'") from None
         self._ray = ray
         _knock(address)
         try:

@@ -88,7 +88,7 @@ def test_without_the_package_one_line_says_how_to_get_it(tmp_path, monkeypatch):
         return there(name, *rest)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(InputError, match=r"pip install 'coral-robotics\[lance\]'"):
+    with pytest.raises(InputError, match=r"pip install -e '\.\[lance\]'"):
         store_of(f"lance:{tmp_path}")
 
 

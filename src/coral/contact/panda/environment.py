@@ -22,7 +22,7 @@ from coral.errors import InputError, RunError
 
 _LOGGER = logging.getLogger(__name__)
 MISSING = (
-    "the Panda world needs robosuite: `make setup` installs it; elsewhere `pip install 'coral-robotics[contact]'` and "
+    "the Panda world needs robosuite: `make setup` installs it; elsewhere `pip install -e '.[contact]'` and "
     "then `pip install --no-deps robosuite==1.5.2` (its own requirements would replace numpy and OpenCV)"
 )
 MOUNT_HEIGHT_M = 0.912  # from the floor to the arm's foot, on robosuite's pedestal

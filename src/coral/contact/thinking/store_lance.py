@@ -51,7 +51,7 @@ class LanceStore:
             import lancedb  # type: ignore[import-not-found,unused-ignore]
         except ImportError:
             raise InputError(self.name, "", "no package lancedb",
-                             "the extra installed: pip install 'coral-robotics[lance]'") from None
+                             "the extra installed: pip install -e '.[lance]'") from None
         self._lance: Any = lancedb
 
     def exists(self) -> bool:
