@@ -1,6 +1,7 @@
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import pytest
+import tyro
 
 from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_bench import ContactBench
@@ -12,6 +13,13 @@ from coral.errors import InputError
 class Cfg:
     speed: float = 1.0
     count: int = 2
+    noisy_picture: bool = True
+    sigma: tuple[float, float] = (0.1, 0.2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    cfg: Cfg = field(default_factory=Cfg)
 
 
 @pytest.fixture
@@ -39,6 +47,12 @@ def test_a_missing_file_is_one_clear_line(tmp_path):
 def test_the_words_name_the_file_and_what_differs_from_it(file):
     assert config_words(Cfg(speed=3.0, count=5), Cfg(), file) == ["--config", str(file), "--cfg.count", "5"]
     assert config_words(Cfg(count=5), Cfg(), None) == ["--cfg.count", "5"]
+
+
+def test_the_words_are_such_that_the_command_line_takes_them():
+    words = config_words(Cfg(noisy_picture=False, sigma=(1.0, 2.0)), Cfg(), None)
+    assert words == ["--cfg.no-noisy-picture", "--cfg.sigma", "1.0", "2.0"]
+    assert tyro.cli(Command, args=words).cfg == Cfg(noisy_picture=False, sigma=(1.0, 2.0))
 
 
 @pytest.mark.parametrize(("command", "text", "key"), [(ContactBench, "replan_steps: 1\n", "replan_steps"),

@@ -31,6 +31,24 @@ Signed = Annotated[float, Field(allow_inf_nan=False)]
 """A number that may be negative: without a type that says so, no number in a configuration may be."""
 
 
+def whole_steps(period_s: float, step_s: float, where: str, field: str) -> int:
+    """How many steps make a period.
+
+    Args:
+        period_s: The period.
+        step_s: One step.
+        where: File or flag that holds the step, for the error.
+        field: Its path in there.
+
+    Raises:
+        InputError: It is no whole number.
+    """
+    steps = period_s / step_s
+    if round(steps) < 1 or abs(steps - round(steps)) > 1e-6:
+        raise InputError(where, field, f"{step_s:g} s", f"a whole number of them in {period_s:g} s")
+    return round(steps)
+
+
 def read_config(path: Path, default: C) -> C:
     """A configuration from a YAML file that may name only some of the fields; the rest come from `default`.
 

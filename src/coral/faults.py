@@ -9,6 +9,7 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from coral.errors import InputError, nearest
+from coral.words import many
 
 LONGEST = 60
 """Letters of a wrong value that are shown."""
@@ -41,7 +42,7 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
     if kind in ("too_short", "too_long"):
         count = fault["ctx"].get("min_length", fault["ctx"].get("max_length"))
         bound = "at least" if kind == "too_short" else "at most"
-        return InputError(where, field, f"{len(value)} entries", f"{bound} {count}")
+        return InputError(where, field, many(len(value), "entry", "entries"), f"{bound} {count}")
     if kind == "model_type":
         known = _keys(model, fault["loc"])
         return InputError(where, field, shown(value), f"a mapping with the keys {', '.join(known)}")

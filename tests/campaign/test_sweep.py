@@ -53,7 +53,7 @@ def test_means_stand_with_the_nominal_setting_first():
                           ("current=0.1", "4", "100.0 [100.0, 100.0]", "0.0 [0.0, 0.0]"),
                           ("current=0.5", "4", "50.0 [50.0, 50.0]", "1.5 [1.5, 1.5]"))
     assert means.notes[-1] == "From where."
-    assert means.notes[-2].startswith("2 worlds are few")
+    assert means.notes[-2].startswith("Few worlds to draw from (2)")
 
 
 def test_differences_are_paired_with_the_nominal_setting():

@@ -31,7 +31,7 @@ def test_a_trial_begins_with_what_practice_left_and_with_nothing_of_its_neighbou
     rows = read_parquet(tmp_path / "out" / "results.parquet")
     kept = len(json.loads((practice / "memory.json").read_text())["experiences"])
     assert [(row["memory_known"], row["memory_hit"], row["advisor_calls"]) for row in rows] == [(kept, True, 1)] * 2
-    assert f"{kept} experiences" in (tmp_path / "out" / "tables.md").read_text()
+    assert f"at the start of every trial: {kept} (" in (tmp_path / "out" / "tables.md").read_text()
     assert json.loads(capsys.readouterr().out)["memory"] == ""
 
 
@@ -46,8 +46,9 @@ def test_only_plans_with_regions_are_handed_on(practised):
 def test_an_advisor_that_errs_has_tables_of_its_own(practised):
     _, practice = practised
     page = (practice / "tables.md").read_text()
-    assert page.count("Advisor: fallible:0.3:heuristic (rules, no language model).") == 4
-    assert page.count("Advisor: heuristic (rules, no language model).") == 4
+    spoilt = "Advisor: fallible:0.3:heuristic (embedded rules with simulated mistakes, no foundation model)."
+    assert page.count(spoilt) == 4
+    assert page.count("Advisor: heuristic (embedded rules, no foundation model).") == 4
 
 
 def test_strategy_and_none_are_compared_in_a_table_and_a_figure(practised):
@@ -57,11 +58,15 @@ def test_strategy_and_none_are_compared_in_a_table_and_a_figure(practised):
     assert (practice / "ablation-slide.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("content", [b"", b"{}", b"nothing"])
-def test_what_is_no_memory_is_refused(tmp_path, content):
+@pytest.mark.parametrize(("content", "said"), [
+    (b"", "--memory"), (b"{}", "--memory"), (b"nothing", "--memory"),
+    (b'{"format": "coral-memory/1"}', "format"),
+    (b'{"format": "coral-memory/1", "experiences": [3]}', "experiences"),
+    (b'{"format": "coral-memory/1", "experiences": [{"instruction": 3}]}', "experiences")])
+def test_what_is_no_memory_is_refused(tmp_path, content, said):
     path = tmp_path / "memory.json"
     path.write_bytes(content)
-    with pytest.raises(InputError, match="--memory"):
+    with pytest.raises(InputError, match=said):
         read_memory(path)
     with pytest.raises(InputError, match="absent"):
         read_memory(tmp_path / "absent.json")

@@ -82,6 +82,27 @@ def test_a_cost_that_cannot_be_evaluated_ends_the_episode_with_its_reason(run):
     assert "the term is nan" in events(folder, "end")[0]["detail"]
 
 
+def test_a_cost_whose_process_dies_before_the_first_plan_ends_the_episode_with_its_reason(run):
+    class Unlucky(Fixed):
+        def begin(self, *_):
+            raise CostError("killed", "the process of the cost died")
+
+    result, folder, _ = run(Unlucky(strategy()))
+    assert (result["end_reason"], result["steps"]) == ("cost-error", 0)
+    assert "the process of the cost died" in events(folder, "end")[0]["detail"]
+
+
+@pytest.mark.parametrize(("part", "key"), [("planning", "physics_dt_s"), ("outer", "replay_dt_s")])
+def test_steps_that_do_not_fill_a_control_step_are_refused_before_a_folder_is_made(run, tmp_path, part, key):
+    cfg = dataclasses.replace(COARSE, planning=dataclasses.replace(COARSE.planning, physics_dt_s=0.03))
+    if part == "outer":
+        outer = dataclasses.replace(COARSE.think.outer, replay_dt_s=0.03)
+        cfg = dataclasses.replace(COARSE, think=dataclasses.replace(COARSE.think, outer=outer))
+    with pytest.raises(InputError, match=rf"{key}: found 0\.03 s, expected a whole number of them in"):
+        run(cfg=cfg)
+    assert not (tmp_path / "run").exists()
+
+
 class Mender(Fixed):
     """Has another cost ready when one fails."""
 

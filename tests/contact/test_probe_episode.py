@@ -9,6 +9,7 @@ from coral.contact.draw import Physical, draw
 from coral.contact.episode import EpisodeCfg
 from coral.contact.probe_episode import Found, probe_episode
 from coral.contact.task import load_task
+from coral.contact.world import WorldFault
 
 TRUTH, FIRST = Physical(0.1, 0.5), Physical(2.0, 0.9)
 
@@ -60,10 +61,23 @@ def test_the_command_tells_and_draws_each_correction_of_an_episode(told, tmp_pat
 
 
 @pytest.mark.parametrize(("words", "said"), [(["--every", "0"], "--every"), (["--samples", "0"], "--samples"),
-                                             (["--mass", "nan"], "--mass")])
+                                             (["--mass", "nan"], "--mass"), (["--seed", "-1"], "--seed"),
+                                             (["--cfg.slow-m-s", "0"], "slow_m_s")])
 def test_bad_input_is_refused_in_a_line(words, said, told, capsys):
     assert main(["contact", "identify", "--world", "panda", "--quiet", *words]) == 2
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
     assert not told
+
+
+def test_a_world_that_fails_under_the_pushes_is_told_in_a_line(monkeypatch, capsys):
+    def pushed(*_):
+        yield from ()
+        raise WorldFault("diverged", "the hand left the table")
+
+    monkeypatch.setattr(contact_identify, "probe", pushed)
+    assert main(["contact", "identify", "--quiet"]) == 1
+    error = capsys.readouterr().err
+    assert "diverged: the hand left the table" in error
+    assert error.count("\n") == 1

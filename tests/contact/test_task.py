@@ -59,6 +59,7 @@ BAD = [
     ("objects.0", 3, "objects[0]", "a mapping with the keys name, label"),
     ("objects.0.name", "Box", "objects[0].name", "match"), ("objects.0.name", "table", "objects[0].name", "taken"),
     ("objects.0.name", "wall", "objects[0].name", "taken"), ("objects.0.name", "target", "objects[0].name", "taken"),
+    *(("objects.0.name", name, "objects[0].name", "taken") for name in ("cmd", "step", "t", "event", "source", "self")),
     ("objects.0.mas_kg", 1, "objects[0].mas_kg", "did you mean 'mass_kg'?"),
     ("objects.0.mass_kg", [0.4, 0.1], "objects[0].mass_kg", "lower end first"),
     ("objects.0.mass_kg", 0, "objects[0].mass_kg[0]", "0.005"),

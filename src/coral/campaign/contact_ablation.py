@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from statistics import fmean, median
+from statistics import median
 
-from coral.campaign.contact_tables import called, paper, poses_of
+from coral.campaign.contact_tables import paper, poses_of
 from coral.campaign.measures import Row, number
-from coral.campaign.spec import NO_ADVISOR
+from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.table import Table
 
 GUIDED, UNGUIDED = "full", "cost-only"
 NAMES = {GUIDED: "with contact strategy", "unguided": "its plan, sampling unguided", UNGUIDED: "without"}
 COLUMNS = (("steps", 0), ("path_length_m", 2), ("first_touch_s", 2), ("plan_cost", 2), ("plan_cost_jump", 3))
 """Measure and digits after the point."""
+COMPARED = ("steps", "path_length_m", "first_touch_s")
+"""Measures of which a change means something: the variants' costs are different functions."""
 HEADER = ("", "success", "steps", "path (m)", "first touch (s)", "planning cost", "its jumps")
 
 
@@ -81,6 +83,6 @@ def _shown(rows: Sequence[Row], key: str, digits: int) -> str:
 
 def _change(guided: Sequence[Row], unguided: Sequence[Row], key: str) -> str:
     ours, theirs = _values(guided, key), _values(unguided, key)
-    if not ours or not theirs or not fmean(theirs):
+    if key not in COMPARED or not ours or not theirs or not median(theirs):
         return "–"
-    return f"{100.0 * (median(ours) / median(theirs) - 1.0):+.0f} %" if median(theirs) else "–"
+    return f"{100.0 * (median(ours) / median(theirs) - 1.0):+.0f} %"

@@ -12,7 +12,7 @@ from statistics import fmean, median
 from typing import Any
 
 from coral.campaign.measures import Row, number
-from coral.campaign.spec import NO_ADVISOR
+from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.table import Table
 
 
@@ -47,13 +47,6 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
 def _place(row: Row) -> str:
     """Where a trial took place; a failed one has only what was asked for."""
     return str(json.loads(row["overrides"])["world"])
-
-
-def called(advisor: str) -> str:
-    """An advisor for a caption; rules are called rules."""
-    if advisor == NO_ADVISOR:
-        return "none"
-    return f"{advisor} (rules, no language model)" if advisor.endswith("heuristic") else advisor
 
 
 def poses_of(rows: Sequence[Row]) -> str:
@@ -182,9 +175,9 @@ def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, An
     remembering = [row for row in chosen if row.get("memory_known") is not None]
     if remembering:
         known = sorted({int(row["memory_known"]) for row in remembering})
-        parts.append(f"Memory at the start of every trial: {', '.join(map(str, known))} experiences (0: nothing can be "
-                     f"recalled); used in {sum(bool(row['memory_hit']) for row in remembering)} of {len(remembering)} "
-                     "trials.")
+        used = sum(bool(row["memory_hit"]) for row in remembering)
+        parts.append(f"Experiences in memory at the start of every trial: {', '.join(map(str, known))} (0: nothing can "
+                     f"be recalled); used in {used} of {len(remembering)} trials.")
     if len(versions) > 1:
         parts.append("Mixed: these trials ran on different versions of the code.")
     if failed:

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from coral.campaign.reef_tables import called, name
+from coral.campaign.reef_tables import name
+from coral.campaign.spec import called
 from coral.campaign.store import write_whole
 from coral.view.mapsvg import footprint
 from coral.view.run import RunFolder

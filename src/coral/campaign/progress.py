@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from coral.campaign.episode import Outcome
+from coral.words import many
 
 LINE_EVERY_S = 15.0
 """Without a terminal a line is written this often at most, so that a log stays readable."""
@@ -42,7 +43,7 @@ class CampaignProgress:
         self._bar.start()
         self._show("")
         if found and not self._quiet:
-            self._console.print(f"{found} of {total} episodes are there already", highlight=False)
+            self._console.print(f"there already: {found} of {many(total, 'episode')}", highlight=False)
 
     def ended(self, outcome: Outcome) -> None:
         """Count an episode; a failure is told at once."""

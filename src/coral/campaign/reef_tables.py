@@ -19,7 +19,7 @@ from coral.campaign.measures import (
     select,
     time_to_count,
 )
-from coral.campaign.spec import NO_ADVISOR
+from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.sweep import setting_text
 from coral.campaign.sweep_tables import sweep_tables
 from coral.campaign.table import Table
@@ -195,17 +195,6 @@ def _by_world(rows: Sequence[Row], advisor: str, source: tuple[str, ...]) -> Tab
 def name(variant: str) -> str:
     """A variant as the tables call it."""
     return str(paper()["names"].get(variant, variant))
-
-
-def called(advisor: str) -> str:
-    """An advisor as the tables call it; rules are never passed off as a model."""
-    if advisor == NO_ADVISOR:
-        return "none"
-    if advisor == "heuristic":
-        return "heuristic (embedded rules, no foundation model)"
-    if advisor.startswith("fallible:") and advisor.endswith(":heuristic"):
-        return f"{advisor} (embedded rules with simulated mistakes, no foundation model)"
-    return advisor
 
 
 def _source(rows: Sequence[Row], chosen: Sequence[Row], advisor: str, overrides: str | None, about: Mapping[str, Any],

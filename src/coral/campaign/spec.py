@@ -17,6 +17,17 @@ NO_ADVISOR = "none"
 MOST_EPISODES = 1_000_000
 
 
+def called(advisor: str) -> str:
+    """An advisor as tables and figures call it; rules are never passed off as a model."""
+    if advisor == NO_ADVISOR:
+        return "none"
+    if advisor == "heuristic":
+        return "heuristic (embedded rules, no foundation model)"
+    if re.fullmatch(r"(fallible:[^:]*:)+heuristic", advisor):
+        return f"{advisor} (embedded rules with simulated mistakes, no foundation model)"
+    return advisor
+
+
 @dataclass(frozen=True, kw_only=True)
 class Spec:
     """What defines an episode, besides the campaign's configuration and the version of the code."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from coral.campaign.bench import changes
 from coral.config import read_config, to_mapping
@@ -32,4 +32,12 @@ def config_words(cfg: C, default: C, file: Path | None, prefix: str = "cfg") -> 
     base = default if file is None else read_config(file, default)
     named = ["--config", str(file)] if file is not None else []
     return named + [word for key, value in changes(to_mapping(cfg), to_mapping(base), prefix)
-                    for word in (f"--{key.replace('_', '-')}", str(value))]
+                    for word in _words(key.replace("_", "-"), value)]
+
+
+def _words(key: str, value: Any) -> list[str]:
+    """A flag as the command line takes it."""
+    if isinstance(value, bool):
+        group, _, last = key.rpartition(".")
+        return [f"--{group}.{'' if value else 'no-'}{last}"]
+    return [f"--{key}", *map(str, value if isinstance(value, list | tuple) else [value])]

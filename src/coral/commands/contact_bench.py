@@ -6,6 +6,7 @@ import dataclasses
 import json as json_text
 import shlex
 import sys
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,10 +19,10 @@ from coral.advisor.registry import make_advisor
 from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.contact_ablation import NAMES, ablations, chosen
-from coral.campaign.contact_tables import called, contact_tables
+from coral.campaign.contact_tables import contact_tables
 from coral.campaign.dataset import Row, read_parquet, to_rows, write_parquet
 from coral.campaign.progress import CampaignProgress
-from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
+from coral.campaign.spec import Spec, called, grid, parse_names, parse_seeds
 from coral.campaign.store import Store, write_whole
 from coral.campaign.table import document
 from coral.campaign.version import code_version
@@ -32,12 +33,14 @@ from coral.contact.episode import EpisodeCfg
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.trial import run_policy_trial
 from coral.contact.task import Task, load_task, shipped_tasks
+from coral.contact.thinking.embedding import HashedWords
 from coral.contact.thinking.memory import FORMAT, Memory
 from coral.contact.trial import run_trial
 from coral.contact.variants import ALONE, VARIANTS, check_variant, contact_model, make_mind
 from coral.contact.worlds import check_world
 from coral.errors import InputError, RunError
 from coral.runs import provenance
+from coral.words import many
 
 
 @dataclass(frozen=True)
@@ -150,7 +153,7 @@ class ContactBench:
         failed = f"; {result['failed']} broke off (see {self.out / 'failures'}; --retry-failed runs them again)"
         return "\n".join([
             (self.out / "tables.md").read_text(encoding="utf-8"),
-            f"{result['done']} episodes{failed if result['failed'] else ''}",
+            f"{many(result['done'], 'episode')}{failed if result['failed'] else ''}",
             *(f"{name}: {result[name]}" for name in ("data", "tables", "memory") if result[name]),
             *(f"figure: {path}" for path in result["figures"])])
 
@@ -302,4 +305,6 @@ def read_memory(where: str | Path) -> dict[str, Any]:
         content = None
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise InputError("--memory", "", str(file), "a memory, or an export of one")
+    with tempfile.TemporaryDirectory() as aside:  # what is wrong in it is told now, not by every worker
+        Memory(Path(aside) / "memory.sqlite", embedder=HashedWords()).load(content, str(file))
     return content

@@ -12,14 +12,16 @@ import numpy as np
 
 from coral.commands.contact_progress import EpisodeProgress
 from coral.commands.contact_run import with_poses, with_samples
+from coral.config import checked
 from coral.contact.draw import Drawn, Physical, draw
 from coral.contact.episode import EpisodeCfg
 from coral.contact.probe_episode import probe_episode
 from coral.contact.task import load_task
 from coral.contact.thinking.identify import Fit
 from coral.contact.thinking.probe import ProbeCfg, probe
+from coral.contact.world import WorldFault
 from coral.contact.worlds import check_world
-from coral.errors import InputError
+from coral.errors import InputError, RunError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,6 +69,9 @@ class ContactIdentify:
                             ("--believed-mass", self.believed_mass), ("--believed-friction", self.believed_friction)):
             if not 0.01 <= value <= 20:
                 raise InputError(flag, "", value, "a number from 0.01 to 20")
+        if self.seed < 0:
+            raise InputError("--seed", "", self.seed, "a number from 0 on")
+        checked(self.cfg, "--cfg")
         if not 0.2 <= self.every <= 60:
             raise InputError("--every", "", self.every, "a number of seconds from 0.2 to 60")
         drawn = draw(load_task(self.task), self.seed)
@@ -99,7 +104,10 @@ class ContactIdentify:
     def _pushes(self, drawn: Drawn, name: str) -> dict[str, Any]:
         fits = probe(drawn, name, Physical(self.mass, self.friction), self._first, self.cfg,
                      np.random.default_rng([self.seed, 4]), self.world)
-        return {"corrections": [_row(fit) for fit in fits]}
+        try:
+            return {"corrections": [_row(fit) for fit in fits]}
+        except WorldFault as fault:
+            raise RunError(f"the pushes: {fault.code}: {fault}") from None
 
     def _episode(self, drawn: Drawn, name: str) -> dict[str, Any]:
         cfg = EpisodeCfg()
@@ -135,7 +143,7 @@ class ContactIdentify:
             axes.set(xlabel="corrections", ylabel=unit, yscale="log" if key == "mass_kg" else "linear")
         figure.axes[0].legend(frameon=False)
         try:
-            figure.savefig(path, dpi=150, metadata={"Software": None})
+            figure.savefig(path, format="png", dpi=150, metadata={"Software": None})
         except OSError as error:
             raise InputError("--figure", "", str(path), f"a file that can be written ({error.strerror})") from None
 

@@ -30,6 +30,7 @@ from coral.contact.variants import ALONE, VARIANTS, Asking, check_variant, conta
 from coral.contact.worlds import check_world
 from coral.errors import InputError
 from coral.runs import new_run_folder
+from coral.words import many
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,7 +156,7 @@ class ContactRun:
 
 
 def _count(result: Mapping[str, Any]) -> str:
-    return f"{result['policy_calls']} answers" if result["policy_calls"] else f"{result['plans']} plans"
+    return many(result["policy_calls"], "answer") if result["policy_calls"] else many(result["plans"], "plan")
 
 
 def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:

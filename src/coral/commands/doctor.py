@@ -14,8 +14,10 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 CORE = ("numpy", "numba", "opencv-python-headless", "pydantic", "pydantic-ai-slim", "httpx2", "tyro", "rich", "PyYAML",
-        "Jinja2", "viser", "matplotlib", "imageio-ffmpeg", "pyarrow")
+        "Jinja2", "viser", "matplotlib", "imageio-ffmpeg", "pyarrow", "mujoco", "websockets", "msgspec")
 EXTRAS = {
+    "contact": ("robosuite", "contact tasks on the Panda"),
+    "memory": ("wordllama", "meanings of task descriptions, for the experience memory"),
     "lance": ("lancedb", "an experience memory that several machines share"),
     "ray": ("ray", "campaigns on a cluster"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),

@@ -14,6 +14,7 @@ from coral.contact.thinking.embedding import HashedWords
 from coral.contact.thinking.memory import Memory, Stored
 from coral.contact.thinking.store_sqlite import SqliteStore
 from coral.errors import InputError
+from coral.words import many
 
 FILE = "memory.sqlite"
 
@@ -124,7 +125,7 @@ class MemoryExport:
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """What was written."""
-        return f"{result['file']}: {result['experiences']} experiences"
+        return f"{result['file']}: {many(result['experiences'], 'experience')}"
 
 
 @dataclass(frozen=True, kw_only=True)

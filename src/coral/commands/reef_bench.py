@@ -17,8 +17,8 @@ from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.dataset import read_parquet, to_rows, write_parquet
 from coral.campaign.progress import CampaignProgress
-from coral.campaign.reef_tables import DRAWN, REFERENCE, TABLE_I, called, reef_tables
-from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
+from coral.campaign.reef_tables import DRAWN, REFERENCE, TABLE_I, reef_tables
+from coral.campaign.spec import NO_ADVISOR, Spec, called, grid, parse_names, parse_seeds
 from coral.campaign.store import Store, write_whole
 from coral.campaign.sweep import parse_sweeps
 from coral.campaign.table import document
@@ -34,6 +34,7 @@ from coral.reef.variants import apply_variant
 from coral.reef.world import ReefWorld, load_world, shipped_worlds
 from coral.runs import provenance
 from coral.view.questions import question_pictures
+from coral.words import many
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,7 @@ class ReefBench:
         failed = f"; {result['failed']} failed (see {self.out / 'failures'}; --retry-failed runs them again)"
         return "\n".join([
             (self.out / "tables.md").read_text(encoding="utf-8"),
-            f"{result['done']} missions{failed if result['failed'] else ''}",
+            f"{many(result['done'], 'mission')}{failed if result['failed'] else ''}",
             *(f"{name}: {result[name]}" for name in ("data", "tables", "figure", "sweep") if result[name])])
 
     def _worlds(self) -> dict[str, ReefWorld]:

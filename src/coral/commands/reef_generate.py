@@ -14,6 +14,7 @@ import tyro
 from coral.errors import InputError
 from coral.reef.generate import GeneratorCfg, command_line, generate
 from coral.reef.world import save_world
+from coral.words import many
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +52,7 @@ class ReefGenerate:
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """One line."""
-        return (f"{result['world']}: {result['clusters']} clusters, {result['obstacles']} obstacles; "
+        return (f"{result['world']}: {many(result['clusters'], 'cluster')}, {many(result['obstacles'], 'obstacle')}; "
                 f"run it with: coral reef run {result['world']}")
 
 

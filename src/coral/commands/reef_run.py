@@ -28,6 +28,7 @@ from coral.reef.variants import apply_variant
 from coral.reef.world import load_world
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
+from coral.words import many
 
 PERSON_DEADLINE_S = 600.0
 """A person who answers gets this long, unless the configuration says otherwise; a model gets a minute."""
@@ -112,7 +113,7 @@ class ReefRun:
             with mission_notice(inbox, **about) if asks_people else nullcontext(lambda outcome: None) as finished:
                 result = mission.run([progress, *watching(mission)])
                 finished(f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
-                         f"{result['collisions']} collisions, {result['sim_time_s']:.0f} s simulated; "
+                         f"{many(result['collisions'], 'collision')}, {result['sim_time_s']:.0f} s simulated; "
                          f"{result['end_reason']}")
         finally:
             progress.close()
@@ -143,8 +144,9 @@ class ReefRun:
         """The outcome in a few lines, and where to look."""
         lines = [
             f"{self.world}: {result['clusters_covered']} of {result['clusters_total']} oyster clusters covered "
-            f"({100 * result['coverage']:.0f} %), {result['collisions']} collisions, {result['advisor_calls']} advisor "
-            f"calls ({result['requeries']} re-queries), {result['sim_time_s']:.0f} s simulated in "
+            f"({100 * result['coverage']:.0f} %), {many(result['collisions'], 'collision')}, "
+            f"{many(result['advisor_calls'], 'advisor call')} ({many(result['requeries'], 're-query', 're-queries')}), "
+            f"{result['sim_time_s']:.0f} s simulated in "
             f"{result['wall_time_s']:.0f} s; ended: {result['end_reason']}",
             f"run folder: {result['run']}"]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]

@@ -11,7 +11,7 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from coral.config import Count, to_mapping
+from coral.config import Count, to_mapping, whole_steps
 from coral.contact.controller import Controller, ControllerCfg, Plan
 from coral.contact.draw import Drawn, Physical
 from coral.contact.guessed import GuessedWorld
@@ -100,6 +100,8 @@ class Episode:
         self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
         self.plan_ms: list[float] = []
         self.judge = Judge(drawn)
+        whole_steps(cfg.planning.step_s, cfg.planning.physics_dt_s, "--cfg", "planning.physics_dt_s")
+        whole_steps(cfg.planning.step_s, cfg.think.outer.replay_dt_s, "--cfg", "think.outer.replay_dt_s")
         self.world: EvaluationWorld = make_world(world, drawn, cfg.planning.step_s)
         self.look = eyes(self.world, drawn, cfg.tracked, cfg.sight, np.random.default_rng([drawn.seed, 5]))
         self.tracked: TrackedWorld | None = None
@@ -142,6 +144,8 @@ class Episode:
                 self.end_reason, self.detail = fault.code, str(fault)
             except NoStrategy as none:
                 self.end_reason, self.detail = "no-strategy", str(none)
+            except CostError as error:  # of a process that died though its programs had been checked
+                self.end_reason, self.detail = "cost-error", str(error)
             while not self.end_reason:
                 self.advance()
                 for observer in observers:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from coral.config import TimeStep
+from coral.config import TimeStep, whole_steps
 from coral.contact.draw import Drawn
 from coral.contact.geometry import rotate
 from coral.contact.hand import HandCfg, add_hand, set_stiffness
@@ -59,7 +59,7 @@ class HandWorld:
         add_hand(spec, cfg.hand)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
-        self._substeps = round(cfg.control_period_s / cfg.physics_dt_s)
+        self._substeps = whole_steps(cfg.control_period_s, cfg.physics_dt_s, "hand", "physics_dt_s")
         self._stiffness = 0.0
 
     def reset(self) -> Observation:

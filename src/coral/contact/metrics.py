@@ -23,7 +23,7 @@ DEFINITIONS = {
     "policy_calls": "Chunks of actions that a served policy was asked for.",
     "stages": "Changes from one stage of the strategy to another.",
     "strategy": "Name of the strategy that was followed last.",
-    "advisor_calls": "Questions put to the advisor.",
+    "advisor_calls": "Times a question was put to the advisor, again after a refusal included.",
     "repairs": "Times the strategy or the beliefs were changed during the episode.",
     "memory_hit": "Whether the episode began with something remembered.",
     "path_length_m": "Length of the tool's path (m).",

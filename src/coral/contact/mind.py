@@ -20,7 +20,7 @@ class Account:
     """What a mind has done so far, as the metrics count it.
 
     Args:
-        advisor_calls: Questions put to an advisor.
+        advisor_calls: Times a question was put to an advisor, again after a refusal included.
         repairs: Times it changed the strategy or the beliefs during the episode.
         memory_hit: Whether it began with something remembered.
     """

@@ -15,7 +15,7 @@ import numpy as np
 from mujoco import rollout as mujoco_rollout
 from numpy.typing import NDArray
 
-from coral.config import Positive, TimeStep
+from coral.config import Positive, TimeStep, whole_steps
 from coral.contact.context import Context, Quantity
 from coral.contact.draw import Drawn, Physical
 from coral.contact.geometry import multiply, rotate
@@ -93,7 +93,7 @@ class PlanningWorld:
         self._drawn, self._start = drawn, start
         self.edges = False
         """Whether the table has its edges however far they are."""
-        self._substeps = round(cfg.step_s / cfg.physics_dt_s)
+        self._substeps = whole_steps(cfg.step_s, cfg.physics_dt_s, "--cfg", "planning.physics_dt_s")
         self._pool = mujoco_rollout.Rollout(nthread=cfg.threads or os.cpu_count() or 1)
         self._names = [item.name for item in drawn.task.objects]
         self.believe(beliefs)

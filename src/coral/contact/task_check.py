@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from coral.contact.task import Movable, Task
 
 RESERVED = frozenset({"table", "hand", "left", "right", "robot", "target", "world", "palm", "wrist", "tool", "ee",
-                      "gripper", "left_finger", "right_finger"})
-"""Names that the models and the costs give to the robot and to what it stands on."""
+                      "gripper", "left_finger", "right_finger", "cmd", "self", "event", "step", "t", "source",
+                      "attempts", "refused", "failure"})
+"""Names that the models, the costs and the record give to the robot, to what it stands on and to what happens."""
 
 
 def check_task(task: Task, where: str) -> None:

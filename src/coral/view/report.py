@@ -32,6 +32,7 @@ from coral.view.mapsvg import MapSvg, color_of, map_uri
 from coral.view.pictures import palette_png
 from coral.view.run import Record, RunFolder
 from coral.view.svg import LEFT, RIGHT, WIDTH, clock
+from coral.words import many
 
 TEMPLATES = Path(__file__).parent / "templates"
 FRAME_BUDGET = 3_000_000
@@ -124,19 +125,15 @@ def _size(run: RunFolder) -> tuple[float, float]:
     return max(10.0, math.ceil(reach[0] + 2)), max(10.0, math.ceil(reach[1] + 2))
 
 
-def _plural(count: int, word: str) -> str:
-    return f"{count} {word}" + ("" if count == 1 else "s")
-
-
 def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     if not metrics or not metrics.get("steps"):
         return "Nothing was recorded that could be reported on yet."
     covered, total = int(metrics.get("clusters_covered", 0)), int(metrics.get("clusters_total", 0))
     touched = int(metrics.get("collisions", 0))
     found = f"all {total}" if total and covered == total else f"{covered} of {total}"
-    safe = "without touching anything" if not touched else f"with {_plural(touched, 'collision')}"
+    safe = "without touching anything" if not touched else f"with {many(touched, 'collision')}"
     verb = "had covered" if not run.complete else "covered"
-    asked = _plural(int(metrics.get("advisor_calls", 0)), "question")
+    asked = many(int(metrics.get("advisor_calls", 0)), "question")
     minutes, seconds = divmod(int(float(metrics.get("sim_time_s", 0.0))), 60)
     distance = float(metrics.get("distance_m", 0.0))
     who, whose = (f"the {metrics['robots']} robots", "their") if metrics.get("robots") else ("the robot", "its")

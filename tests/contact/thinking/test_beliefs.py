@@ -30,8 +30,8 @@ def test_plausible_estimates_pass():
 
 
 @pytest.mark.parametrize(("given", "code", "words"), [
-    (answer(), "objects", "mug is missing"),
-    (answer(mug=(0.3, 0.5), cup=(0.3, 0.5)), "objects", "cup is no object"),
+    (answer(), "objects", "missing: mug"),
+    (answer(mug=(0.3, 0.5), cup=(0.3, 0.5)), "objects", "not in the scene: cup"),
     (answer(mug=(-1.0, 0.5)), "bounds", "mass_kg of mug is -1"),
     (answer(mug=(0.3, 9.0)), "bounds", "between 0.02 and 2"),
     (answer(mug=(math.nan, 0.5)), "bounds", "nan"),
@@ -90,7 +90,7 @@ def test_a_refused_answer_is_asked_for_again_with_the_reason():
     asker.close()
     assert outcome.answer is not None
     assert [attempt.verdict for attempt in heard] == ["rejected", "accepted"]
-    assert "is missing" in advisor.reasons[0]
+    assert "missing: " in advisor.reasons[0]
     assert asker.calls == 2
 
 

@@ -162,6 +162,11 @@ def test_a_repair_claims_no_change_that_its_rules_do_not_make(scene):
     assert "tries the same again" in repaired.explanation
 
 
+def test_without_a_contact_strategy_a_repair_claims_no_change_either(scene):
+    facts = {**scene("pick-box").facts, "contact_strategy": False, "diagnoses": ["not-reached"]}
+    assert "tries the same again" in RULES["cost-repair"](facts, ()).explanation
+
+
 def test_a_steady_force_is_pushed_with_a_hand_so_soft_that_it_cannot_push_much_harder(scene):
     stages = compose(scene("push-force").facts).plan.stages
     assert [stage.name for stage in stages] == ["reach", "push", "draw back"]

@@ -139,3 +139,14 @@ def test_without_a_contact_strategy_the_cost_is_the_way_that_is_left(scene, cond
 
 def test_every_kind_of_goal_has_a_name():
     assert goal_words({"kind": "lifted", "object": "brick", "height_m": 0.1}) == "lifted"
+
+
+@pytest.mark.parametrize("axes", ["x", "y"])
+def test_where_one_coordinate_of_a_place_counts_the_object_is_set_down_as_where_two_do(scene, axes):
+    def heights(which):
+        goal = {"kind": "at", "object": "brick", "place": "there", "tolerance_m": 0.02, "axes": which}
+        one = scene(task(goal, {"kind": "released", "object": "brick"}, places={"there": [0.1, 0.16, 0.0]}))
+        return [(stage.name, stage.done) for stage in check(one).stages if stage.name in ("raise", "lower")]
+
+    assert heights(axes)[0] == heights("xy")[0]
+    assert heights(axes)[1][1].split(" < ")[-1] == heights("xy")[1][1].split(" < ")[-1]

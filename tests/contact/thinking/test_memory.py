@@ -10,7 +10,7 @@ from coral.cli import main
 from coral.commands.contact_bench import read_memory
 from coral.contact.thinking.compose import compose
 from coral.contact.thinking.embedding import HashedWords
-from coral.contact.thinking.memory import Experience, Memory, scene_numbers
+from coral.contact.thinking.memory import FORMAT, Experience, Memory, scene_numbers
 from coral.contact.thinking.plan_answer import verify_plan
 from coral.contact.thinking.recall import adapted, renamed
 from coral.contact.thinking.region_check import verify_regions
@@ -120,6 +120,8 @@ def test_export_import_and_forget(scene, memory, place):
     copy = Memory(place("copy"), embedder=HashedWords())
     assert copy.load(memory.export(), "x") == 1
     assert copy.load(memory.export(), "x") == 0
+    twice = memory.export()["experiences"] * 2
+    assert Memory(place("third"), embedder=HashedWords()).load({"format": FORMAT, "experiences": twice}, "x") == 1
     memory.forget(number)
     assert memory.all() == []
     with pytest.raises(InputError, match="none"):

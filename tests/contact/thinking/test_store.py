@@ -1,6 +1,8 @@
 import builtins
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -99,3 +101,17 @@ def test_a_folder_is_named():
 
 def test_a_path_is_a_file_whatever_it_is_called(tmp_path):
     assert store_of(tmp_path / "lance:x").name == str(tmp_path / "lance:x")
+
+
+def test_reading_what_is_somebody_elses_does_not_write_into_it(tmp_path):
+    with closing(sqlite3.connect(tmp_path / "theirs.sqlite")) as base, base:
+        base.execute("CREATE TABLE things (name TEXT)")
+    before = (tmp_path / "theirs.sqlite").read_bytes()
+    with pytest.raises(InputError, match="no such table"):
+        store_of(tmp_path / "theirs.sqlite").rows()
+    assert (tmp_path / "theirs.sqlite").read_bytes() == before
+
+
+def test_a_file_that_another_process_has_only_begun_holds_nothing(tmp_path):
+    (tmp_path / "new.sqlite").touch()
+    assert store_of(tmp_path / "new.sqlite").rows() == []

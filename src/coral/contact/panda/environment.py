@@ -15,10 +15,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from coral.config import whole_steps
 from coral.contact.hand import MAX_OPENING_M
 from coral.contact.panda.names import FLOOR, JOINTS, PAD_GEOMS
 from coral.contact.scene import FINGER_FRICTION, FINGER_PRIORITY, ROLLING, TORSION
-from coral.errors import InputError, RunError
+from coral.errors import RunError
 
 _LOGGER = logging.getLogger(__name__)
 MISSING = (
@@ -82,10 +83,7 @@ def make_environment(
         InputError: The control period is not a whole number of physics steps.
         RunError: robosuite is not installed.
     """
-    steps = control_period_s / cfg.physics_step_s
-    if steps < 0.5 or abs(steps - round(steps)) > 1e-6:
-        expected = f"a whole number of physics steps of {cfg.physics_step_s:g} s"
-        raise InputError("panda", "control_period_s", control_period_s, expected)
+    whole_steps(control_period_s, cfg.physics_step_s, "panda", "physics_step_s")
     _, manipulation_env, empty_arena, manipulation_task = _robosuite()
 
     class TableTop(manipulation_env):  # type: ignore[misc, valid-type]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,27 +95,28 @@ def measure(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]
     found = []
     for name in drawn.objects:
         model = object_model(stage.model, drawn, name)
-        _warm(make(model), frames[0].mask(name), frames[0])
-        tracker = make(model)
+        with closing(make(model)) as tracker:
+            _warm(tracker, frames[0].mask(name), frames[0])
         visible = [_seen(model, frame, frame.mask(name), truth.objects[name])
                    for frame, truth in zip(frames, truths, strict=True)]
         errors, spent, poses, lost = [], [], [], 0
-        for k, frame in enumerate(frames):
-            mask = frame.mask(name)
-            begin = time.perf_counter()
-            estimate = tracker.track(frame, mask) if k else tracker.register(frame, mask)
-            spent.append(time.perf_counter() - begin)
-            errors.append(_error(model, estimate.T_world_object, truths[k].objects[name]))
-            poses.append((estimate.T_world_object, truths[k].objects[name]))
-            lost += estimate.lost
+        with closing(make(model)) as tracker:
+            for k, frame in enumerate(frames):
+                mask = frame.mask(name)
+                begin = time.perf_counter()
+                estimate = tracker.track(frame, mask) if k else tracker.register(frame, mask)
+                spent.append(time.perf_counter() - begin)
+                errors.append(_error(model, estimate.T_world_object, truths[k].objects[name]))
+                poses.append((estimate.T_world_object, truths[k].objects[name]))
+                lost += estimate.lost
         starts, start_times = [], []
         shown = np.flatnonzero(np.array(visible) >= cfg.enough)
         for k in shown[np.linspace(0, len(shown) - 1, cfg.registrations).round().astype(int)] if len(shown) else ():
-            tracker = make(model)
             mask = frames[k].mask(name)
-            begin = time.perf_counter()
-            estimate = tracker.register(frames[k], mask)
-            start_times.append(time.perf_counter() - begin)
+            with closing(make(model)) as tracker:
+                begin = time.perf_counter()
+                estimate = tracker.register(frames[k], mask)
+                start_times.append(time.perf_counter() - begin)
             mm, deg = _error(model, estimate.T_world_object, truths[k].objects[name])
             starts.append(not estimate.lost and mm < cfg.within_mm and deg < cfg.within_deg)
         e, updates = np.array(errors), 1e3 * np.array(spent[1:])

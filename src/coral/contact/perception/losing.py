@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Literal
 
@@ -58,19 +59,19 @@ def lose(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg, how: How) -> Loss:
     rng = np.random.default_rng([drawn.seed, 2])
     aside = Moment(start.objects, pose(start.tool[:3, :3], np.array([-0.5, 0.3, 0.5])), 0.04)
     gone, after = _gone(stage, aside, name, how)
-    tracker = make(model)
     count = round(_SECONDS / cfg.period_s)
     lost: list[bool] = []
     reason, slowest = "", 0.0
-    for k in range(3 * count):
-        moment = (aside, gone, after)[k // count]
-        frame = stage.take(moment, rng, k * cfg.period_s)
-        mask = frame.mask(name)
-        begin = time.perf_counter()
-        estimate = tracker.track(frame, mask) if k else tracker.register(frame, mask)
-        slowest = max(slowest, time.perf_counter() - begin)
-        lost.append(estimate.lost)
-        reason = reason or estimate.reason
+    with closing(make(model)) as tracker:
+        for k in range(3 * count):
+            moment = (aside, gone, after)[k // count]
+            frame = stage.take(moment, rng, k * cfg.period_s)
+            mask = frame.mask(name)
+            begin = time.perf_counter()
+            estimate = tracker.track(frame, mask) if k else tracker.register(frame, mask)
+            slowest = max(slowest, time.perf_counter() - begin)
+            lost.append(estimate.lost)
+            reason = reason or estimate.reason
     shift, turn = model.symmetry.difference(estimate.T_world_object, after.objects[name])
     away, back = lost[count:2 * count], lost[2 * count:]
     return Loss(drawn.task.name, name, how, away.index(True) + 1 if any(away) else 0, sum(away) / count, reason,

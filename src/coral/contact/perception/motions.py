@@ -76,7 +76,7 @@ def motion_of(drawn: Drawn, kind: str | None = None) -> Motion:
     """
     name = kind or (drawn.task.name if drawn.task.name in MOTIONS else "pick-box")
     if name not in MOTIONS:
-        raise InputError("--motion", "", name, f"one of {', '.join(MOTIONS)}{nearest(name, MOTIONS)}")
+        raise InputError("motion", "", name, f"one of {', '.join(MOTIONS)}{nearest(name, MOTIONS)}")
     return Motion(tuple(MOTIONS[name](_Scene(drawn))))
 
 

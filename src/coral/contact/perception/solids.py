@@ -84,7 +84,7 @@ def from_triangles(triangles: Array) -> Solids:
 
 
 def from_mujoco(model: mujoco.MjModel, geoms: NDArray[np.int64]) -> Solids:
-    """The shapes of some geoms; `center` and `rotation` are only filled in by `posed`.
+    """The shapes of some geoms; `center` and `rotation` are left zero: they change from moment to moment.
 
     Raises:
         InputError: A geom is a height field or a signed distance field.

@@ -19,8 +19,9 @@ from coral.contact.scene import add_scene
 from coral.contact.world import Body, Observation
 
 Array = NDArray[np.float64]
-EYE, TARGET = (-0.35, -0.75, 0.6), (0.05, 0.0, 0.05)
-"""Beside the robot, looking across the table: the arm hides least from there."""
+MOTIONS_EYE, MOTIONS_TARGET = (-0.35, -0.75, 0.6), (0.05, 0.0, 0.05)
+"""Beside the robot, looking down across the table: where prescribed motions are looked at from. Episodes have a
+viewpoint of their own, `tracked_cfg.EYE`, which the whole arm hides less from."""
 
 
 class Stage:
@@ -30,7 +31,7 @@ class Stage:
         drawn: The trial.
         cfg: The camera.
         noise: Of its depth; None for none.
-        T_world_camera: Shape=(4, 4); `EYE` looking at `TARGET` by default.
+        T_world_camera: Shape=(4, 4); `MOTIONS_EYE` looking at `MOTIONS_TARGET` by default.
         colours: As of `RayCamera`.
     """
 
@@ -43,7 +44,7 @@ class Stage:
         add_hand(spec, HandCfg())
         self.model = spec.compile()
         self._data = mujoco.MjData(self.model)
-        placed = look_at(EYE, TARGET) if T_world_camera is None else T_world_camera
+        placed = look_at(MOTIONS_EYE, MOTIONS_TARGET) if T_world_camera is None else T_world_camera
         self.camera = RayCamera(self.model, cfg, placed, instances(self.model, drawn), noise=noise,
                                 colours=colours)
 

@@ -58,10 +58,10 @@ def verify_estimates(answer: Estimates, sizes: Mapping[str, Sequence[float]], cf
     wanted, given = set(sizes), set(answer.root)
     if wanted != given:
         missing, extra = sorted(wanted - given), sorted(given - wanted)
-        parts = [f"{', '.join(missing)} is missing" if missing else "",
-                 f"{', '.join(extra)} is no object" if extra else ""]
-        return Rejection(code="objects", reason=f"{' and '.join(part for part in parts if part)}; give one entry for "
-                         f"each of {', '.join(sizes)}", details={"missing": missing, "extra": extra})
+        parts = [f"missing: {', '.join(missing)}" if missing else "",
+                 f"not in the scene: {', '.join(extra)}" if extra else ""]
+        return Rejection(code="objects", reason=f"{'; '.join(part for part in parts if part)}; give one entry for each "
+                         f"of {', '.join(sizes)}", details={"missing": missing, "extra": extra})
     for name, one in answer.root.items():
         volume = math.prod(sizes[name])
         for field, value, (low, high), unit in (

@@ -18,6 +18,7 @@ from coral.config import Count, Fraction, Positive
 from coral.contact.draw import Physical
 from coral.contact.thinking.balance import Balance, BalanceCfg, solve, unbalanced
 from coral.contact.thinking.replay import Replay, ReplayCfg
+from coral.words import many
 
 Array = NDArray[np.float64]
 
@@ -87,7 +88,7 @@ class Fit:
         """The correction in a sentence."""
         what = (f"{self.object}: mass {self.before.mass_kg:.3g} to {self.after.mass_kg:.3g} kg, friction "
                 f"{self.before.friction:.2g} to {self.after.friction:.2g}; replay error {self.error_before:.2f} to "
-                f"{self.error_after:.2f} in {self.windows} windows")
+                f"{self.error_after:.2f} in {many(self.windows, 'window')}")
         if max(self.mass_sd, self.friction_sd) <= known:
             return f"{what}; both are known to {100 * max(self.mass_sd, self.friction_sd):.0f} %"
         if self.product_sd <= known:

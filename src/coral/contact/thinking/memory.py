@@ -234,8 +234,9 @@ class Memory:
                     first = error.errors(include_url=False)[0]
                     path, why = ".".join([path, *map(str, first["loc"])]), first["msg"]
                 raise InputError(where, path, why, "an exported experience") from None
-            if one.model_dump_json() not in known:
+            if (text := one.model_dump_json()) not in known:
                 self.add(one)
+                known.add(text)
                 count += 1
         return count
 

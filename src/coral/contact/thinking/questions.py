@@ -84,6 +84,8 @@ class Questions:
         self._world.believe(beliefs)
         source = "given" if given else outcome.failure or "advisor"
         self._emit("beliefs", source=source, attempts=outcome.attempts, refused=_reasons(outcome), **_told(beliefs))
+        if outcome.answer is None:
+            self._emit("fallback", what="beliefs", by="task", because=outcome.failure)
 
     def formulate(self, now: Observation) -> PlanAnswer | None:
         """A plan for the scene; None where nobody answers."""

@@ -135,4 +135,6 @@ def gain(world: PlanningWorld, stage: Stage, now: Observation, sizes: Mapping[st
         total = total + term
     cost = np.where(sane, total.mean(axis=1) + total[:, -1], np.inf).reshape(len(world.models), -1).mean(axis=0)
     still, best = float(cost[-1]), float(cost[:-1].min())
+    if not np.isfinite([still, best]).all():  # nothing can be told from rehearsals that diverged
+        return 0.0
     return (still - best) / max(abs(still), 1e-9)

@@ -57,7 +57,7 @@ def _repair(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseMo
     why = TEXTS.get(diagnoses[-1], diagnoses[-1])
     before, after = choice_after(diagnoses[:-1]), choice_after([*diagnoses, *["no-progress"] * len(rejections)])
     # A skill that has no other side or grasp must not claim to take one.
-    change = change_words(before, after if compose(facts, before).plan != made else before)
+    change = change_words(before, after if _composed({**facts, "diagnoses": diagnoses[:-1]}).plan != made else before)
     words = f"The plan before failed because {why}. {change}: {made.explanation}"
     return made.model_copy(update={"explanation": words})
 

@@ -57,7 +57,7 @@ def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -
     place, point = np.asarray(facts["places"][goal["place"]], dtype=float), goal.get("point")
     return Spot(
         where=f"self.{goal['place']}_pos", near_m=min(0.02, 0.5 * goal["tolerance_m"]),
-        height_m=float(place[2] + thing.height / 2 if goal.get("axes", "xy") == "xy" else place[2]),
+        height_m=float(place[2] + thing.height / 2 if "z" not in goal.get("axes", "xy") else place[2]),
         shift=np.zeros(3) if point is None else np.asarray(thing.rotation @ thing.points[point]),
         words=f"to {goal['place']} and set it down")
 

@@ -73,7 +73,8 @@ class SqliteStore:
             with closing(sqlite3.connect(self.path, timeout=BUSY_S)) as base:
                 if write:
                     _ahead(base)
-                base.execute(TABLE)
+                if write or not base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                    base.execute(TABLE)  # not when reading what is somebody else's
                 with base:
                     yield base
         except (sqlite3.Error, OSError) as error:

@@ -27,8 +27,8 @@ class ThinkCfg:
         correct_every_s: Simulated time after which the world model is corrected by what was felt, stuck or not;
             0 for only when stuck.
         corrections: Most of these in an episode; the last is kept for its end.
-        budget: Attempts and wall time for one decision. Simulated time stands still, and a program takes a model minutes
-            to write and mend.
+        budget: Attempts and wall time for one decision. Simulated time stands still, and a model takes minutes to
+            write and mend a program.
         belief: Bounds of what may be believed.
         region: Bounds of what regions may be.
         identify: The fit of corrections.

@@ -10,6 +10,7 @@ from typing import Any
 import cv2
 
 from coral.view.run import Record, RunFolder
+from coral.words import many
 
 ASKED = {
     "object-poses": "where the objects are", "physical-parameters": "masses and frictions", "cost-function": "the cost",
@@ -115,12 +116,12 @@ def counted(given: list[Answer]) -> str:
     absent = sum(one.verdict in ("unavailable", "withdrawn") for one in given)
     spoilt = [one for one in given if one.spoilt]
     passed = sum(one.verdict == "accepted" for one in spoilt)
-    said = [f"{_many(len(given), 'question')} put, {_many(len(given) - len(wrong) - absent, 'answer')} accepted"]
+    said = [f"{many(len(given), 'question')} put, {many(len(given) - len(wrong) - absent, 'answer')} accepted"]
     said += [f"{len(wrong)} refused"] if wrong else []
     said += [f"{absent} without an answer"] if absent else []
     tail = ""
     if spoilt:
-        tail = f" {_many(len(spoilt), 'answer')} {'were' if len(spoilt) > 1 else 'was'} spoilt on purpose; "
+        tail = f" {many(len(spoilt), 'answer')} {'were' if len(spoilt) > 1 else 'was'} spoilt on purpose; "
         tail += f"{passed or 'none'} of them passed the checks."
     return f"{', '.join(said)}.{tail}"
 
@@ -240,8 +241,12 @@ def _cost_error(event: Record) -> Part:
 
 
 def _fallback(event: Record) -> Part:
+    why = f"because {_failed(str(event.get('because')))}."
+    if event.get("what") == "beliefs":
+        return Part(title="Masses and frictions are those of the task", state="bad",
+                    text=f"The middle of its ranges, {why}")
     return Part(title=f"The rules of {event.get('by')} took over", state="bad",
-                text=f"For the {event.get('what')}, because {_failed(str(event.get('because')))}.")
+                text=f"For the {event.get('what')}, {why}")
 
 
 def _remembered(event: Record) -> Part:
@@ -275,6 +280,3 @@ def _failed(code: str) -> str:
 def _numbers(values: list[float], digits: int) -> str:
     return ", ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)
 
-
-def _many(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
