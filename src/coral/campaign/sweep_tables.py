@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from coral.campaign.measures import Measure, Row, difference, difference_text, mean_interval_text, pair
 from coral.campaign.sweep import NOMINAL, in_order, setting_text
 from coral.campaign.table import Table
 
-BySetting = Mapping[str, Sequence[Row]]
-"""Setting to its finished missions."""
 FEW_WORLDS = 6
 """Below this a bootstrap over worlds has too few different samples: three worlds make ten."""
 
