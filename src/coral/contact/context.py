@@ -9,8 +9,9 @@ The names are the same for expert costs, for programs that a model writes and fo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, Protocol
 
 import numpy as np
@@ -105,6 +106,28 @@ def scenery_quantities(fixtures: Iterable[str] = (), places: Iterable[str] = (),
     return found
 
 
+class Lazy(Mapping[str, Array]):
+    """Values that are made when they are first read: a cost reads a few of the dozens of names that it may."""
+
+    def __init__(self, makers: Mapping[str, Callable[[], Array]]) -> None:
+        self._makers = makers
+        self._made: dict[str, Array] = {}
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._made:
+            self._made[name] = self._makers[name]()
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._makers
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._makers)
+
+    def __len__(self) -> int:
+        return len(self._makers)
+
+
 class Context:
     """A batch of states under their names; `state.box_pos` reads one."""
 
@@ -130,7 +153,10 @@ class Context:
 
     def first(self) -> Context:
         """The first state of the first sequence, as a batch of one."""
-        return Context({name: value[:1, :1] for name, value in self._values.items()}, (1, 1))
+        return Context(Lazy({name: partial(self._corner, name) for name in self._values}), (1, 1))
+
+    def _corner(self, name: str) -> Array:
+        return self._values[name][:1, :1]
 
 
 class Cost(Protocol):

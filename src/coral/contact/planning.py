@@ -7,8 +7,9 @@ It is MuJoCo with the floating hand of `hand.py`, coarse steps and cheap contact
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import mujoco
 import numpy as np
@@ -16,7 +17,7 @@ from mujoco import rollout as mujoco_rollout
 from numpy.typing import NDArray
 
 from coral.config import Positive, TimeStep, whole_steps
-from coral.contact.context import Context, Quantity
+from coral.contact.context import Context, Lazy, Quantity
 from coral.contact.draw import Drawn, Physical
 from coral.contact.geometry import multiply, rotate
 from coral.contact.hand import HandCfg, set_stiffness
@@ -28,6 +29,8 @@ from coral.contact.world import Body, Observation
 
 Array = NDArray[np.float64]
 CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_MOCAP_POS | mujoco.mjtState.mjSTATE_MOCAP_QUAT)
+FORCE = slice(1, 4)
+"""Of a contact sensor: whether there is one, its force, and where."""
 SANE_SPEED_M_S = 8.0
 """A rollout in which anything moves faster has diverged."""
 
@@ -105,6 +108,7 @@ class PlanningWorld:
             around(beliefs, self.cfg.uncertainty, self._rng) if isinstance(beliefs, Mapping) else list(beliefs))
         self.models = self._build(endless=False)
         self._endless: list[mujoco.MjModel] = []
+        self._fixed: dict[int, Mapping[str, Callable[[], Array]]] = {}
         self._index = Index(self.models[0], self._names)
 
     def _build(self, endless: bool) -> list[mujoco.MjModel]:
@@ -140,15 +144,14 @@ class PlanningWorld:
         for model in chosen:
             set_stiffness(model, self.cfg.hand, controls.stiffness)
         initial = self._initial(now)
-        control = np.zeros((count, horizon, self.models[0].nu + 7))
-        control[:, :, 0] = control[:, :, 1] = controls.opening / 2
-        control[:, :, -7:-4] = controls.position
-        control[:, :, -4:] = controls.quaternion
-        control = np.repeat(control, self._substeps, axis=1)
+        control = np.zeros((len(self.models), count, horizon, self._substeps, self.models[0].nu + 7))
+        control[..., 0] = control[..., 1] = controls.opening[..., None] / 2
+        control[..., -7:-4] = controls.position[:, :, None]
+        control[..., -4:] = controls.quaternion[:, :, None]
         models: list[mujoco.MjModel] = [model for model in chosen for _ in range(count)]
         states, sensors = self._pool.rollout(
             models, self._datas, np.repeat(initial[None], total, axis=0),
-            np.tile(control, (len(self.models), 1, 1)), control_spec=CONTROL)
+            control.reshape(total, horizon * self._substeps, -1), control_spec=CONTROL)
         states = np.asarray(states)[:, self._substeps - 1::self._substeps]
         sensors = np.asarray(sensors)[:, self._substeps - 1::self._substeps]
         states, sensors, sane = _without_divergence(
@@ -182,41 +185,64 @@ class PlanningWorld:
         return state
 
     def _values(self, states: Array, sensors: Array, controls: Controls, now: Observation, step: int
-                ) -> dict[str, Array]:
+                ) -> Mapping[str, Array]:
         index, horizon = self._index, states.shape[1]
         qpos, qvel = states[..., 1:1 + index.nq], states[..., 1 + index.nq:1 + index.nq + index.nv]
-        values: dict[str, Array] = {
-            "ee_pos": sensors[..., index.sensor["ee_pos"]], "ee_quat": sensors[..., index.sensor["ee_quat"]],
-            "ee_vel": sensors[..., index.sensor["ee_vel"]], "ee_angvel": sensors[..., index.sensor["ee_angvel"]],
-            "gripper_opening": qpos[..., index.left] + qpos[..., index.right],
-            "gripper_target": np.tile(controls.opening, (len(self.models), 1)),
-            "ee_force": -sensors[..., index.sensor["hand_anything"]][..., 1:4],
-            "time": (now.time_s + self.cfg.step_s * np.arange(1, horizon + 1))[None],
-            "current_step": (step + np.arange(1.0, horizon + 1))[None],
-            "last_action": _action(controls, len(self.models), self.cfg.step_s),
+
+        def sensed(name: str, part: slice = slice(None)) -> Array:
+            return np.asarray(sensors[..., index.sensor[name]][..., part])
+
+        def touches(name: str) -> Array:
+            return np.asarray((sensors[..., index.sensor[name].start] > 0).astype(float))
+
+        def placed(name: str, local: Array) -> Array:
+            start = index.pose[name].start
+            return np.asarray(qpos[..., start:start + 3] + rotate(qpos[..., start + 3:start + 7], local))
+
+        def spin(name: str) -> Array:
+            start = index.pose[name].start  # a free joint's angular velocity is held in the body's own axes
+            return rotate(qpos[..., start + 3:start + 7], qvel[..., index.speed[name]][..., 3:])
+
+        makers: dict[str, Callable[[], Array]] = {
+            **{name: partial(sensed, name) for name in ("ee_pos", "ee_quat", "ee_vel", "ee_angvel")},
+            "gripper_opening": lambda: qpos[..., index.left] + qpos[..., index.right],
+            "gripper_target": lambda: np.tile(controls.opening, (len(self.models), 1)),
+            "ee_force": lambda: -sensed("hand_anything", FORCE),
+            "time": lambda: (now.time_s + self.cfg.step_s * np.arange(1, horizon + 1))[None],
+            "current_step": lambda: (step + np.arange(1.0, horizon + 1))[None],
+            "last_action": lambda: _action(controls, len(self.models), self.cfg.step_s),
         }
         for name in self._names:
-            pose, speed = index.pose[name], index.speed[name]
-            quaternion = qpos[..., pose.start + 3:pose.stop]
-            values[f"{name}_pos"] = qpos[..., pose.start:pose.start + 3]
-            values[f"{name}_quat"] = quaternion
-            values[f"{name}_vel"] = qvel[..., speed.start:speed.start + 3]
-            # A free joint's angular velocity is held in the body's own axes.
-            values[f"{name}_angvel"] = rotate(quaternion, qvel[..., speed.start + 3:speed.stop])
-            touch = sensors[..., index.sensor[pair("hand", name)]]
-            values[f"{name}_hand_contact"] = (touch[..., 0] > 0).astype(float)
-            values[f"{name}_hand_force"] = touch[..., 1:4]
+            pose, speed = index.pose[name].start, index.speed[name].start
+            makers[f"{name}_pos"] = partial(_part, qpos, slice(pose, pose + 3))
+            makers[f"{name}_quat"] = partial(_part, qpos, slice(pose + 3, pose + 7))
+            makers[f"{name}_vel"] = partial(_part, qvel, slice(speed, speed + 3))
+            makers[f"{name}_angvel"] = partial(spin, name)
+            makers[f"{name}_hand_contact"] = partial(touches, pair("hand", name))
+            makers[f"{name}_hand_force"] = partial(sensed, pair("hand", name), FORCE)
             for side in ("left", "right"):
-                found = sensors[..., index.sensor[pair(side, name)]][..., 0]
-                values[f"{name}_{side}_contact"] = (found > 0).astype(float)
+                makers[f"{name}_{side}_contact"] = partial(touches, pair(side, name))
             for point, local in self._drawn.task.object(name).points.items():
                 offset = np.asarray(local) * self._drawn.objects[name].scale
-                values[f"{name}_{point}_pos"] = values[f"{name}_pos"] + rotate(quaternion, offset)
+                makers[f"{name}_{point}_pos"] = partial(placed, name, offset)
         for name, other in contact_pairs(self._drawn):
             shared = pair(name, other) if pair(name, other) in index.sensor else pair(other, name)
-            values[f"{name}_{other}_contact"] = (sensors[..., index.sensor[shared]][..., 0] > 0).astype(float)
-        values |= constants(self._drawn, self._start, self.beliefs, states.shape[0])
-        return values
+            makers[f"{name}_{other}_contact"] = partial(touches, shared)
+        return Lazy({**makers, **self._constants(len(states))})
+
+    def _constants(self, total: int) -> Mapping[str, Callable[[], Array]]:
+        if total not in self._fixed:
+            found = constants(self._drawn, self._start, self.beliefs, total)
+            self._fixed[total] = {name: partial(_itself, value) for name, value in found.items()}
+        return self._fixed[total]
+
+
+def _part(values: Array, part: slice) -> Array:
+    return values[..., part]
+
+
+def _itself(value: Array) -> Array:
+    return value
 
 
 def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation) -> None:
@@ -268,6 +294,10 @@ def _without_divergence(states: Array, sensors: Array, speeds: NDArray[np.int_],
                         ) -> tuple[Array, Array, NDArray[np.bool_]]:
     # MuJoCo resets a state that has diverged and its rollout then stands still: only its clock tells.
     clock = initial[0] + step_s * np.arange(1.0, states.shape[1] + 1)
+    if (np.isfinite(states.sum()) and np.isfinite(sensors.sum())
+            and np.abs(states[..., 0] - clock).max() < 0.1 * step_s
+            and max(float(np.abs(states[..., k]).max()) for k in speeds) <= SANE_SPEED_M_S):
+        return states, sensors, np.ones(len(states), dtype=bool)  # as a rule nothing is wrong: that is told faster
     bad: NDArray[np.bool_] = ~(np.abs(states[..., 0] - clock) < 0.1 * step_s)
     bad |= ~np.isfinite(states).all(axis=-1) | ~np.isfinite(sensors).all(axis=-1)
     bad |= np.asarray(np.abs(states[..., speeds]) > SANE_SPEED_M_S).any(axis=-1)

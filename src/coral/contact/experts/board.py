@@ -175,14 +175,23 @@ def single(task: Task) -> Strategy:
             **pushing,
             "pick: reach": ready * 10.0 * (distance - 1.0),
             "pick: turn": ready * 2.0 * _turn(state, PINCH),
+            "pick: open": ready * (1 - close) * 15.0 * (0.08 - state.gripper_target),
+            "pick: come from above": ready * 30.0 * np.clip(distance - 0.06, 0, 0.1) * np.clip(
+                0.12 - state.ee_pos[..., 2], 0, 0.12) / 0.1,
+            "pick: do not press": ready * (1 - both) * 0.02 * norm(state.ee_force),
             "pick: close": ready * close * 20.0 * (state.gripper_target - 0.08),
             "pick: lift": -40.0 * ready * both * np.clip(lowest, 0, height),
             "calm": 0.05 * norm(state.ee_vel),
         }
 
+    def aside(now: Context) -> Array:
+        """Beside the handle, high and low: where an open hand comes from, were it to reach in."""
+        return np.asarray(grip(now)[0] - 0.11 * POINTING + np.array([[0, 0, 0.17], [0, 0, 0.0]]))
+
     return Strategy("board, single stage", (
         Stage("all", cost, (Guide(lambda now: behind(now, 0.02)[0], lambda now: DOWN_WIDE, 0.07),
-                            Guide(lambda now: grip(now)[0], lambda now: PINCH))),))
+                            Guide(lambda now: grip(now)[0], lambda now: PINCH, 0.07),
+                            Guide(aside, lambda now: PINCH, 0.07))),))
 
 
 

@@ -10,7 +10,7 @@ from coral.contact.context import Context, Terms
 from coral.contact.experts import pick
 from coral.contact.strategy import Guide, Stage, Strategy
 from coral.contact.task import Task
-from coral.contact.vocabulary import axis, near, norm
+from coral.contact.vocabulary import axis, level, near, norm
 
 Array = NDArray[np.float64]
 CARRY_M = 0.14
@@ -34,30 +34,61 @@ def places(task: Task) -> bool:
 
 
 def single(task: Task) -> Strategy:
-    """One cost: reach, close, and once held go up, over and down by a geometric switch."""
+    """One cost: reach, close, and once held go up, over and down by a geometric switch; then let go and retire."""
     name = task.objects[0].name
     carry_m = task.numbers.get("carry_height", CARRY_M)
+
+    def floor(state: Context) -> Array:
+        return np.asarray(state.goal_pos[..., 2] + state[f"{name}_size"][..., 2] / 2)
+
+    def bumps(state: Context) -> Array:
+        touched = [state[f"{name}_{item.name}_contact"] for item in task.objects[1:]]
+        return np.asarray(sum(touched)) if touched else np.zeros(state.shape)
 
     def cost(state: Context) -> Terms:
         place = state[f"{name}_pos"]
         distance = norm(state.ee_pos - pick.grasp_point(state, name))
         close = near(distance, 0.02)
-        held = state[f"{name}_left_contact"] * state[f"{name}_right_contact"]
+        # Two fingers that press on the top from above touch it, too, and hold nothing.
+        held = close * state[f"{name}_left_contact"] * state[f"{name}_right_contact"]
         aside = norm((place - state.goal_pos)[..., :2])
-        height = np.where(aside > 0.03, carry_m, state[f"{name}_init_pos"][..., 2] + 0.01)
-        there = near(aside, 0.03) * near(place[..., 2] - state[f"{name}_init_pos"][..., 2], 0.02)
+        over = near(np.clip(aside - 0.02, 0, None), 0.015)
+        low = (1 - over) * np.clip(carry_m - place[..., 2], 0, carry_m)
+        down = over * np.clip(carry_m - np.abs(place[..., 2] - floor(state)), 0, carry_m)
+        up = np.maximum(level(place[..., 2], carry_m - 0.05, carry_m - 0.01), near(aside, 0.04))
+        there = over * near(place[..., 2] - floor(state), 0.01)
         return {
             "reach": 12.0 * distance * (1 - there),
             "square": 2.0 * pick.across(state, name),
             "open": 10.0 * (1 - close * (1 - there)) * (0.08 - state.gripper_target),
             "close": -2.0 * close * (1 - there) * (1 - state.gripper_target / 0.08),
             "hold": -1.5 * held * (1 - there),
-            "carry": 8.0 * held * (np.abs(place[..., 2] - height) - carry_m) + 6.0 * held * (aside - 0.5),
+            "raise": 50.0 * held * (low - carry_m) * (1 - there),
+            "carry": 20.0 * held * up * (aside - 0.5) * (1 - there),
+            "straight up": 15.0 * (1 - up) * norm((place - state[f"{name}_init_pos"])[..., :2]) * (aside > 0.06),
+            "lower": -50.0 * held * down * (1 - there),
+            "not too high": 20.0 * np.clip(place[..., 2] - carry_m - 0.01, 0, None),
+            "there": -35.0 * there,  # more than all that is no longer given for holding it
             "retire": -20.0 * there * np.clip((state.ee_pos - place)[..., 2], 0, 0.12),
-            "leave alone": 3.0 * _others(state, task),
+            "upright": 2.0 * (1 - axis(state[f"{name}_quat"], "z")[..., 2]),
+            "not dropped": 60.0 * (1 - held) * norm(state[f"{name}_vel"]),
+            "leave alone": 3.0 * _others(state, task) + 6.0 * bumps(state),
         }
 
-    return Strategy("pick and place, single stage", (Stage("all", cost, (pick.over(name), pick.over(name, 0.1))),))
+    def onward(now: Context) -> Array:
+        """Where a closed hand should go next: to the grasp, and with the object up, over the goal and down."""
+        if not (now[f"{name}_left_contact"] * now[f"{name}_right_contact"])[0, 0]:
+            return np.asarray(pick.grasp_point(now, name)[0])
+        place, goal = now[f"{name}_pos"][0, 0], now.goal_pos[0, 0]
+        over = np.array([*goal[:2], carry_m])
+        aside = float(np.linalg.norm((place - goal)[:2]))
+        up = np.array([*place[:2], carry_m])
+        down = np.array([*goal[:2], floor(now)[0, 0]])
+        points = [down, over] if aside < 0.03 else [up, over] if place[2] < carry_m - 0.03 else [over]
+        return np.asarray(np.stack(points) + now.ee_pos[0, 0] - place)
+
+    return Strategy("pick and place, single stage", (Stage("all", cost, (
+        pick.over(name), pick.over(name, 0.1), Guide(onward, opening_m=0.0))),))
 
 
 def fsm(task: Task) -> Strategy:

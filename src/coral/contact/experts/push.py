@@ -16,7 +16,7 @@ from coral.contact.experts.wall import ABREAST_M, PAD_M
 from coral.contact.geometry import from_rotvec, multiply
 from coral.contact.strategy import Guide, Stage, Strategy
 from coral.contact.task import Task
-from coral.contact.vocabulary import axis, dot, level, norm
+from coral.contact.vocabulary import axis, dot, level, near, norm
 
 Array = NDArray[np.float64]
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
@@ -121,23 +121,52 @@ def _uneven(state: Context, name: str) -> Array:
 
 
 def single(task: Task) -> Strategy:
-    """One cost: be behind the block, bring it to the goal, at the wanted force while touching."""
+    """One cost: come behind the block, and once there push it evenly, switched by how far off its face the hand is."""
     name = task.objects[0].name
 
     def cost(state: Context) -> Terms:
-        force = norm(state[f"{name}_hand_force"])
+        way = to_goal(state, name)
+        along = way / np.maximum(norm(way), 1e-6)[..., None]
+        left = level(norm(way), 0.012, 0.02)  # arrived: nothing is left to do, and pressing on would spoil the force
+        # Before the block has moved the hand stays 1.5 cm behind its face until it is low enough; then its height is
+        # left to friction.
+        begun = 1 - near(norm(state[f"{name}_pos"] - state[f"{name}_init_pos"]), 0.03)
+        from_face = state.ee_pos - behind(state, name)
+        high = (1 - begun) * level(np.abs(from_face[..., 2]), 0.006, 0.015)
+        gap = (0.015 * high)[..., None] * axis(state[f"{name}_quat"], "x")
+        off = norm((from_face + gap)[..., :2]) + high * np.abs(from_face[..., 2]) + np.clip(
+            np.abs(from_face[..., 2]) - 0.03, 0, None)
+        ready = left * (1 - high) * near(np.clip(off - 0.01, 0, None), 0.02)
+        over = np.clip(off - 0.015, 0, 0.05) / 0.05
+        wrong = recent(state[f"{name}_hand_force"] - state.push_force[..., None] * along)
         return {
-            "reach": 10.0 * off_face(state, name),
-            "to the goal": 15.0 * norm(to_goal(state, name)),
-            "force": 0.05 * state[f"{name}_hand_contact"] * np.abs(force - state.push_force),
+            "reach": 20.0 * left * np.clip(off - 0.005, 0, None),
+            "come from above": 30.0 * over * np.clip(0.1 - state.ee_pos[..., 2], 0, 0.1),
+            "to the goal": 12.0 * norm(way),
+            "not yet": 3.0 * high * state[f"{name}_hand_contact"],
+            "evenly": 2.0 * ready * norm(recent(_uneven(state, name))),
+            "force": 0.05 * ready * norm(wrong),
+            "straight": 25.0 * ready * np.clip(
+                norm(state.last_action[..., :2] - PACE_M_S * along[..., :2]) - 0.2, None, 0),
+            "no drag": 0.1 * ready * np.abs(wrong[..., 2]),
             "square": 2.0 * square(state, name),
-            "abreast": 10.0 * np.abs(state.gripper_target - ABREAST_M),
-            "calm": 0.5 * norm(state.ee_vel),
+            "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
+            "arrived": -7.0 * (1 - left),  # worth more than what is given for pushing straight
+            "let go": (1 - left) * (8.0 * norm(state.ee_pos - behind(state, name, 0.03))
+                                    + 1.0 * state[f"{name}_hand_contact"]),
         }
 
+    def onward(now: Context) -> Array:
+        begun = norm(now[f"{name}_pos"] - now[f"{name}_init_pos"])[0, 0] > 0.005
+        if off_face(now, name)[0, 0] < (0.05 if begun else 0.02) and (begun or now[f"{name}_hand_contact"][0, 0] > 0):
+            return ahead_of(now, name)
+        low = np.abs(now.ee_pos - behind(now, name))[0, 0, 2] < 0.01
+        place = behind(now, name, 0.005 if low else 0.02)[0]
+        return np.asarray(np.stack([place[0], place[0] + [0, 0, 0.1]]))
+
     return Strategy("push, single stage", (Stage("push", cost, (
-        Guide(lambda now: behind(now, name, 0.01)[0], lambda now: _facing(now, name), ABREAST_M),),
-        stiffness_n_m=SOFT_N_M),))
+        Guide(onward, lambda now: _facing(now, name), ABREAST_M),),
+        stiffness_n_m=SOFT_N_M, sigma=STEADY),))
 
 
 def fsm(task: Task) -> Strategy:
