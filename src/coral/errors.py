@@ -26,6 +26,11 @@ class RunError(RuntimeError):
     """A run that was well specified but could not finish. Printed as one line; exit code 1."""
 
 
+def first_line(error: BaseException) -> str:
+    """Of its text; some have none, as MemoryError."""
+    return next(iter(str(error).splitlines()), type(error).__name__)
+
+
 def nearest(word: str, known: Iterable[str]) -> str:
     """Suggestion for a mistyped name: " (did you mean 'x'?)", or "" when nothing is near."""
     close = difflib.get_close_matches(word, list(known), n=1, cutoff=0.5)

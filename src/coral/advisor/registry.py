@@ -21,6 +21,15 @@ FORMS = ("heuristic", "PROVIDER:MODEL (openai, anthropic, google)", "local:URL#M
 NAMES = ("heuristic", *KEYS, "local", "desk", "replay", "fallible")
 
 
+def rules_alone(advisor: str) -> bool:
+    """Whether only rules answer for an advisor, spoilt or not: no model, no person, no recording of either.
+
+    Args:
+        advisor: As on the command line.
+    """
+    return re.fullmatch(r"(fallible:[^:]*:)*heuristic", advisor.replace(" ", "")) is not None
+
+
 def make_advisor(spec: str, *, rules: Mapping[str, Rule], rng: np.random.Generator, inbox: Path | None = None,
                  cfg: ModelCfg | None = None, where: str = "--advisor",
                  spoil: Mapping[str, Callable[..., dict[str, Any]]] | None = None) -> Advisor:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.campaign.episode import ONE_THREAD, Episode, Outcome, Task, perform
-from coral.errors import InputError, RunError
+from coral.errors import InputError, RunError, first_line
 
 ATTEMPTS = 4
 """A lost node and an episode that kills its worker look alike from here, and losing a node is ordinary on a
@@ -49,7 +49,7 @@ class RayExecutor:
             if not ray.is_initialized():
                 ray.init(address=address, log_to_driver=False, logging_level="ERROR")
         except Exception as error:
-            raise RunError(f"no Ray cluster at {address}: {_first_line(error)}") from None
+            raise RunError(f"no Ray cluster at {address}: {first_line(error)}") from None
         self.jobs = max(1, int(ray.cluster_resources().get("CPU", 1)))
 
     def run(self, episode: Episode, tasks: Sequence[Task]) -> Iterator[Outcome]:
@@ -70,7 +70,7 @@ class RayExecutor:
                     try:
                         outcome, files = ray.get(reference)
                     except ray.exceptions.RayTaskError as error:  # raised in the task, but not by the episode
-                        yield Outcome(task.spec, message=f"not run by Ray: {_first_line(error.cause)}",
+                        yield Outcome(task.spec, message=f"not run by Ray: {first_line(error.cause)}",
                                       detail=str(error), about={"attempts": attempt})
                     except ray.exceptions.RayError as error:
                         if attempt < ATTEMPTS:
@@ -108,11 +108,6 @@ def _perform_there(episode: Episode, spec: Any) -> tuple[Outcome, bytes]:
         outcome = perform(episode, spec, place)
         about = {**outcome.about, "node": ray.get_runtime_context().get_node_id()}
         return dataclasses.replace(outcome, about=about), pack(place)
-
-
-def _first_line(error: BaseException) -> str:
-    """Of its text; some have none, as MemoryError."""
-    return next(iter(str(error).splitlines()), type(error).__name__)
 
 
 def pack(folder: Path) -> bytes:

@@ -10,6 +10,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from coral.advisor.registry import rules_alone
 from coral.errors import InputError
 
 NO_ADVISOR = "none"
@@ -23,7 +24,7 @@ def called(advisor: str) -> str:
         return "none"
     if advisor == "heuristic":
         return "heuristic (embedded rules, no foundation model)"
-    if re.fullmatch(r"(fallible:[^:]*:)+heuristic", advisor):
+    if rules_alone(advisor):
         return f"{advisor} (embedded rules with simulated mistakes, no foundation model)"
     return advisor
 

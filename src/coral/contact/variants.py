@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
 from coral.advisor.model_cfg import ModelCfg
-from coral.advisor.registry import make_advisor
+from coral.advisor.registry import make_advisor, rules_alone
 from coral.contact.draw import Physical
 from coral.contact.experts import expert
 from coral.contact.mind import Fixed, Mind
@@ -89,15 +88,6 @@ def _thinking(variant: str, *, remember: bool = True, strategy: bool = True, reg
                         "run": "" if asking.folder is None else asking.folder.name}, asking.believe,
                        worker)
     return make
-
-
-def rules_alone(advisor: str) -> bool:
-    """Whether only rules answer for an advisor, spoilt or not: no model, no person, no recording of either.
-
-    Args:
-        advisor: As on the command line.
-    """
-    return re.fullmatch(r"(fallible:[^:]*:)*heuristic", advisor.replace(" ", "")) is not None
 
 
 def _logging(folder: Path | None) -> Callable[[Attempt], None] | None:

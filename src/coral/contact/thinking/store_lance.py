@@ -18,7 +18,7 @@ import pyarrow as pa
 
 from coral.contact.thinking.embedding import Vector
 from coral.contact.thinking.store import BUSY_S, Row
-from coral.errors import InputError
+from coral.errors import InputError, first_line
 
 T = TypeVar("T")
 TABLE = "experience"
@@ -144,8 +144,8 @@ class LanceStore:
             raise self._refused(error) from None
 
     def _refused(self, why: object) -> InputError:
-        first = (str(why).splitlines() or [type(why).__name__])[0]
-        return InputError(self.name, "", first[:300], "a LanceDB table of experiences that can be opened")
+        found = first_line(why) if isinstance(why, Exception) else str(why)
+        return InputError(self.name, "", found[:300], "a LanceDB table of experiences that can be opened")
 
 
 def _faster(error: Exception) -> bool:
