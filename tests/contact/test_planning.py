@@ -218,6 +218,33 @@ def test_contacts_are_read():
     assert not context.box_hand_force[0, ~touched].any()
 
 
+def test_force_and_torque_on_the_hand_are_those_of_its_contacts():
+    drawn = trial()
+    planner, now, plan = world(drawn), beside(drawn), controls(pushes(1, 20))
+    context, _ = planner.rollout(now, plan)
+    model, data = planner.models[0], mujoco.MjData(planner.models[0])
+    set_stiffness(model, CFG.hand, plan.stiffness)
+    mujoco.mj_setState(model, data, planner._initial(now), mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    ours, seen_torque, one = {model.body(name).id for name in ("hand", "left", "right")}, 0.0, np.zeros(6)
+    for step in range(20):
+        data.ctrl[:2] = plan.opening[0, step] / 2
+        data.mocap_pos[0], data.mocap_quat[0] = plan.position[0, step], plan.quaternion[0, step]
+        for _ in range(round(CFG.step_s / CFG.physics_dt_s)):
+            mujoco.mj_step(model, data)
+        force, torque = np.zeros(3), np.zeros(3)
+        for k, contact in enumerate(data.contact):
+            bodies = [int(model.geom_bodyid[geom]) for geom in contact.geom]
+            sign = (bodies[1] in ours) - (bodies[0] in ours)  # MuJoCo's is the force on the second
+            mujoco.mj_contactForce(model, data, k, one)
+            frame = contact.frame.reshape(3, 3).T
+            force += sign * frame @ one[:3]
+            torque += sign * (frame @ one[3:] + np.cross(contact.pos - context.ee_pos[0, step], frame @ one[:3]))
+        assert context.ee_force[0, step] == pytest.approx(force, abs=1e-6)
+        assert context.ee_torque[0, step] == pytest.approx(torque, abs=1e-6)
+        seen_torque = max(seen_torque, float(np.linalg.norm(torque)))
+    assert seen_torque > 0.05  # something was felt at all
+
+
 def test_clock_and_actions():
     drawn = trial()
     plan = np.tile([0, 0, 0.3], (1, 3, 1))

@@ -14,8 +14,8 @@ numbers = st.floats(-1.0, 1.0)
 vectors = st.tuples(numbers, numbers, numbers).map(np.array)
 
 
-def observed(position=(0.0, 0.0, 0.2), force=(0.0, 0.0, 0.0)):
-    wrench = np.array([*force, 0.0, 0.0, 0.0])
+def observed(position=(0.0, 0.0, 0.2), force=(0.0, 0.0, 0.0), torque=(0.0, 0.0, 0.0)):
+    wrench = np.array([*force, *torque])
     return Observation(0.0, Body(np.asarray(position, float), DOWN), 0.04, wrench, {})
 
 
@@ -40,6 +40,19 @@ def test_a_position_that_fell_short_is_made_up_for_by_the_gain():
     made = reactive(pose_gain=0.5)
     made.observe(np.array([0.0, 0.0, 0.204]), np.zeros(3), observed())
     np.testing.assert_allclose(made.command(target([0.0, 0.0, 0.2]), observed()).position, [0.0, 0.0, 0.202])
+
+
+def test_a_torque_that_is_missing_is_turned_with_up_to_the_bound():
+    made = reactive(torque_gain=0.5, memory_s=1e-6, most_n_m=0.3)
+    for expected, fed in ((0.4, -0.2), (4.0, -0.3)):  # felt and exerted torque are opposite
+        made.observe(np.array([0.0, 0.0, 0.2]), np.zeros(3), observed(), 0, None, np.array([0.0, 0.0, expected]))
+        np.testing.assert_allclose(made.command(target([0.0, 0.0, 0.2]), observed()).torque, [0.0, 0.0, fed])
+
+
+def test_as_long_as_its_gain_is_zero_a_torque_is_not_fed_back():
+    made = reactive()
+    made.observe(np.array([0.0, 0.0, 0.2]), np.zeros(3), observed(torque=(0.0, 0.0, 1.0)), 0, None, np.zeros(3))
+    assert not made.command(target([0.0, 0.0, 0.2]), observed()).torque.any()
 
 
 def test_an_error_fades_with_its_time_constant():

@@ -65,6 +65,7 @@ class Plan:
         expected_position: Shape=(H, 3) m, where the rehearsals expect the tool.
         expected_quaternion: Shape=(H, 4), how they expect it turned.
         expected_force: Shape=(H, 3) N, what they expect the hand to feel.
+        expected_torque: Shape=(H, 3) N m, likewise.
         update: The sampler's account.
         terms: The expected value of each term of the cost, over the horizon.
         now: The state after one step, a batch of one: what a stage's tests read.
@@ -75,6 +76,7 @@ class Plan:
     expected_position: Array
     expected_quaternion: Array
     expected_force: Array
+    expected_torque: Array
     update: Update
     terms: dict[str, float]
     now: Context
@@ -156,6 +158,7 @@ class Controller:
             expected_position=np.tensordot(weights[counted], context.ee_pos[counted], axes=1),
             expected_quaternion=_mean_turn(context.ee_quat[counted], weights[counted]),
             expected_force=np.tensordot(weights[counted], context.ee_force[counted], axes=1),
+            expected_torque=np.tensordot(weights[counted], context.ee_torque[counted], axes=1),
             update=update,
             terms={name: float(weights[counted] @ self._total({name: term}, context.shape)[counted])
                    for name, term in terms.items()},

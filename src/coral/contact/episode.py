@@ -239,7 +239,7 @@ class Episode:
         self.t = self.now.time_s
         if target is planned:
             self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k,
-                                  plan.expected_quaternion[k])
+                                  plan.expected_quaternion[k], plan.expected_torque[k])
         else:
             self.reactive.reset()  # the plan expected something else of this step
         self._tell_tracks()

@@ -99,7 +99,9 @@ class HandWorld:
         data.mocap_pos[0], data.mocap_quat[0] = target.position, target.quaternion
         data.ctrl[:2] = target.opening_m / 2
         # The impedance's own input is a displacement, in the target's axes.
-        data.ctrl[2:5] = rotate(target.quaternion * np.array([1.0, -1, -1, -1]), target.force) / target.stiffness
+        own = target.quaternion * np.array([1.0, -1, -1, -1])
+        data.ctrl[2:5] = rotate(own, target.force) / target.stiffness
+        data.ctrl[5:8] = rotate(own, target.torque) / (self.cfg.hand.lever_m2 * target.stiffness)
 
     def _observe(self) -> Observation:
         model, data = self.model, self.data

@@ -29,8 +29,8 @@ from coral.contact.world import Body, Observation
 
 Array = NDArray[np.float64]
 CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_MOCAP_POS | mujoco.mjtState.mjSTATE_MOCAP_QUAT)
-FORCE = slice(1, 4)
-"""Of a contact sensor: whether there is one, its force, and where."""
+FORCE, TORQUE, PLACE = slice(1, 4), slice(4, 7), slice(7, 10)
+"""Of a contact sensor: after whether there is one, the net force, its torque about a place, and that place."""
 SANE_SPEED_M_S = 8.0
 """A rollout in which anything moves faster has diverged."""
 
@@ -203,11 +203,16 @@ class PlanningWorld:
             start = index.pose[name].start  # a free joint's angular velocity is held in the body's own axes
             return rotate(qpos[..., start + 3:start + 7], qvel[..., index.speed[name]][..., 3:])
 
+        def wrung() -> Array:
+            lever = sensed("hand_anything", PLACE) - sensed("ee_pos")
+            return np.asarray(-sensed("hand_anything", TORQUE) - np.cross(lever, sensed("hand_anything", FORCE)))
+
         makers: dict[str, Callable[[], Array]] = {
             **{name: partial(sensed, name) for name in ("ee_pos", "ee_quat", "ee_vel", "ee_angvel")},
             "gripper_opening": lambda: qpos[..., index.left] + qpos[..., index.right],
             "gripper_target": lambda: np.tile(controls.opening, (len(self.models), 1)),
             "ee_force": lambda: -sensed("hand_anything", FORCE),
+            "ee_torque": wrung,
             "time": lambda: (now.time_s + self.cfg.step_s * np.arange(1, horizon + 1))[None],
             "current_step": lambda: (step + np.arange(1.0, horizon + 1))[None],
             "last_action": lambda: _action(controls, len(self.models), self.cfg.step_s),

@@ -11,7 +11,7 @@ from coral.contact.draw import Drawn
 from coral.contact.hand import FINGER_KG, HandCfg, add_hand, set_stiffness
 from coral.contact.scene import add_scene, contact_pairs
 
-FOUND, FORCE, NET = 1, 2, 3
+FOUND, FORCE, TORQUE, PLACE, NET = 1, 2, 4, 16, 3
 """What a contact sensor tells, as bits, and how it reduces several contacts."""
 
 SWING_RAD = 0.8
@@ -77,7 +77,7 @@ def _add_sensors(spec: mujoco.MjSpec, drawn: Drawn) -> None:
             sensor.reftype, sensor.refname = second
         sensor.intprm[:3] = [data, NET, 1]
 
-    contact("hand_anything", (subtree, "hand"), None, FOUND | FORCE)
+    contact("hand_anything", (subtree, "hand"), None, FOUND | FORCE | TORQUE | PLACE)
     fixed = set(drawn.task.things)
     for item in drawn.task.objects:
         contact(pair("hand", item.name), (subtree, "hand"), (subtree, item.name), FOUND | FORCE)

@@ -63,6 +63,7 @@ class HandTarget:
         opening_m: Wanted distance between the finger pads.
         stiffness: Translational stiffness in N/m; the rotational one scales with it.
         force: Shape=(3,) N pushed in addition, world axes.
+        torque: Shape=(3,) N m turned with in addition, about the tool, world axes.
     """
 
     position: Array
@@ -70,6 +71,7 @@ class HandTarget:
     opening_m: float
     stiffness: float
     force: Array = field(default_factory=lambda: np.zeros(3))
+    torque: Array = field(default_factory=lambda: np.zeros(3))
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,7 @@ def _along_path(cost: Traceable, pool: Context, item: Paid, cfg: VerifyCfg) -> T
     share = np.linspace(0.0, 1.0, STEPS)[None, :, None]
     values["ee_pos"] = (1.0 - share) * start[chosen, None, :] + share * item.target[chosen, None, :]
     for name in values:
-        if name.endswith(("_hand_contact", "_left_contact", "_right_contact")) or name == "ee_force":
+        if name.endswith(("_hand_contact", "_left_contact", "_right_contact")) or name in ("ee_force", "ee_torque"):
             values[name] = np.zeros_like(values[name])
     terms = cost.trace(Context(values, (len(chosen), STEPS))).terms
     return {name: np.broadcast_to(term, (len(chosen), STEPS)) for name, term in terms.items()}
