@@ -3,9 +3,10 @@
 Usage: python benchmarks/planner.py [--peer-python /path/to/venv/bin/python] [--out docs/results] [--json]
 
 All do the same work: K sequences of H control steps (two physics steps each) of the hand near the box of pick-box,
-and all must end in the same place. Ours also reads everything that a cost may use. judo pins an older MuJoCo, so it
-runs in an environment of its own, where MuJoCo's rollout is timed alone too. Medians; CPU time is summed over threads.
-With --out, the curves are written as contact-planner.csv and contact-planner.png.
+and all must end in the same place. Ours also looks for rehearsals that diverged, and makes of the quantities that a
+cost may use those that the cost of picking reads. judo pins an older MuJoCo, so it runs in an environment of its own,
+where MuJoCo's rollout is timed alone too. Then a whole plan of each task on one thread and on two. Medians; CPU time is
+summed over threads. With --out, the curves are written as contact-planner.csv and contact-planner.png.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,13 +30,13 @@ from numpy.typing import NDArray
 
 from coral.contact.controller import Controller, ControllerCfg
 from coral.contact.draw import Drawn, draw
-from coral.contact.experts.pick import single
+from coral.contact.experts import expert
 from coral.contact.geometry import conjugate, rotate
 from coral.contact.hand_world import HandWorld, HandWorldCfg
 from coral.contact.planning import Controls, PlanningCfg, PlanningWorld
 from coral.contact.planning_model import reduced
 from coral.contact.scene import believing, prior
-from coral.contact.task import load_task
+from coral.contact.task import load_task, shipped_tasks
 from coral.contact.world import Observation
 from coral.mppi.knots import KnotMppiCfg
 
@@ -42,6 +44,9 @@ PEER = Path(__file__).parent / "peers" / "judo_rollout.py"
 INSTALL = "pip install judo-rai in an environment of its own, and name it with --peer-python"
 SAMPLES, HORIZONS = (25, 50, 100, 200, 400), (10, 25, 50, 75, 100)
 STIFFNESS = 600.0
+READ = ("box_pos", "box_quat", "box_left_contact", "box_right_contact", "box_size", "box_init_pos", "ee_pos", "ee_quat",
+        "ee_vel", "gripper_target")
+"""What the single-stage cost of picking reads."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +108,12 @@ def plain_loop(world: PlanningWorld, problem: Problem) -> NDArray[np.float64]:
     return states
 
 
+def rehearsed(world: PlanningWorld, problem: Problem) -> list[NDArray[np.float64]]:
+    """Ours, and what is read of it."""
+    context, _ = world.rollout(problem.now, problem.controls)
+    return [context[name] for name in READ]
+
+
 def peer(problem: Problem, world: PlanningWorld, python: str, repeats: int) -> dict[str, Any] | None:
     """Figures of judo, or None where it is missing."""
     model, now, controls = world.models[0], problem.now, problem.controls
@@ -139,8 +150,8 @@ def compare(samples: int, horizon: int, python: str, repeats: int) -> dict[str, 
     qpos = one._index.pose["box"]
     assert sane.all()
     assert np.array_equal(plain_loop(one, problem)[..., qpos][..., :3], context.box_pos), "the loop ends elsewhere"
-    rows = {"ours, 1 thread": timed(lambda: one.rollout(problem.now, problem.controls), repeats),
-            "ours, 2 threads": timed(lambda: two.rollout(problem.now, problem.controls), repeats),
+    rows = {"ours, 1 thread": timed(lambda: rehearsed(one, problem), repeats),
+            "ours, 2 threads": timed(lambda: rehearsed(two, problem), repeats),
             "plain Python loop": timed(lambda: plain_loop(one, problem), max(1, repeats // 2))}
     found = peer(problem, one, python, repeats)
     if found is None:
@@ -158,9 +169,26 @@ def curve_row(samples: int, horizon: int, repeats: int) -> dict[str, float]:
     problem = Problem.make(1, 1)
     cfg = ControllerCfg(horizon=horizon, mppi=KnotMppiCfg(samples=samples))
     controller = Controller(problem.world(1), cfg, np.random.default_rng(0))
-    stage = single(problem.drawn.task).stages[0]
+    stage = expert(problem.drawn.task, "expert").stages[0]
     whole = timed(lambda: controller.plan(problem.now, stage, 0), repeats)
     return {"samples": samples, "horizon": horizon, "plan_cpu_ms": whole["cpu_ms"], "plan_wall_ms": whole["wall_ms"]}
+
+
+def task_row(task: str, samples: int, horizon: int, repeats: int) -> dict[str, Any]:
+    """Time of a whole plan of a task, the hand just above its first object, on one thread and on two."""
+    drawn = draw(load_task(task), 0)
+    now = HandWorld(drawn, HandWorldCfg()).reset()
+    above = now.objects[drawn.task.objects[0].name].position + np.array([0, 0, 0.05])
+    now = replace(now, tool=replace(now.tool, position=above))
+    stage = expert(drawn.task, "expert").stages[0]
+    row: dict[str, Any] = {"task": task}
+    for threads in (1, 2):
+        world = PlanningWorld(drawn, prior(drawn), now, PlanningCfg(threads=threads))
+        cfg = ControllerCfg(horizon=horizon, mppi=KnotMppiCfg(samples=samples))
+        controller = Controller(world, cfg, np.random.default_rng(0))
+        row[f"plan_ms_{threads}"] = timed(partial(controller.plan, now, stage, 0), repeats)["wall_ms"]
+        world.close()
+    return row
 
 
 def draw_curves(curves: dict[str, list[dict[str, float]]], path: Path) -> None:
@@ -195,6 +223,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     result = compare(args.samples, args.horizon, args.peer_python, args.repeats)
+    result["tasks"] = [task_row(task, args.samples, args.horizon, args.repeats) for task in shipped_tasks()]
     if args.out:
         result["curves"] = {
             "samples": [curve_row(k * args.samples // 200, args.horizon, args.repeats) for k in SAMPLES],
@@ -215,6 +244,10 @@ def main() -> None:
     ours = result["rows"]["ours, 1 thread"]["cpu_ms"]
     for name, row in result["rows"].items():
         print(f"| {name} | {row['wall_ms']:.0f} | {row['cpu_ms']:.0f} | {row['cpu_ms'] / ours:.2f} |")
+    print("\n| a whole plan | 1 thread, wall ms | 2 threads, wall ms |")
+    print("|---|---:|---:|")
+    for row in result["tasks"]:
+        print(f"| {row['task']} | {row['plan_ms_1']:.0f} | {row['plan_ms_2']:.0f} |")
     print(f"\nRatios: to ours on one thread. MuJoCo {result['mujoco']}; the peer: {json.dumps(result['peer'])}")
 
 

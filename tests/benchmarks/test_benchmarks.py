@@ -69,6 +69,8 @@ def test_rehearsals_end_where_the_plain_loop_ends_and_plans_take_time(tmp_path):
                  "--peer-python", "no-such-python")
     assert list(out["rows"]) == ["ours, 1 thread", "ours, 2 threads", "plain Python loop"]
     assert out["peer"] is None
+    assert len(out["tasks"]) == 6
+    assert all(row["plan_ms_1"] > 0 and row["plan_ms_2"] > 0 for row in out["tasks"])
     assert [row["samples"] for row in out["curves"]["samples"]] == [1, 2, 4, 8, 16]
     assert [row["horizon"] for row in out["curves"]["horizon"]] == [2, 2, 4, 6, 8]
     assert (tmp_path / "contact-planner.png").stat().st_size > 5000
