@@ -41,7 +41,7 @@ def moment(one, t, stage, cost, taken=()):
     body = one.now.objects["box"]
     now = type(one.now)(t, one.now.tool, one.now.opening_m, one.now.wrench, one.now.objects)
     state = one.world.present(now)
-    plan = Plan((), np.zeros((1, 3)), np.zeros((1, 4)), np.zeros((1, 3)), Update(*[np.zeros(1)] * 4, 1.0, True),
+    plan = Plan((), np.zeros((1, 3)), np.zeros((1, 4)), *np.zeros((2, 1, 3)), Update(*[np.zeros(1)] * 4, 1.0, True),
                 {"all": cost}, state, 0)
     assert body is not None
     return Moment(0, now, plan, stage, taken)
