@@ -33,8 +33,7 @@ class BalanceCfg:
 
     Args:
         steps: Of a stretch. A pushed object chatters: pushed in one step, it slides on by itself in the next, so that
-            only over two do push and friction balance. Longer ones leave out how a slide begins and ends: over six
-            trials the friction's error is 6 % with five steps, 5 % with three and 3 % with two.
+            only over two do push and friction balance. Longer ones leave out how a slide begins and ends.
         reach: Speeds are differences of places so many steps before and after: a tracker's own come late.
         slid_m: An object that moved by less within that reach was not dragged.
         turned_rad: One that turned by more was turned rather than dragged: friction then pulls in all directions.
