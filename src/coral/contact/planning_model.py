@@ -47,6 +47,7 @@ def reduced(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjSpec:
     option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     option.iterations, option.ls_iterations = 20, 20
+    option.disableflags |= int(getattr(mujoco.mjtDisableBit, "mjDSBL_MULTICCD", 0))  # cylinders touch at one point
     if len(drawn.task.objects) == 1:  # alone, islands cost 1 %; with the four objects of pick-clutter they save 11 %
         option.disableflags |= int(getattr(mujoco.mjtDisableBit, "mjDSBL_ISLAND", 0))
     add_scene(spec, drawn, condim=3)

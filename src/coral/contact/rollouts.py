@@ -1,0 +1,115 @@
+"""Batched rollouts in MuJoCo on several threads; what rests sleeps until something touches it.
+
+A sleeping object costs nearly nothing: of the time of a rehearsal among the four objects of pick-clutter, half is saved.
+But what is asleep is no part of MuJoCo's state, and what one rollout wakes would be awake in the next one on that thread.
+So every rollout begins with a copy of the same data, and neither order nor threads change a result.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from mujoco import rollout as mujoco_rollout
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+FULL = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
+SLEEP = int(getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", 0))
+"""0 in a MuJoCo that cannot: there everything stays awake."""
+MOMENT_S = 1e-9
+"""So long is the step in which what rests is put to sleep: MuJoCo does it at the end of one, and nothing shall move."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where all rollouts of a model begin.
+
+    Args:
+        model: What is rolled out.
+        data: What every rollout has a copy of.
+        state: Shape=(S,), MuJoCo's full physics state.
+    """
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    state: Array
+
+    @classmethod
+    def at(cls, model: mujoco.MjModel, state: Array) -> Start:
+        """Begin at a state.
+
+        Where the model enables sleep, everything sleeps that is slower than its `sleep_tolerance`, lies on something
+        and touches nothing that is awake.
+        """
+        data = mujoco.MjData(model)
+        if not model.opt.enableflags & SLEEP:
+            return cls(model, data, state)
+        mujoco.mj_setState(model, data, state, FULL)
+        mujoco.mj_forward(model, data)
+        touching = model.body_treeid[model.geom_bodyid[data.contact.geom.ravel()]]
+        data.tree_asleep[touching[touching >= 0]] = -1  # MuJoCo counts up to it while a tree is slow
+        step, model.opt.timestep = model.opt.timestep, MOMENT_S
+        mujoco.mj_step(model, data)
+        model.opt.timestep = step
+        state = state.copy()
+        sleeping = data.tree_asleep[model.dof_treeid] >= 0
+        state[1 + model.nq:1 + model.nq + model.nv][sleeping] = 0.0
+        for joint in np.flatnonzero(sleeping[model.jnt_dofadr]):  # to the last bit: a sleeper that was moved wakes up
+            place = slice(int(model.jnt_qposadr[joint]), int(model.jnt_qposadr[joint]) + 7)
+            state[1:1 + model.nq][place] = data.qpos[place]
+        return cls(model, data, state)
+
+
+class Rollouts:
+    """Threads that roll out.
+
+    Args:
+        threads: 0 takes every core.
+    """
+
+    def __init__(self, threads: int) -> None:
+        self._threads = threads or os.cpu_count() or 1
+        self._pool = ThreadPoolExecutor(self._threads)
+        self._native = mujoco_rollout.Rollout(nthread=0)
+        self._datas: dict[int, list[mujoco.MjData]] = {}
+
+    def close(self) -> None:
+        """Stop the threads."""
+        self._pool.shutdown()
+        self._native.close()
+
+    def run(self, starts: Sequence[Start], control: Array, spec: int) -> tuple[Array, Array]:
+        """Roll out every start under its share of the controls.
+
+        Args:
+            starts: Of models that differ in numbers alone.
+            control: Shape=(len(starts) * K, T, C): the first K for the first start, and so on.
+            spec: What a row of it sets, as MuJoCo's `mjtState` bits.
+
+        Returns:
+            The full physics states, Shape=(len(starts) * K, T, S), and sensor readings, after each step.
+        """
+        total, steps = control.shape[:2]
+        each = total // len(starts)
+        states = np.empty((total, steps, len(starts[0].state)))
+        sensors = np.empty((total, steps, starts[0].model.nsensordata))
+        model = starts[0].model
+        if model.signature not in self._datas:
+            self._datas[model.signature] = [mujoco.MjData(model) for _ in range(self._threads)]
+        todo = iter(range(total))
+
+        def work(data: mujoco.MjData) -> None:
+            for k in todo:  # threads share it: an iterator hands out each number once
+                start = starts[k // each]
+                mujoco.mj_copyData(data, start.model, start.data)
+                self._native.rollout(
+                    [start.model], [data], start.state[None], control[k:k + 1], control_spec=spec, skip_checks=True,
+                    nstep=steps, state=states[k:k + 1], sensordata=sensors[k:k + 1])
+
+        list(self._pool.map(work, self._datas[model.signature]))
+        return states, sensors
