@@ -25,6 +25,10 @@ MOMENT_S = 1e-9
 """So long is the step in which what rests is put to sleep: MuJoCo does it at the end of one, and nothing shall move."""
 
 
+NEAR_M = 1e-3
+"""What is so near to something lies on it: cameras measure no better."""
+
+
 @dataclass(frozen=True)
 class Start:
     """Where all rollouts of a model begin.
@@ -50,12 +54,15 @@ class Start:
         if not model.opt.enableflags & SLEEP:
             return cls(model, data, state)
         mujoco.mj_setState(model, data, state, FULL)
+        step, margin = model.opt.timestep, model.geom_margin[0]
+        _set_margin(model, NEAR_M)
         mujoco.mj_forward(model, data)
         touching = model.body_treeid[model.geom_bodyid[data.contact.geom.ravel()]]
         data.tree_asleep[touching[touching >= 0]] = -1  # MuJoCo counts up to it while a tree is slow
-        step, model.opt.timestep = model.opt.timestep, MOMENT_S
+        model.opt.timestep = MOMENT_S
         mujoco.mj_step(model, data)
         model.opt.timestep = step
+        _set_margin(model, margin)
         state = state.copy()
         sleeping = data.tree_asleep[model.dof_treeid] >= 0
         state[1 + model.nq:1 + model.nq + model.nv][sleeping] = 0.0
@@ -63,6 +70,10 @@ class Start:
             place = slice(int(model.jnt_qposadr[joint]), int(model.jnt_qposadr[joint]) + 7)
             state[1:1 + model.nq][place] = data.qpos[place]
         return cls(model, data, state)
+
+
+def _set_margin(model: mujoco.MjModel, margin_m: float) -> None:
+    model.geom_margin[:] = model.body_margin[:] = margin_m
 
 
 class Rollouts:
