@@ -7,8 +7,8 @@ def row(variant, seed, steps, task="flip-wall", **fields):
             "first_touch_s": 1.0, "plan_cost": 2.0, "plan_cost_jump": None, "poses": "ground-truth", **fields}
 
 
-ROWS = [row("full", 0, 100), row("full", 1, 120), row("full", 2, 140), row("cost-only", 0, 200),
-        row("cost-only", 1, 240, success=False), row("cost-only", 3, 999)]
+ROWS = [row("full", 0, 100), row("full", 1, 120), row("full", 2, 140), row("unguided", 0, 200),
+        row("unguided", 1, 240, success=False), row("unguided", 3, 999)]
 
 
 def test_trials_are_compared_on_the_seeds_that_both_have():
@@ -17,8 +17,8 @@ def test_trials_are_compared_on_the_seeds_that_both_have():
 
 
 def test_the_plan_without_guidance_stands_between_where_it_was_run():
-    (table,) = ablations([*ROWS, row("unguided", 0, 160), row("unguided", 1, 180)], "coral contact bench")
-    assert [line[0] for line in table.rows][:3] == ["with contact strategy", "its plan, sampling unguided", "without"]
+    (table,) = ablations([*ROWS, row("no-regions", 0, 160), row("no-regions", 1, 180)], "coral contact bench")
+    assert [line[0] for line in table.rows][:3] == ["with contact strategy", "its plan, samples unguided", "without"]
     assert table.rows[1][2] == "170"
 
 
@@ -33,6 +33,6 @@ def test_medians_stand_beside_the_papers_with_their_change():
 
 
 def test_other_tasks_stand_alone_and_one_variant_makes_no_table():
-    (table,) = ablations([row("full", 0, 10, "flip-box"), row("cost-only", 0, 20, "flip-box")], "c")
+    (table,) = ablations([row("full", 0, 10, "flip-box"), row("unguided", 0, 20, "flip-box")], "c")
     assert not any(line[0].startswith("paper") for line in table.rows)
     assert ablations([row("full", 0, 10)], "c") == []

@@ -19,7 +19,7 @@ def practised(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench")
     task = folder / "slide.yaml"
     task.write_text(yaml.safe_dump(SLIDE))
-    assert main(["contact", "bench", "--tasks", str(task), "--variants", "full,cost-only", "--seeds", "5", "--advisors",
+    assert main(["contact", "bench", "--tasks", str(task), "--variants", "full,unguided", "--seeds", "5", "--advisors",
                  "heuristic,fallible:0.3:heuristic", "--out", str(folder / "practice"), *QUICK]) == 0
     return task, folder / "practice"
 
@@ -40,7 +40,7 @@ def test_only_plans_with_regions_are_handed_on(practised):
     kept = json.loads((practice / "memory.json").read_text())["experiences"]
     assert {one["provenance"]["variant"] for one in kept} == {"full"}
     assert len(list(practice.glob("runs/*_full_*/remembered.json"))) == len(kept)
-    assert not list(practice.glob("runs/*_cost-only_*/remembered.json"))
+    assert not list(practice.glob("runs/*_unguided_*/remembered.json"))
 
 
 def test_an_advisor_that_errs_has_tables_of_its_own(practised):

@@ -11,8 +11,8 @@ from coral.campaign.measures import Row, number
 from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.table import Table
 
-GUIDED, UNGUIDED = "full", "cost-only"
-NAMES = {GUIDED: "with contact strategy", "unguided": "its plan, sampling unguided", UNGUIDED: "without"}
+GUIDED, UNGUIDED = "full", "unguided"
+NAMES = {GUIDED: "with contact strategy", "no-regions": "its plan, samples unguided", UNGUIDED: "without"}
 COLUMNS = (("steps", 0), ("path_length_m", 2), ("first_touch_s", 2), ("plan_cost", 2), ("plan_cost_jump", 3))
 """Measure and digits after the point."""
 COMPARED = ("steps", "path_length_m", "first_touch_s")
@@ -58,9 +58,9 @@ def _table(trials: dict[str, list[Row]], task: str, place: str, advisor: str, co
     notes = (
         "Medians over all trials; one that fails counts all its steps. Change: of the median with the strategy against "
         "that without.",
-        "Without: the cost is of outcomes alone (variant `cost-only`). Planning cost: mean expected cost of a trial's "
-        "plans, no comparison between different costs; its jumps: mean change from one plan to the next in a stage. "
-        "First touch: of the hand on an object, of the trials that have one.",
+        "Without: the cost is of outcomes alone (variant `unguided`, as the paper calls it). Planning cost: mean "
+        "expected cost of a trial's plans, no comparison between different costs; its jumps: mean change from one plan "
+        "to the next in a stage. First touch: of the hand on an object, of the trials that have one.",
         f"Seeds: {', '.join(str(row['seed']) for row in guided)}. Object poses: {poses_of((*guided, *unguided))} "
         f"(paper: ground truth). Made by: {command}")
     return Table("Contact-strategy ablation", f"{Path(task).stem}, world: {place}. Advisor: {called(advisor)}.", HEADER,

@@ -234,7 +234,7 @@ class ContactBench:
     def _remembered(self, store: Store) -> str:
         """What all trials of `full` have added to their memories, in their order, as one file; "" for nothing.
 
-        Plans without regions, as `cost-only` and `unguided` make them, would be no help to a variant that has some.
+        Plans without regions, as `unguided` and `no-regions` make them, would be no help to a variant that has some.
         """
         found: list[Any] = []
         for spec in store.specs():

@@ -44,7 +44,7 @@ class ContactRun:
     advisor: str = "heuristic"
     """Who thinks, in variants that ask: heuristic, PROVIDER:MODEL, local:URL#MODEL, desk, replay:FILE, ..."""
     variant: str = "expert-fsm"
-    """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, cost-only, unguided and
+    """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, unguided, no-regions and
     no-tracking are it without a part, unified asks everything at once. expert and expert-fsm follow hand-written costs
     and ask nobody."""
     seed: int = 0

@@ -1,15 +1,16 @@
 """Batched rollouts in MuJoCo on several threads; what rests sleeps until something touches it.
 
-A sleeping object costs nearly nothing: of the time of a rehearsal among the four objects of pick-clutter, half is saved.
-But what is asleep is no part of MuJoCo's state, and what one rollout wakes would be awake in the next one on that thread.
-So every rollout begins with a copy of the same data, and neither order nor threads change a result.
+A sleeping object costs nearly nothing, and goes on as if it had been awake when it is touched. But what is asleep is no
+part of MuJoCo's state, and what one rollout wakes would be awake in the next one on that thread. So every rollout
+begins with a copy of the same data, and neither order nor threads change a result.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import mujoco
@@ -54,15 +55,11 @@ class Start:
         if not model.opt.enableflags & SLEEP:
             return cls(model, data, state)
         mujoco.mj_setState(model, data, state, FULL)
-        step, margin = model.opt.timestep, model.geom_margin[0]
-        _set_margin(model, NEAR_M)
-        mujoco.mj_forward(model, data)
-        touching = model.body_treeid[model.geom_bodyid[data.contact.geom.ravel()]]
-        data.tree_asleep[touching[touching >= 0]] = -1  # MuJoCo counts up to it while a tree is slow
-        model.opt.timestep = MOMENT_S
-        mujoco.mj_step(model, data)
-        model.opt.timestep = step
-        _set_margin(model, margin)
+        with _for_a_moment(model):
+            mujoco.mj_forward(model, data)
+            touching = model.body_treeid[model.geom_bodyid[data.contact.geom.ravel()]]
+            data.tree_asleep[touching[touching >= 0]] = -1  # MuJoCo counts up to it while a tree is slow
+            mujoco.mj_step(model, data)
         state = state.copy()
         sleeping = data.tree_asleep[model.dof_treeid] >= 0
         state[1 + model.nq:1 + model.nq + model.nv][sleeping] = 0.0
@@ -72,8 +69,16 @@ class Start:
         return cls(model, data, state)
 
 
-def _set_margin(model: mujoco.MjModel, margin_m: float) -> None:
-    model.geom_margin[:] = model.body_margin[:] = margin_m
+@contextmanager
+def _for_a_moment(model: mujoco.MjModel) -> Iterator[None]:
+    """A step takes no time, and what is near touches."""
+    kept = model.opt.timestep, model.geom_margin.copy(), model.body_margin.copy()
+    model.opt.timestep = MOMENT_S
+    model.geom_margin[:] = model.body_margin[:] = NEAR_M
+    try:
+        yield
+    finally:
+        model.opt.timestep, model.geom_margin[:], model.body_margin[:] = kept
 
 
 class Rollouts:

@@ -110,8 +110,8 @@ VARIANTS: dict[str, Make] = {
     "no-memory": _thinking("no-memory", remember=False),
     "no-refinement": _thinking("no-refinement", refine=False),
     # What is remembered are plans with a contact strategy.
-    "cost-only": _thinking("cost-only", remember=False, strategy=False),
-    "unguided": _thinking("unguided", regions=False),
+    "unguided": _thinking("unguided", remember=False, strategy=False),
+    "no-regions": _thinking("no-regions", regions=False),
     # Memory is looked up by masses and frictions, which only the one answer that it would save could give.
     "unified": _thinking("unified", remember=False, unified=True),
     "no-tracking": _thinking("no-tracking", tracking=False),
@@ -119,8 +119,8 @@ VARIANTS: dict[str, Make] = {
 """Who decides in each variant."""
 ALONE = ("expert", "expert-fsm")
 """Variants that ask no advisor."""
-REMEMBERING = ("full", "no-refinement", "unguided", "no-tracking")
-"""Variants that look into the experience memory; all but `unguided` add to it."""
+REMEMBERING = ("full", "no-refinement", "no-regions", "no-tracking")
+"""Variants that look into the experience memory; all but `no-regions` add to it."""
 
 
 def make_mind(variant: str, task: Task, asking: Asking | None = None) -> Mind:

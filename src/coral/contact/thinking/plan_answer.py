@@ -196,7 +196,7 @@ def make_strategy(name: str, answer: PlanAnswer, regions: RegionsAnswer | None, 
     Args:
         name: For logs.
         answer: A verified plan.
-        regions: Verified contact regions; None leaves the sampling unguided (`cost-only`, `unguided`).
+        regions: Verified contact regions; None leaves the sampling unguided (`unguided`, `no-regions`).
         schema: What the state has.
         sizes: Full extents of the objects, m.
         load: How programs are made.

@@ -18,8 +18,8 @@ class ThinkCfg:
     """What of CoRAL is on: the ablations switch parts off.
 
     Args:
-        strategy: Say where to touch (off: `cost-only`, the cost is of outcomes alone and no regions are asked for).
-        regions: Ask for contact regions (off: `unguided`, the plan stays as it is and the sampling is not guided).
+        strategy: Say where to touch (off: `unguided`, the cost is of outcomes alone and no regions are asked for).
+        regions: Ask for contact regions (off: `no-regions`, the plan stays as it is and the sampling is not guided).
         refine: Refine when stuck (off: `no-refinement`).
         unified: Everything in one question (the paper's unified VLM).
         tracking: Poses come from elsewhere (off: `no-tracking`, they are asked for once).
