@@ -77,6 +77,13 @@ def test_rehearsals_end_where_the_plain_loop_ends_and_plans_take_time(tmp_path):
     assert len((tmp_path / "contact-planner.csv").read_text().splitlines()) == 11
 
 
+def test_every_part_of_the_planning_model_has_a_row_for_every_task():
+    rows = result("planning_parts.py", "--tasks", "flip-box,pick-clutter", "--repeats", "1", "--samples", "4",
+                  "--horizon", "3")
+    assert list(rows) == ["flip-box", "pick-clutter"]
+    assert all(len(times) == 10 and min(times.values()) > 0 for times in rows.values())
+
+
 def test_a_cost_is_the_same_in_every_way_of_evaluating_it():
     found = result("costs.py", "--samples", "6", "--horizon", "4", "--repeats", "1", "--alone", "3")
     assert found["cost"]["confined_agrees"]
