@@ -6,7 +6,7 @@ import numpy as np
 
 from coral.contact.controller import ControllerCfg
 from coral.contact.draw import draw
-from coral.contact.episode import EpisodeCfg
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.planning import PlanningCfg
 from coral.contact.strategy import Stage, Strategy
 from coral.contact.task import load_task

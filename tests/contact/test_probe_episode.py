@@ -6,7 +6,7 @@ from coral.cli import main
 from coral.commands import contact_identify
 from coral.contact import probe_episode as module
 from coral.contact.draw import Physical, draw
-from coral.contact.episode import EpisodeCfg
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.probe_episode import Found, probe_episode
 from coral.contact.task import load_task
 from coral.contact.world import WorldFault

@@ -8,7 +8,8 @@ import pytest
 from coral.cli import main
 from coral.contact.controller import ControllerCfg
 from coral.contact.draw import draw
-from coral.contact.episode import Episode, EpisodeCfg
+from coral.contact.episode import Episode
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.mind import Fixed
 from coral.contact.planning import PlanningCfg
 from coral.contact.strategy import Guide, Stage, Strategy

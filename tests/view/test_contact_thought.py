@@ -5,7 +5,8 @@ import pytest
 from coral.contact.conditions import Upright
 from coral.contact.controller import ControllerCfg
 from coral.contact.draw import draw
-from coral.contact.episode import Episode, EpisodeCfg
+from coral.contact.episode import Episode
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.planning import PlanningCfg
 from coral.contact.task import load_task
 from coral.contact.thinking.outer import OuterCfg

@@ -29,7 +29,7 @@ from coral.campaign.version import code_version
 from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_run import with_poses, with_samples, with_tracker
 from coral.config import checked, to_mapping
-from coral.contact.episode import EpisodeCfg
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.trial import run_policy_trial
 from coral.contact.task import Task, load_task, shipped_tasks

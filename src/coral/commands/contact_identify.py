@@ -14,7 +14,7 @@ from coral.commands.contact_progress import EpisodeProgress
 from coral.commands.contact_run import with_poses, with_samples
 from coral.config import checked
 from coral.contact.draw import Drawn, Physical, draw
-from coral.contact.episode import EpisodeCfg
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.probe_episode import probe_episode
 from coral.contact.task import load_task
 from coral.contact.thinking.identify import Fit

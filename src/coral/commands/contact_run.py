@@ -18,7 +18,8 @@ from coral.commands.contact_progress import EpisodeProgress
 from coral.config import checked
 from coral.contact.draw import draw
 from coral.contact.ends import ENDS
-from coral.contact.episode import Episode, EpisodeCfg
+from coral.contact.episode import Episode
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.perception.choice import choose
 from coral.contact.policy.address import parse_address
 from coral.contact.policy.episode import PolicyEpisode

@@ -5,66 +5,31 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
-from coral.config import Count, to_mapping, whole_steps
-from coral.contact.controller import Controller, ControllerCfg, Plan
+from coral.config import to_mapping, whole_steps
+from coral.contact.controller import Controller, Plan
 from coral.contact.draw import Drawn, Physical
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.guessed import GuessedWorld
 from coral.contact.judge import Judge
 from coral.contact.metrics import compute_metrics
 from coral.contact.mind import Mind, Moment, NoStrategy, Step
-from coral.contact.planning import PlanningCfg, PlanningWorld
-from coral.contact.policy.cfg import PolicyCfg
+from coral.contact.planning import PlanningWorld
 from coral.contact.program.errors import CostError
-from coral.contact.reactive import Reactive, ReactiveCfg
-from coral.contact.record import EpisodeRecorder, RecordCfg, columns, numbers
+from coral.contact.reactive import Reactive
+from coral.contact.record import EpisodeRecorder, columns, numbers
 from coral.contact.scene import believing, prior
-from coral.contact.sight import SightCfg, eyes
+from coral.contact.sight import eyes
 from coral.contact.strategy import Progress, Strategy
-from coral.contact.thinking.think_cfg import ThinkCfg
 from coral.contact.tracked import Seen, TrackedWorld
-from coral.contact.tracked_cfg import TrackedCfg
 from coral.contact.world import EvaluationWorld, HandTarget, Observation, Truth, WorldFault
 from coral.contact.worlds import make_world
 from coral.errors import InputError, RunError
 from coral.runs import RunWriter, provenance
-
-
-@dataclass(frozen=True, kw_only=True)
-class EpisodeCfg:
-    """Everything that defines an episode besides the task, the world, the variant, the advisor and the seed.
-
-    Args:
-        replan_steps: Control steps that are taken from each plan. The paper takes one; two halve the time, and feedback
-            runs at every step.
-        patience_plans: After so many plans in a row without one usable rehearsal the episode ends.
-        planning: The planning world.
-        controller: MPPI.
-        reactive: Feedback and limits.
-        record: What is kept.
-        think: How variants that ask an advisor think.
-        policy: A served policy, where one drives instead of the planner.
-        poses: Where the objects' poses come from: tracked in a camera's pictures, or ground-truth, the simulator.
-        tracked: The camera and what is made of its pictures.
-        sight: The same camera's pictures that go with questions.
-    """
-
-    replan_steps: Count = 2
-    patience_plans: Count = 25
-    planning: PlanningCfg = field(default_factory=PlanningCfg)
-    controller: ControllerCfg = field(default_factory=ControllerCfg)
-    reactive: ReactiveCfg = field(default_factory=ReactiveCfg)
-    record: RecordCfg = field(default_factory=RecordCfg)
-    think: ThinkCfg = field(default_factory=ThinkCfg)
-    policy: PolicyCfg = field(default_factory=PolicyCfg)
-    poses: Literal["tracked", "ground-truth"] = "tracked"
-    tracked: TrackedCfg = field(default_factory=TrackedCfg)
-    sight: SightCfg = field(default_factory=SightCfg)
 
 
 class Observer(Protocol):

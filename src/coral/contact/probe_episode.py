@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from coral.contact.draw import Drawn, Physical
-from coral.contact.episode import Episode, EpisodeCfg, Observer
+from coral.contact.episode import Episode, Observer
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.scene import believing
 from coral.contact.thinking.think_cfg import within
 from coral.contact.variants import Asking, make_mind

@@ -11,7 +11,8 @@ from typing import Any
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.contact.draw import draw
-from coral.contact.episode import Episode, EpisodeCfg
+from coral.contact.episode import Episode
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.task import Task
 from coral.contact.thinking.memory import Memory
 from coral.contact.thinking.think_cfg import within

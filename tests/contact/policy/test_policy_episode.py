@@ -10,7 +10,7 @@ from coral.campaign.dataset import read_parquet
 from coral.cli import main
 from coral.contact.draw import draw
 from coral.contact.ends import ENDS
-from coral.contact.episode import EpisodeCfg
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.hand_world import HandWorld
 from coral.contact.policy.address import Address
 from coral.contact.policy.cfg import PolicyCfg

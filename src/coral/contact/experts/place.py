@@ -24,6 +24,11 @@ def _others(state: Context, task: Task) -> Array:
     return np.asarray(sum(moved)) if moved else np.zeros(state.shape)
 
 
+def _lying(state: Context, name: str) -> Array:
+    """Height (m) of the object's centre when it stands on the goal."""
+    return np.asarray(state.goal_pos[..., 2] + state[f"{name}_size"][..., 2] / 2)
+
+
 def places(task: Task) -> bool:
     """Whether the task, by its goals, is to bring its first object to the place `goal` and to let it lie there."""
     first = [condition for condition in task.success.conditions if condition.object == task.objects[0].name]
@@ -38,15 +43,12 @@ def single(task: Task) -> Strategy:
     name = task.objects[0].name
     carry_m = task.numbers.get("carry_height", CARRY_M)
 
-    def floor(state: Context) -> Array:
-        return np.asarray(state.goal_pos[..., 2] + state[f"{name}_size"][..., 2] / 2)
-
     def bumps(state: Context) -> Array:
         touched = [state[f"{name}_{item.name}_contact"] for item in task.objects[1:]]
         return np.asarray(sum(touched)) if touched else np.zeros(state.shape)
 
     def cost(state: Context) -> Terms:
-        place = state[f"{name}_pos"]
+        place, lying = state[f"{name}_pos"], _lying(state, name)
         distance = norm(state.ee_pos - pick.grasp_point(state, name))
         close = near(distance, 0.02)
         # Two fingers that press on the top from above touch it, too, and hold nothing.
@@ -54,9 +56,9 @@ def single(task: Task) -> Strategy:
         aside = norm((place - state.goal_pos)[..., :2])
         over = near(np.clip(aside - 0.02, 0, None), 0.015)
         low = (1 - over) * np.clip(carry_m - place[..., 2], 0, carry_m)
-        down = over * np.clip(carry_m - np.abs(place[..., 2] - floor(state)), 0, carry_m)
+        down = over * np.clip(carry_m - np.abs(place[..., 2] - lying), 0, carry_m)
         up = np.maximum(level(place[..., 2], carry_m - 0.05, carry_m - 0.01), near(aside, 0.04))
-        there = over * near(place[..., 2] - floor(state), 0.01)
+        there = over * near(place[..., 2] - lying, 0.01)
         return {
             "reach": 12.0 * distance * (1 - there),
             "square": 2.0 * pick.across(state, name),
@@ -83,7 +85,7 @@ def single(task: Task) -> Strategy:
         over = np.array([*goal[:2], carry_m])
         aside = float(np.linalg.norm((place - goal)[:2]))
         up = np.array([*place[:2], carry_m])
-        down = np.array([*goal[:2], floor(now)[0, 0]])
+        down = np.array([*goal[:2], _lying(now, name)[0, 0]])
         points = [down, over] if aside < 0.03 else [up, over] if place[2] < carry_m - 0.03 else [over]
         return np.asarray(np.stack(points) + now.ee_pos[0, 0] - place)
 
@@ -126,8 +128,7 @@ def fsm(task: Task) -> Strategy:
         return {**holding(state), **to(aside(state) + height)}
 
     def lower(state: Context) -> Terms:
-        floor = state.goal_pos[..., 2] + state[f"{name}_size"][..., 2] / 2
-        height = np.abs(state[f"{name}_pos"][..., 2] - floor)
+        height = np.abs(state[f"{name}_pos"][..., 2] - _lying(state, name))
         return {**holding(state), **to(aside(state) + height), "gently": 1.0 * norm(state[f"{name}_vel"])}
 
     def release(state: Context) -> Terms:
@@ -157,7 +158,7 @@ def fsm(task: Task) -> Strategy:
             if goal != "up":
                 end[:, :2] = now.goal_pos[0, 0, :2]
             if goal == "down":
-                end[:, 2] = now.goal_pos[0, 0, 2] + now[f"{name}_size"][0, 0, 2] / 2
+                end[:, 2] = _lying(now, name)[0, 0]
             return np.asarray(end + offset)
         return Guide(points, opening_m=0.0)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from coral.config import to_mapping
 from coral.contact.draw import Drawn
-from coral.contact.episode import EpisodeCfg
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.judge import Judge
 from coral.contact.metrics import compute_metrics
 from coral.contact.policy import libero

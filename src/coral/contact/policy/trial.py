@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.contact.draw import draw
-from coral.contact.episode import EpisodeCfg
+from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.policy.address import Address
 from coral.contact.policy.client import OUTAGES, ClientCfg, PolicyClient, PolicyError
 from coral.contact.policy.episode import PolicyEpisode
