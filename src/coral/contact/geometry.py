@@ -10,11 +10,19 @@ Array = NDArray[np.float64]
 
 def rotation_of(quaternion: ArrayLike) -> Array:
     """Rotation matrices, Shape=(..., 3, 3), of unit quaternions, Shape=(..., 4)."""
-    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=float), -1, 0)
-    rows = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-            2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-            2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
-    return np.stack(rows, axis=-1).reshape(*w.shape, 3, 3)
+    return np.stack([column_of(quaternion, k) for k in range(3)], axis=-1)
+
+
+def column_of(quaternion: ArrayLike, k: int) -> Array:
+    """A column of their rotation matrices, Shape=(..., 3): where axis k points."""
+    q = np.asarray(quaternion, dtype=float)
+    i, j = (k + 1) % 3, (k + 2) % 3
+    w, along, first, second = q[..., 0], q[..., 1 + k], q[..., 1 + i], q[..., 1 + j]
+    column = np.empty((*w.shape, 3))
+    column[..., k] = 1 - 2 * (first * first + second * second)
+    column[..., i] = 2 * (along * first + w * second)
+    column[..., j] = 2 * (along * second - w * first)
+    return column
 
 
 def quaternion_of(rotation: ArrayLike) -> Array:
