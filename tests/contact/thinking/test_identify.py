@@ -7,10 +7,11 @@ import pytest
 from coral.contact.draw import Physical, draw
 from coral.contact.mind import Step
 from coral.contact.planning import PlanningCfg, PlanningWorld
+from coral.contact.rollouts import SLEEP
 from coral.contact.task import load_task
 from coral.contact.thinking import identify as module
 from coral.contact.thinking.balance import Balance
-from coral.contact.thinking.history import most_telling, windows
+from coral.contact.thinking.history import Window, most_telling, windows
 from coral.contact.thinking.identify import Corrections, Fit, IdentifyCfg, compare, correction, explained, weighed
 from coral.contact.thinking.probe import ProbeCfg, probe
 from coral.contact.thinking.repair import choice_after, diagnose, recent
@@ -49,13 +50,19 @@ def test_a_proposal_equal_to_the_belief_explains_no_better(scene):
     drawn = draw(load_task("pick-box"), 0)
     one, step = still(scene)
     world = PlanningWorld(drawn, one.beliefs, one.now, PlanningCfg(threads=1))
-    from coral.contact.thinking.history import Window
-
     replay = Replay(world, [Window((step,) * 6)])
     before, after = compare(replay, "box", one.beliefs, one.beliefs)
     assert before == after
     world.close()
     assert Corrections().fits == []
+
+
+def test_nothing_sleeps_in_a_replay(scene):
+    one = scene("pick-clutter")
+    step = Step(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
+    assert all(model.opt.enableflags & SLEEP == SLEEP for model in one.world.models)
+    Replay(one.world, [Window((step,) * 3)]).parts([one.beliefs], "can")
+    assert not any(model.opt.enableflags & SLEEP for model in one.world.models)
 
 
 def test_a_window_that_diverges_under_every_belief_decides_nothing():

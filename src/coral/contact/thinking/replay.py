@@ -13,6 +13,7 @@ from coral.config import Positive
 from coral.contact.draw import Physical
 from coral.contact.geometry import angle_between
 from coral.contact.planning import Controls, PlanningWorld
+from coral.contact.rollouts import SLEEP
 from coral.contact.thinking.history import Window
 
 Array = NDArray[np.float64]
@@ -63,8 +64,10 @@ class Replay:
         """
         self.world.believe(list(beliefs))
         for model in self.world.models:
-            # A replay has time for what a rehearsal at every step has not: contacts that neither creep nor chatter.
+            # A replay has time for what a rehearsal at every step has not: contacts that neither creep nor chatter, and
+            # what hardly moves is not taken to be at rest.
             model.opt.cone, model.opt.impratio, model.opt.iterations = mujoco.mjtCone.mjCONE_ELLIPTIC, 10.0, 50
+            model.opt.enableflags &= ~SLEEP
         return np.stack([self._parts(window, name, len(beliefs)) for window in self.windows], axis=1)
 
     def score(self, parts: Array, floor: Array) -> Array:
