@@ -103,6 +103,7 @@ class PlanningWorld:
         self._rollouts = Rollouts(cfg.threads)
         self._names = [item.name for item in drawn.task.objects]
         self.believe(beliefs)
+        self._scratch = mujoco.MjData(self.models[0])
 
     def believe(self, beliefs: Mapping[str, Physical] | Sequence[Mapping[str, Physical]]) -> None:
         """Rebuild the models with new masses and frictions."""
@@ -180,8 +181,8 @@ class PlanningWorld:
         return all(bool((np.abs(each[:, :2] - center) < half).all()) for each in points)
 
     def _initial(self, now: Observation) -> Array:
-        model = self.models[0]
-        data = mujoco.MjData(model)
+        model, data = self.models[0], self._scratch
+        mujoco.mj_resetData(model, data)
         data.time = now.time_s
         put_state(model, data, now)
         _shift_fingers(model, data)

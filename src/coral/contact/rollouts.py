@@ -36,13 +36,13 @@ class Start:
 
     Args:
         model: What is rolled out.
-        data: What every rollout has a copy of.
         state: Shape=(S,), MuJoCo's full physics state.
+        data: What every rollout has a copy of; None where nothing can sleep, and the state is all there is.
     """
 
     model: mujoco.MjModel
-    data: mujoco.MjData
     state: Array
+    data: mujoco.MjData | None = None
 
     @classmethod
     def at(cls, model: mujoco.MjModel, state: Array) -> Start:
@@ -51,9 +51,9 @@ class Start:
         Where the model enables sleep, everything sleeps that is slower than its `sleep_tolerance`, lies on something
         and touches nothing that is awake.
         """
-        data = mujoco.MjData(model)
         if not model.opt.enableflags & SLEEP:
-            return cls(model, data, state)
+            return cls(model, state)
+        data = mujoco.MjData(model)
         mujoco.mj_setState(model, data, state, FULL)
         with _for_a_moment(model):
             mujoco.mj_forward(model, data)
@@ -66,7 +66,7 @@ class Start:
         for joint in np.flatnonzero(sleeping[model.jnt_dofadr]):  # to the last bit: a sleeper that was moved wakes up
             place = slice(int(model.jnt_qposadr[joint]), int(model.jnt_qposadr[joint]) + 7)
             state[1:1 + model.nq][place] = data.qpos[place]
-        return cls(model, data, state)
+        return cls(model, state, data)
 
 
 @contextmanager
@@ -90,14 +90,16 @@ class Rollouts:
 
     def __init__(self, threads: int) -> None:
         self._threads = threads or os.cpu_count() or 1
+        self._batch = mujoco_rollout.Rollout(nthread=self._threads)
+        self._single = mujoco_rollout.Rollout(nthread=0)
         self._pool = ThreadPoolExecutor(self._threads)
-        self._native = mujoco_rollout.Rollout(nthread=0)
         self._datas: dict[int, list[mujoco.MjData]] = {}
 
     def close(self) -> None:
         """Stop the threads."""
         self._pool.shutdown()
-        self._native.close()
+        self._batch.close()
+        self._single.close()
 
     def run(self, starts: Sequence[Start], control: Array, spec: int) -> tuple[Array, Array]:
         """Roll out every start under its share of the controls.
@@ -111,21 +113,29 @@ class Rollouts:
             The full physics states, Shape=(len(starts) * K, T, S), and sensor readings, after each step.
         """
         total, steps = control.shape[:2]
-        each = total // len(starts)
-        states = np.empty((total, steps, len(starts[0].state)))
+        each = [start for start in starts for _ in range(total // len(starts))]
+        initial = np.array([start.state for start in each])
+        states = np.empty((total, steps, initial.shape[1]))
         sensors = np.empty((total, steps, starts[0].model.nsensordata))
-        model = starts[0].model
-        if model.signature not in self._datas:
-            self._datas[model.signature] = [mujoco.MjData(model) for _ in range(self._threads)]
+        datas = self._own(starts[0].model)
+        if all(start.data is None for start in starts):
+            self._batch.rollout([start.model for start in each], datas, initial, control, control_spec=spec,
+                                skip_checks=True, nstep=steps, state=states, sensordata=sensors)
+            return states, sensors
         todo = iter(range(total))
 
         def work(data: mujoco.MjData) -> None:
             for k in todo:  # threads share it: an iterator hands out each number once
-                start = starts[k // each]
-                mujoco.mj_copyData(data, start.model, start.data)
-                self._native.rollout(
-                    [start.model], [data], start.state[None], control[k:k + 1], control_spec=spec, skip_checks=True,
-                    nstep=steps, state=states[k:k + 1], sensordata=sensors[k:k + 1])
+                mujoco.mj_copyData(data, each[k].model, each[k].data)
+                part = slice(k, k + 1)
+                self._single.rollout([each[k].model], [data], initial[part], control[part], control_spec=spec,
+                                     skip_checks=True, nstep=steps, state=states[part], sensordata=sensors[part])
 
-        list(self._pool.map(work, self._datas[model.signature]))
+        list(self._pool.map(work, datas))
         return states, sensors
+
+    def _own(self, model: mujoco.MjModel) -> list[mujoco.MjData]:
+        """The threads' data for models of this make."""
+        if model.signature not in self._datas:
+            self._datas[model.signature] = [mujoco.MjData(model) for _ in range(self._threads)]
+        return self._datas[model.signature]
