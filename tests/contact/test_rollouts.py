@@ -81,11 +81,14 @@ def test_two_that_lean_on_each_other_sleep_together():
     assert asleep(world(drawn, now), now) == {"box", "tin"}
 
 
-@pytest.mark.parametrize("drawn_now", [(trial(), seen(trial())), two()], ids=["alone", "switched off"])
-def test_nothing_sleeps_alone_or_where_that_is_switched_off(drawn_now):
-    drawn, now = drawn_now
-    beliefs = {name: BELIEFS[name] for name in drawn.objects}
-    planner = PlanningWorld(drawn, beliefs, now, PlanningCfg(threads=1, rest_m_s=0.0))
+def test_nothing_sleeps_where_that_is_switched_off():
+    drawn, now = two()
+    assert not world(drawn, now, rest_m_s=0.0).models[0].opt.enableflags & SLEEP
+
+
+def test_an_object_alone_stays_awake():
+    drawn = trial()
+    planner = PlanningWorld(drawn, {"box": BELIEFS["box"]}, seen(drawn), PlanningCfg(threads=1))
     assert not planner.models[0].opt.enableflags & SLEEP
 
 

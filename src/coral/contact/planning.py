@@ -43,12 +43,12 @@ class PlanningCfg:
         physics_dt_s: Step of the physics; a whole number of them makes a control step. 10 ms keeps the box within 12 mm
             of a 1 ms reference over a second of pushing (measured), and costs a fifth of 2 ms.
         inland_m: While the hand and everything that moves are this far from the table's edges, it is rehearsed as a
-            plane. Where a cylinder touches a box is a general search, where it touches a plane a formula:
-            pick-clutter costs a third less (measured), what has only boxes hardly less. A hand at full speed goes so
-            far in a quarter of the horizon; by then it is planned anew six times.
+            plane: where a cylinder touches a box is a general search, where it touches a plane a formula. That matters
+            for cylinders that do not sleep. A hand at full speed goes so far in a quarter of the horizon; by then it is
+            planned anew six times.
         rest_m_s: Among several objects, one that lies still is asleep in a rehearsal until something touches it: half
-            of the time of pick-clutter is saved (measured). Still is what no point of its rim exceeds this speed in;
-            0 keeps all awake.
+            of the time of pick-clutter is saved (benchmarks/planning_parts.py). Still is what no point of its rim
+            exceeds this speed in; 0 keeps all awake.
         threads: Of the rollout; 0 takes every core.
         hand: The hand's apparent dynamics.
         uncertainty: Other beliefs that a plan is rehearsed under, over which its risk is taken.

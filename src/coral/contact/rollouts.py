@@ -24,8 +24,6 @@ SLEEP = int(getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", 0))
 """0 in a MuJoCo that cannot: there everything stays awake."""
 MOMENT_S = 1e-9
 """So long is the step in which what rests is put to sleep: MuJoCo does it at the end of one, and nothing shall move."""
-
-
 NEAR_M = 1e-3
 """What is so near to something lies on it: cameras measure no better."""
 
