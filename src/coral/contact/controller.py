@@ -212,17 +212,18 @@ class Controller:
 
     def _towards(self, sampled: Array, start: HandTarget, aims: list[tuple[Guide, Array, Array | None]]) -> Array:
         """Turn the last samples into motions towards points of contact, at a random pace, with half the noise kept."""
-        count = int(self.cfg.guided * len(sampled))
-        chosen = np.arange(len(sampled) - count, len(sampled))
+        chosen = range(len(sampled) - int(self.cfg.guided * len(sampled)), len(sampled))
         times = np.linspace(0.0, 1.0, sampled.shape[1])
+        noises = 0.5 * (sampled - self.mppi.knots)
+        turns = [None if quaternion is None else to_rotvec(multiply(conjugate(start.quaternion), quaternion))
+                 for _, _, quaternion in aims]
         for row in chosen:
-            guide, points, quaternion = aims[int(self._rng.integers(len(aims)))]
+            aim = int(self._rng.integers(len(aims)))
+            (guide, points, _), turn, noise = aims[aim], turns[aim], noises[row]
             goal = points[int(self._rng.integers(len(points)))]
             pace = np.minimum(1.0, times * self._rng.uniform(1.0, 3.0))[:, None]
-            noise = 0.5 * (sampled[row] - self.mppi.knots)
             sampled[row, :, :3] = start.position + pace * (goal - start.position) + noise[:, :3]
-            if quaternion is not None:
-                turn = to_rotvec(multiply(conjugate(start.quaternion), quaternion))
+            if turn is not None:
                 sampled[row, :, 3:6] = pace * turn + noise[:, 3:6]
             if guide.opening_m is not None:
                 sampled[row, :, 6] = guide.opening_m + noise[:, 6]

@@ -102,6 +102,7 @@ class PlanningWorld:
         self._substeps = whole_steps(cfg.step_s, cfg.physics_dt_s, "--cfg", "planning.physics_dt_s")
         self._rollouts = Rollouts(cfg.threads)
         self._names = [item.name for item in drawn.task.objects]
+        self._corners = {name: drawn.corners(name) for name in self._names}
         self.believe(beliefs)
         self._scratch = mujoco.MjData(self.models[0])
 
@@ -113,6 +114,7 @@ class PlanningWorld:
         self._endless: list[mujoco.MjModel] = []
         self._fixed: dict[int, Mapping[str, Callable[[], Array]]] = {}
         self._index = Index(self.models[0], self._names)
+        self._last: tuple[Observation, Array] | None = None
 
     def _build(self, endless: bool) -> list[mujoco.MjModel]:
         models = [build_model(believing(self._drawn, one), self.cfg.hand, self.cfg.physics_dt_s, endless)
@@ -156,14 +158,11 @@ class PlanningWorld:
         control[..., 0] = control[..., 1] = controls.opening[..., None] / 2
         control[..., -7:-4] = controls.position[:, :, None]
         control[..., -4:] = controls.quaternion[:, :, None]
-        states, sensors = self._rollouts.run([Start.at(model, initial) for model in chosen],
-                                             control.reshape(total, horizon * self._substeps, -1), CONTROL)
-        states = states[:, self._substeps - 1::self._substeps]
-        sensors = sensors[:, self._substeps - 1::self._substeps]
-        states, sensors, sane = _without_divergence(
-            states, sensors, self._index.speeds, initial, self.cfg.step_s)
-        values = self._values(states, sensors, controls, now, step)
-        return Context(values, (total, horizon)), sane
+        rolled = self._rollouts.run([Start.at(model, initial) for model in chosen],
+                                    control.reshape(total, horizon * self._substeps, -1), CONTROL, self._substeps,
+                                    partial(_without_divergence, self._index.speeds, initial, self.cfg.step_s))
+        values = self._values(rolled.states, rolled.sensors, controls, now, step)
+        return Context(values, (total, horizon)), rolled.sane
 
     def present(self, now: Observation, step: int = 0) -> Context:
         """The measured state as a batch of one; contacts as the first belief has them after a step of keeping still."""
@@ -176,11 +175,14 @@ class PlanningWorld:
         """Whether nothing comes near an edge of the table for a while."""
         table = self._drawn.task.table
         half, center = np.asarray(table.size)[:2] / 2 - self.cfg.inland_m, np.asarray(table.center)
-        points = [now.tool.position[None], *(body.position + rotate(body.quaternion, self._drawn.corners(name))
+        points = [now.tool.position[None], *(body.position + rotate(body.quaternion, self._corners[name])
                                              for name, body in now.objects.items())]
         return all(bool((np.abs(each[:, :2] - center) < half).all()) for each in points)
 
     def _initial(self, now: Observation) -> Array:
+        """Shape=(S,): MuJoCo's full physics state where rehearsals begin."""
+        if self._last is not None and self._last[0] is now:
+            return self._last[1]  # a plan asks for it twice
         model, data = self.models[0], self._scratch
         mujoco.mj_resetData(model, data)
         data.time = now.time_s
@@ -188,6 +190,7 @@ class PlanningWorld:
         _shift_fingers(model, data)
         state = np.zeros(mujoco.mj_stateSize(model, FULL))
         mujoco.mj_getState(model, data, state, FULL)
+        self._last = now, state
         return state
 
     def _values(self, states: Array, sensors: Array, controls: Controls, now: Observation, step: int
@@ -301,14 +304,15 @@ def _own_axes(body: Body) -> Array:
     return rotate(body.quaternion * np.array([1.0, -1, -1, -1]), body.angular_velocity)
 
 
-def _without_divergence(states: Array, sensors: Array, speeds: NDArray[np.int_], initial: Array, step_s: float
-                        ) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _without_divergence(speeds: NDArray[np.int_], initial: Array, step_s: float, states: Array, sensors: Array
+                        ) -> NDArray[np.bool_]:
+    """Which rollouts hold, Shape=(K,); the others' states are repeated from the last sane one, in place."""
     # MuJoCo resets a state that has diverged and its rollout then stands still: only its clock tells.
     clock = initial[0] + step_s * np.arange(1.0, states.shape[1] + 1)
     if (np.isfinite(states.sum()) and np.isfinite(sensors.sum())
             and np.abs(states[..., 0] - clock).max() < 0.1 * step_s
             and max(float(np.abs(states[..., k]).max()) for k in speeds) <= SANE_SPEED_M_S):
-        return states, sensors, np.ones(len(states), dtype=bool)  # as a rule nothing is wrong: that is told faster
+        return np.ones(len(states), dtype=bool)  # as a rule nothing is wrong: that is told faster
     bad: NDArray[np.bool_] = ~(np.abs(states[..., 0] - clock) < 0.1 * step_s)
     bad |= ~np.isfinite(states).all(axis=-1) | ~np.isfinite(sensors).all(axis=-1)
     bad |= np.asarray(np.abs(states[..., speeds]) > SANE_SPEED_M_S).any(axis=-1)
@@ -317,7 +321,7 @@ def _without_divergence(states: Array, sensors: Array, speeds: NDArray[np.int_],
         first = int(np.argmax(bad[k]))
         states[k, first:] = states[k, first - 1] if first else np.nan_to_num(initial, posinf=0.0, neginf=0.0)
         sensors[k, first:] = sensors[k, first - 1] if first else 0.0
-    return states, sensors, sane
+    return sane
 
 
 def _action(controls: Controls, repeats: int, step_s: float) -> Array:

@@ -7,8 +7,9 @@ begins with a copy of the same data, and neither order nor threads change a resu
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -79,6 +80,25 @@ def _for_a_moment(model: mujoco.MjModel) -> Iterator[None]:
         model.opt.timestep, model.geom_margin[:], model.body_margin[:] = kept
 
 
+@dataclass(frozen=True)
+class Rolled:
+    """What came of a batch.
+
+    Args:
+        states: Shape=(N, T, S), full physics states.
+        sensors: Shape=(N, T, M).
+        sane: Shape=(N,), which hold.
+    """
+
+    states: Array
+    sensors: Array
+    sane: NDArray[np.bool_]
+
+
+Mend = Callable[[Array, Array], NDArray[np.bool_]]
+"""Looks at states and sensors of some rollouts, writes over what cannot be used, and says which hold."""
+
+
 class Rollouts:
     """Threads that roll out.
 
@@ -88,52 +108,76 @@ class Rollouts:
 
     def __init__(self, threads: int) -> None:
         self._threads = threads or os.cpu_count() or 1
-        self._batch = mujoco_rollout.Rollout(nthread=self._threads)
-        self._single = mujoco_rollout.Rollout(nthread=0)
+        self._rollout = mujoco_rollout.Rollout(nthread=0)  # in the thread that calls it
         self._pool = ThreadPoolExecutor(self._threads)
         self._datas: dict[int, list[mujoco.MjData]] = {}
 
     def close(self) -> None:
         """Stop the threads."""
         self._pool.shutdown()
-        self._batch.close()
-        self._single.close()
+        self._rollout.close()
 
-    def run(self, starts: Sequence[Start], control: Array, spec: int) -> tuple[Array, Array]:
+    def run(self, starts: Sequence[Start], control: Array, spec: int, every: int, mend: Mend) -> Rolled:
         """Roll out every start under its share of the controls.
 
         Args:
             starts: Of models that differ in numbers alone.
-            control: Shape=(len(starts) * K, T, C): the first K for the first start, and so on.
+            control: Shape=(len(starts) * K, T * every, C): the first K for the first start, and so on.
             spec: What a row of it sets, as MuJoCo's `mjtState` bits.
-
-        Returns:
-            The full physics states, Shape=(len(starts) * K, T, S), and sensor readings, after each step.
+            every: Of so many steps the last is kept.
+            mend: Looks at some of the rollouts as soon as they are there.
         """
         total, steps = control.shape[:2]
         each = [start for start in starts for _ in range(total // len(starts))]
         initial = np.array([start.state for start in each])
-        states = np.empty((total, steps, initial.shape[1]))
-        sensors = np.empty((total, steps, starts[0].model.nsensordata))
-        datas = self._own(starts[0].model)
-        if all(start.data is None for start in starts):
-            self._batch.rollout([start.model for start in each], datas, initial, control, control_spec=spec,
-                                skip_checks=True, nstep=steps, state=states, sensordata=sensors)
-            return states, sensors
-        todo = iter(range(total))
+        found = Rolled(np.empty((total, steps // every, initial.shape[1])),
+                       np.empty((total, steps // every, starts[0].model.nsensordata)), np.empty(total, dtype=bool))
+        parts = _parts(total, self._threads)
+        todo = iter(parts)
 
         def work(data: mujoco.MjData) -> None:
-            for k in todo:  # threads share it: an iterator hands out each number once
-                mujoco.mj_copyData(data, each[k].model, each[k].data)
-                part = slice(k, k + 1)
-                self._single.rollout([each[k].model], [data], initial[part], control[part], control_spec=spec,
-                                     skip_checks=True, nstep=steps, state=states[part], sensordata=sensors[part])
+            states = np.empty((parts[0].stop, steps, found.states.shape[2]))  # of the largest part
+            sensors = np.empty((*states.shape[:2], found.sensors.shape[2]))
+            for part in todo:  # threads share it: an iterator hands out each part once
+                for rows in _at_once(each, part):
+                    if each[rows.start].data is not None:
+                        mujoco.mj_copyData(data, each[rows.start].model, each[rows.start].data)
+                    here = slice(rows.start - part.start, rows.stop - part.start)
+                    self._rollout.rollout([start.model for start in each[rows]], [data], initial[rows], control[rows],
+                                          control_spec=spec, skip_checks=True, nstep=steps, state=states[here],
+                                          sensordata=sensors[here])
+                kept = slice(part.stop - part.start), slice(every - 1, None, every)
+                found.states[part], found.sensors[part] = states[kept], sensors[kept]
+                found.sane[part] = mend(found.states[part], found.sensors[part])
 
-        list(self._pool.map(work, datas))
-        return states, sensors
+        datas = self._own(starts[0].model)
+        if total == 1:
+            work(datas[0])
+        else:
+            list(self._pool.map(work, datas))
+        return found
 
     def _own(self, model: mujoco.MjModel) -> list[mujoco.MjData]:
         """The threads' data for models of this make."""
         if model.signature not in self._datas:
             self._datas[model.signature] = [mujoco.MjData(model) for _ in range(self._threads)]
         return self._datas[model.signature]
+
+
+def _parts(total: int, threads: int) -> list[slice]:
+    """Ever smaller parts of the whole, so that no thread waits long for another's last one."""
+    found: list[slice] = []
+    begin = 0
+    while begin < total:
+        end = begin + math.ceil((total - begin) / (2 * threads))
+        found.append(slice(begin, end))
+        begin = end
+    return found
+
+
+def _at_once(each: Sequence[Start], part: slice) -> Iterator[slice]:
+    """What of a part MuJoCo may roll out in one call: one at a time where each begins with a copy."""
+    if each[part.start].data is None:
+        yield part
+    else:
+        yield from (slice(k, k + 1) for k in range(part.start, part.stop))
