@@ -85,15 +85,16 @@ def test_threads_and_order_do_not_matter():
     assert np.array_equal(one.box_pos, two.box_pos[::-1])
 
 
+@pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_one_that_diverges_leaves_the_others_alone(bad, capfd, tmp_path, monkeypatch):
+def test_one_that_diverges_leaves_the_others_alone(bad, threads, capfd, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     drawn = trial()
     plan = pushes(4)
     good, _ = world(drawn).rollout(beside(drawn), controls(plan))
     plan[1, 5:] = bad
     with np.errstate(invalid="ignore"):
-        context, sane = world(drawn).rollout(beside(drawn), controls(plan))
+        context, sane = world(drawn, cfg=PlanningCfg(threads=threads)).rollout(beside(drawn), controls(plan))
     assert sane.tolist() == [True, False, True, True]
     assert np.array_equal(context.box_pos[sane], good.box_pos[sane])
     assert np.isfinite(context.box_pos).all()
@@ -122,6 +123,8 @@ def test_starts_exactly_from_what_is_measured():
     assert np.array_equal(qpos[index.pose["box"]][:3], box.position)
     assert np.array_equal(qpos[index.pose["box"]][3:], box.quaternion)
     planner.rollout(beside(drawn), controls(pushes()))
+    assert np.array_equal(planner._initial(now), initial)
+    planner.believe(HEAVY)
     assert np.array_equal(planner._initial(now), initial)
     assert np.array_equal(qvel[index.speed["box"]][:3], box.velocity)
     # A free turn goes on: the spin is read back in the world's axes.

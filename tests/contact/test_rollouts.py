@@ -8,7 +8,7 @@ from contact_bench import DOWN, body, plain, seen, trial
 
 from coral.contact.draw import Physical
 from coral.contact.planning import Controls, PlanningCfg, PlanningWorld
-from coral.contact.rollouts import SLEEP, Start
+from coral.contact.rollouts import SLEEP, Start, _parts
 
 pytestmark = pytest.mark.skipif(not SLEEP, reason="this MuJoCo cannot sleep")
 SUNK = 2e-5
@@ -128,6 +128,17 @@ def test_what_one_rehearsal_wakes_still_sleeps_in_the_next():
     context, _ = world(drawn, now).rollout(now, mixed)
     assert np.array_equal(context.box_pos[:4], context.box_pos[5:])
     assert (context.box_pos[4] == now.objects["box"].position).all()
+
+
+@pytest.mark.parametrize("threads", [1, 2, 24])
+@pytest.mark.parametrize("total", [1, 7, 200])
+def test_parts_hold_everything_once_and_grow_smaller(total, threads):
+    parts = _parts(total, threads)
+    assert [k for part in parts for k in range(part.start, part.stop)] == list(range(total))
+    sizes = [part.stop - part.start for part in parts]
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[0] <= max(1, -(-total // (2 * threads)))
+    assert sizes[-1] == 1
 
 
 def test_threads_do_not_matter():
