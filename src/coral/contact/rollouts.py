@@ -130,8 +130,8 @@ class Rollouts:
         total, steps = control.shape[:2]
         each = [start for start in starts for _ in range(total // len(starts))]
         initial = np.array([start.state for start in each])
-        found = Rolled(np.empty((total, steps // every, initial.shape[1])),
-                       np.empty((total, steps // every, starts[0].model.nsensordata)), np.empty(total, dtype=bool))
+        found = Rolled(_by_columns(total, steps // every, initial.shape[1]),
+                       _by_columns(total, steps // every, starts[0].model.nsensordata), np.empty(total, dtype=bool))
         parts = _parts(total, self._threads)
         todo = iter(parts)
 
@@ -162,6 +162,11 @@ class Rollouts:
         if model.signature not in self._datas:
             self._datas[model.signature] = [mujoco.MjData(model) for _ in range(self._threads)]
         return self._datas[model.signature]
+
+
+def _by_columns(*shape: int) -> Array:
+    """An empty array whose columns lie together, as costs read them."""
+    return np.moveaxis(np.empty((shape[-1], *shape[:-1])), 0, -1)
 
 
 def _parts(total: int, threads: int) -> list[slice]:
