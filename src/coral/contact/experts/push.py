@@ -126,8 +126,9 @@ def single(task: Task) -> Strategy:
 
     def cost(state: Context) -> Terms:
         way = to_goal(state, name)
-        along = way / np.maximum(norm(way), 1e-6)[..., None]
-        left = level(norm(way), 0.012, 0.02)  # arrived: nothing is left to do, and pressing on would spoil the force
+        far = norm(way)
+        along = way / np.maximum(far, 1e-6)[..., None]
+        left = level(far, 0.012, 0.02)  # arrived: nothing is left to do, and pressing on would spoil the force
         # Before the block has moved the hand stays 1.5 cm behind its face until it is low enough; then its height is
         # left to friction.
         begun = 1 - near(norm(state[f"{name}_pos"] - state[f"{name}_init_pos"]), 0.03)
@@ -142,7 +143,7 @@ def single(task: Task) -> Strategy:
         return {
             "reach": 20.0 * left * np.clip(off - 0.005, 0, None),
             "come from above": 30.0 * over * np.clip(0.1 - state.ee_pos[..., 2], 0, 0.1),
-            "to the goal": 12.0 * norm(way),
+            "to the goal": 12.0 * far,
             "not yet": 3.0 * high * state[f"{name}_hand_contact"],
             "evenly": 2.0 * ready * norm(recent(_uneven(state, name))),
             "force": 0.05 * ready * norm(wrong),
@@ -186,12 +187,13 @@ def fsm(task: Task) -> Strategy:
 
     def push(state: Context) -> Terms:
         way = to_goal(state, name)
-        along = way / np.maximum(norm(way), 1e-6)[..., None]
+        far = norm(way)
+        along = way / np.maximum(far, 1e-6)[..., None]
         # As a vector: a drag downwards on the face adds to the block's friction, and both to the force (10 N, measured,
         # with the block at a standstill), which the norm alone does not tell from pushing.
         wrong = recent(state[f"{name}_hand_force"] - state.push_force[..., None] * along)
         return {
-            "to the goal": 4.0 * norm(way),
+            "to the goal": 4.0 * far,
             "evenly": 2.0 * norm(recent(_uneven(state, name))),
             "behind": 6.0 * np.clip(off_face(state, name) - 0.01, 0, None),
             "force": 0.05 * norm(wrong),
