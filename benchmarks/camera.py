@@ -20,6 +20,7 @@ from coral.reef.geometry import Pose
 from coral.reef.scene import BOX, CYLINDER, ELLIPSOID, Scene
 from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
+NORMALS = (None,) if "normal" in mujoco.mj_multiRay.__doc__ else ()  # older ones do not give them
 GEOM = {
     ELLIPSOID: mujoco.mjtGeom.mjGEOM_ELLIPSOID,
     BOX: mujoco.mjtGeom.mjGEOM_BOX,
@@ -102,8 +103,8 @@ def main() -> None:
             directions = (rays @ transform[:3, :3].T).ravel()
             start = time.process_time()
             # Its cutoff drops the infinite plane when the plane's origin is farther away, so it gets none.
-            mujoco.mj_multiRay(model, data, transform[:3, 3].copy(), directions, None, 1, -1, ids, distance, None,
-                               len(rays), 1e6)
+            mujoco.mj_multiRay(model, data, transform[:3, 3].copy(), directions, None, 1, -1, ids, distance,
+                               *NORMALS, len(rays), 1e6)
             peer.append(time.process_time() - start)
             start = time.process_time()
             frame = camera.render(pose)

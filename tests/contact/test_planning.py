@@ -41,6 +41,7 @@ def beside(drawn):
 def test_each_rehearsal_is_what_stepping_it_alone_gives():
     drawn = trial()
     planner, now, plan = world(drawn), beside(drawn), controls(pushes())
+    planner.edges = True  # the same model for both
     context, sane = planner.rollout(now, plan)
     assert sane.all()
     model, states = planner.models[0], mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -75,6 +76,16 @@ def test_what_is_near_an_edge_can_fall(x, falls):
     now = seen(drawn, box=body((x, 0.0, 0.03)))
     context, _ = world(drawn).rollout(now, controls(np.tile(now.tool.position, (1, 20, 1))))
     assert (context.box_pos[0, -1, 2] < 0.0) == falls
+
+
+def test_nothing_sleeps_in_a_mujoco_that_cannot(monkeypatch):
+    monkeypatch.setattr("coral.contact.planning.SLEEP", 0)
+    monkeypatch.delattr("mujoco.MjOption.sleep_tolerance", raising=False)  # neither can it be asked for
+    tin = {"name": "tin", "parts": [{"shape": "box", "size": [0.04] * 3}], "mass_kg": 0.2, "friction": 0.5,
+           "x": 0, "y": 0.2}
+    drawn = trial(objects=[*plain()["objects"], tin])
+    model = world(drawn, LIGHT | {"tin": Physical(0.2, 0.5)}).models[0]
+    assert not model.opt.enableflags
 
 
 def test_threads_and_order_do_not_matter():
@@ -224,6 +235,7 @@ def test_contacts_are_read():
 def test_force_and_torque_on_the_hand_are_those_of_its_contacts():
     drawn = trial()
     planner, now, plan = world(drawn), beside(drawn), controls(pushes(1, 20))
+    planner.edges = True  # the same model for both
     context, _ = planner.rollout(now, plan)
     model, data = planner.models[0], mujoco.MjData(planner.models[0])
     set_stiffness(model, CFG.hand, plan.stiffness)

@@ -15,6 +15,8 @@ GEOM = {
     BOX: mujoco.mjtGeom.mjGEOM_BOX,
     CYLINDER: mujoco.mjtGeom.mjGEOM_CYLINDER,
 }
+ORACLE = pytest.mark.skipif("normal" not in mujoco.mj_multiRay.__doc__, reason="this MuJoCo loses pixels, and takes "
+                            "other arguments")
 
 
 def random_world(seed, oysters=120, obstacles=40, z_m=-2.0):
@@ -109,6 +111,7 @@ def assert_same(scene, frame, oracle, transform):
     return ids
 
 
+@ORACLE
 @pytest.mark.parametrize("seed", range(4))
 def test_picture_equals_mujocos_ray_casting(seed):
     scene, cfg = Scene.from_world(random_world(seed)), CameraCfg()
@@ -126,6 +129,7 @@ def test_picture_equals_mujocos_ray_casting(seed):
     assert shown == {ELLIPSOID, BOX, CYLINDER}
 
 
+@ORACLE
 @pytest.mark.parametrize("shape", ["sphere", "ellipsoid", "cylinder", "box"])
 def test_a_close_solid_equals_mujocos_even_beside_and_around_the_camera(shape):
     """Solids that reach behind the image plane have silhouettes without end; around the camera they have none."""

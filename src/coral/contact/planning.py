@@ -119,7 +119,7 @@ class PlanningWorld:
     def _build(self, endless: bool) -> list[mujoco.MjModel]:
         models = [build_model(believing(self._drawn, one), self.cfg.hand, self.cfg.physics_dt_s, endless)
                   for one in self.beliefs]
-        if len(self._names) > 1 and self.cfg.rest_m_s > 0:
+        if SLEEP and len(self._names) > 1 and self.cfg.rest_m_s > 0:
             for model in models:
                 model.opt.enableflags |= SLEEP
                 model.opt.sleep_tolerance = self.cfg.rest_m_s
