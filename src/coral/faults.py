@@ -23,7 +23,11 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
         error: What validating it raised.
         model: What it was validated as; tells the keys that a place in the file may have.
     """
-    fault = error.errors(include_url=False)[0]
+    faults = error.errors(include_url=False)
+    fault = faults[0]
+    if fault["type"] == "missing":  # where a key is missing, one beside it that nobody knows is that key, misspelt
+        fault = next((other for other in faults if other["type"] == "extra_forbidden"
+                      and other["loc"][:-1] == fault["loc"][:-1]), fault)
     kind, place, value = fault["type"], _in_file(model, fault["loc"]), fault["input"]
     field = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
     if kind in ("extra_forbidden", "invalid_key"):

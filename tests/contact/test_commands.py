@@ -52,6 +52,8 @@ def test_run_says_in_words_how_it_ended(task, tmp_path, capsys):
     (["pick-box", "--cfg.reactive.memory-s", "0"], "reactive.memory_s"),
     (["push-pick-board", "--variant", "full", "--believe", "bord=2,0.9"], "did you mean 'board'?"),
     (["push-pick-board", "--believe", "board=2,0.9"], "also --variant expert-fsm"),
+    (["pick-box", "--memory", "m.sqlite"], "--memory: found also --variant expert-fsm"),
+    (["pick-box", "--memory", "m.sqlite", "--variant", "no-memory"], "also --variant no-memory"),
     (["pick-box", "--advisor", "desk"], "desk with --variant expert-fsm"),
     (["pick-box", "--variant", "full", "--model.attempt-timeout-s", "nan"], "attempt_timeout_s"),
     (["absent.yaml"], "no such file"),

@@ -38,6 +38,13 @@ def test_the_schema_file_is_current():
     assert json.loads((TASKS_DIR / "schema.json").read_text()) == task_schema(), "run python -m coral.contact.task"
 
 
+def test_a_required_key_that_is_misspelt_is_named(tmp_path):
+    content = plain()
+    content["objects"][0]["mas_kg"] = content["objects"][0].pop("mass_kg")
+    with pytest.raises(InputError, match=r"objects\[0\]\.mas_kg: found an unknown key.*did you mean 'mass_kg'"):
+        written(tmp_path, content)
+
+
 def test_one_number_is_a_range_and_whole_numbers_are_numbers(tmp_path):
     box = written(tmp_path, plain()).objects[0]
     assert (box.x, box.mass_kg, box.scale) == ((0, 0), (0.2, 0.2), ((1, 1), (1, 1), (1, 1)))
@@ -94,7 +101,7 @@ BAD = [
     (f"{CONDITION}.kind", None, "success.conditions[0].kind", "a value"),
     (f"{CONDITION}.object", "bix", "success.conditions[0].object", "did you mean 'box'?"),
     (CONDITION, {"kind": "lifted", "object": "box"}, "success.conditions[0].height_m", "a value"),
-    (CONDITION, {"kind": "lifted", "object": "box", "height": 1}, "success.conditions[0].height_m", "a value"),
+    (CONDITION, {"kind": "lifted", "object": "box", "height": 1}, "success.conditions[0].height", "'height_m'?"),
     (CONDITION, {"kind": "released", "object": "box", "objet": 1}, "success.conditions[0].objet", "'object'?"),
     (CONDITION, {"kind": "at", "object": "box", "place": "gaol", "tolerance_m": 0.1}, "success.conditions[0].place",
      "did you mean 'goal'?"),

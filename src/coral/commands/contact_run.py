@@ -27,7 +27,7 @@ from coral.contact.policy.trial import serving
 from coral.contact.task import Task, load_task
 from coral.contact.thinking.given import parse_beliefs
 from coral.contact.thinking.think_cfg import within
-from coral.contact.variants import ALONE, VARIANTS, Asking, check_variant, contact_model, make_mind
+from coral.contact.variants import ALONE, REMEMBERING, VARIANTS, Asking, check_variant, contact_model, make_mind
 from coral.contact.worlds import check_world
 from coral.errors import InputError
 from coral.runs import new_run_folder
@@ -64,7 +64,8 @@ class ContactRun:
     estimate."""
     memory: str | None = None
     """Experience memory: an SQLite file, or lance:FOLDER_OR_URI. It is read at the start, and a success is added to it.
-    Without it nothing is remembered."""
+    Without it nothing is remembered, and other variants than full, no-refinement, no-regions and no-tracking never
+    remember."""
     inbox: Path = Path("inbox")
     """Folder of the questions that the advisor `desk` puts."""
     out: Path | None = None
@@ -107,6 +108,9 @@ class ContactRun:
         if self.believe is not None and (self.policy is not None or self.variant in (*ALONE, "unified")):
             raise InputError("--believe", "", f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
                              "a variant that asks for masses and frictions, such as full")
+        if self.memory is not None and (self.policy is not None or self.variant not in REMEMBERING):
+            raise InputError("--memory", "", f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
+                             f"a variant that remembers, such as full ({', '.join(REMEMBERING)})")
         cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
         cfg = checked(cfg, "--cfg")
         if self.tracker is not None and (self.policy is not None or self.variant == "no-tracking"):
