@@ -15,8 +15,6 @@ from pydantic import Field, TypeAdapter, ValidationError
 from coral.errors import InputError, nearest
 
 C = TypeVar("C")
-LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-"""The C parser where it is there: a world of 600 objects loads ten times faster."""
 
 MAX_VALUES = 200_000
 
@@ -29,6 +27,21 @@ CellSize = Annotated[float, Field(ge=0.01, le=1, allow_inf_nan=False)]
 """Seconds and metres: finer ones take time and memory without end, coarser ones miss everything."""
 Signed = Annotated[float, Field(allow_inf_nan=False)]
 """A number that may be negative: without a type that says so, no number in a configuration may be."""
+
+
+class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """YAML in which no key stands twice; by the C parser where it is there, ten times faster with 600 objects."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """A mapping of the file."""
+        seen = set()
+        for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
+            if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
+                if key.value in seen:
+                    raise yaml.MarkedYAMLError(problem=f"the key {key.value!r} twice", problem_mark=key.start_mark)
+                seen.add(key.value)
+        found: dict[Any, Any] = super().construct_mapping(node, deep=deep)
+        return found
 
 
 def whole_steps(period_s: float, step_s: float, where: str, field: str) -> int:
@@ -65,7 +78,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
         InputError: It is missing, unreadable, not YAML, or not a mapping.
     """
     try:
-        content = yaml.load(path.read_text(encoding="utf-8"), Loader=LOADER)
+        content = yaml.load(path.read_text(encoding="utf-8"), Loader=Loader)
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "unreadable text"
         raise InputError(str(path), "", reason.lower(), "a readable YAML file") from None

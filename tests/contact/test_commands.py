@@ -3,11 +3,14 @@ from pathlib import Path
 
 import pytest
 import yaml
+from contact_bench import changed
 
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
+from coral.commands.contact_bench import ContactBench
 from coral.contact.ends import ENDS
-from coral.contact.task import load_task, shipped_tasks
+from coral.contact.episode_cfg import EpisodeCfg
+from coral.contact.task import TASKS_DIR, load_task, shipped_tasks
 from coral.contact.variants import VARIANTS
 
 COARSE = ["--samples", "6", "--cfg.controller.horizon", "8", "--cfg.planning.threads", "1", "--quiet"]
@@ -18,6 +21,7 @@ def task(tmp_path_factory):
     """pick-box with a time limit of 0.2 s, as a file."""
     path = tmp_path_factory.mktemp("task") / "short.yaml"
     content = load_task("pick-box").model_copy(update={"time_limit_s": 0.2}).model_dump(mode="json")
+    content["success"]["hold_s"] = 0.1
     path.write_text(yaml.safe_dump(content))
     return str(path)
 
@@ -49,6 +53,10 @@ def test_run_says_in_words_how_it_ended(task, tmp_path, capsys):
     (["pick-box", "--advisor", "heuristics"], "did you mean 'heuristic'?"),
     (["pick-box", "--seed", "-1"], "--seed"),
     (["pick-box", "--samples", "0"], "--samples"),
+    (["pick-box", "--samples", "100000000"], "samples"),
+    (["pick-box", "--cfg.controller.horizon", "100000000"], "controller.horizon"),
+    (["pick-box", "--cfg.controller.mppi.knots", "1"], "controller.mppi.knots"),
+    (["pick-box", "--cfg.planning.threads", "100000"], "planning.threads"),
     (["pick-box", "--cfg.reactive.memory-s", "0"], "reactive.memory_s"),
     (["push-pick-board", "--variant", "full", "--believe", "bord=2,0.9"], "did you mean 'board'?"),
     (["push-pick-board", "--believe", "board=2,0.9"], "also --variant expert-fsm"),
@@ -115,6 +123,46 @@ def test_a_bad_bench_is_refused_before_anything_runs(flag, value, tmp_path, caps
     assert main(words) == 2
     assert value.split(",")[-1] in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", [["tasks"], ["run", "--world", "hand"],
+                                     ["bench", "--worlds", "hand", "--tasks"]])
+def test_what_cannot_be_drawn_is_told_with_its_file_before_anything_runs(command, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    content = changed("objects.0.z", 0.0)
+    Path("low.yaml").write_text(json.dumps(content), encoding="utf-8")
+    assert main(["contact", *command, "low.yaml"]) == 2
+    assert "low.yaml: objects[0].z: found 0, which is 0.03 m deep in the table" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["low.yaml"]
+
+
+@pytest.mark.parametrize(("name", "changes", "variant", "said"), [
+    ("push-pick-board", {"name: board": "name: slab", "object: board": "object: slab"}, "expert-fsm", "board_rear_pos"),
+    ("push-force", {"push_force": "force"}, "expert", "push_force"),
+    ("flip-wall", {"name: wall": "name: fence", "thing: wall": "thing: fence"}, "expert", "wall_pos"),
+])
+def test_a_copy_that_lacks_what_the_experts_read_is_told_so(name, changes, variant, said, tmp_path, capsys):
+    text = (TASKS_DIR / f"{name}.yaml").read_text(encoding="utf-8")
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    (tmp_path / "copy.yaml").write_text(text, encoding="utf-8")
+    out = tmp_path / "run"
+    words = ["--world", "hand", "--variant", variant, "--out", str(out)]
+    assert main(["contact", "run", str(tmp_path / "copy.yaml"), *words]) == 2
+    assert said in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_another_mesh_under_the_same_name_is_another_campaign(tmp_path):
+    def digest(height):
+        (tmp_path / "m.obj").write_text(f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {height}\nf 1 3 2\nf 1 2 4\nf 2 3 4\n"
+                                        "f 3 1 4\n", encoding="utf-8")
+        (tmp_path / "mesh.yaml").write_text(json.dumps(changed("objects.0.parts.0", {
+            "shape": "mesh", "file": "m.obj", "size": [0.1, 0.1, 0.1]})), encoding="utf-8")
+        return ContactBench()._conditions(EpisodeCfg(), {"mesh": load_task(tmp_path / "mesh.yaml")}, None)["task mesh"]
+
+    assert digest(1) == digest(1)
+    assert digest(1) != digest(2)
 
 
 def test_every_variant_and_end_is_explained():

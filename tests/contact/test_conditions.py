@@ -127,6 +127,23 @@ def test_a_flip_with_the_wall_stays_one_until_set_down_again():
     assert not shown(judge, *flip(FLIP[3:], (999, 999), start_s=3.1))
 
 
+def test_a_flip_without_the_wall_does_not_become_one_by_leaning_on_it():
+    judge = watch(kind="touched-while-turning", thing="wall")
+    assert not shown(judge, *flip(FLIP, (999, 999)))
+    assert not shown(judge, *flip((80, 70, 70, 70, 70, 80, 90), (70, 70), start_s=1.0))
+    assert not shown(judge, *flip((40, 20, 20, 20, 30, 50, 90), (20, 50), start_s=2.0))
+
+
+def test_tipping_a_little_against_the_wall_and_the_rest_in_the_fingers_is_no_flip_with_it():
+    judge = watch(kind="touched-while-turning", thing="wall")
+    assert not shown(judge, *flip((0, 10, 20, 20, 20, 20, 20, 25, 40, 60, 80, 90), (0, 20)))
+
+
+def test_falling_back_half_way_and_going_on_with_the_wall_is_one():
+    judge = watch(kind="touched-while-turning", thing="wall")
+    assert shown(judge, *flip((0, 20, 30, 40, 20, 30, 40, 60, 90), (20, 90)))
+
+
 def test_turning_on_the_spot_beside_the_wall_is_no_flip():
     assert not shown(watch(kind="touched-while-turning", thing="wall"), *flip(FLIP, (0, 90), "yaw"))
 

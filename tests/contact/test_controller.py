@@ -56,6 +56,16 @@ def test_targets_keep_to_speed_workspace_and_opening():
         assert openings.max() <= MAX_OPENING_M
 
 
+@pytest.mark.parametrize("spline", ["hold", "linear", "cubic"])
+def test_the_hand_is_led_away_whatever_the_spline(spline):
+    planner, now = controller(replace(CFG, mppi=replace(CFG.mppi, spline=spline)))
+    for step in range(5):
+        target = planner.plan(now, REACH, step).targets[1]
+        planner.executed(target, 2)
+        now = replace(now, tool=replace(now.tool, position=target.position))
+    assert np.linalg.norm(now.tool.position - GOAL) < np.linalg.norm(seen(trial()).tool.position - GOAL) - 0.03
+
+
 def test_the_next_plan_begins_where_the_last_one_was_left():
     planner, now = controller()
     plan = replanned(planner, now)[-1]

@@ -41,6 +41,23 @@ def test_tunnelling_is_told_wherever_an_objects_origin_lies():
     assert judge.failure(truth(0, body((0, 0, 0.2)))) == "tunnelling: box"
 
 
+WALL = {"name": "wall", "size": [0.05, 0.6, 0.2], "position": [0.2, 0.3, 0.1], "yaw_deg": 90}
+
+
+@pytest.mark.parametrize(("way", "failure"), [
+    ([(-0.2, 0.2, 0.03), (-0.2, 0.39, 0.03)], None),  # past the wall's end: it stands along x
+    ([(0.2, 0.2, 0.03), (0.2, 0.279, 0.03)], None),  # pressed into it
+    ([(0.2, 0.2, 0.03), (0.2, 0.281, 0.03)], "tunnelling: box"),
+    ([(0.2, 0.2, 0.03), (0.2, 0.39, 0.03)], "tunnelling: box"),  # through it between two looks
+    ([(0.2, 0.2, 0.03), (0.2, 0.2, 0.3), (0.2, 0.39, 0.3), (0.2, 0.39, 0.03)], None),  # over it
+])
+def test_what_goes_through_a_fixture_has_tunnelled(way, failure):
+    judge = Judge(trial(fixtures=[WALL]))
+    said = [judge.failure(truth(0.02 * k, body(place))) for k, place in enumerate(way)]
+    assert said[:-1] == [None] * (len(way) - 1)
+    assert said[-1] == failure
+
+
 def test_the_table_may_stand_elsewhere():
     moved = plain() | {"table": {"center": [1.0, 0.0]}}
     moved["objects"][0]["x"] = 1.0

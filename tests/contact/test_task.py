@@ -45,6 +45,27 @@ def test_a_required_key_that_is_misspelt_is_named(tmp_path):
         written(tmp_path, content)
 
 
+@pytest.mark.parametrize("name", ["robot0_box", "gripper0_right_eef", "fixed_mount0_base"])
+def test_the_robots_names_are_taken(tmp_path, name):
+    content = changed("objects.0.name", name)
+    with pytest.raises(InputError, match="a name that is not taken"):
+        written(tmp_path, content)
+
+
+def test_a_key_given_twice_is_refused(tmp_path):
+    path = tmp_path / "task.yaml"
+    path.write_text("format: coral-contact/1\nname: first\nname: second\n", encoding="utf-8")
+    with pytest.raises(InputError, match="line 3: found the key 'name' twice"):
+        load_task(path)
+
+
+def test_success_must_fit_into_the_time(tmp_path):
+    content = plain() | {"time_limit_s": 0.4}
+    content["success"] = content["success"] | {"hold_s": 0.5}
+    with pytest.raises(InputError, match=r"success\.hold_s: found 0\.5 s, expected no more than the time limit"):
+        written(tmp_path, content)
+
+
 def test_one_number_is_a_range_and_whole_numbers_are_numbers(tmp_path):
     box = written(tmp_path, plain()).objects[0]
     assert (box.x, box.mass_kg, box.scale) == ((0, 0), (0.2, 0.2), ((1, 1), (1, 1), (1, 1)))
@@ -172,6 +193,13 @@ def test_meshes_lie_beside_the_task_file(tmp_path, monkeypatch):
     corners = draw(task, 0).corners("box")
     assert corners.min(axis=0) == pytest.approx([0.5, 0, 0], abs=1e-6)
     assert corners.max(axis=0) == pytest.approx([0.6, 0.1, 0.1], abs=1e-6)
+
+
+@pytest.mark.parametrize("edge", [0.001, 100.0])
+def test_a_mesh_in_other_units_is_told(tmp_path, edge):
+    stl(tmp_path / "m.stl", corners=edge * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]))
+    with pytest.raises(InputError, match=rf"parts\[0\]\.size: .* make the mesh {edge:g} x {edge:g} x {edge:g} m large"):
+        written(tmp_path, changed("objects.0.parts.0", {"shape": "mesh", "file": "m.stl", "size": [1, 1, 1]}))
 
 
 @pytest.mark.parametrize(("name", "content"), [("no.stl", None), ("a.ply", b"ply"), ("a.stl", b"solid nothing"),

@@ -29,6 +29,7 @@ from coral.campaign.version import code_version
 from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_run import with_poses, with_samples, with_tracker
 from coral.config import checked, to_mapping
+from coral.contact.draw import draw
 from coral.contact.episode_cfg import EpisodeCfg
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.trial import run_policy_trial
@@ -162,6 +163,10 @@ class ContactBench:
         policies = self._policies()
         variants = () if policies and self.variants == "none" else parse_names(self.variants, "--variants")
         advisors = parse_names(self.advisors, "--advisors")
+        seeds = parse_seeds(self.seeds)
+        for name, task in tasks.items():
+            for seed in seeds:
+                draw(task, seed, name)
         for variant in variants:
             check_variant(variant, "--variants")
             for task in tasks.values():
@@ -173,7 +178,7 @@ class ContactBench:
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
             make_advisor(advisor, rules={}, rng=np.random.default_rng(0), cfg=checked(self.model, "--model"),
                          where="--advisors")
-        return grid("contact", variants=(*variants, *policies), worlds=tuple(tasks), seeds=parse_seeds(self.seeds),
+        return grid("contact", variants=(*variants, *policies), worlds=tuple(tasks), seeds=seeds,
                     advisors=advisors, alone=[*(name for name in variants if name in ALONE), *policies],
                     overrides=[{"world": world} for world in worlds])
 
@@ -196,7 +201,7 @@ class ContactBench:
         return {"code version": f"{code_version()}", "configuration": digest(whole),
                 "memory": "none" if memory is None else digest([
                     {**one, "created": ""} for one in memory["experiences"]]),
-                **{f"task {name}": digest(task.model_dump(mode="json")) for name, task in tasks.items()}}
+                **{f"task {name}": _task_digest(task) for name, task in tasks.items()}}
 
     def _run(self, store: Store, specs: Sequence[Spec], cfg: EpisodeCfg, tasks: Mapping[str, Task],
              memory: Mapping[str, Any] | None) -> Summary:
@@ -279,6 +284,16 @@ class ContactBench:
         words += config_words(self.cfg, EpisodeCfg(), self.config)
         words += config_words(self.model, contact_model(), None, "model")
         return shlex.join(words)
+
+
+def _task_digest(task: Task) -> str:
+    """Of all that the task says, meshes by what is in their files, wherever they lie."""
+    content = task.model_dump(mode="json")
+    for item in content["objects"]:
+        for part in item["parts"]:
+            if part["file"] is not None:
+                part["file"] = digest(Path(part["file"]).read_bytes().hex())
+    return digest(content)
 
 
 def read_memory(where: str | Path) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from coral.advisor.registry import make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.contact_progress import EpisodeProgress
 from coral.config import checked
-from coral.contact.draw import draw
+from coral.contact.draw import Drawn, draw
 from coral.contact.ends import ENDS
 from coral.contact.episode import Episode
 from coral.contact.episode_cfg import EpisodeCfg
@@ -24,7 +24,7 @@ from coral.contact.perception.choice import choose
 from coral.contact.policy.address import parse_address
 from coral.contact.policy.episode import PolicyEpisode
 from coral.contact.policy.trial import serving
-from coral.contact.task import Task, load_task
+from coral.contact.task import load_task
 from coral.contact.thinking.given import parse_beliefs
 from coral.contact.thinking.think_cfg import within
 from coral.contact.variants import ALONE, REMEMBERING, VARIANTS, Asking, check_variant, contact_model, make_mind
@@ -105,6 +105,7 @@ class ContactRun:
             raise InputError("--advisor", "", f"{self.advisor} with {which}",
                              "a variant that asks an advisor, such as --variant full")
         task = load_task(self.task)
+        drawn = draw(task, self.seed, self.task)
         if self.believe is not None and (self.policy is not None or self.variant in (*ALONE, "unified")):
             raise InputError("--believe", "", f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
                              "a variant that asks for masses and frictions, such as full")
@@ -119,13 +120,13 @@ class ContactRun:
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.policy is not None:
-            return self._driven(self.policy, task, cfg)
+            return self._driven(self.policy, drawn, cfg)
         folder = self.out or new_run_folder(Path("runs"), task.name)
         mind = make_mind(self.variant, task, Asking(
             advisor=self.advisor, seed=self.seed, world=self.world, memory=self.memory, folder=folder, inbox=self.inbox,
             think=within(cfg.controller, cfg.think), believe=believe, model=model))
         advisor = "none" if self.variant in ALONE else self.advisor
-        episode = Episode(draw(task, self.seed), self.world, mind, cfg, folder, variant=self.variant, advisor=advisor)
+        episode = Episode(drawn, self.world, mind, cfg, folder, variant=self.variant, advisor=advisor)
         progress = EpisodeProgress(quiet=self.quiet)
         try:
             result = episode.run([progress])
@@ -133,12 +134,12 @@ class ContactRun:
             progress.close()
         return {**result, "run": str(folder), **render(folder, cfg)}
 
-    def _driven(self, policy: str, task: Task, cfg: EpisodeCfg) -> Mapping[str, Any]:
+    def _driven(self, policy: str, drawn: Drawn, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """An episode that a served policy drives."""
         address = parse_address(policy, VARIANTS)
         with serving(address, cfg.policy.client) as client:
-            folder = self.out or new_run_folder(Path("runs"), task.name)
-            episode = PolicyEpisode(draw(task, self.seed), self.world, client, cfg, folder, address)
+            folder = self.out or new_run_folder(Path("runs"), drawn.task.name)
+            episode = PolicyEpisode(drawn, self.world, client, cfg, folder, address)
             progress = EpisodeProgress(quiet=self.quiet)
             try:
                 result = episode.run([progress])

@@ -8,7 +8,11 @@ from typing import Annotated, Any
 
 import tyro
 
+from coral.contact.draw import draw
 from coral.contact.task import Task, load_task, shipped_tasks
+
+DRAWN = 5
+"""Trials that are drawn to see whether everything finds its place."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +26,11 @@ class ContactTasks:
 
     def __call__(self) -> Mapping[str, Any]:
         """Describe."""
-        return {"tasks": [described(load_task(name)) for name in self.tasks or shipped_tasks()]}
+        tasks = {name: load_task(name) for name in self.tasks or shipped_tasks()}
+        for name, task in tasks.items():
+            for seed in range(DRAWN):
+                draw(task, seed, name)
+        return {"tasks": [described(task) for task in tasks.values()]}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """A list, or each task in full."""

@@ -205,9 +205,11 @@ class Upright(_Condition):
 
 
 class TouchedWhileTurning(_Condition):
-    """While its `axis` was turned by `between_deg`, the object touched `thing` for at least `for_s` in all.
+    """The object's `axis` was turned through `between_deg` against `thing`.
 
-    Keeps a history: a flip that was made without the wall stays one. A turn about the axis itself is none.
+    It touched it for at least `for_s` in all, and during at least a third of that turn. Keeps a history: a flip made
+    without the wall stays one, however the object leans there afterwards, until it is set down and turned again. A turn
+    about the axis itself is none.
     """
 
     kind: Literal["touched-while-turning"] = "touched-while-turning"
@@ -219,17 +221,24 @@ class TouchedWhileTurning(_Condition):
     def watch(self, drawn: Drawn) -> Watch:
         """See `_Condition.watch`."""
         before = rotate(drawn.objects[self.object].pose.quaternion, AXES[self.axis])
-        touched, last = 0.0, None
+        low, high = self.between_deg
+        touched, against, reached, last, touching = 0.0, 0.0, low, None, False
 
         def holds(truth: Truth) -> bool:
-            nonlocal touched, last
+            nonlocal touched, against, reached, last, touching
             span, last = truth.time_s - (truth.time_s if last is None else last), truth.time_s
             turned = _degrees(before, rotate(truth.objects[self.object].quaternion, AXES[self.axis]))
-            if turned < self.between_deg[0]:
-                touched = 0.0  # set down again: what came before was not the flip
-            elif turned <= self.between_deg[1] and _touching(truth, self.object, self.thing):
+            touched_before, touching = touching, _touching(truth, self.object, self.thing)
+            if turned < low:
+                touched, against, reached = 0.0, 0.0, low  # set down again: what came before was not the flip
+                return False
+            if turned <= high and touching:
                 touched += span
-            return touched >= self.for_s - 1e-9
+            further = max(0.0, min(turned, high) - reached)
+            reached += further
+            if touching or touched_before:
+                against += further
+            return touched >= self.for_s - 1e-9 and against >= (high - low) / 3
         return holds
 
 
@@ -250,7 +259,7 @@ class SteadyForce(_Condition):
     tolerance: float = Field(default=0.4, gt=0, lt=1, strict=True)
     fraction: float = Field(default=0.7, gt=0, le=1, strict=True)
     moving_m_s: float = Field(default=0.005, ge=0, strict=True)
-    window_s: float = Field(default=0.2, gt=0, le=2, strict=True)
+    window_s: float = Field(default=0.2, ge=0.001, le=2, strict=True)
     for_s: float = Field(default=1.0, ge=0, strict=True)
 
     def watch(self, drawn: Drawn) -> Watch:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from coral.config import Count, Fraction, NonNegative, Positive, Signed
+from coral.config import Fraction, NonNegative, Positive, Signed
 from coral.contact.context import Context, Terms
 from coral.contact.geometry import conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.hand import MAX_OPENING_M, SQUEEZE_M
@@ -39,7 +41,7 @@ class ControllerCfg:
         risk: Over several beliefs.
     """
 
-    horizon: Count = 50
+    horizon: Annotated[int, Field(ge=1, le=10_000)] = 50
     mppi: KnotMppiCfg = field(default_factory=KnotMppiCfg)
     sigma_m: tuple[NonNegative, NonNegative, NonNegative] = (0.04, 0.04, 0.04)
     sigma_rad: tuple[NonNegative, NonNegative, NonNegative] = (0.12, 0.12, 0.2)
@@ -198,16 +200,20 @@ class Controller:
         """Begin at the present target, and move no faster than allowed, within the workspace."""
         cfg = self.cfg
         knots = knots.copy()
-        knots[:, 0] = np.concatenate([start.position, np.zeros(3), [start.opening_m]])
+        before = np.tile(np.concatenate([start.position, np.zeros(3), [start.opening_m]]), (len(knots), 1))
         span = self.span_s / (knots.shape[1] - 1)
-        for k in range(1, knots.shape[1]):
+        # A value that is held begins at once: held at the present target, the hand would never leave it.
+        first = 0 if cfg.mppi.spline == "hold" else 1
+        knots[:, :first] = before[:, None]
+        for k in range(first, knots.shape[1]):
             for part, speed in zip((slice(0, 3), slice(3, 6), slice(6, 7)),
                                    (cfg.speed_m_s, cfg.turn_rad_s, cfg.opening_m_s), strict=True):
-                move = knots[:, k, part] - knots[:, k - 1, part]
+                move = knots[:, k, part] - before[:, part]
                 share = np.minimum(1.0, speed * span / np.maximum(np.linalg.norm(move, axis=-1, keepdims=True), 1e-9))
-                knots[:, k, part] = knots[:, k - 1, part] + move * share
+                knots[:, k, part] = before[:, part] + move * share
             knots[:, k, :3] = np.clip(knots[:, k, :3], cfg.workspace_low_m, cfg.workspace_high_m)
             knots[:, k, 6] = np.clip(knots[:, k, 6], SQUEEZE_M, MAX_OPENING_M)
+            before = knots[:, k]
         return knots
 
     def _towards(self, sampled: Array, start: HandTarget, aims: list[tuple[Guide, Array, Array | None]]) -> Array:

@@ -14,6 +14,8 @@ from coral.contact.world import Body
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
+SUNK_M = 0.005
+"""Files may round a height by so much."""
 
 
 @dataclass(frozen=True)
@@ -104,21 +106,28 @@ def corners(item: Movable, scale: Array) -> Array:
     return np.concatenate(found)
 
 
-def draw(task: Task, seed: int) -> Drawn:
+def draw(task: Task, seed: int, where: str = "") -> Drawn:
     """One trial: the same task and seed give the same trial, on every machine.
 
+    Args:
+        task: What is drawn from.
+        seed: Decides.
+        where: The task's file, for errors.
+
     Raises:
-        InputError: The objects do not fit beside each other in a hundred attempts.
+        InputError: The objects do not fit beside each other in a hundred attempts, or one begins in the table.
     """
+    where = where or f"task {task.name}"
     rng = np.random.default_rng([seed, *task.name.encode()])
     clash = None
     for _ in range(100):
         objects = {item.name: _draw_object(item, rng) for item in task.objects}
         drawn = Drawn(task, seed, objects)
+        _check_heights(drawn, where)
         clash = _clash(drawn)
         if clash is None:
             return drawn
-    raise InputError(task.name, "objects", f"{clash} in each other's place",
+    raise InputError(where, "objects", f"{clash} in each other's place",
                      "ranges of x, y and yaw_deg with room for all beside each other")
 
 
@@ -129,6 +138,14 @@ def _draw_object(item: Movable, rng: np.random.Generator) -> DrawnObject:
     quaternion = multiply(from_rotvec([0, 0, yaw]), from_rpy_deg(item.rpy_deg))
     z = item.z if item.z is not None else -(corners(item, scale) @ rotation_of(quaternion).T)[:, 2].min()
     return DrawnObject(scale, physical, Body(np.array([x, y, z]), quaternion))
+
+
+def _check_heights(drawn: Drawn, where: str) -> None:
+    for index, item in enumerate(drawn.task.objects):
+        lowest = drawn.lowest_point(item.name, drawn.objects[item.name].pose)
+        if item.z is not None and lowest < -SUNK_M:
+            raise InputError(where, f"objects[{index}].z", f"{item.z:g}, which is {-lowest:.3g} m deep in the table",
+                             "a height at which it lies on the table or above")
 
 
 def _clash(drawn: Drawn, gap_m: float = 0.01) -> str | None:

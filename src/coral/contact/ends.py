@@ -6,7 +6,7 @@ ENDS = {
     "success": "all of the task's conditions held long enough",
     "timeout": "the task's time was up",
     "dropped": "an object fell off the table",
-    "tunnelling": "an object went through the table: the simulation is not to be believed",
+    "tunnelling": "an object went through the table or a fixture: the simulation is not to be believed",
     "diverged": "the evaluation world's simulation diverged",
     "unreachable": "the robot's arm cannot go on",
     "camera-off": "the camera gives no pictures",

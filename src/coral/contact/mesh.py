@@ -33,7 +33,7 @@ def _vertices(file: str, scale: tuple[float, float, float]) -> NDArray[np.float6
     try:
         model = spec.compile()
     except ValueError as error:
-        raise InputError(file, "", str(error).splitlines()[0].lower(), "an STL or OBJ mesh") from None
+        raise InputError(file, "", str(error).splitlines()[0].lower(), "a binary STL or an OBJ mesh") from None
     # MuJoCo centres a mesh and turns it to its principal axes; the file's own frame is wanted.
     rotation = np.zeros(9)
     mujoco.mju_quat2Mat(rotation, model.mesh_quat[0])

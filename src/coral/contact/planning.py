@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Annotated
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from coral.config import NonNegative, Positive, TimeStep, whole_steps
 from coral.contact.context import Context, Lazy, Quantity
@@ -58,7 +60,7 @@ class PlanningCfg:
     physics_dt_s: TimeStep = 0.01
     inland_m: Positive = 0.12
     rest_m_s: NonNegative = 0.01
-    threads: int = 0
+    threads: Annotated[int, Field(ge=0, le=1024)] = 0
     hand: HandCfg = field(default_factory=HandCfg)
     uncertainty: UncertaintyCfg = field(default_factory=UncertaintyCfg)
 

@@ -71,7 +71,7 @@ class Shape(_Part):
     size: Extents
     position: Vector = (0.0, 0.0, 0.0)
     rpy_deg: Turn = (0.0, 0.0, 0.0)
-    file: str | None = None
+    file: str | None = Field(default=None, pattern=r"^[^\x00]+$")
 
     @model_validator(mode="after")
     def _round(self) -> Shape:

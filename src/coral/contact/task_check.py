@@ -17,6 +17,10 @@ RESERVED = frozenset({"table", "hand", "left", "right", "robot", "target", "worl
                       "gripper", "left_finger", "right_finger", "cmd", "self", "event", "step", "t", "source",
                       "attempts", "refused", "failure"})
 """Names that the models, the costs and the record give to the robot, to what it stands on and to what happens."""
+SMALLEST_M, LARGEST_M = 0.002, 5
+"""Edges of a mesh."""
+RESERVED_BEGINNINGS = ("robot0", "gripper0", "mount0", "fixed_mount0", "left_eef", "right_eef")
+"""Of the names of robosuite's bodies."""
 
 
 def check_task(task: Task, where: str) -> None:
@@ -29,6 +33,9 @@ def check_task(task: Task, where: str) -> None:
     for index, item in enumerate(task.objects):
         _check_place(task, item, where, f"objects[{index}]")
         _check_meshes(item, where, f"objects[{index}]")
+    if task.success.hold_s > task.time_limit_s:
+        raise InputError(where, "success.hold_s", f"{task.success.hold_s:g} s",
+                         f"no more than the time limit, {task.time_limit_s:g} s")
     for index, condition in enumerate(task.success.conditions):
         condition.check(task, where, f"success.conditions[{index}]")
 
@@ -38,7 +45,7 @@ def _check_names(task: Task, where: str) -> None:
     names = [(f"fixtures[{index}].name", fixture.name) for index, fixture in enumerate(task.fixtures)]
     names += [(f"objects[{index}].name", item.name) for index, item in enumerate(task.objects)]
     for field, name in names:
-        if name in taken:
+        if name in taken or name.startswith(RESERVED_BEGINNINGS):
             raise InputError(where, field, repr(name), "a name that is not taken")
         taken.add(name)
     # Costs read everything by one flat name, as box_pos: no two may be the same.
@@ -79,6 +86,11 @@ def _check_meshes(item: Movable, where: str, field: str) -> None:
         if Path(part.file).suffix.lower() not in (".stl", ".obj") or not Path(part.file).is_file():
             raise InputError(where, place, part.file, "an STL or OBJ file, its path relative to the task file")
         try:
-            mesh_vertices(part)
+            vertices = mesh_vertices(part)
         except InputError as error:
             raise InputError(where, place, f"{Path(part.file).name} ({error.found})", error.expected) from None
+        extents = vertices.max(axis=0) - vertices.min(axis=0)
+        if not (extents >= SMALLEST_M).all() or not (extents <= LARGEST_M).all():
+            found = " x ".join(f"{extent:.3g}" for extent in extents)
+            raise InputError(where, f"{field}.parts[{index}].size", f"factors that make the mesh {found} m large",
+                             f"edges from {SMALLEST_M} to {LARGEST_M} m")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from coral.config import Count, NonNegative, Positive
 from coral.mppi.spline import Kind, shift
@@ -33,9 +35,9 @@ class KnotMppiCfg:
             others.
     """
 
-    samples: Count = 200
+    samples: Annotated[int, Field(ge=1, le=100_000)] = 200
     temperature: Positive = 0.1
-    knots: Count = 6
+    knots: Annotated[int, Field(ge=2, le=1000)] = 6
     spline: Kind = "linear"
     ramp: tuple[NonNegative, NonNegative] = (0.4, 1.4)
     iterations: Count = 1

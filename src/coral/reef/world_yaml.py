@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from coral.config import LOADER
+from coral.config import Loader
 from coral.errors import InputError
 
 MAX_BYTES = 20_000_000
@@ -35,7 +35,7 @@ def read_mapping(path: Path) -> dict[str, Any]:
         size = path.stat().st_size
         if size > MAX_BYTES:
             raise InputError(where, "", f"{size / 1e6:.0f} MB", f"a world file of at most {MAX_BYTES / 1e6:.0f} MB")
-        content = yaml.load(path.read_text(encoding="utf-8"), Loader=LOADER)
+        content = yaml.load(path.read_text(encoding="utf-8"), Loader=Loader)
     except FileNotFoundError:
         raise InputError(where, "", "no such file", expected) from None
     except OSError as error:

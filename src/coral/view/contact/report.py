@@ -38,7 +38,7 @@ from coral.view.run import Record, RunFolder
 
 ENDED = {
     "success": "done", "timeout": "not done in time", "killed": "cut off",
-    "dropped": "failed: an object fell off the table", "tunnelling": "void: an object went through the table",
+    "dropped": "failed: an object fell off the table", "tunnelling": "void: an object went through something solid",
     "diverged": "void: the simulation diverged", "unreachable": "failed: the arm could not go on",
     "camera-off": "failed: the camera gave no pictures", "not-found": "failed: an object was not found",
     "cost-error": "failed: the cost could not be evaluated",
