@@ -54,7 +54,8 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
         return InputError(where, field, shown(value), "a list")
     if kind == "value_error":
         return InputError(where, field, shown(value), str(fault["ctx"]["error"]))
-    expected = fault["msg"].removeprefix("Input should be ").replace("String should have", "text of")
+    expected = fault["msg"].removeprefix("Input should be ").replace("String should have", "text of").replace(
+        "String should match pattern", "text like")
     return InputError(where, field, shown(value), expected)
 
 

@@ -57,6 +57,7 @@ def test_run_says_in_words_how_it_ended(task, tmp_path, capsys):
     (["pick-box", "--cfg.controller.horizon", "100000000"], "controller.horizon"),
     (["pick-box", "--cfg.controller.mppi.knots", "1"], "controller.mppi.knots"),
     (["pick-box", "--cfg.planning.threads", "100000"], "planning.threads"),
+    (["pick-box", "--cfg.controller.workspace-low-m", "1", "1", "1"], "found [1.0, 1.0, 1.0], expected numbers below"),
     (["pick-box", "--cfg.reactive.memory-s", "0"], "reactive.memory_s"),
     (["push-pick-board", "--variant", "full", "--believe", "bord=2,0.9"], "did you mean 'board'?"),
     (["push-pick-board", "--believe", "board=2,0.9"], "also --variant expert-fsm"),

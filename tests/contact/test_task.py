@@ -78,14 +78,14 @@ def test_the_table_may_stand_anywhere(tmp_path):
 
 CONDITION = "success.conditions.0"
 BAD = [
-    ("name", "Has Spaces", "name", "match"), ("name", 3, "name", "string"), ("title", "", "title", "at least 1"),
+    ("name", "Has Spaces", "name", "text like"), ("name", 3, "name", "string"), ("title", "", "title", "at least 1"),
     ("titel", "x", "titel", "did you mean 'title'?"), ("format", "coral-contact/2", "format", "coral-contact/1"),
     ("time_limit_s", 0, "time_limit_s", "greater than 0"), ("time_limit_s", True, "time_limit_s", "number"),
     ("time_limit_s", "10", "time_limit_s", "number"), ("time_limit_s", math.nan, "time_limit_s", "finite"),
     ("time_limit_s", math.inf, "time_limit_s", "finite"), ("time_limit_s", None, "time_limit_s", "a value"),
     ("objects", [], "objects", "at least 1"), ("objects", {}, "objects", "a list"),
     ("objects.0", 3, "objects[0]", "a mapping with the keys name, label"),
-    ("objects.0.name", "Box", "objects[0].name", "match"), ("objects.0.name", "table", "objects[0].name", "taken"),
+    ("objects.0.name", "Box", "objects[0].name", "text like"), ("objects.0.name", "table", "objects[0].name", "taken"),
     ("objects.0.name", "wall", "objects[0].name", "taken"), ("objects.0.name", "target", "objects[0].name", "taken"),
     *(("objects.0.name", name, "objects[0].name", "taken") for name in ("cmd", "step", "t", "event", "source", "self")),
     ("objects.0.mas_kg", 1, "objects[0].mas_kg", "did you mean 'mass_kg'?"),
@@ -101,7 +101,7 @@ BAD = [
     ("objects.0.x", [0.3, 0.6], "objects[0].x", "on the table, from -0.4 to 0.4"),
     ("objects.0.color", [1, 2, 0], "objects[0].color[1]", "less than or equal to 1"),
     ("objects.0.symmetry", "round", "objects[0].symmetry", "'cylinder'"),
-    ("objects.0.points", {"Top": [0, 0, 0]}, "objects[0].points.Top.[key]", "match"),
+    ("objects.0.points", {"Top": [0, 0, 0]}, "objects[0].points.Top.[key]", "text like"),
     ("objects.0.points", {"init": [0, 0, 0]}, "objects[0].points", "init"),
     ("objects.0.parts.0.size", [0.1, 0.1], "objects[0].parts[0].size[2]", "a value"),
     ("objects.0.parts.0.size", [0.1, 0.1, -0.1], "objects[0].parts[0].size[2]", "0.001"),

@@ -16,6 +16,7 @@ from coral.contact.hand import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.planning import Controls, PlanningWorld
 from coral.contact.strategy import Guide, Stage
 from coral.contact.world import HandTarget, Observation
+from coral.errors import InputError
 from coral.mppi.knots import KnotMppi, KnotMppiCfg, Update
 from coral.mppi.risk import RiskCfg, risk
 from coral.mppi.spline import interpolate
@@ -56,6 +57,12 @@ class ControllerCfg:
     guided: Fraction = 0.2
     terminal: NonNegative = 1.0
     risk: RiskCfg = field(default_factory=RiskCfg)
+
+    def __post_init__(self) -> None:
+        """The corners make a box."""
+        if any(low >= high for low, high in zip(self.workspace_low_m, self.workspace_high_m, strict=True)):
+            raise InputError("--cfg", "controller.workspace_low_m", list(self.workspace_low_m),
+                             f"numbers below those of workspace_high_m, {list(self.workspace_high_m)}")
 
 
 @dataclass(frozen=True)
