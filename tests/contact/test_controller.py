@@ -8,7 +8,7 @@ from contact_bench import seen, trial
 
 from coral.contact.controller import Controller, ControllerCfg
 from coral.contact.geometry import angle_between
-from coral.contact.hand import MAX_OPENING_M
+from coral.contact.hand import FLANGE_TO_TOOL_M, MAX_OPENING_M
 from coral.contact.planning import PlanningCfg, PlanningWorld
 from coral.contact.scene import prior
 from coral.contact.strategy import Guide, Progress, Stage, Strategy
@@ -64,6 +64,21 @@ def test_the_hand_is_led_away_whatever_the_spline(spline):
         planner.executed(target, 2)
         now = replace(now, tool=replace(now.tool, position=target.position))
     assert np.linalg.norm(now.tool.position - GOAL) < np.linalg.norm(seen(trial()).tool.position - GOAL) - 0.03
+
+
+def test_the_wrist_is_led_no_further_than_the_arm_reaches():
+    away = Stage("away", lambda state: {"away": -state.ee_pos[..., 0]})
+    wrists = {}
+    for reach in (0.5, 0.0):
+        planner, now = controller(replace(CFG, reach_m=reach, sigma_m=(0.3, 0.3, 0.3), sigma_rad=(0.0, 0.0, 0.0)))
+        for step in range(8):
+            plan = planner.plan(now, away, step)
+            planner.executed(plan.targets[1], 2)
+            now = replace(now, tool=replace(now.tool, position=plan.targets[1].position))
+        ends = np.array([target.position for target in plan.targets]) - np.array([0, 0, -FLANGE_TO_TOOL_M])
+        wrists[reach] = np.linalg.norm(ends - CFG.shoulder_m, axis=1).max()
+    assert wrists[0.5] == pytest.approx(0.5, abs=0.005)
+    assert wrists[0.0] > 0.55
 
 
 def test_the_next_plan_begins_where_the_last_one_was_left():

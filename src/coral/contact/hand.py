@@ -18,6 +18,7 @@ MAX_OPENING_M = 0.08
 SQUEEZE_M = -0.04
 """Least opening that can be commanded: below nothing, so that thin things are held with the fingers' whole force."""
 FINGER_KG = 0.05
+FLANGE_TO_TOOL_M = 0.1034
 
 
 @dataclass(frozen=True, kw_only=True)
