@@ -195,7 +195,7 @@ def test_meshes_lie_beside_the_task_file(tmp_path, monkeypatch):
     assert corners.max(axis=0) == pytest.approx([0.6, 0.1, 0.1], abs=1e-6)
 
 
-@pytest.mark.parametrize("edge", [0.001, 100.0])
+@pytest.mark.parametrize("edge", [0.0005, 100.0])
 def test_a_mesh_in_other_units_is_told(tmp_path, edge):
     stl(tmp_path / "m.stl", corners=edge * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]))
     with pytest.raises(InputError, match=rf"parts\[0\]\.size: .* make the mesh {edge:g} x {edge:g} x {edge:g} m large"):

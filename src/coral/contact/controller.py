@@ -38,8 +38,8 @@ class ControllerCfg:
         lead_m, lead_rad: How far the target may be ahead of the measured hand when a plan begins (no wind-up).
         workspace_low_m, workspace_high_m: Corners of the box that targets stay in.
         shoulder_m, reach_m: The wrist is led no further from there: the Panda's shoulder in robosuite, and how far its
-            flange can be from it (data sheet; of 260 poses drawn in the box none beyond was reachable, of those within
-            0.75 m nine in ten). 0: no such limit.
+            flange can be from it by its data sheet. 0: no such limit. Within it, too, joint limits and its own links
+            keep the arm from some poses.
         guided: Share of the samples that head for points of contact, where a stage has any.
         terminal: Weight of the last state (phi of Eq. 4) against the mean over the horizon.
         risk: Over several beliefs.

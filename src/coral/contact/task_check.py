@@ -17,7 +17,7 @@ RESERVED = frozenset({"table", "hand", "left", "right", "robot", "target", "worl
                       "gripper", "left_finger", "right_finger", "cmd", "self", "event", "step", "t", "source",
                       "attempts", "refused", "failure"})
 """Names that the models, the costs and the record give to the robot, to what it stands on and to what happens."""
-SMALLEST_M, LARGEST_M = 0.002, 5
+SMALLEST_M, LARGEST_M = 0.001, 5
 """Edges of a mesh."""
 RESERVED_BEGINNINGS = ("robot0", "gripper0", "mount0", "fixed_mount0", "left_eef", "right_eef")
 """Of the names of robosuite's bodies."""

@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+from coral.contact.controller import ControllerCfg
+from coral.contact.geometry import from_rotvec, multiply, rotation_of
+from coral.contact.hand import FLANGE_TO_TOOL_M
 from coral.contact.panda.reach import Reach, ReachCfg, rotation_vector, tool_rotation
 
 DOWN = (0.0, 0.0, -1.0)
@@ -57,3 +60,15 @@ def test_what_is_found_takes_the_pose(panda, reach):
 )
 def test_what_cannot_be_reached_is_not_found(reach, position, pointing, opening):
     assert reach.find(np.array(position), tool_rotation(pointing, opening)) is None
+
+
+def test_nothing_is_reachable_beyond_where_the_planner_leads_the_wrist(panda, reach):
+    cfg, rng = ControllerCfg(), np.random.default_rng(0)
+    assert panda.data.body("robot0_link2").xpos == pytest.approx(cfg.shoulder_m, abs=1e-6)
+    beyond = []
+    while len(beyond) < 6:
+        place = rng.uniform(cfg.workspace_low_m, cfg.workspace_high_m)
+        turn = rotation_of(multiply([0.0, 1.0, 0.0, 0.0], from_rotvec(0.4 * rng.normal(size=3))))
+        if np.linalg.norm(place - FLANGE_TO_TOOL_M * turn[:, 2] - cfg.shoulder_m) > cfg.reach_m:
+            beyond.append(reach.find(place, turn))
+    assert beyond == [None] * 6
