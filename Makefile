@@ -56,7 +56,8 @@ setup-libero: setup  ## the scenes of LIBERO-OBJECT (a download of 360 MB), apar
 test-libero: setup-libero  ## the scenes of LIBERO-OBJECT as they really are
 	$(BIN)/python -m pytest -m libero tests/contact/libero
 
-check: setup  ## lint and types
+check: setup  ## lint, format and types
+	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 

@@ -34,19 +34,35 @@ def build_world(rng: np.random.Generator, oysters: int = 600, obstacles: int = 6
     groups = []
     for i, (x, y) in enumerate(middles):
         spots = np.array([x, y]) + rng.normal(0, 0.6, (oysters // len(middles), 2))
-        groups.append(Cluster(name=f"c{i}", oysters=tuple(
-            Oyster(x=a, y=b, z=rng.uniform(0, 0.06), radii=tuple(rng.uniform(0.03, 0.1, 3)),
-                   rpy=tuple(rng.uniform(-3, 3, 3)))
-            for a, b in spots)))
+        groups.append(
+            Cluster(
+                name=f"c{i}",
+                oysters=tuple(
+                    Oyster(
+                        x=a,
+                        y=b,
+                        z=rng.uniform(0, 0.06),
+                        radii=tuple(rng.uniform(0.03, 0.1, 3)),
+                        rpy=tuple(rng.uniform(-3, 3, 3)),
+                    )
+                    for a, b in spots
+                ),
+            )
+        )
     rocks = []
     for i in range(obstacles):
         a, b, c = rng.uniform(0.15, 0.5, 3)
-        shape, size = (("sphere", (a, a, a)), ("ellipsoid", (a, b, c)), ("cylinder", (a, a, 2 * c)),
-                       ("box", (a, b, c)))[i % 4]
+        shape, size = (
+            ("sphere", (a, a, a)),
+            ("ellipsoid", (a, b, c)),
+            ("cylinder", (a, a, 2 * c)),
+            ("box", (a, b, c)),
+        )[i % 4]
         x, y = rng.uniform(0, 20, 2)
         rocks.append(Obstacle(shape=shape, x=x, y=y, z=rng.uniform(0, 1), size=size, yaw=rng.uniform(-3, 3)))
-    return ReefWorld(name="benchmark", size_m=(20, 20), start=Start(x=1, y=1), clusters=tuple(groups),
-                     obstacles=tuple(rocks))
+    return ReefWorld(
+        name="benchmark", size_m=(20, 20), start=Start(x=1, y=1), clusters=tuple(groups), obstacles=tuple(rocks)
+    )
 
 
 def build_mujoco(scene: Scene) -> tuple[mujoco.MjModel, mujoco.MjData]:
@@ -62,8 +78,7 @@ def build_mujoco(scene: Scene) -> tuple[mujoco.MjModel, mujoco.MjData]:
         mujoco.mju_mat2Quat(quat, scene.rotation[i].ravel())
         body = bodies[scene.cluster[i]] if scene.cluster[i] >= 0 else spec.worldbody.add_body()
         size = [half[0], half[2], 0] if scene.kind[i] == CYLINDER else half
-        body.add_geom(type=GEOM[int(scene.kind[i])], size=size, pos=scene.center[i], quat=quat,
-                      name=str(i))
+        body.add_geom(type=GEOM[int(scene.kind[i])], size=size, pos=scene.center[i], quat=quat, name=str(i))
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -103,8 +118,9 @@ def main() -> None:
             directions = (rays @ transform[:3, :3].T).ravel()
             start = time.process_time()
             # Its cutoff drops the infinite plane when the plane's origin is farther away, so it gets none.
-            mujoco.mj_multiRay(model, data, transform[:3, 3].copy(), directions, None, 1, -1, ids, distance,
-                               *NORMALS, len(rays), 1e6)
+            mujoco.mj_multiRay(
+                model, data, transform[:3, 3].copy(), directions, None, 1, -1, ids, distance, *NORMALS, len(rays), 1e6
+            )
             peer.append(time.process_time() - start)
             start = time.process_time()
             frame = camera.render(pose)
@@ -113,8 +129,9 @@ def main() -> None:
             depth, single = frame.depth.ravel(), np.zeros(1, np.int32)
             for k in np.flatnonzero(np.where(seen, solid[ids], -1) != frame.instances.ravel()):
                 # mj_multiRay culls by angle and may lose a grazing geom; mj_ray settles what is right.
-                distance[k] = mujoco.mj_ray(model, data, transform[:3, 3].copy(), directions[3 * k : 3 * k + 3], None,
-                                            1, -1, single)
+                distance[k] = mujoco.mj_ray(
+                    model, data, transform[:3, 3].copy(), directions[3 * k : 3 * k + 3], None, 1, -1, single
+                )
                 seen[k] = single[0] >= 0 and distance[k] < cfg.range_m
                 settled = int(solid[single[0]]) if seen[k] else -1
                 lost, differ = lost + 1, differ + int(settled != frame.instances.ravel()[k])
@@ -125,23 +142,36 @@ def main() -> None:
             start = time.process_time()
             camera.render(pose)
             own.append(time.process_time() - start)
-        rows.append({
-            "picture": f"{width}x{height}", "own_ms": float(np.median(own) * 1e3),
-            "own_p95_ms": float(np.percentile(own, 95) * 1e3), "mujoco_ms": float(np.median(peer) * 1e3),
-            "ratio": float(np.median(peer) / np.median(own)), "differing_pixels": differ, "lost_by_multiray": lost,
-            "worst_depth_difference_m": worst, "pictures_compared": len(few),
-        })
+        rows.append(
+            {
+                "picture": f"{width}x{height}",
+                "own_ms": float(np.median(own) * 1e3),
+                "own_p95_ms": float(np.percentile(own, 95) * 1e3),
+                "mujoco_ms": float(np.median(peer) * 1e3),
+                "ratio": float(np.median(peer) / np.median(own)),
+                "differing_pixels": differ,
+                "lost_by_multiray": lost,
+                "worst_depth_difference_m": worst,
+                "pictures_compared": len(few),
+            }
+        )
     if args.json:
-        print(json.dumps({"mujoco": mujoco.__version__, "machine": platform.machine(), "solids": len(scene),
-                          "rows": rows}))
+        print(
+            json.dumps(
+                {"mujoco": mujoco.__version__, "machine": platform.machine(), "solids": len(scene), "rows": rows}
+            )
+        )
         return
     print(f"{len(scene)} solids, one core, MuJoCo {mujoco.__version__}")
-    print("picture  coral median / p95 (ms)  mj_multiRay (ms)  ratio  wrong pixels  (mj_multiRay's)"
-          "  depth difference (m)")
+    print(
+        "picture  coral median / p95 (ms)  mj_multiRay (ms)  ratio  wrong pixels  (mj_multiRay's)  depth difference (m)"
+    )
     for r in rows:
-        print(f"{r['picture']}  {r['own_ms']:12.3f} / {r['own_p95_ms']:5.3f}  {r['mujoco_ms']:16.2f}"
-              f"  {r['ratio']:4.0f}x  {r['differing_pixels']:12d}  {r['lost_by_multiray']:16d}"
-              f"  {r['worst_depth_difference_m']:20.1e}")
+        print(
+            f"{r['picture']}  {r['own_ms']:12.3f} / {r['own_p95_ms']:5.3f}  {r['mujoco_ms']:16.2f}"
+            f"  {r['ratio']:4.0f}x  {r['differing_pixels']:12d}  {r['lost_by_multiray']:16d}"
+            f"  {r['worst_depth_difference_m']:20.1e}"
+        )
 
 
 if __name__ == "__main__":

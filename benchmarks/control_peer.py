@@ -107,8 +107,12 @@ def peer_at(python: str, problem: Path, threads: int) -> Iterator[Peer]:
     """A running peer."""
     command = [python, str(PEER), str(problem), str(threads)]
     # What it says on standard error is shown if it stops: torch complains at length about a NumPy newer than its own.
-    with tempfile.TemporaryFile("w+") as complaints, subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=complaints, text=True) as process:
+    with (
+        tempfile.TemporaryFile("w+") as complaints,
+        subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=complaints, text=True
+        ) as process,
+    ):
         try:
             yield Peer(process, complaints)
         finally:
@@ -155,8 +159,10 @@ def measure(name: str, cfg: MppiCfg, steps: int, python: str | None, threads: in
     """One line of the table."""
     world = World.make()
     states = drive(world, cfg, steps + WARM_UP)
-    ours = {"shipped": DdpMppi(cfg, rng=np.random.default_rng(0)),
-            "same": DdpMppi(replace(cfg, warm_fraction=0.9, guided_fraction=0.0), rng=np.random.default_rng(0))}
+    ours = {
+        "shipped": DdpMppi(cfg, rng=np.random.default_rng(0)),
+        "same": DdpMppi(replace(cfg, warm_fraction=0.9, guided_fraction=0.0), rng=np.random.default_rng(0)),
+    }
     times: dict[str, list[float]] = {"shipped": [], "same": [], "peer": []}
 
     clock = clock_for(threads)
@@ -179,8 +185,11 @@ def measure(name: str, cfg: MppiCfg, steps: int, python: str | None, threads: in
             write_problem(world, ours["same"], problem)
             with peer_at(python, problem, threads) as peer:
                 checked = DdpMppi(cfg, rng=np.random.default_rng(1))
-                row |= {"torch": peer.about["torch"], "threads": peer.about["threads"],
-                        **same_work(world, checked, states, peer)}
+                row |= {
+                    "torch": peer.about["torch"],
+                    "threads": peer.about["threads"],
+                    **same_work(world, checked, states, peer),
+                }
                 by_turns(peer)
     row |= {f"{key}_ms": float(np.median(values[WARM_UP:])) for key, values in times.items() if values}
     if "peer_ms" in row:
@@ -208,14 +217,19 @@ def main() -> None:
     print("| control step | ours ms | ours, peer's sampling ms | pytorch-mppi ms | ratio | ratio, same sampling |")
     print("|---|---:|---:|---:|---:|---:|")
     for row in rows:
-        peer = (f"{row['peer_ms']:.1f} | {row['ratio_shipped']:.0f}x | {row['ratio_same']:.0f}x"
-                if python else "not there | | ")
+        peer = (
+            f"{row['peer_ms']:.1f} | {row['ratio_shipped']:.0f}x | {row['ratio_same']:.0f}x"
+            if python
+            else "not there | | "
+        )
         print(f"| {row['case']} | {row['shipped_ms']:.2f} | {row['same_ms']:.2f} | {peer} |")
     if python:
         worst, agree = max(r["cost_difference"] for r in rows), min(r["verdicts_agree"] for r in rows)
         compared = sum(r["compared"] for r in rows)
-        print(f"\nThe same work: over {compared} sequences costs differ by at most {worst:.1e}, and verdicts on "
-              f"collision agree in {100 * agree:.2f} %.")
+        print(
+            f"\nThe same work: over {compared} sequences costs differ by at most {worst:.1e}, and verdicts on "
+            f"collision agree in {100 * agree:.2f} %."
+        )
         print(f"torch {rows[0]['torch']}, {rows[0]['threads']} thread(s), float32.")
 
 

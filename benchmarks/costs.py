@@ -97,8 +97,15 @@ def rehearsed(samples: int, horizon: int) -> tuple[Context, PlanningWorld]:
 
 def single(state: Context, k: int, h: int) -> Context:
     """One state of a batch."""
-    return Context({name: state[name][k if state[name].shape[0] > 1 else 0, None][
-        :, slice(h, h + 1) if state[name].shape[1] > 1 else slice(0, 1)] for name in state.names()}, (1, 1))
+    return Context(
+        {
+            name: state[name][k if state[name].shape[0] > 1 else 0, None][
+                :, slice(h, h + 1) if state[name].shape[1] > 1 else slice(0, 1)
+            ]
+            for name in state.names()
+        },
+        (1, 1),
+    )
 
 
 def cost_rows(samples: int, horizon: int, repeats: int, alone: int) -> dict[str, object]:
@@ -111,13 +118,24 @@ def cost_rows(samples: int, horizon: int, repeats: int, alone: int) -> dict[str,
         same = all(np.array_equal(here[name], there[name]) for name in here)
         rng = np.random.default_rng(1)
         chosen = [(int(rng.integers(samples)), int(rng.integers(horizon))) for _ in range(alone)]
-        exact = all(program(single(state, k, h))[name][0, 0] == np.broadcast_to(here[name], state.shape)[k, h]
-                    for k, h in chosen for name in here)
+        exact = all(
+            program(single(state, k, h))[name][0, 0] == np.broadcast_to(here[name], state.shape)[k, h]
+            for k, h in chosen
+            for name in here
+        )
         batch = timed(lambda: program(state), repeats)
         each = timed(lambda: [program(single(state, k, h)) for k, h in chosen], 3) / alone * samples * horizon
-        found = {"samples": samples, "horizon": horizon, "terms": len(here), "batch_ms": batch,
-                 "confined_ms": waited(lambda: confined(state), repeats), "one_by_one_ms": each,
-                 "ratio": each / batch, "confined_agrees": same, "one_by_one_agrees": exact}
+        found = {
+            "samples": samples,
+            "horizon": horizon,
+            "terms": len(here),
+            "batch_ms": batch,
+            "confined_ms": waited(lambda: confined(state), repeats),
+            "one_by_one_ms": each,
+            "ratio": each / batch,
+            "confined_agrees": same,
+            "one_by_one_agrees": exact,
+        }
     world.close()
     return found
 
@@ -150,8 +168,10 @@ def main() -> None:
     print(f"| a cost of {cost['terms']} terms, {args.samples} x {args.horizon} states | ms |\n|---|---:|")
     print(f"| in this process | {cost['batch_ms']:.1f} |\n| in the confined process | {cost['confined_ms']:.1f} |")
     print(f"| state by state | {cost['one_by_one_ms']:.0f} |\n")
-    print(f"Agree exactly: confined {cost['confined_agrees']}, state by state {cost['one_by_one_agrees']}. "
-          f"State by state takes {cost['ratio']:.0f} times as long.\n")
+    print(
+        f"Agree exactly: confined {cost['confined_agrees']}, state by state {cost['one_by_one_agrees']}. "
+        f"State by state takes {cost['ratio']:.0f} times as long.\n"
+    )
     print("| another belief, planning model built anew | ms |\n|---|---:|")
     for row in beliefs:
         print(f"| {row['task']} | {row['believe_ms']:.1f} |")

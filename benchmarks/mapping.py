@@ -41,22 +41,35 @@ def reef(edge_m: float, oysters: int, rng: np.random.Generator) -> ReefWorld:
     """Beds of oysters on a grid, obstacles between them, the start in a corner that is kept clear."""
     beds = max(1, oysters // BED)
     columns = math.ceil(math.sqrt(beds))
-    spots = [(edge_m * (i + 0.5) / columns, edge_m * (j + 0.5) / columns)
-             for j, i in itertools.product(range(columns), repeat=2)][:beds]
+    spots = [
+        (edge_m * (i + 0.5) / columns, edge_m * (j + 0.5) / columns)
+        for j, i in itertools.product(range(columns), repeat=2)
+    ][:beds]
     size = min(0.5, 0.15 * edge_m / columns)
     clusters = []
     for k, (x, y) in enumerate(spots):
         places = np.clip(rng.normal((x, y), size, (oysters // beds, 2)), 0.1, edge_m - 0.1)
-        clusters.append(Cluster(name=f"c{k}", oysters=tuple(
-            Oyster(x=float(a), y=float(b), z=0.04, radii=(0.1, 0.07, 0.05), rpy=(0.0, 0.0, float(yaw)))
-            for (a, b), yaw in zip(places, rng.uniform(-3, 3, len(places)), strict=True))))
+        clusters.append(
+            Cluster(
+                name=f"c{k}",
+                oysters=tuple(
+                    Oyster(x=float(a), y=float(b), z=0.04, radii=(0.1, 0.07, 0.05), rpy=(0.0, 0.0, float(yaw)))
+                    for (a, b), yaw in zip(places, rng.uniform(-3, 3, len(places)), strict=True)
+                ),
+            )
+        )
     rocks = []
     while len(rocks) < min(500, round(OBSTACLES_M2 * edge_m**2)):
         x, y = rng.uniform(0.5, edge_m - 0.5, 2)
         if math.hypot(x - 2.0, y - 2.0) > 2.0:
             rocks.append(Obstacle(shape="cylinder", x=float(x), y=float(y), z=0.5, size=(0.2, 0.2, 0.5)))
-    return ReefWorld(name="benchmark", size_m=(edge_m, edge_m), start=Start(x=2.0, y=2.0, theta=0.7),
-                     clusters=tuple(clusters), obstacles=tuple(rocks))
+    return ReefWorld(
+        name="benchmark",
+        size_m=(edge_m, edge_m),
+        start=Start(x=2.0, y=2.0, theta=0.7),
+        clusters=tuple(clusters),
+        obstacles=tuple(rocks),
+    )
 
 
 def median_ms(call: Callable[[Pose], object], poses: list[Pose]) -> float:
@@ -97,9 +110,18 @@ def measure(edge_m: float, oysters: int, n_poses: int) -> dict[str, float]:
     }  # fmt: skip
 
 
-COLUMNS = {"edge_m": "map, m", "cells": "cells", "oysters": "oysters", "centroids": "clusters found",
-           "picture_ms": "picture", "update_ms": "map update", "centroids_ms": "centroids", "chain_ms": "with chain",
-           "distances_ms": "distances, whole map", "near_ms": "distances, near"}
+COLUMNS = {
+    "edge_m": "map, m",
+    "cells": "cells",
+    "oysters": "oysters",
+    "centroids": "clusters found",
+    "picture_ms": "picture",
+    "update_ms": "map update",
+    "centroids_ms": "centroids",
+    "chain_ms": "with chain",
+    "distances_ms": "distances, whole map",
+    "near_ms": "distances, near",
+}
 
 
 def main() -> None:
@@ -110,8 +132,10 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     measure(6.0, 40, 2)  # compiles
-    rows = {name: [measure(edge, oysters, args.poses) for edge, oysters in cases if edge <= args.largest]
-            for name, cases in CASES.items()}
+    rows = {
+        name: [measure(edge, oysters, args.poses) for edge, oysters in cases if edge <= args.largest]
+        for name, cases in CASES.items()
+    }
     if args.json:
         print(json.dumps(rows))
         return
@@ -119,8 +143,18 @@ def main() -> None:
         print(f"Growth with the {name}; medians in ms\n\n| {' | '.join(COLUMNS.values())} |")
         print(f"|{'---:|' * len(COLUMNS)}")
         for line in lines:
-            print("| " + " | ".join(f"{line[key]:.3f}" if key.endswith("_ms") else f"{line[key]:g}" if key == "edge_m"
-                                    else f"{line[key]:,}".replace(",", " ") for key in COLUMNS) + " |")
+            print(
+                "| "
+                + " | ".join(
+                    f"{line[key]:.3f}"
+                    if key.endswith("_ms")
+                    else f"{line[key]:g}"
+                    if key == "edge_m"
+                    else f"{line[key]:,}".replace(",", " ")
+                    for key in COLUMNS
+                )
+                + " |"
+            )
         print()
 
 

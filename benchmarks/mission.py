@@ -46,12 +46,14 @@ class Stopwatch:
 
     def watch(self, name: str, call: Callable) -> Callable:
         """The same call, timed."""
+
         def timed(*args, **named):
             begun = time.process_time()
             try:
                 return call(*args, **named)
             finally:
                 self.ms[name] = self.ms.get(name, 0.0) + 1e3 * (time.process_time() - begun)
+
         return timed
 
     def read(self) -> dict[str, float]:
@@ -62,8 +64,13 @@ class Stopwatch:
 
 def run(world: ReefWorld, ticks: int, folder: Path, robots: int) -> list[dict[str, float]]:
     """Times of every tick of a mission (ms)."""
-    cfg = MissionCfg(time_limit_s=0.1 * ticks, stop_when_covered=False, latency="fixed:0", robots=robots,
-                     record=RecordCfg(pictures=False, frames=False, report=False, video=False))
+    cfg = MissionCfg(
+        time_limit_s=0.1 * ticks,
+        stop_when_covered=False,
+        latency="fixed:0",
+        robots=robots,
+        record=RecordCfg(pictures=False, frames=False, report=False, video=False),
+    )
     advisor = make_advisor("heuristic", rules=REEF_RULES, rng=np.random.default_rng(0))
     mission, watch = Mission(world, cfg, advisor, folder, seed=0), Stopwatch()
     for robot in mission.robots:
@@ -77,10 +84,16 @@ def run(world: ReefWorld, ticks: int, folder: Path, robots: int) -> list[dict[st
     class Reader:
         def tick(self, mission: Mission) -> None:
             spent = watch.read()
-            rows.append({"tick": spent["tick"], "sense": spent["sense"], "map": spent["map"],
-                         "decide": spent["pilot"] - spent["map"] - spent.get("control", 0.0),
-                         "control": spent.get("control", 0.0),
-                         "act": spent["tick"] - spent["sense"] - spent["pilot"]})
+            rows.append(
+                {
+                    "tick": spent["tick"],
+                    "sense": spent["sense"],
+                    "map": spent["map"],
+                    "decide": spent["pilot"] - spent["map"] - spent.get("control", 0.0),
+                    "control": spent.get("control", 0.0),
+                    "act": spent["tick"] - spent["sense"] - spent["pilot"],
+                }
+            )
 
         def stop_requested(self) -> str:
             return ""
@@ -97,18 +110,38 @@ def measure(edge_m: float, oysters: int, ticks: int, repeats: int, robots: int =
         with tempfile.TemporaryDirectory() as folder:
             rows = run(world, ticks, Path(folder) / "run", robots)
         ticks_ms = np.array([row["tick"] for row in rows])
-        repeated.append([*(np.mean([row[part] for row in rows]) for part in PARTS), ticks_ms.mean(),
-                         np.median(ticks_ms), np.percentile(ticks_ms, 99)])
+        repeated.append(
+            [
+                *(np.mean([row[part] for row in rows]) for part in PARTS),
+                ticks_ms.mean(),
+                np.median(ticks_ms),
+                np.percentile(ticks_ms, 99),
+            ]
+        )
     *parts, mean, median, p99 = np.median(np.array(repeated), axis=0).tolist()
-    return {"edge_m": edge_m, "oysters": sum(len(c.oysters) for c in world.clusters), "robots": robots,
-            "ticks": len(rows),
-            **{f"{part}_ms": value for part, value in zip(PARTS, parts, strict=True)},
-            "tick_ms": mean, "tick_median_ms": median, "tick_p99_ms": p99, "realtime": 100.0 / mean}
+    return {
+        "edge_m": edge_m,
+        "oysters": sum(len(c.oysters) for c in world.clusters),
+        "robots": robots,
+        "ticks": len(rows),
+        **{f"{part}_ms": value for part, value in zip(PARTS, parts, strict=True)},
+        "tick_ms": mean,
+        "tick_median_ms": median,
+        "tick_p99_ms": p99,
+        "realtime": 100.0 / mean,
+    }
 
 
-COLUMNS = {"edge_m": "map, m", "oysters": "oysters", "robots": "robots",
-           **{f"{part}_ms": part for part in PARTS}, "tick_ms": "whole tick",
-           "tick_median_ms": "its median", "tick_p99_ms": "99th percentile", "realtime": "times real time"}
+COLUMNS = {
+    "edge_m": "map, m",
+    "oysters": "oysters",
+    "robots": "robots",
+    **{f"{part}_ms": part for part in PARTS},
+    "tick_ms": "whole tick",
+    "tick_median_ms": "its median",
+    "tick_p99_ms": "99th percentile",
+    "realtime": "times real time",
+}
 
 
 def main() -> None:
@@ -120,8 +153,10 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     measure(10.0, 40, COMPILE_TICKS + 5, 1)  # compiles
-    rows = {name: [measure(*case[:2], args.ticks, args.repeats, *case[2:]) for case in cases
-                   if case[0] <= args.largest] for name, cases in CASES.items()}
+    rows = {
+        name: [measure(*case[:2], args.ticks, args.repeats, *case[2:]) for case in cases if case[0] <= args.largest]
+        for name, cases in CASES.items()
+    }
     if args.json:
         print(json.dumps(rows))
         return
@@ -129,8 +164,11 @@ def main() -> None:
         print(f"Growth with the {name}; ms for each tick\n\n| {' | '.join(COLUMNS.values())} |")
         print(f"|{'---:|' * len(COLUMNS)}")
         for line in lines:
-            print("| " + " | ".join(f"{line[key]:.2f}" if key.endswith("_ms") else f"{line[key]:.0f}"
-                                    for key in COLUMNS) + " |")
+            print(
+                "| "
+                + " | ".join(f"{line[key]:.2f}" if key.endswith("_ms") else f"{line[key]:.0f}" for key in COLUMNS)
+                + " |"
+            )
         print()
 
 

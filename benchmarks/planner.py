@@ -45,8 +45,18 @@ PEER = Path(__file__).parent / "peers" / "judo_rollout.py"
 INSTALL = "pip install judo-rai in an environment of its own, and name it with --peer-python"
 SAMPLES, HORIZONS = (25, 50, 100, 200, 400), (10, 25, 50, 75, 100)
 STIFFNESS = 600.0
-READ = ("box_pos", "box_quat", "box_left_contact", "box_right_contact", "box_size", "box_init_pos", "ee_pos", "ee_quat",
-        "ee_vel", "gripper_target")
+READ = (
+    "box_pos",
+    "box_quat",
+    "box_left_contact",
+    "box_right_contact",
+    "box_size",
+    "box_init_pos",
+    "ee_pos",
+    "ee_quat",
+    "ee_vel",
+    "gripper_target",
+)
 """What the single-stage cost of picking reads."""
 
 
@@ -106,7 +116,7 @@ def plain_loop(world: PlanningWorld, problem: Problem) -> NDArray[np.float64]:
             data.mocap_pos[0], data.mocap_quat[0] = controls.position[k, h], controls.quaternion[k, h]
             for _ in range(substeps):
                 mujoco.mj_step(model, data)
-            states[k, h, :model.nq], states[k, h, model.nq:] = data.qpos, data.qvel
+            states[k, h, : model.nq], states[k, h, model.nq :] = data.qpos, data.qvel
             sensors[k, h] = data.sensordata
     return states
 
@@ -153,8 +163,14 @@ def compare(samples: int, horizon: int, python: str, repeats: int) -> dict[str, 
     qpos = one._index.pose["box"]
     assert sane.all()
     assert np.array_equal(plain_loop(one, problem)[..., qpos][..., :3], context.box_pos), "the loop ends elsewhere"
-    rows = timed({"ours, 1 thread": lambda: rehearsed(one, problem), "ours, 2 threads": lambda: rehearsed(two, problem),
-                  "plain Python loop": lambda: plain_loop(one, problem)}, repeats)
+    rows = timed(
+        {
+            "ours, 1 thread": lambda: rehearsed(one, problem),
+            "ours, 2 threads": lambda: rehearsed(two, problem),
+            "plain Python loop": lambda: plain_loop(one, problem),
+        },
+        repeats,
+    )
     found = peer(problem, one, python, repeats)
     if found is None:
         print(f"no judo here: {INSTALL}", file=sys.stderr)
@@ -162,8 +178,13 @@ def compare(samples: int, horizon: int, python: str, repeats: int) -> dict[str, 
         rows["judo"] = found["rows"]["judo"]
         for threads in (1, 2):
             rows[f"mujoco.rollout alone in judo's MuJoCo, {threads} threads"] = found["rows"][f"mujoco, {threads}"]
-    return {"samples": samples, "horizon": horizon, "mujoco": mujoco.__version__, "rows": rows,
-            "peer": found and {key: found[key] for key in ("versions", "box_gap_mm")}}
+    return {
+        "samples": samples,
+        "horizon": horizon,
+        "mujoco": mujoco.__version__,
+        "rows": rows,
+        "peer": found and {key: found[key] for key in ("versions", "box_gap_mm")},
+    }
 
 
 def plan(controller: Controller, now: Observation, stage: Stage) -> None:
@@ -190,8 +211,13 @@ def task_row(task: str, samples: int, horizon: int, repeats: int) -> dict[str, A
     stage = expert(drawn.task, "expert").stages[0]
     cfg = ControllerCfg(horizon=horizon, mppi=KnotMppiCfg(samples=samples))
     worlds = [PlanningWorld(drawn, prior(drawn), now, PlanningCfg(threads=threads)) for threads in (1, 2)]
-    found = timed({f"plan_ms_{threads}": partial(plan, Controller(world, cfg, np.random.default_rng(0)), now, stage)
-                   for threads, world in enumerate(worlds, 1)}, repeats)
+    found = timed(
+        {
+            f"plan_ms_{threads}": partial(plan, Controller(world, cfg, np.random.default_rng(0)), now, stage)
+            for threads, world in enumerate(worlds, 1)
+        },
+        repeats,
+    )
     for world in worlds:
         world.close()
     return {"task": task} | {name: row["wall_ms"] for name, row in found.items()}
@@ -205,8 +231,9 @@ def draw_curves(curves: dict[str, list[dict[str, float]]], path: Path) -> None:
     from matplotlib import pyplot as plt
 
     figure, panes = plt.subplots(1, 2, figsize=(8, 3), sharey=True, layout="constrained")
-    for pane, (key, rows), title in zip(panes, curves.items(), ("rehearsals K, H = 50", "control steps H, K = 200"),
-                                        strict=True):
+    for pane, (key, rows), title in zip(
+        panes, curves.items(), ("rehearsals K, H = 50", "control steps H, K = 200"), strict=True
+    ):
         pane.plot([row[key] for row in rows], [row["plan_cpu_ms"] for row in rows], "o-", color="#2a6f97")
         pane.set_xlabel(title)
         pane.set_xlim(left=0)
@@ -222,8 +249,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--peer-python", default=sys.executable, help="interpreter that has judo")
     parser.add_argument("--samples", type=int, default=200, help="K of the table")
-    parser.add_argument("--horizon", type=int, default=50, help="H of the table, and the largest K and H of the curves "
-                        "in proportion")
+    parser.add_argument(
+        "--horizon", type=int, default=50, help="H of the table, and the largest K and H of the curves in proportion"
+    )
     parser.add_argument("--repeats", type=int, default=15)
     parser.add_argument("--out", type=Path, help="folder for the curves, such as docs/results")
     parser.add_argument("--json", action="store_true")
@@ -233,11 +261,15 @@ def main() -> None:
     if args.out:
         result["curves"] = {
             "samples": [curve_row(k * args.samples // 200, args.horizon, args.repeats) for k in SAMPLES],
-            "horizon": [curve_row(args.samples, max(2, h * args.horizon // 50), args.repeats) for h in HORIZONS]}
+            "horizon": [curve_row(args.samples, max(2, h * args.horizon // 50), args.repeats) for h in HORIZONS],
+        }
         args.out.mkdir(parents=True, exist_ok=True)
         with (args.out / "contact-planner.csv").open("w", newline="", encoding="utf-8") as stream:
-            rows = [{"curve": name} | {key: round(value, 1) for key, value in row.items()}
-                    for name, lines in result["curves"].items() for row in lines]
+            rows = [
+                {"curve": name} | {key: round(value, 1) for key, value in row.items()}
+                for name, lines in result["curves"].items()
+                for row in lines
+            ]
             writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)

@@ -45,8 +45,10 @@ class Part:
 
 def disabled(flag: str) -> Callable[[mujoco.MjModel], None]:
     """With something switched off."""
+
     def change(model: mujoco.MjModel) -> None:
         model.opt.disableflags |= bit(flag)
+
     return change
 
 
@@ -92,8 +94,9 @@ def trial(task: str, part: Part, samples: int, horizon: int) -> Callable[[], obj
     above = now.objects[drawn.task.objects[0].name].position + np.array([0, 0, 0.05])
     now = replace(now, tool=replace(now.tool, position=above))
     walk = np.cumsum(np.random.default_rng(0).normal(scale=0.004, size=(samples, horizon, 3)), axis=1)
-    controls = Controls(above + walk, np.tile(now.tool.quaternion, (samples, horizon, 1)),
-                        np.full((samples, horizon), 0.08), STIFFNESS)
+    controls = Controls(
+        above + walk, np.tile(now.tool.quaternion, (samples, horizon, 1)), np.full((samples, horizon), 0.08), STIFFNESS
+    )
     cfg = PlanningCfg(threads=1)
     world = PlanningWorld(drawn, prior(drawn), now, replace(cfg, rest_m_s=0.0) if part.awake else cfg)
     world.edges = part.edges

@@ -55,8 +55,10 @@ def test_the_words_are_such_that_the_command_line_takes_them():
     assert tyro.cli(Command, args=words).cfg == Cfg(noisy_picture=False, sigma=(1.0, 2.0))
 
 
-@pytest.mark.parametrize(("command", "text", "key"), [(ContactBench, "replan_steps: 1\n", "replan_steps"),
-                                                      (ReefBench, "time_limit_s: 9.0\n", "time_limit_s")])
+@pytest.mark.parametrize(
+    ("command", "text", "key"),
+    [(ContactBench, "replan_steps: 1\n", "replan_steps"), (ReefBench, "time_limit_s: 9.0\n", "time_limit_s")],
+)
 def test_campaigns_read_it_too(tmp_path, command, text, key):
     path = tmp_path / "b.yaml"
     path.write_text(text)

@@ -41,10 +41,14 @@ def main(folder, repeats):
     for threads in (1, 2):
         pool, datas = Rollout(nthread=threads), [mujoco.MjData(model) for _ in range(threads)]
         start = np.tile(initial, (len(ctrl), 1))
-        rows[f"mujoco, {threads}"], _ = timed(lambda p=pool, d=datas, s=start: p.rollout(
-            [model] * len(ctrl), d, s, ctrl), repeats)
-    print(json.dumps({"versions": {name: importlib.metadata.version(name) for name in ("judo-rai", "mujoco")},
-                      "rows": rows}))
+        rows[f"mujoco, {threads}"], _ = timed(
+            lambda p=pool, d=datas, s=start: p.rollout([model] * len(ctrl), d, s, ctrl), repeats
+        )
+    print(
+        json.dumps(
+            {"versions": {name: importlib.metadata.version(name) for name in ("judo-rai", "mujoco")}, "rows": rows}
+        )
+    )
 
 
 if __name__ == "__main__":

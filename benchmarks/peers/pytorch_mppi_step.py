@@ -107,8 +107,9 @@ class Problem:
                 close = (check & (d < self.hull_m + self.margin_m + 1.5 * self.cell_m)).nonzero()[:, 0]
                 if len(close):
                     rim = self.circle[t, :points]
-                    hull = self.clearance(px[close, None] + self.hull_m * rim[:, 0],
-                                          py[close, None] + self.hull_m * rim[:, 1])
+                    hull = self.clearance(
+                        px[close, None] + self.hull_m * rim[:, 0], py[close, None] + self.hull_m * rim[:, 1]
+                    )
                     hit[close[hull.amin(1) <= self.margin_m]] = 1.0
             x, y, th, u, v, r = x + dx, y + dy, th + 2.0 * half, u1, v1, r1
             driven = driven + step2.sqrt()
@@ -141,10 +142,20 @@ def main() -> None:
     torch.manual_seed(0)
     limits = torch.tensor([problem.speed_m_s, problem.yaw_rate_rad_s])
     sigma = torch.diag(torch.tensor([problem.sigma_v**2, problem.sigma_omega**2]))
-    planner = MPPI(problem.dynamics, problem.cost, N_STATE - 1, sigma, num_samples=int(problem.n_rollouts),
-                   horizon=problem.last + 1, lambda_=problem.temperature, u_min=limits * torch.tensor([0.0, -1.0]),
-                   u_max=limits, U_init=torch.zeros(problem.last + 1, 2), step_dependent_dynamics=True,
-                   sample_null_action=True)
+    planner = MPPI(
+        problem.dynamics,
+        problem.cost,
+        N_STATE - 1,
+        sigma,
+        num_samples=int(problem.n_rollouts),
+        horizon=problem.last + 1,
+        lambda_=problem.temperature,
+        u_min=limits * torch.tensor([0.0, -1.0]),
+        u_max=limits,
+        U_init=torch.zeros(problem.last + 1, 2),
+        step_dependent_dynamics=True,
+        sample_null_action=True,
+    )
     print(json.dumps({"torch": torch.__version__, "threads": torch.get_num_threads()}), flush=True)
     clock = time.process_time if int(sys.argv[2]) == 1 else time.perf_counter
     previous = [0.0, 0.0]

@@ -62,8 +62,20 @@ def main() -> None:
     """Run a mission, answer it, photograph the desk, end the mission."""
     with tempfile.TemporaryDirectory() as temporary:
         inbox = Inbox(Path(temporary) / "inbox")
-        words = ["reef", "run", "s1", "--advisor", "desk", "--inbox", str(inbox.folder), "--out", "runs/s1", "--quiet",
-                 "--cfg.latency", "fixed:10"]
+        words = [
+            "reef",
+            "run",
+            "s1",
+            "--advisor",
+            "desk",
+            "--inbox",
+            str(inbox.folder),
+            "--out",
+            "runs/s1",
+            "--quiet",
+            "--cfg.latency",
+            "fixed:10",
+        ]
         mission = subprocess.Popen([sys.executable, "-m", "coral.cli", *words], cwd=temporary)
         shown = False
         try:

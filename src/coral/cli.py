@@ -67,7 +67,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if name is None:
             print(_overview(" ".join(w for w in words if not w.startswith("-"))))
             return 0
-        command = _parse(name, words[len(name.split()):])
+        command = _parse(name, words[len(name.split()) :])
         result = command()
         print(json.dumps(result, allow_nan=False, default=str) if command.json else command.describe(result))
     except InputError as error:

@@ -129,8 +129,12 @@ def checked(cfg: C, where: str) -> C:
         _adapter(cast(Any, type(cfg))).validate_python(dataclasses.asdict(cast(Any, cfg)))
     except ValidationError as error:
         first = error.errors()[0]
-        raise InputError(where, ".".join(str(part) for part in first["loc"]), repr(first["input"]),
-                         first["msg"].replace("Input should be ", "")) from None
+        raise InputError(
+            where,
+            ".".join(str(part) for part in first["loc"]),
+            repr(first["input"]),
+            first["msg"].replace("Input should be ", ""),
+        ) from None
     _refuse_odd_numbers(cfg, where, "")
     return cfg
 
@@ -141,8 +145,11 @@ def _refuse_odd_numbers(cfg: Any, where: str, prefix: str) -> None:
         value, name = getattr(cfg, field.name), f"{prefix}{field.name}"
         if dataclasses.is_dataclass(value):
             _refuse_odd_numbers(value, where, f"{name}.")
-        elif get_origin(hints[field.name]) is not Annotated and isinstance(value, int | float) \
-                and not 0 <= value < math.inf:
+        elif (
+            get_origin(hints[field.name]) is not Annotated
+            and isinstance(value, int | float)
+            and not 0 <= value < math.inf
+        ):
             raise InputError(where, name, value, "a finite number from 0 on")
 
 
@@ -173,6 +180,7 @@ def _replace(default: Any, changes: Mapping[str, Any], where: str, prefix: str) 
         try:
             values[key] = TypeAdapter(hints[key]).validate_python(value)
         except ValidationError as error:
-            raise InputError(where, name, repr(value), error.errors()[0]["msg"].replace("Input should be ", "")) \
-                from None
+            raise InputError(
+                where, name, repr(value), error.errors()[0]["msg"].replace("Input should be ", "")
+            ) from None
     return dataclasses.replace(default, **values)

@@ -26,8 +26,14 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
     faults = error.errors(include_url=False)
     fault = faults[0]
     if fault["type"] == "missing":  # where a key is missing, one beside it that nobody knows is that key, misspelt
-        fault = next((other for other in faults if other["type"] == "extra_forbidden"
-                      and other["loc"][:-1] == fault["loc"][:-1]), fault)
+        fault = next(
+            (
+                other
+                for other in faults
+                if other["type"] == "extra_forbidden" and other["loc"][:-1] == fault["loc"][:-1]
+            ),
+            fault,
+        )
     kind, place, value = fault["type"], _in_file(model, fault["loc"]), fault["input"]
     field = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
     if kind in ("extra_forbidden", "invalid_key"):
@@ -54,8 +60,12 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
         return InputError(where, field, shown(value), "a list")
     if kind == "value_error":
         return InputError(where, field, shown(value), str(fault["ctx"]["error"]))
-    expected = fault["msg"].removeprefix("Input should be ").replace("String should have", "text of").replace(
-        "String should match pattern", "text like")
+    expected = (
+        fault["msg"]
+        .removeprefix("Input should be ")
+        .replace("String should have", "text of")
+        .replace("String should match pattern", "text like")
+    )
     return InputError(where, field, shown(value), expected)
 
 

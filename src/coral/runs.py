@@ -38,7 +38,9 @@ class RunWriter:
                 raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
             self._events: IO[str] = open(folder / "events.jsonl", "x", encoding="utf-8", buffering=1)  # noqa: SIM115
             self._rows: list[IO[str]] = [
-                open(folder / trajectory_name(k), "x", encoding="utf-8", buffering=1) for k in range(robots)]  # noqa: SIM115
+                open(folder / trajectory_name(k), "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+                for k in range(robots)
+            ]
         except OSError as error:
             raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
         for rows in self._rows:
@@ -95,16 +97,25 @@ def new_run_folder(root: Path, name: str) -> Path:
 
 def provenance() -> dict[str, Any]:
     """Where a result comes from: version, commit, machine and date (kept out of metrics.json)."""
-    return {"coral": __version__, "commit": _commit(), "python": platform.python_version(),
-            "machine": f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}",
-            "date": datetime.now().astimezone().isoformat(timespec="seconds")}
+    return {
+        "coral": __version__,
+        "commit": _commit(),
+        "python": platform.python_version(),
+        "machine": f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}",
+        "date": datetime.now().astimezone().isoformat(timespec="seconds"),
+    }
 
 
 def _commit() -> str:
     here = Path(__file__).resolve().parent
     try:
-        done = subprocess.run(["git", "-C", str(here), "describe", "--always", "--dirty", "--abbrev=10"],
-                              capture_output=True, text=True, timeout=30, check=True)
+        done = subprocess.run(
+            ["git", "-C", str(here), "describe", "--always", "--dirty", "--abbrev=10"],
+            capture_output=True,
+            text=True,
+            timeout=30,
+            check=True,
+        )
     except (OSError, subprocess.SubprocessError):
         return "unknown"
     return done.stdout.strip()

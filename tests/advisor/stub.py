@@ -8,19 +8,37 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 def completion(text, finish="stop", tool=None, refusal=None):
     message = {"role": "assistant", "content": text}
     if tool is not None:
-        message = {"role": "assistant", "content": None, "tool_calls": [
-            {"id": "1", "type": "function", "function": {"name": "answer", "arguments": tool}}]}
+        message = {
+            "role": "assistant",
+            "content": None,
+            "tool_calls": [{"id": "1", "type": "function", "function": {"name": "answer", "arguments": tool}}],
+        }
     if refusal is not None:
         message = {"role": "assistant", "content": None, "refusal": refusal}
-    return 200, {}, json.dumps({
-        "id": "1", "object": "chat.completion", "created": 1, "model": "stub",
-        "choices": [{"index": 0, "finish_reason": "tool_calls" if tool is not None else finish, "message": message}],
-        "usage": {"prompt_tokens": 100, "completion_tokens": 10, "total_tokens": 110}}).encode()
+    return (
+        200,
+        {},
+        json.dumps(
+            {
+                "id": "1",
+                "object": "chat.completion",
+                "created": 1,
+                "model": "stub",
+                "choices": [
+                    {"index": 0, "finish_reason": "tool_calls" if tool is not None else finish, "message": message}
+                ],
+                "usage": {"prompt_tokens": 100, "completion_tokens": 10, "total_tokens": 110},
+            }
+        ).encode(),
+    )
 
 
 def error(status, message="no", **headers):
-    return status, {k.replace("_", "-"): v for k, v in headers.items()}, json.dumps(
-        {"error": {"message": message, "type": "x"}}).encode()
+    return (
+        status,
+        {k.replace("_", "-"): v for k, v in headers.items()},
+        json.dumps({"error": {"message": message, "type": "x"}}).encode(),
+    )
 
 
 DROP = "drop"

@@ -248,8 +248,10 @@ def test_consult_on_simulated_time(make_clock):
     assert task.result().answer == Pick(index=3)
     assert advisor.heard == [[], ["backward"], ["backward", "empty"]]
     assert [(a.verdict, a.asked_at_s, a.answered_at_s) for a in log] == [
-        ("rejected", 0.0, pytest.approx(2.0)), ("malformed", pytest.approx(2.0), pytest.approx(4.0)),
-        ("accepted", pytest.approx(4.0), pytest.approx(6.0))]
+        ("rejected", 0.0, pytest.approx(2.0)),
+        ("malformed", pytest.approx(2.0), pytest.approx(4.0)),
+        ("accepted", pytest.approx(4.0), pytest.approx(6.0)),
+    ]
 
 
 def test_wall_clock_steps_without_waiting():

@@ -61,7 +61,7 @@ def no(code):
 def test_accepted_at_once(decide):
     outcome, log, _ = decide(Scripted(3))
     assert (outcome.answer, outcome.attempts, outcome.failure, outcome.rejections) == (Pick(index=3), 1, "", ())
-    attempt, = log
+    (attempt,) = log
     assert (attempt.decision, attempt.attempt, attempt.verdict, attempt.raw) == (4, 0, "accepted", "<3>")
     assert attempt.answer == {"index": 3}
     assert attempt.usage.input_tokens == 3
@@ -89,7 +89,10 @@ def test_deadline_holds_over_all_attempts(decide):
     assert outcome.failure == "deadline"
     assert clock.now() == pytest.approx(10.0)
     assert [(a.verdict, a.rejection.code) for a in log] == [
-        ("rejected", "low"), ("rejected", "low"), ("unavailable", "deadline")]
+        ("rejected", "low"),
+        ("rejected", "low"),
+        ("unavailable", "deadline"),
+    ]
 
 
 def test_deadline_may_fall_on_a_reply(decide):

@@ -13,8 +13,14 @@ class Pick(BaseModel):
     index: int = Field(ge=0, le=3)
 
 
-QUESTION = Question(kind="pick", prompt="Which?", answer_type=Pick, facts={"n": 3}, prompt_version="7",
-                    pictures=(Picture(name="map", png=b"png", caption="from above"),))
+QUESTION = Question(
+    kind="pick",
+    prompt="Which?",
+    answer_type=Pick,
+    facts={"n": 3},
+    prompt_version="7",
+    pictures=(Picture(name="map", png=b"png", caption="from above"),),
+)
 
 
 def submit(folder, text):
@@ -30,9 +36,12 @@ async def open_questions(inbox, n):
 
 def test_question_is_posted_whole_and_answered(tmp_path):
     async def run():
-        task = asyncio.create_task(DeskAdvisor(tmp_path, poll_s=0.0).answer(
-            QUESTION, [Rejection(code="backward", reason="behind", details={"index": 1})]))
-        folder, = await open_questions(tmp_path, 1)
+        task = asyncio.create_task(
+            DeskAdvisor(tmp_path, poll_s=0.0).answer(
+                QUESTION, [Rejection(code="backward", reason="behind", details={"index": 1})]
+            )
+        )
+        (folder,) = await open_questions(tmp_path, 1)
         question = json.loads((folder / "question.json").read_text())
         assert not (folder / "closed.json").exists()
         submit(folder, '{"index": 2}')
@@ -52,7 +61,7 @@ def test_question_is_posted_whole_and_answered(tmp_path):
 def test_operators_err_too(tmp_path, text, code):
     async def run():
         task = asyncio.create_task(DeskAdvisor(tmp_path, poll_s=0.0).answer(QUESTION, ()))
-        folder, = await open_questions(tmp_path, 1)
+        (folder,) = await open_questions(tmp_path, 1)
         submit(folder, text)
         await task
 
@@ -64,7 +73,7 @@ def test_operators_err_too(tmp_path, text, code):
 def test_withdrawn_question_is_closed(tmp_path):
     async def run():
         task = asyncio.create_task(DeskAdvisor(tmp_path, poll_s=0.0).answer(QUESTION, ()))
-        folder, = await open_questions(tmp_path, 1)
+        (folder,) = await open_questions(tmp_path, 1)
         task.cancel()
         await asyncio.gather(task, return_exceptions=True)
         return json.loads((folder / "closed.json").read_text())

@@ -30,7 +30,8 @@ def test_other_defaults_of_contact_tasks_are_the_real_ones():
     told = dict(re.findall(r"^\| `(\w+)` \|.*in a contact task ([\d,]+)", PAGE, re.MULTILINE))
     real, usual = dataclasses.asdict(contact_model()), dataclasses.asdict(ModelCfg())
     assert {name: float(value.replace(",", "")) for name, value in told.items()} == {
-        name: value for name, value in real.items() if value != usual[name]}
+        name: value for name, value in real.items() if value != usual[name]
+    }
 
 
 def test_the_advisor_on_the_page_drives_a_mission(tmp_path, monkeypatch, capsys):

@@ -21,17 +21,26 @@ class Waypoint(BaseModel):
     left_m: int = Field(ge=-6, le=6)
 
 
-FACTS = {"robot": {"x": 1.0, "y": 1.0, "theta": 0.0}, "n_things": 4, "centroids": [
-    {"index": 0, "x": 0.0, "y": 1.0}, {"index": 1, "forward_m": 2.0}, {"index": 2, "x": 3.0, "y": 1.0},
-    {"index": 3, "forward_m": -1.0}]}
+FACTS = {
+    "robot": {"x": 1.0, "y": 1.0, "theta": 0.0},
+    "n_things": 4,
+    "centroids": [
+        {"index": 0, "x": 0.0, "y": 1.0},
+        {"index": 1, "forward_m": 2.0},
+        {"index": 2, "x": 3.0, "y": 1.0},
+        {"index": 3, "forward_m": -1.0},
+    ],
+}
 CHOICE = Question(kind="choice", prompt="", answer_type=Choice, facts=FACTS)
 WAYPOINT = Question(kind="waypoint", prompt="", answer_type=Waypoint, facts=FACTS)
 
 
 def make(seed=0, **rates):
     counter = iter(range(10**6))
-    rules = {"choice": lambda facts, _: Choice(selected_index=1 + next(counter) % 2),
-             "waypoint": lambda facts, _: Waypoint(forward_m=3, left_m=1)}
+    rules = {
+        "choice": lambda facts, _: Choice(selected_index=1 + next(counter) % 2),
+        "waypoint": lambda facts, _: Waypoint(forward_m=3, left_m=1),
+    }
     return FallibleAdvisor(RuleAdvisor(rules), FallibleCfg(**rates), np.random.default_rng(seed))
 
 
@@ -50,8 +59,16 @@ def ask(advisor, question=CHOICE, n=1):
     return asyncio.run(run())
 
 
-@pytest.mark.parametrize(("kind", "code"), [("malformed", "not-json"), ("empty", "empty"), ("wrong_type", "wrong-type"),
-                                            ("refusal", "refusal"), ("silence", "silence")])
+@pytest.mark.parametrize(
+    ("kind", "code"),
+    [
+        ("malformed", "not-json"),
+        ("empty", "empty"),
+        ("wrong_type", "wrong-type"),
+        ("refusal", "refusal"),
+        ("silence", "silence"),
+    ],
+)
 @pytest.mark.parametrize("question", [CHOICE, WAYPOINT])
 def test_each_error_looks_like_a_real_one(kind, code, question):
     assert set(ask(make(**{kind: 1.0}), question, 30)) == {code}
@@ -115,6 +132,10 @@ def test_total_and_bounds():
 
 
 def test_hook_of_the_application():
-    advisor = FallibleAdvisor(RuleAdvisor({"choice": lambda f, r: Choice(selected_index=1)}), FallibleCfg(backward=1.0),
-                              np.random.default_rng(0), {"choice": lambda *_: {"selected_index": 42}})
+    advisor = FallibleAdvisor(
+        RuleAdvisor({"choice": lambda f, r: Choice(selected_index=1)}),
+        FallibleCfg(backward=1.0),
+        np.random.default_rng(0),
+        {"choice": lambda *_: {"selected_index": 42}},
+    )
     assert ask(advisor)[0].selected_index == 42

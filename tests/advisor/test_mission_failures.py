@@ -24,12 +24,17 @@ def attempts(folder):
 
 def any_answer(stub):
     """A server's good answer to whichever question it is asked, ahead of the robot."""
+
     def reply(body):
         text = json.dumps(body["messages"])
         index = 0 if "selected_centroid_index" in text else None
-        good = {"forward_m": 4, "left_m": 0, "reason": "on"} if index is None else {
-            "selected_centroid_index": 1, "reason": "on"}
+        good = (
+            {"forward_m": 4, "left_m": 0, "reason": "on"}
+            if index is None
+            else {"selected_centroid_index": 1, "reason": "on"}
+        )
         return stub.completion(json.dumps(good))
+
     return reply
 
 
@@ -41,9 +46,17 @@ def reef():
 def test_a_mission_survives_every_failure_in_turn(stub, reef, tmp_path):
     huge = stub.completion("x" * 10_000_000)
     server = stub(
-        stub.completion("{nonsense"), stub.completion(""), stub.completion(json.dumps(WRONG)),
-        stub.completion(json.dumps(FAR_OFF)), stub.error(429), stub.error(500), stub.DROP, stub.SILENCE,
-        huge, any_answer(stub))
+        stub.completion("{nonsense"),
+        stub.completion(""),
+        stub.completion(json.dumps(WRONG)),
+        stub.completion(json.dumps(FAR_OFF)),
+        stub.error(429),
+        stub.error(500),
+        stub.DROP,
+        stub.SILENCE,
+        huge,
+        any_answer(stub),
+    )
     cfg = MissionCfg(latency="fixed:2", time_limit_s=60.0, record=NO_RECORD)
     mission = Mission(reef, cfg, ModelAdvisor.local(server.url, "stub", HASTY), tmp_path / "run")
     result = mission.run()

@@ -15,8 +15,10 @@ from coral.advisor.models import ModelAdvisor
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question, Rejection
 from coral.advisor.thread import AdvisorThread
 
-PNG = bytes.fromhex("89504e470d0a1a0a0000000d49484452000000010000000108000000003a7e9b55"
-                    "0000000a49444154789c6360000000020001e221bc330000000049454e44ae426082")
+PNG = bytes.fromhex(
+    "89504e470d0a1a0a0000000d49484452000000010000000108000000003a7e9b55"
+    "0000000a49444154789c6360000000020001e221bc330000000049454e44ae426082"
+)
 
 
 class Choice(BaseModel):
@@ -24,8 +26,13 @@ class Choice(BaseModel):
     reason: str = ""
 
 
-QUESTION = Question(kind="pick", prompt="Which dot?", answer_type=Choice, facts={"n": 6},
-                    pictures=(Picture(name="map", png=PNG, caption="from above"),))
+QUESTION = Question(
+    kind="pick",
+    prompt="Which dot?",
+    answer_type=Choice,
+    facts={"n": 6},
+    pictures=(Picture(name="map", png=PNG, caption="from above"),),
+)
 GOOD = '{"index": 2, "reason": "ok"}'
 FAST = ModelCfg(attempt_timeout_s=5.0, deadline_s=10.0, backoff_s=0.0, max_reply_bytes=100_000)
 
@@ -43,8 +50,9 @@ async def _answered(advisor, question, rejections):
 def decide(advisor, log, **budget):
     async def run():
         async with contextlib.aclosing(advisor):
-            return await consult(advisor, lambda _: QUESTION, lambda q, a: None, BudgetCfg(**budget), WallClock(),
-                                 log.append)
+            return await consult(
+                advisor, lambda _: QUESTION, lambda q, a: None, BudgetCfg(**budget), WallClock(), log.append
+            )
 
     return asyncio.run(run())
 
@@ -82,8 +90,10 @@ def test_facts_and_pictures_are_options(stub, facts, pictures, parts):
     assert ('{"n": 6}' in json.dumps(content).replace('\\"', '"')) is facts
 
 
-@pytest.mark.parametrize(("mode", "key"), [("native", "response_format"), ("prompted", "response_format"),
-                                           ("tool", "tools"), ("plain", None)])
+@pytest.mark.parametrize(
+    ("mode", "key"),
+    [("native", "response_format"), ("prompted", "response_format"), ("tool", "tools"), ("plain", None)],
+)
 def test_output_modes_on_the_wire(stub, mode, key):
     server = stub(stub.completion(None, tool=GOOD) if mode == "tool" else stub.completion(GOOD))
     assert ask(server, replace(FAST, output=mode)).value.index == 2
@@ -96,9 +106,16 @@ def test_output_modes_on_the_wire(stub, mode, key):
     assert len(body["messages"]) == 1
 
 
-@pytest.mark.parametrize(("text", "code"), [
-    ("", "empty"), ("well, dot two", "not-json"), ('{"index": "two"}', "wrong-type"), ('{"index": 9}', "out-of-range"),
-    ("{}", "missing-field")])
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("", "empty"),
+        ("well, dot two", "not-json"),
+        ('{"index": "two"}', "wrong-type"),
+        ('{"index": 9}', "out-of-range"),
+        ("{}", "missing-field"),
+    ],
+)
 def test_format_is_repaired_once(stub, text, code):
     server = stub(stub.completion(text), stub.completion(GOOD))
     reply = ask(server)
@@ -130,8 +147,9 @@ def test_answer_that_breaks_off(stub):
     assert bad.value.rejection.code == "cut-off"
 
 
-@pytest.mark.parametrize(("failure", "code"), [(429, "http-429"), (500, "http-500"), (503, "http-503"),
-                                               ("drop", "connection")])
+@pytest.mark.parametrize(
+    ("failure", "code"), [(429, "http-429"), (500, "http-500"), (503, "http-503"), ("drop", "connection")]
+)
 def test_passing_failures_are_retried(stub, failure, code):
     fault = stub.DROP if failure == "drop" else stub.error(failure)
     server = stub(fault, fault, stub.completion(GOOD))
@@ -155,8 +173,10 @@ def test_retry_after_is_honoured(stub, monkeypatch):
         await real(0)
 
     monkeypatch.setattr("coral.advisor.models.asyncio.sleep", sleep)
-    ask(stub(stub.error(429, retry_after="3"), stub.error(500), stub.error(500), stub.completion(GOOD)),
-        replace(FAST, backoff_s=0.5))
+    ask(
+        stub(stub.error(429, retry_after="3"), stub.error(500), stub.error(500), stub.completion(GOOD)),
+        replace(FAST, backoff_s=0.5),
+    )
     assert [s for s in slept if s] == [3, 1.0, 2.0]
 
 
@@ -168,8 +188,10 @@ def test_retry_after_beyond_the_deadline_is_not_waited_for(stub):
     assert len(server.requests) == 1
 
 
-@pytest.mark.parametrize(("status", "code"), [(401, "key-refused"), (403, "key-refused"), (404, "no-such-model"),
-                                              (400, "http-400"), (422, "http-422")])
+@pytest.mark.parametrize(
+    ("status", "code"),
+    [(401, "key-refused"), (403, "key-refused"), (404, "no-such-model"), (400, "http-400"), (422, "http-422")],
+)
 def test_lasting_failures_are_final(stub, status, code):
     server = stub(stub.error(status, "bad key sk-abcdef123456"))
     with pytest.raises(AdvisorUnavailable) as gone:
@@ -248,14 +270,31 @@ def test_every_failure_in_turn_is_named_in_the_log(stub):
     """The list that a mission has to survive; each attempt ends with its own verdict."""
     cfg = replace(FAST, format_repairs=0, max_retries=0, attempt_timeout_s=1.0)
     server = stub(
-        stub.completion("{index: two"), stub.completion(""), stub.completion('{"index": "two"}'),
-        stub.completion('{"index": 99}'), stub.error(429, retry_after="0"), stub.error(500), stub.DROP, stub.SILENCE,
-        stub.completion("x" * 10_000_000), stub.completion(GOOD))
+        stub.completion("{index: two"),
+        stub.completion(""),
+        stub.completion('{"index": "two"}'),
+        stub.completion('{"index": 99}'),
+        stub.error(429, retry_after="0"),
+        stub.error(500),
+        stub.DROP,
+        stub.SILENCE,
+        stub.completion("x" * 10_000_000),
+        stub.completion(GOOD),
+    )
     log = []
     outcome = decide(ModelAdvisor.local(server.url, "stub", cfg), log, max_requeries=12)
     assert outcome.answer == Choice(index=2, reason="ok")
     assert [a.rejection.code for a in log[:-1]] == [
-        "not-json", "empty", "wrong-type", "out-of-range", "http-429", "http-500", "connection", "timeout", "too-large"]
+        "not-json",
+        "empty",
+        "wrong-type",
+        "out-of-range",
+        "http-429",
+        "http-500",
+        "connection",
+        "timeout",
+        "too-large",
+    ]
     assert [a.verdict for a in log] == ["malformed"] * 4 + ["unavailable"] * 4 + ["malformed", "accepted"]
     assert outcome.attempts == 10
 

@@ -26,19 +26,22 @@ def code_of(text, answer_type=Answer):
     return bad.value.rejection.code
 
 
-@pytest.mark.parametrize("text", [
-    '{"index": 3, "reason": "it\'s near"}',
-    "  \n{'index': 3, 'reason': 'it\\'s near'}\n",
-    "```json\n{\"index\": 3, \"reason\": \"it's near\"}\n```",
-    "```python\n{'index': 3, 'reason': \"it's near\",}\n```",
-    "Sure! Here you go:\n```\n{\"index\": 3, \"reason\": \"it's near\"}\n```\nHope that helps :}",
-    "I first thought of {\"index\": 1}, but it's {\"index\": 3, \"reason\": \"it's near\"}.",
-    "<think>dots [0, 1] {maybe</think>\n{\"index\": 3, \"reason\": \"it's near\"}",
-    "[{\"index\": 3, \"reason\": \"it's near\"}]",
-    "({'index': 3, 'reason': \"it's \" \"near\"})",
-    '{"index": "3", "reason": "it\'s near", "confidence": 0.9}',
-    '{"index": 3.0, "reason": "it\'s near"}',
-])
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"index": 3, "reason": "it\'s near"}',
+        "  \n{'index': 3, 'reason': 'it\\'s near'}\n",
+        '```json\n{"index": 3, "reason": "it\'s near"}\n```',
+        "```python\n{'index': 3, 'reason': \"it's near\",}\n```",
+        'Sure! Here you go:\n```\n{"index": 3, "reason": "it\'s near"}\n```\nHope that helps :}',
+        'I first thought of {"index": 1}, but it\'s {"index": 3, "reason": "it\'s near"}.',
+        '<think>dots [0, 1] {maybe</think>\n{"index": 3, "reason": "it\'s near"}',
+        '[{"index": 3, "reason": "it\'s near"}]',
+        "({'index': 3, 'reason': \"it's \" \"near\"})",
+        '{"index": "3", "reason": "it\'s near", "confidence": 0.9}',
+        '{"index": 3.0, "reason": "it\'s near"}',
+    ],
+)
 def test_forms_that_models_use(text):
     assert parse_answer(text, Answer) == Answer(index=3, reason="it's near")
 
@@ -53,14 +56,31 @@ def test_mixed_json_and_python_words():
     assert parse_answer("{'value': [true, False, None]}", Any_).value == [True, False, None]
 
 
-@pytest.mark.parametrize(("text", "code"), [
-    ("", "empty"), (" \n\t", "empty"), ("dot three", "not-json"), ("{", "not-json"), ("{}", "missing-field"),
-    ('{"index": "left"}', "wrong-type"), ('{"index": [3]}', "wrong-type"), ('{"index": 3.5}', "wrong-type"),
-    ('{"index": 10}', "out-of-range"), ('{"index": -1}', "out-of-range"), ('{"index": 1e999}', "out-of-range"),
-    ('{"index": NaN}', "out-of-range"), ("3", "not-json"), ('"3"', "not-json"), ("[1, 2]", "wrong-type"),
-    ("I'm sorry, but I can’t help with that.", "refusal"), ('{"index": 3', "not-json"),
-    ("__import__('os').system('true')", "not-json"), ("{'index': abs(3)}", "not-json"), ("{'index': 1+2}", "not-json"),
-])
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("", "empty"),
+        (" \n\t", "empty"),
+        ("dot three", "not-json"),
+        ("{", "not-json"),
+        ("{}", "missing-field"),
+        ('{"index": "left"}', "wrong-type"),
+        ('{"index": [3]}', "wrong-type"),
+        ('{"index": 3.5}', "wrong-type"),
+        ('{"index": 10}', "out-of-range"),
+        ('{"index": -1}', "out-of-range"),
+        ('{"index": 1e999}', "out-of-range"),
+        ('{"index": NaN}', "out-of-range"),
+        ("3", "not-json"),
+        ('"3"', "not-json"),
+        ("[1, 2]", "wrong-type"),
+        ("I'm sorry, but I can’t help with that.", "refusal"),
+        ('{"index": 3', "not-json"),
+        ("__import__('os').system('true')", "not-json"),
+        ("{'index': abs(3)}", "not-json"),
+        ("{'index': 1+2}", "not-json"),
+    ],
+)
 def test_faults_are_named(text, code):
     assert code_of(text) == code
 
@@ -70,9 +90,25 @@ def test_reason_tells_the_field_and_what_was_found():
         parse_answer('{"index": 12}', Answer)
 
 
-@pytest.mark.parametrize("text", ["{" * 60_000, "[" * 60_000, "-" * 60_000, "1+" * 30_000 + "1", "({['" * 10_000,
-                                  "{'a':" * 10_000, "not " * 15_000, '"' * 60_000, "`" * 60_000, "```\n" * 15_000,
-                                  "{}" * 30_000, "{'a': " + "9" * 60_000 + "}", "[[1]," * 12_000, "\\" * 60_000])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{" * 60_000,
+        "[" * 60_000,
+        "-" * 60_000,
+        "1+" * 30_000 + "1",
+        "({['" * 10_000,
+        "{'a':" * 10_000,
+        "not " * 15_000,
+        '"' * 60_000,
+        "`" * 60_000,
+        "```\n" * 15_000,
+        "{}" * 30_000,
+        "{'a': " + "9" * 60_000 + "}",
+        "[[1]," * 12_000,
+        "\\" * 60_000,
+    ],
+)
 def test_hostile_text_is_refused_without_harm(text):
     assert code_of(text) in ("not-json", "missing-field", "wrong-type")
 
@@ -99,9 +135,14 @@ def test_a_model_may_read_its_own_form():
 
 
 json_values = st.recursive(
-    st.none() | st.booleans() | st.integers(-2**53, 2**53) | st.floats(allow_nan=False, allow_infinity=False)
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**53), 2**53)
+    | st.floats(allow_nan=False, allow_infinity=False)
     | st.text(),
-    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4), max_leaves=20)
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
+    max_leaves=20,
+)
 
 
 @settings(max_examples=150, deadline=None)

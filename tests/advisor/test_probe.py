@@ -14,6 +14,7 @@ CFG = ModelCfg(attempt_timeout_s=5.0, deadline_s=5.0)
 
 def model(stub, *, native=True, tool=True, eyes=True):
     """A server that obeys, as far as it can."""
+
     def reply(body):
         if "response_format" in body and body["response_format"]["type"] == "json_schema" and not native:
             return stub.error(500, "json_schema is not supported")
@@ -42,7 +43,8 @@ def look(stub, **abilities):
 def test_able_endpoint(stub):
     report = look(stub)
     assert {mode: finding.says for mode, finding in report.modes.items()} == dict.fromkeys(
-        ("native", "tool", "prompted", "plain"), "ok")
+        ("native", "tool", "prompted", "plain"), "ok"
+    )
     assert report.pictures.says == "named 3 colours of 3"
     assert report.lines()[-1] == "  use output: native"
 

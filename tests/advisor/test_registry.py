@@ -40,13 +40,18 @@ def test_heuristic_without_a_rule():
     assert gone.value.final
 
 
-@pytest.mark.parametrize(("spec", "name", "latency"), [
-    ("heuristic", "heuristic", "fixed:0"), ("openai:gpt-x", "openai:gpt-x", "measured"),
-    ("anthropic:claude-x", "anthropic:claude-x", "measured"), ("google:gemini-x", "google:gemini-x", "measured"),
-    ("local:http://127.0.0.1:8080/v1#m:q4", "local:http://127.0.0.1:8080/v1#m:q4", "measured"),
-    ("fallible:0.3:heuristic", "fallible:0.3:heuristic", "fixed:0"),
-    ("fallible:0.1:local:http://h/v1#m", "fallible:0.1:local:http://h/v1#m", "measured"),
-])
+@pytest.mark.parametrize(
+    ("spec", "name", "latency"),
+    [
+        ("heuristic", "heuristic", "fixed:0"),
+        ("openai:gpt-x", "openai:gpt-x", "measured"),
+        ("anthropic:claude-x", "anthropic:claude-x", "measured"),
+        ("google:gemini-x", "google:gemini-x", "measured"),
+        ("local:http://127.0.0.1:8080/v1#m:q4", "local:http://127.0.0.1:8080/v1#m:q4", "measured"),
+        ("fallible:0.3:heuristic", "fallible:0.3:heuristic", "fixed:0"),
+        ("fallible:0.1:local:http://h/v1#m", "fallible:0.1:local:http://h/v1#m", "measured"),
+    ],
+)
 def test_every_form_is_understood(monkeypatch, spec, name, latency):
     for key in ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GEMINI_API_KEY"):
         monkeypatch.setenv(key, "k" * 20)
@@ -62,15 +67,27 @@ def test_providers_connect_without_sending(monkeypatch, spec):
     asyncio.run(make(spec).warm_up())
 
 
-@pytest.mark.parametrize(("spec", "says"), [
-    ("heuristics", "did you mean 'heuristic'"), ("opnai:gpt", "did you mean 'openai'"), ("", "one of heuristic"),
-    ("desk:x", "one of heuristic"), ("desk", "--inbox"), ("openai:gpt-x", "OPENAI_API_KEY"),
-    ("anthropic:x", "ANTHROPIC_API_KEY"), ("google:x", "GOOGLE_API_KEY or GEMINI_API_KEY"),
-    ("openai:", "one of heuristic"),
-    ("local:8080#m", "local:URL#MODEL"), ("local:http://h/v1", "local:URL#MODEL"), ("fallible:0.3", "fallible:P:INNER"),
-    ("fallible:2:heuristic", "probability from 0 to 1"), ("fallible:x:heuristic", "probability from 0 to 1"),
-    ("fallible:0.3:nobody", "one of heuristic"), ("replay:/no/such/file", "No such file"),
-])
+@pytest.mark.parametrize(
+    ("spec", "says"),
+    [
+        ("heuristics", "did you mean 'heuristic'"),
+        ("opnai:gpt", "did you mean 'openai'"),
+        ("", "one of heuristic"),
+        ("desk:x", "one of heuristic"),
+        ("desk", "--inbox"),
+        ("openai:gpt-x", "OPENAI_API_KEY"),
+        ("anthropic:x", "ANTHROPIC_API_KEY"),
+        ("google:x", "GOOGLE_API_KEY or GEMINI_API_KEY"),
+        ("openai:", "one of heuristic"),
+        ("local:8080#m", "local:URL#MODEL"),
+        ("local:http://h/v1", "local:URL#MODEL"),
+        ("fallible:0.3", "fallible:P:INNER"),
+        ("fallible:2:heuristic", "probability from 0 to 1"),
+        ("fallible:x:heuristic", "probability from 0 to 1"),
+        ("fallible:0.3:nobody", "one of heuristic"),
+        ("replay:/no/such/file", "No such file"),
+    ],
+)
 def test_mistakes_are_explained(spec, says):
     with pytest.raises(InputError, match=says.replace("(", r"\(")):
         make(spec)
@@ -82,16 +99,24 @@ def test_credentials_in_a_url_are_refused_and_not_repeated():
     assert "hunter2" not in str(error.value)
 
 
-@pytest.mark.parametrize(("spec", "cfg"), [
-    ("0", LatencyCfg(median_s=0.0)), ("10", LatencyCfg(median_s=10.0)), ("fixed:2.5", LatencyCfg(median_s=2.5)),
-    ("lognormal:10:0.3", LatencyCfg(kind="lognormal", median_s=10.0, sigma=0.3)),
-    ("measured", LatencyCfg(kind="measured")), ("recorded", LatencyCfg(kind="recorded"))])
+@pytest.mark.parametrize(
+    ("spec", "cfg"),
+    [
+        ("0", LatencyCfg(median_s=0.0)),
+        ("10", LatencyCfg(median_s=10.0)),
+        ("fixed:2.5", LatencyCfg(median_s=2.5)),
+        ("lognormal:10:0.3", LatencyCfg(kind="lognormal", median_s=10.0, sigma=0.3)),
+        ("measured", LatencyCfg(kind="measured")),
+        ("recorded", LatencyCfg(kind="recorded")),
+    ],
+)
 def test_latency_forms(spec, cfg):
     assert parse_latency(spec) == cfg
 
 
-@pytest.mark.parametrize("spec", ["", "fast", "fixed", "fixed:x", "fixed:-1", "lognormal:10", "lognormal:1:2:3", "inf",
-                                  "measured:3", "nan"])
+@pytest.mark.parametrize(
+    "spec", ["", "fast", "fixed", "fixed:x", "fixed:-1", "lognormal:10", "lognormal:1:2:3", "inf", "measured:3", "nan"]
+)
 def test_bad_latency(spec):
     with pytest.raises(InputError):
         parse_latency(spec)

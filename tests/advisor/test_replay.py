@@ -23,8 +23,14 @@ class Other(BaseModel):
 
 
 def question(prompt="which?", kind="pick", version="1", picture=b"png", answer_type=Pick):
-    return Question(kind=kind, prompt=prompt, prompt_version=version, answer_type=answer_type,
-                    facts={"bearing": np.float32(0.5), "path": math.inf}, pictures=(Picture(name="map", png=picture),))
+    return Question(
+        kind=kind,
+        prompt=prompt,
+        prompt_version=version,
+        answer_type=answer_type,
+        facts={"bearing": np.float32(0.5), "path": math.inf},
+        pictures=(Picture(name="map", png=picture),),
+    )
 
 
 class Scripted:
@@ -47,10 +53,17 @@ def mission(advisor, latency, log, prompts):
     try:
         tick = 0
         for number, prompt in enumerate(prompts):
-            task = clock.start(consult(
-                advisor, lambda _, prompt=prompt: question(prompt),
-                lambda _, a: Rejection(code="low", reason="too low") if a.index < 2 else None,
-                BudgetCfg(max_requeries=2, deadline_s=30.0), clock, log, number))
+            task = clock.start(
+                consult(
+                    advisor,
+                    lambda _, prompt=prompt: question(prompt),
+                    lambda _, a: Rejection(code="low", reason="too low") if a.index < 2 else None,
+                    BudgetCfg(max_requeries=2, deadline_s=30.0),
+                    clock,
+                    log,
+                    number,
+                )
+            )
             while not task.done():
                 tick += 1
                 clock.advance(tick * 0.1)
@@ -63,8 +76,17 @@ def mission(advisor, latency, log, prompts):
     return told
 
 
-SCRIPT = (5, 1, BadAnswer("not-json", "prose", "raw text", Usage(requests=2)), 4,
-          AdvisorUnavailable("silence", "", latency_s=math.inf), 6, AdvisorUnavailable("http-500", "down"), 9, 3)
+SCRIPT = (
+    5,
+    1,
+    BadAnswer("not-json", "prose", "raw text", Usage(requests=2)),
+    4,
+    AdvisorUnavailable("silence", "", latency_s=math.inf),
+    6,
+    AdvisorUnavailable("http-500", "down"),
+    9,
+    3,
+)
 PROMPTS = ("a", "a", "b", "c", "d", "a")
 
 
@@ -88,10 +110,16 @@ def test_attempt_that_was_too_late_to_ask_is_not_replayed(tmp_path):
         try:
             tick = 0
             for deadline_s in (2.0, 9.0):
-                task = clock.start(consult(
-                    advisor, lambda _: question(),
-                    lambda _, a: Rejection(code="low", reason="low") if a.index < 2 else None,
-                    BudgetCfg(deadline_s=deadline_s), clock, log))
+                task = clock.start(
+                    consult(
+                        advisor,
+                        lambda _: question(),
+                        lambda _, a: Rejection(code="low", reason="low") if a.index < 2 else None,
+                        BudgetCfg(deadline_s=deadline_s),
+                        clock,
+                        log,
+                    )
+                )
                 while not task.done():
                     tick += 1
                     clock.advance(tick * 0.1)
@@ -131,13 +159,16 @@ def test_same_question_is_answered_in_order(recording):
     assert (gone.value.code, gone.value.final) == ("not-recorded", True)
 
 
-@pytest.mark.parametrize(("asked", "says"), [
-    (question("z"), "differs in prompt$"),
-    (question("a", picture=b"other"), "differs in pictures$"),
-    (question("a", version="2"), r"differs in prompt version \(2 now, 1 recorded\)$"),
-    (question("a", answer_type=Other), "differs in answer schema$"),
-    (question("a", kind="place"), "no question of kind 'place' was recorded, only pick$"),
-])
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        (question("z"), "differs in prompt$"),
+        (question("a", picture=b"other"), "differs in pictures$"),
+        (question("a", version="2"), r"differs in prompt version \(2 now, 1 recorded\)$"),
+        (question("a", answer_type=Other), "differs in answer schema$"),
+        (question("a", kind="place"), "no question of kind 'place' was recorded, only pick$"),
+    ],
+)
 def test_unknown_question_is_explained(recording, asked, says):
     with pytest.raises(AdvisorUnavailable, match=says) as gone:
         run(ReplayAdvisor(recording), asked)
@@ -150,8 +181,14 @@ def test_recording_of_a_killed_run_is_read(recording):
     assert run(ReplayAdvisor(file), question("a")).value.index == 5
 
 
-@pytest.mark.parametrize(("text", "says"), [('{"kind"\n{}\n', "line 1: found no JSON"), ("[1]\n", "line 1: found no "),
-                                            ('{"kind": "pick"}\n', "line 1: found no answer, ")])
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('{"kind"\n{}\n', "line 1: found no JSON"),
+        ("[1]\n", "line 1: found no "),
+        ('{"kind": "pick"}\n', "line 1: found no answer, "),
+    ],
+)
 def test_file_that_is_no_recording(tmp_path, text, says):
     (tmp_path / "attempts.jsonl").write_text(text)
     with pytest.raises(InputError, match=says):

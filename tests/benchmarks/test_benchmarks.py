@@ -14,8 +14,14 @@ FOLDER = Path(__file__).parents[2] / "benchmarks"
 
 def run(script, *words):
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
-    return subprocess.run([sys.executable, str(FOLDER / script), *words], capture_output=True, text=True, timeout=120,
-                          check=False, env=environment)
+    return subprocess.run(
+        [sys.executable, str(FOLDER / script), *words],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env=environment,
+    )
 
 
 def result(script, *words):
@@ -65,8 +71,19 @@ def test_the_parts_of_a_tick_add_up_to_the_tick():
 
 
 def test_rehearsals_end_where_the_plain_loop_ends_and_plans_take_time(tmp_path):
-    out = result("planner.py", "--samples", "8", "--horizon", "4", "--repeats", "1", "--out", str(tmp_path),
-                 "--peer-python", "no-such-python")
+    out = result(
+        "planner.py",
+        "--samples",
+        "8",
+        "--horizon",
+        "4",
+        "--repeats",
+        "1",
+        "--out",
+        str(tmp_path),
+        "--peer-python",
+        "no-such-python",
+    )
     assert list(out["rows"]) == ["ours, 1 thread", "ours, 2 threads", "plain Python loop"]
     assert out["peer"] is None
     assert len(out["tasks"]) == 6
@@ -78,8 +95,9 @@ def test_rehearsals_end_where_the_plain_loop_ends_and_plans_take_time(tmp_path):
 
 
 def test_every_part_of_the_planning_model_has_a_row_for_every_task():
-    rows = result("planning_parts.py", "--tasks", "flip-box,pick-clutter", "--repeats", "1", "--samples", "4",
-                  "--horizon", "3")
+    rows = result(
+        "planning_parts.py", "--tasks", "flip-box,pick-clutter", "--repeats", "1", "--samples", "4", "--horizon", "3"
+    )
     assert list(rows) == ["flip-box", "pick-clutter"]
     assert all(len(times) == 10 and min(times.values()) > 0 for times in rows.values())
 

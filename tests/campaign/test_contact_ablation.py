@@ -2,13 +2,32 @@ from coral.campaign.contact_ablation import ablations, chosen
 
 
 def row(variant, seed, steps, task="flip-wall", **fields):
-    return {"world": task, "variant": variant, "seed": seed, "advisor": "heuristic", "status": "done",
-            "evaluation_world": "hand", "success": True, "steps": steps, "path_length_m": steps / 100,
-            "first_touch_s": 1.0, "plan_cost": 2.0, "plan_cost_jump": None, "poses": "ground-truth", **fields}
+    return {
+        "world": task,
+        "variant": variant,
+        "seed": seed,
+        "advisor": "heuristic",
+        "status": "done",
+        "evaluation_world": "hand",
+        "success": True,
+        "steps": steps,
+        "path_length_m": steps / 100,
+        "first_touch_s": 1.0,
+        "plan_cost": 2.0,
+        "plan_cost_jump": None,
+        "poses": "ground-truth",
+        **fields,
+    }
 
 
-ROWS = [row("full", 0, 100), row("full", 1, 120), row("full", 2, 140), row("unguided", 0, 200),
-        row("unguided", 1, 240, success=False), row("unguided", 3, 999)]
+ROWS = [
+    row("full", 0, 100),
+    row("full", 1, 120),
+    row("full", 2, 140),
+    row("unguided", 0, 200),
+    row("unguided", 1, 240, success=False),
+    row("unguided", 3, 999),
+]
 
 
 def test_trials_are_compared_on_the_seeds_that_both_have():

@@ -7,11 +7,26 @@ from coral.campaign.table import document
 
 
 def row(task="pick-box", variant="expert-fsm", seed=0, success=True, place="panda", advisor="none", **fields):
-    return {"system": "contact", "world": task, "variant": variant, "seed": seed, "advisor": advisor, "status": "done",
-            "overrides": json.dumps({"world": place}), "evaluation_world": place, "success": success,
-            "end_reason": "success" if success else "timeout", "sim_time_s": 4.0 + seed, "wall_time_s": 10.0,
-            "path_length_m": 0.5, "peak_hand_force_n": 12.0, "plan_ms_median": 80.0, "poses": "ground-truth",
-            "code": "abc", **fields}
+    return {
+        "system": "contact",
+        "world": task,
+        "variant": variant,
+        "seed": seed,
+        "advisor": advisor,
+        "status": "done",
+        "overrides": json.dumps({"world": place}),
+        "evaluation_world": place,
+        "success": success,
+        "end_reason": "success" if success else "timeout",
+        "sim_time_s": 4.0 + seed,
+        "wall_time_s": 10.0,
+        "path_length_m": 0.5,
+        "peak_hand_force_n": 12.0,
+        "plan_ms_median": 80.0,
+        "poses": "ground-truth",
+        "code": "abc",
+        **fields,
+    }
 
 
 ROWS = [row(seed=0), row(seed=1, success=False), row(seed=2), row("push-force", seed=0, success=False)]
@@ -52,9 +67,12 @@ def test_failures_are_told_by_their_reason():
 
 
 def test_another_tracker_than_the_embedded_one_is_named_below():
-    for fields, said in (({}, "ground-truth"), ({"poses": "tracked"}, "tracked"),
-                         ({"poses": "tracked", "tracker": "model"}, "tracked"),
-                         ({"poses": "tracked", "tracker": "foundationpose"}, "tracked (foundationpose)")):
+    for fields, said in (
+        ({}, "ground-truth"),
+        ({"poses": "tracked"}, "tracked"),
+        ({"poses": "tracked", "tracker": "model"}, "tracked"),
+        ({"poses": "tracked", "tracker": "foundationpose"}, "tracked (foundationpose)"),
+    ):
         assert f"Object poses: {said}. " in " ".join(tables([row(**fields)])[0].notes)
 
 
@@ -71,30 +89,40 @@ def test_a_task_of_ones_own_stands_behind_the_papers():
 
 
 def test_trials_that_broke_off_are_named():
-    broken = {key: value for key, value in row(seed=7).items()
-              if key in ("world", "variant", "seed", "advisor", "overrides")}
+    broken = {
+        key: value for key, value in row(seed=7).items() if key in ("world", "variant", "seed", "advisor", "overrides")
+    }
     notes = tables([*ROWS, {**broken, "status": "failed"}])[0].notes
     assert "Broke off with an error and left out (1): expert-fsm in pick-box, seed 7." in notes
 
 
 def test_what_broke_off_is_told_where_it_belongs():
-    broken = {key: value for key, value in row(advisor="b", variant="full", seed=7).items()
-              if key in ("world", "variant", "seed", "advisor", "overrides")}
+    broken = {
+        key: value
+        for key, value in row(advisor="b", variant="full", seed=7).items()
+        if key in ("world", "variant", "seed", "advisor", "overrides")
+    }
     made = tables([row(advisor="a", variant="full"), {**broken, "status": "failed"}])
     assert [("Advisor: a." in table.caption, any("Broke off" in note for note in table.notes)) for table in made] == [
-        (True, False)] * 3 + [(False, True)] * 3
+        (True, False)
+    ] * 3 + [(False, True)] * 3
 
 
-@pytest.mark.parametrize(("won", "trials", "low", "high"), [(0, 10, 0.0, 0.2775), (10, 10, 0.7225, 1.0),
-                                                            (5, 10, 0.2366, 0.7634), (0, 0, 0.0, 1.0)])
+@pytest.mark.parametrize(
+    ("won", "trials", "low", "high"),
+    [(0, 10, 0.0, 0.2775), (10, 10, 0.7225, 1.0), (5, 10, 0.2366, 0.7634), (0, 0, 0.0, 1.0)],
+)
 def test_wilsons_interval(won, trials, low, high):
     assert wilson(won, trials) == (pytest.approx(low, abs=1e-4), pytest.approx(high, abs=1e-4))
 
 
 def test_the_papers_table_is_complete():
     assert all(len(line) == len(paper()["tasks"]) == 6 for line in paper()["1"].values())
-    assert all(0 <= count <= 10 and (seconds is None) == (count == 0)
-               for line in paper()["1"].values() for count, seconds in line)
+    assert all(
+        0 <= count <= 10 and (seconds is None) == (count == 0)
+        for line in paper()["1"].values()
+        for count, seconds in line
+    )
 
 
 @pytest.mark.parametrize("form", ["md", "tex", "html"])

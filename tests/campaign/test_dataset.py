@@ -10,10 +10,12 @@ def record(seed, status="done", **more):
 
 
 def test_every_record_is_a_row_whatever_it_lacks(tmp_path):
-    records = [record(0, result={"score": 1, "eff": None, "times": [1.0, 2.5], "world": "other"}),
-               record(1, result={"score": 2.5, "times": []}),
-               record(2, result={"score": 1, "nested": {"b": 1, "a": 2}, "seen": True}),
-               record(3, status="failed", message="ValueError: no", detail="Traceback")]
+    records = [
+        record(0, result={"score": 1, "eff": None, "times": [1.0, 2.5], "world": "other"}),
+        record(1, result={"score": 2.5, "times": []}),
+        record(2, result={"score": 1, "nested": {"b": 1, "a": 2}, "seen": True}),
+        record(3, status="failed", message="ValueError: no", detail="Traceback"),
+    ]
     write_parquet(to_rows(records, {"commit": "abc"}), tmp_path / "r.parquet")
     rows = read_parquet(tmp_path / "r.parquet")
     assert [row["seed"] for row in rows] == [0, 1, 2, 3]

@@ -101,11 +101,19 @@ def test_a_killed_campaign_leaves_no_worker_and_goes_on_where_it_was(store, spec
     specs, marks = specs_of(), specs_of.marks
     command = [sys.executable, str(Path(toy.__file__)), str(store.folder), str(marks)]
     # A suite that runs in the background of a shell hands down that Ctrl-C is ignored.
-    campaign = subprocess.Popen(command, stderr=subprocess.DEVNULL, start_new_session=True,
-                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+    campaign = subprocess.Popen(
+        command,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     try:
-        eventually(lambda: len(list(store.folder.glob("episodes/*.json"))) == 1
-                   and [toy.times(marks, spec) for spec in specs] == [1, 1, 1])  # written, and not only opened
+        eventually(
+            lambda: (
+                len(list(store.folder.glob("episodes/*.json"))) == 1
+                and [toy.times(marks, spec) for spec in specs] == [1, 1, 1]
+            )
+        )  # written, and not only opened
         if how == signal.SIGINT:
             os.killpg(campaign.pid, how)  # as a terminal does: to the workers, too
             campaign.wait(60)

@@ -37,9 +37,15 @@ def test_a_mean_has_its_interval_where_there_is_one():
     assert mean_interval_text([row(x=1)], measure) == "1.0"
 
 
-@pytest.mark.parametrize(("estimate", "text"), [
-    (Estimate(-3.14, -5.0, -1.26, 9), "−3.1 [−5.0, −1.3]"), (Estimate(1.0, -0.01, 2.0, 9), "≈ +1.0 [0.0, +2.0]"),
-    (Estimate(2.0, float("nan"), float("nan"), 1), "+2.0"), (Estimate(0.0, 0.0, 0.0, 0), "—")])
+@pytest.mark.parametrize(
+    ("estimate", "text"),
+    [
+        (Estimate(-3.14, -5.0, -1.26, 9), "−3.1 [−5.0, −1.3]"),
+        (Estimate(1.0, -0.01, 2.0, 9), "≈ +1.0 [0.0, +2.0]"),
+        (Estimate(2.0, float("nan"), float("nan"), 1), "+2.0"),
+        (Estimate(0.0, 0.0, 0.0, 0), "—"),
+    ],
+)
 def test_differences_in_words(estimate, text):
     assert difference_text(estimate, 1) == text
 

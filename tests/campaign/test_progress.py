@@ -28,7 +28,8 @@ def test_without_a_terminal_lines_appear_now_and_then_and_at_the_end(told):
         "there already: 2 of 6 episodes",
         f"4 of 6 · about 20 s left · last: {SPEC.key}",
         f"failed: {SPEC.key}: [b] no",
-        f"6 of 6 · 1 failed · in 40 s · last: {SPEC.key}"]
+        f"6 of 6 · 1 failed · in 40 s · last: {SPEC.key}",
+    ]
 
 
 def test_the_last_round_of_parallel_missions_takes_a_whole_mission(told):

@@ -18,16 +18,26 @@ from coral.reef.world import Cluster, Oyster, ReefWorld, Start, save_world
 def puddle(tmp_path_factory):
     """One bed of oysters in plain view: a mission of a few seconds."""
     rng = np.random.default_rng(1)
-    bed = Cluster(name="bed", oysters=tuple(Oyster(x=float(x), y=float(y), z=0.05, radii=(0.12, 0.09, 0.06))
-                                            for x, y in rng.normal((5.5, 3.0), 0.4, (40, 2))))
+    bed = Cluster(
+        name="bed",
+        oysters=tuple(
+            Oyster(x=float(x), y=float(y), z=0.05, radii=(0.12, 0.09, 0.06))
+            for x, y in rng.normal((5.5, 3.0), 0.4, (40, 2))
+        ),
+    )
     path = tmp_path_factory.mktemp("world") / "puddle.yaml"
     save_world(ReefWorld(name="puddle", size_m=(8.0, 6.0), start=Start(x=1.5, y=3.0, theta=0.0), clusters=(bed,)), path)
     return path
 
 
 def bench(puddle, out, **fields):
-    return ReefBench(worlds=str(puddle), out=out, quiet=True, mix=True,
-                     **{"variants": "full,lawnmower", "advisors": "heuristic,fallible:0.3:heuristic", **fields})
+    return ReefBench(
+        worlds=str(puddle),
+        out=out,
+        quiet=True,
+        mix=True,
+        **{"variants": "full,lawnmower", "advisors": "heuristic,fallible:0.3:heuristic", **fields},
+    )
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +51,10 @@ def test_a_bench_leaves_data_tables_figure_and_runs(finished):
     assert (result["episodes"], result["done"], result["failed"], result["ran"]) == (3, 3, 0, 3)
     rows = read_parquet(out / "results.parquet")
     assert {(row["variant"], row["advisor"]) for row in rows} == {
-        ("full", "heuristic"), ("full", "fallible:0.3:heuristic"), ("lawnmower", "none")}
+        ("full", "heuristic"),
+        ("full", "fallible:0.3:heuristic"),
+        ("lawnmower", "none"),
+    }
     for row in rows:
         assert row["topology"] == "custom"
         assert len(row["covered_at_s"]) == row["clusters_covered"]
@@ -50,14 +63,36 @@ def test_a_bench_leaves_data_tables_figure_and_runs(finished):
         assert "coral reef bench --variants full,lawnmower" in (out / f"tables.{form}").read_text()
     assert (out / "trajectories.png").read_bytes().startswith(b"\x89PNG")
     assert {path.name for path in next((out / "runs").glob("*full_heuristic*")).iterdir()} == {
-        "attempts.jsonl", "config.yaml", "events.jsonl", "metrics.json", "timing.json", "trajectory.csv", "world.yaml"}
+        "attempts.jsonl",
+        "config.yaml",
+        "events.jsonl",
+        "metrics.json",
+        "timing.json",
+        "trajectory.csv",
+        "world.yaml",
+    }
     assert json.loads(json.dumps(result, allow_nan=False)) == result
 
 
 def test_a_mission_of_a_bench_is_the_mission_of_coral_reef_run(finished, puddle, tmp_path, capsys):
     _, out = finished
-    assert main(["reef", "run", str(puddle), "--out", str(tmp_path / "run"), "--quiet", "--json",
-                 "--cfg.record.no-frames", "--cfg.record.no-pictures", "--cfg.record.no-report"]) == 0
+    assert (
+        main(
+            [
+                "reef",
+                "run",
+                str(puddle),
+                "--out",
+                str(tmp_path / "run"),
+                "--quiet",
+                "--json",
+                "--cfg.record.no-frames",
+                "--cfg.record.no-pictures",
+                "--cfg.record.no-report",
+            ]
+        )
+        == 0
+    )
     capsys.readouterr()
     theirs = next((out / "runs").glob("*full_heuristic*")) / "trajectory.csv"
     assert (tmp_path / "run" / "trajectory.csv").read_bytes() == theirs.read_bytes()
@@ -72,13 +107,23 @@ def test_again_runs_nothing_and_collect_needs_no_grid(finished, puddle):
     assert "**Table I.**" in command.describe(command())
 
 
-@pytest.mark.parametrize(("fields", "complaint"), [
-    ({"variants": "full,fulll"}, "--variant.*did you mean 'full'"), ({"worlds": "l9"}, "world: found"),
-    ({"seeds": "2-1"}, "--seeds"), ({"advisors": "heuristix"}, "--advisors.*heuristic"), ({"jobs": 0}, "--jobs"),
-    ({"advisors": "desk"}, "answer by themselves"), ({"sweep": ("time=1",)}, "--sweep: time:.*'time_limit_s'"),
-    ({"sweep": ("curent=0.1",)}, "--sweep: curent:.*'current'"), ({"sweep": ("current=2",)}, "between 0 and 1 m/s"),
-    ({"sweep": ("time_limit_s=-1",)}, "time_limit_s"), ({"sweep": ("time_limit_s",)}, "KEY=V1"),
-    ({"executor": "ray", "address": "here"}, "--address|not installed")])
+@pytest.mark.parametrize(
+    ("fields", "complaint"),
+    [
+        ({"variants": "full,fulll"}, "--variant.*did you mean 'full'"),
+        ({"worlds": "l9"}, "world: found"),
+        ({"seeds": "2-1"}, "--seeds"),
+        ({"advisors": "heuristix"}, "--advisors.*heuristic"),
+        ({"jobs": 0}, "--jobs"),
+        ({"advisors": "desk"}, "answer by themselves"),
+        ({"sweep": ("time=1",)}, "--sweep: time:.*'time_limit_s'"),
+        ({"sweep": ("curent=0.1",)}, "--sweep: curent:.*'current'"),
+        ({"sweep": ("current=2",)}, "between 0 and 1 m/s"),
+        ({"sweep": ("time_limit_s=-1",)}, "time_limit_s"),
+        ({"sweep": ("time_limit_s",)}, "KEY=V1"),
+        ({"executor": "ray", "address": "here"}, "--address|not installed"),
+    ],
+)
 def test_bad_input_is_told_before_anything_runs(puddle, tmp_path, fields, complaint):
     with pytest.raises(InputError, match=complaint):
         ReefBench(**{"worlds": str(puddle), "out": tmp_path / "out", "quiet": True, **fields})()
@@ -103,8 +148,25 @@ def test_a_folder_without_a_campaign_cannot_be_collected(tmp_path):
 @pytest.fixture(scope="module")
 def swept(puddle, tmp_path_factory):
     out = tmp_path_factory.mktemp("sweep") / "out"
-    words = ["reef", "bench", "--worlds", str(puddle), "--variants", "full", "--quiet", "--json", "--mix",
-             "--cfg.time-limit-s", "2", "--sweep", "current=0.2", "--sweep", "visibility=3,2", "--out", str(out)]
+    words = [
+        "reef",
+        "bench",
+        "--worlds",
+        str(puddle),
+        "--variants",
+        "full",
+        "--quiet",
+        "--json",
+        "--mix",
+        "--cfg.time-limit-s",
+        "2",
+        "--sweep",
+        "current=0.2",
+        "--sweep",
+        "visibility=3,2",
+        "--out",
+        str(out),
+    ]
     with contextlib.redirect_stdout(io.StringIO()) as told:
         assert main(words) == 0
     return words, out, json.loads(told.getvalue())
@@ -114,7 +176,11 @@ def test_a_sweep_changes_one_key_at_a_time_and_runs_the_nominal_setting_too(swep
     _, out, result = swept
     assert (result["done"], result["failed"]) == (4, 0)
     assert [row["setting"] for row in read_parquet(out / "results.parquet")] == [
-        "nominal", "current=0.2", "visibility=3", "visibility=2"]
+        "nominal",
+        "current=0.2",
+        "visibility=3",
+        "visibility=2",
+    ]
     assert [table["name"] for table in result["results"]][-2:] == ["Sweep", "Sweep, differences"]
     for form in ("md", "tex", "html"):
         assert "--sweep current=0.2 --sweep visibility=3,2" in (out / f"tables.{form}").read_text()

@@ -7,19 +7,44 @@ ABOUT = {"commit": "abc1234", "machine": "x86_64, 2 cores, Linux"}
 
 def mission(variant, world="l1", seed=0, advisor="heuristic", coverage=1.0, **more):
     covered = round(4 * coverage)
-    return {"system": "reef", "variant": variant, "world": world, "seed": seed, "advisor": advisor,
-            "overrides": "{}", "status": "done", "failure": "", "code": "c0de", "topology": world[0].upper(),
-            "coverage": coverage, "clusters_covered": covered, "clusters_total": 4, "collisions": 0,
-            "advisor_calls": 10, "requeries": 1, "deviations": 0, "steps": 2000, "sim_time_s": 200.0,
-            "steps_per_percent": 2000 / (100 * coverage) if coverage else None, "distance_m": 40.0,
-            "covered_at_s": [30.0 * (k + 1) for k in range(covered)], **more}
+    return {
+        "system": "reef",
+        "variant": variant,
+        "world": world,
+        "seed": seed,
+        "advisor": advisor,
+        "overrides": "{}",
+        "status": "done",
+        "failure": "",
+        "code": "c0de",
+        "topology": world[0].upper(),
+        "coverage": coverage,
+        "clusters_covered": covered,
+        "clusters_total": 4,
+        "collisions": 0,
+        "advisor_calls": 10,
+        "requeries": 1,
+        "deviations": 0,
+        "steps": 2000,
+        "sim_time_s": 200.0,
+        "steps_per_percent": 2000 / (100 * coverage) if coverage else None,
+        "distance_m": 40.0,
+        "covered_at_s": [30.0 * (k + 1) for k in range(covered)],
+        **more,
+    }
 
 
-ROWS = [row for world in ("l1", "k1") for seed in (0, 1) for row in (
-    mission("full", world, seed),
-    mission("dream", world, seed, coverage=0.5, collisions=2 + seed, covered_at_s=[100.0, 300.0]),
-    mission("no-ddp", world, seed),
-    mission("lawnmower", world, seed, advisor="none", coverage=0.25, advisor_calls=0))]
+ROWS = [
+    row
+    for world in ("l1", "k1")
+    for seed in (0, 1)
+    for row in (
+        mission("full", world, seed),
+        mission("dream", world, seed, coverage=0.5, collisions=2 + seed, covered_at_s=[100.0, 300.0]),
+        mission("no-ddp", world, seed),
+        mission("lawnmower", world, seed, advisor="none", coverage=0.25, advisor_calls=0),
+    )
+]
 
 
 def tables_by_name(rows):
@@ -33,11 +58,29 @@ def line(table, start):
 
 def test_our_means_stand_beside_the_papers_numbers():
     table = tables_by_name(ROWS)["Table I"]
-    assert table.header[2:] == ("coverage (%)", "paper", "coverage time (s)", "paper", "collisions", "paper",
-                                "advisor calls", "paper")
+    assert table.header[2:] == (
+        "coverage (%)",
+        "paper",
+        "coverage time (s)",
+        "paper",
+        "collisions",
+        "paper",
+        "advisor calls",
+        "paper",
+    )
     assert [row[0] for row in table.rows] == ["DREAM", "CORAL w/o low-level planner", "CORAL (full)"]
-    assert table.rows[0] == ("DREAM", "4", "50.0", "80.00", "300", "1513.2 (756.6)", "2.50", "9 (0.9)", "10.0",
-                             "1261 (126.1)")
+    assert table.rows[0] == (
+        "DREAM",
+        "4",
+        "50.0",
+        "80.00",
+        "300",
+        "1513.2 (756.6)",
+        "2.50",
+        "9 (0.9)",
+        "10.0",
+        "1261 (126.1)",
+    )
     assert table.rows[1][1:3] == ("0", "not run")
     assert table.rows[2][4] == "60", "when the second cluster was covered, as many as DREAM covered"
 
@@ -45,8 +88,14 @@ def test_our_means_stand_beside_the_papers_numbers():
 def test_differences_are_paired_and_a_variant_that_does_not_matter_is_named():
     tables = tables_by_name(ROWS)
     dream = tables["Table I, differences"].rows[0]
-    assert dream == ("DREAM", "4", "−50.0 [−50.0, −50.0]", "+240 [+240, +240]", "+2.50 [+2.50, +2.50]",
-                     "≈ 0.0 [0.0, 0.0]")
+    assert dream == (
+        "DREAM",
+        "4",
+        "−50.0 [−50.0, −50.0]",
+        "+240 [+240, +240]",
+        "+2.50 [+2.50, +2.50]",
+        "≈ 0.0 [0.0, 0.0]",
+    )
     second = tables["Table II, differences"]
     assert [row[0] for row in second.rows] == ["w/o DDP"]
     assert "No difference in any of these numbers could be shown for: w/o DDP." in second.notes
@@ -79,8 +128,15 @@ def test_every_table_says_where_it_comes_from():
     for table in reef_tables(rows, ABOUT, "coral reef bench --seeds 0-1"):
         text = " ".join(table.notes)
         assert "heuristic (embedded rules, no foundation model)" in table.caption
-        for part in ("l1, k1", "Seeds: 0, 1", "abc1234", "x86_64", "coral reef bench --seeds 0-1", "Mixed",
-                     "Failed and left out (1): pd in l1, seed 0"):
+        for part in (
+            "l1, k1",
+            "Seeds: 0, 1",
+            "abc1234",
+            "x86_64",
+            "coral reef bench --seeds 0-1",
+            "Mixed",
+            "Failed and left out (1): pd in l1, seed 0",
+        ):
             assert part in text
 
 

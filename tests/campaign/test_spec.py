@@ -14,9 +14,17 @@ def test_key_is_readable_unique_and_the_same_in_every_version():
     assert SPEC.key == "l-1.yaml_full_fallible-0.3-heuristic_s3_36b4938efb"
 
 
-@pytest.mark.parametrize("change", [
-    {"variant": "pd"}, {"world": "l1"}, {"seed": 4}, {"advisor": "heuristic"}, {"system": "contact"},
-    {"overrides": (("time_limit_s", 3),)}])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"variant": "pd"},
+        {"world": "l1"},
+        {"seed": 4},
+        {"advisor": "heuristic"},
+        {"system": "contact"},
+        {"overrides": (("time_limit_s", 3),)},
+    ],
+)
 def test_every_field_changes_the_key(change):
     assert dataclasses.replace(SPEC, **change).key != SPEC.key
 
@@ -32,8 +40,14 @@ def test_any_name_makes_a_file_name_and_survives_json(world, advisor, seed):
 
 
 def test_grid_has_every_combination_once_and_asks_no_advisor_twice_for_the_same():
-    specs = grid("reef", variants=["full", "lawnmower"], worlds=["l1", "s1"], seeds=[0, 1, 2],
-                 advisors=["heuristic", "desk"], alone={"lawnmower"})
+    specs = grid(
+        "reef",
+        variants=["full", "lawnmower"],
+        worlds=["l1", "s1"],
+        seeds=[0, 1, 2],
+        advisors=["heuristic", "desk"],
+        alone={"lawnmower"},
+    )
     assert len(specs) == len(set(specs)) == 2 * 3 * (2 + 1)
     assert {s.advisor for s in specs if s.variant == "lawnmower"} == {"none"}
 

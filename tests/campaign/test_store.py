@@ -21,7 +21,8 @@ def test_a_finished_episode_is_there_with_what_it_wrote(store, specs_of):
     assert store.pending(specs) == specs[1:]
     assert (store.run_folder(specs[0]) / "log.txt").read_text() == "hello"
     assert store.records() == [
-        {"spec": specs[0].to_json(), "status": "done", "result": {"score": 1}, "about": {"host": "a"}}]
+        {"spec": specs[0].to_json(), "status": "done", "result": {"score": 1}, "about": {"host": "a"}}
+    ]
 
 
 def test_the_first_result_of_an_episode_stays(store, specs_of):

@@ -11,14 +11,26 @@ HITS = field("collisions", "collisions", "collisions")
 
 
 def row(overrides="{}", world="l1", seed=0, coverage=1.0, collisions=0):
-    return {"variant": "full", "world": world, "seed": seed, "overrides": overrides, "coverage": coverage,
-            "collisions": collisions}
+    return {
+        "variant": "full",
+        "world": world,
+        "seed": seed,
+        "overrides": overrides,
+        "coverage": coverage,
+        "collisions": collisions,
+    }
 
 
-ROWS = [row(overrides, world, seed, coverage, collisions)
-        for world in ("l1", "s1") for seed in (0, 1)
-        for overrides, coverage, collisions in (('{"current": 0.5}', 0.5, 1 + seed), ("{}", 1.0, 0),
-                                                ('{"current": 0.1}', 1.0, 0))]
+ROWS = [
+    row(overrides, world, seed, coverage, collisions)
+    for world in ("l1", "s1")
+    for seed in (0, 1)
+    for overrides, coverage, collisions in (
+        ('{"current": 0.5}', 0.5, 1 + seed),
+        ("{}", 1.0, 0),
+        ('{"current": 0.1}', 1.0, 0),
+    )
+]
 
 
 def test_one_key_at_a_time_after_the_nominal_setting():
@@ -49,17 +61,21 @@ def test_settings_are_put_in_order_whenever_they_were_asked_for():
 def test_means_stand_with_the_nominal_setting_first():
     means, _ = sweep_tables(ROWS, (COVERAGE, HITS), "Who.", ("From where.",))
     assert means.header == ("setting", "missions", "coverage (%)", "collisions")
-    assert means.rows == (("nominal", "4", "100.0 [100.0, 100.0]", "0.0 [0.0, 0.0]"),
-                          ("current=0.1", "4", "100.0 [100.0, 100.0]", "0.0 [0.0, 0.0]"),
-                          ("current=0.5", "4", "50.0 [50.0, 50.0]", "1.5 [1.5, 1.5]"))
+    assert means.rows == (
+        ("nominal", "4", "100.0 [100.0, 100.0]", "0.0 [0.0, 0.0]"),
+        ("current=0.1", "4", "100.0 [100.0, 100.0]", "0.0 [0.0, 0.0]"),
+        ("current=0.5", "4", "50.0 [50.0, 50.0]", "1.5 [1.5, 1.5]"),
+    )
     assert means.notes[-1] == "From where."
     assert means.notes[-2].startswith("Few worlds to draw from (2)")
 
 
 def test_differences_are_paired_with_the_nominal_setting():
     _, differences = sweep_tables(ROWS, (COVERAGE, HITS), "Who.", ())
-    assert differences.rows == (("current=0.1", "4", "≈ 0.0 [0.0, 0.0]", "≈ 0.0 [0.0, 0.0]"),
-                                ("current=0.5", "4", "−50.0 [−50.0, −50.0]", "+1.5 [+1.5, +1.5]"))
+    assert differences.rows == (
+        ("current=0.1", "4", "≈ 0.0 [0.0, 0.0]", "≈ 0.0 [0.0, 0.0]"),
+        ("current=0.5", "4", "−50.0 [−50.0, −50.0]", "+1.5 [+1.5, +1.5]"),
+    )
     assert any("could be shown for: current=0.1." in note for note in differences.notes)
 
 

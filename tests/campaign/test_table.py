@@ -2,8 +2,13 @@ import pytest
 
 from coral.campaign.table import Table, document, to_html, to_latex, to_markdown
 
-TABLE = Table("Table X", "What & why (100 %).", ("variant", "Δ cov. (%)"),
-              (("a|b_c", "−3.1 [−5.0, +1.2]"), ("<full>", "≈ 0.0")), ("n = 3; † see x_1.",))
+TABLE = Table(
+    "Table X",
+    "What & why (100 %).",
+    ("variant", "Δ cov. (%)"),
+    (("a|b_c", "−3.1 [−5.0, +1.2]"), ("<full>", "≈ 0.0")),
+    ("n = 3; † see x_1.",),
+)
 
 MARKDOWN = """\
 **Table X.** What & why (100 %).

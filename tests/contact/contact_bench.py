@@ -13,11 +13,24 @@ from coral.contact.world import Body, Contact, Observation, Truth
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 
 PLAIN = {
-    "name": "bench", "title": "Bench", "instruction": "Do it.", "time_limit_s": 10,
+    "name": "bench",
+    "title": "Bench",
+    "instruction": "Do it.",
+    "time_limit_s": 10,
     "fixtures": [{"name": "wall", "size": [0.04, 0.4, 0.2], "position": [0.25, 0, 0.1]}],
-    "objects": [{"name": "box", "parts": [{"size": [0.06, 0.06, 0.06]}], "mass_kg": 0.2, "friction": 0.5,
-                 "x": 0, "y": 0, "points": {"corner": [0.03, 0.03, 0.03]}}],
-    "places": {"goal": [0.1, 0, 0.03]}, "numbers": {"lift_height": 0.12},
+    "objects": [
+        {
+            "name": "box",
+            "parts": [{"size": [0.06, 0.06, 0.06]}],
+            "mass_kg": 0.2,
+            "friction": 0.5,
+            "x": 0,
+            "y": 0,
+            "points": {"corner": [0.03, 0.03, 0.03]},
+        }
+    ],
+    "places": {"goal": [0.1, 0, 0.03]},
+    "numbers": {"lift_height": 0.12},
     "success": {"hold_s": 0.1, "conditions": [{"kind": "released", "object": "box"}]},
 }
 
@@ -60,8 +73,12 @@ def written(folder, content: object):
 
 
 def body(position=(0.0, 0.0, 0.03), rpy_deg=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), spin=(0.0, 0.0, 0.0)) -> Body:
-    return Body(np.array(position, dtype=float), from_rpy_deg(rpy_deg), np.array(velocity, dtype=float),
-                np.array(spin, dtype=float))
+    return Body(
+        np.array(position, dtype=float),
+        from_rpy_deg(rpy_deg),
+        np.array(velocity, dtype=float),
+        np.array(spin, dtype=float),
+    )
 
 
 def touch(first: str, second: str, force=(0.0, 0.0, 1.0)) -> Contact:
@@ -76,9 +93,11 @@ def truth(time_s: float = 0.0, box: Body | None = None, *contacts: Contact, **ot
     return Truth(time_s, body((0, 0, 0.3)), 0.08, {"box": box or body(), **others}, contacts)
 
 
-def seen(drawn: Drawn, tool=(-0.1, 0.0, 0.25), opening_m: float = 0.08, quaternion=DOWN,
-         **objects: Body) -> Observation:
+def seen(
+    drawn: Drawn, tool=(-0.1, 0.0, 0.25), opening_m: float = 0.08, quaternion=DOWN, **objects: Body
+) -> Observation:
     """What is measured with the hand and the objects at rest, by default where they stand at first."""
     poses = {name: item.pose for name, item in drawn.objects.items()} | objects
-    return Observation(0.0, Body(np.array(tool, dtype=float), np.asarray(quaternion, dtype=float)), opening_m,
-                       np.zeros(6), poses)
+    return Observation(
+        0.0, Body(np.array(tool, dtype=float), np.asarray(quaternion, dtype=float)), opening_m, np.zeros(6), poses
+    )

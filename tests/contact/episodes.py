@@ -16,15 +16,31 @@ from coral.mppi.knots import KnotMppiCfg
 COARSE = EpisodeCfg(
     poses="ground-truth",
     controller=ControllerCfg(horizon=8, mppi=KnotMppiCfg(samples=6, knots=3)),
-    planning=PlanningCfg(threads=1))
+    planning=PlanningCfg(threads=1),
+)
 SLIDE = {
-    "format": "coral-contact/1", "name": "slide-crate", "title": "Slide crate",
-    "instruction": "Slide the crate onto the mark.", "time_limit_s": 12,
-    "objects": [{"name": "crate", "label": "wooden crate", "parts": [{"shape": "box", "size": [0.12, 0.1, 0.08]}],
-                 "mass_kg": 0.3, "friction": 0.4, "x": 0.02, "y": 0.0}],
+    "format": "coral-contact/1",
+    "name": "slide-crate",
+    "title": "Slide crate",
+    "instruction": "Slide the crate onto the mark.",
+    "time_limit_s": 12,
+    "objects": [
+        {
+            "name": "crate",
+            "label": "wooden crate",
+            "parts": [{"shape": "box", "size": [0.12, 0.1, 0.08]}],
+            "mass_kg": 0.3,
+            "friction": 0.4,
+            "x": 0.02,
+            "y": 0.0,
+        }
+    ],
     "places": {"mark": [0.1, 0.0, 0.04]},
-    "success": {"hold_s": 0.1, "conditions": [
-        {"kind": "at", "object": "crate", "place": "mark", "tolerance_m": 0.03, "axes": "xy"}]}}
+    "success": {
+        "hold_s": 0.1,
+        "conditions": [{"kind": "at", "object": "crate", "place": "mark", "tolerance_m": 0.03, "axes": "xy"}],
+    },
+}
 """A task that is none of the shipped ones, and quick."""
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 

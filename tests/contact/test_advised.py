@@ -20,8 +20,11 @@ from coral.contact.task import load_task, shipped_tasks
 from coral.contact.variants import Asking, make_mind
 from coral.mppi.knots import KnotMppiCfg
 
-FAST = EpisodeCfg(poses="ground-truth", planning=PlanningCfg(threads=1),
-                  controller=ControllerCfg(horizon=25, mppi=KnotMppiCfg(samples=16)))
+FAST = EpisodeCfg(
+    poses="ground-truth",
+    planning=PlanningCfg(threads=1),
+    controller=ControllerCfg(horizon=25, mppi=KnotMppiCfg(samples=16)),
+)
 COST = """def state_cost(self):
     behind = self.crate_pos + np.array([-0.08, 0.0, -0.01])
     return {"be behind the crate": 6.0 * norm(self.ee_pos - behind),
@@ -31,8 +34,9 @@ COST = """def state_cost(self):
 ANSWERS = {
     "physical-parameters": {"crate": {"mass_kg": 0.5, "friction_coeff": 0.5}},
     "cost-function": {"code": COST, "explanation": "Get behind it and push it along x."},
-    "contact-regions": {"crate": {"regions": [
-        {"center": [-0.06, 0.0, 0.0], "normal": [-1, 0, 0], "approach": "push"}]}},
+    "contact-regions": {
+        "crate": {"regions": [{"center": [-0.06, 0.0, 0.0], "normal": [-1, 0, 0], "approach": "push"}]}
+    },
 }
 
 
@@ -77,8 +81,9 @@ def test_a_task_that_nobody_here_wrote_runs_from_its_file_alone(task, tmp_path):
 
 
 def test_a_goal_that_nobody_knows_a_way_to_is_named_and_no_traceback(task, tmp_path):
-    odd = task.model_copy(update={"success": task.success.model_copy(update={
-        "conditions": (Upright(object="crate"),)})})
+    odd = task.model_copy(
+        update={"success": task.success.model_copy(update={"conditions": (Upright(object="crate"),)})}
+    )
     result = attempted(odd, tmp_path / "run")
     assert (result["end_reason"], result["steps"]) == ("no-strategy", 0)
     end = json.loads((tmp_path / "run" / "events.jsonl").read_text().splitlines()[-1])
@@ -92,7 +97,8 @@ def test_a_cost_that_a_person_writes_at_the_desk_drives_a_task(task, tmp_path, p
     assert [question["kind"] for question in heard.values()] == list(ANSWERS)
     plans = [json.loads(line) for line in (tmp_path / "run" / "events.jsonl").open()]
     assert {tuple(event["terms"]) for event in plans if event["event"] == "plan"} == {
-        ("be behind the crate", "crate at the mark", "stay upright")}
+        ("be behind the crate", "crate at the mark", "stay upright")
+    }
 
 
 def test_whoever_sits_at_the_desk_sees_what_the_camera_sees(task, tmp_path, person):
@@ -107,16 +113,18 @@ def test_whoever_sits_at_the_desk_sees_what_the_camera_sees(task, tmp_path, pers
 
 
 def test_a_recording_replays_byte_for_byte(task, tmp_path):
-    short = dataclasses.replace(FAST, poses="tracked", controller=ControllerCfg(
-        horizon=8, mppi=KnotMppiCfg(samples=6, knots=3)))
+    short = dataclasses.replace(
+        FAST, poses="tracked", controller=ControllerCfg(horizon=8, mppi=KnotMppiCfg(samples=6, knots=3))
+    )
     brief = task.model_copy(update={"time_limit_s": 0.2})
     first, second = tmp_path / "first", tmp_path / "second"
     attempted(brief, first, cfg=short)
     attempted(brief, second, f"replay:{first}", cfg=short)
     for name in ("trajectory.csv", "states.csv", "metrics.json"):
         assert (first / name).read_bytes() == (second / name).read_bytes()
-    events = [[line for line in (folder / "events.jsonl").open() if '"start"' not in line]
-              for folder in (first, second)]
+    events = [
+        [line for line in (folder / "events.jsonl").open() if '"start"' not in line] for folder in (first, second)
+    ]
     assert events[0] == events[1]
     assert any((second / "pictures").iterdir())
     asked = [[json.loads(line) for line in (folder / "attempts.jsonl").open()] for folder in (first, second)]

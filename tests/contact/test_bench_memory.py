@@ -9,8 +9,21 @@ from coral.cli import main
 from coral.commands.contact_bench import read_memory
 from coral.errors import InputError
 
-QUICK = ["--samples", "16", "--cfg.controller.horizon", "25", "--cfg.planning.threads", "1", "--quiet", "--json",
-         "--worlds", "hand", "--poses", "ground-truth", "--mix"]
+QUICK = [
+    "--samples",
+    "16",
+    "--cfg.controller.horizon",
+    "25",
+    "--cfg.planning.threads",
+    "1",
+    "--quiet",
+    "--json",
+    "--worlds",
+    "hand",
+    "--poses",
+    "ground-truth",
+    "--mix",
+]
 
 
 @pytest.fixture(scope="module")
@@ -19,15 +32,51 @@ def practised(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench")
     task = folder / "slide.yaml"
     task.write_text(yaml.safe_dump(SLIDE))
-    assert main(["contact", "bench", "--tasks", str(task), "--variants", "full,unguided", "--seeds", "5", "--advisors",
-                 "heuristic,fallible:0.3:heuristic", "--out", str(folder / "practice"), *QUICK]) == 0
+    assert (
+        main(
+            [
+                "contact",
+                "bench",
+                "--tasks",
+                str(task),
+                "--variants",
+                "full,unguided",
+                "--seeds",
+                "5",
+                "--advisors",
+                "heuristic,fallible:0.3:heuristic",
+                "--out",
+                str(folder / "practice"),
+                *QUICK,
+            ]
+        )
+        == 0
+    )
     return task, folder / "practice"
 
 
 def test_a_trial_begins_with_what_practice_left_and_with_nothing_of_its_neighbours(practised, tmp_path, capsys):
     task, practice = practised
-    assert main(["contact", "bench", "--tasks", str(task), "--variants", "full", "--seeds", "0-1", "--memory",
-                 str(practice / "memory.json"), "--out", str(tmp_path / "out"), *QUICK]) == 0
+    assert (
+        main(
+            [
+                "contact",
+                "bench",
+                "--tasks",
+                str(task),
+                "--variants",
+                "full",
+                "--seeds",
+                "0-1",
+                "--memory",
+                str(practice / "memory.json"),
+                "--out",
+                str(tmp_path / "out"),
+                *QUICK,
+            ]
+        )
+        == 0
+    )
     rows = read_parquet(tmp_path / "out" / "results.parquet")
     kept = len(json.loads((practice / "memory.json").read_text())["experiences"])
     assert [(row["memory_known"], row["memory_hit"], row["advisor_calls"]) for row in rows] == [(kept, True, 1)] * 2
@@ -58,11 +107,17 @@ def test_strategy_and_none_are_compared_in_a_table_and_a_figure(practised):
     assert (practice / "ablation-slide.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize(("content", "said"), [
-    (b"", "--memory"), (b"{}", "--memory"), (b"nothing", "--memory"),
-    (b'{"format": "coral-memory/1"}', "format"),
-    (b'{"format": "coral-memory/1", "experiences": [3]}', "experiences"),
-    (b'{"format": "coral-memory/1", "experiences": [{"instruction": 3}]}', "experiences")])
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "--memory"),
+        (b"{}", "--memory"),
+        (b"nothing", "--memory"),
+        (b'{"format": "coral-memory/1"}', "format"),
+        (b'{"format": "coral-memory/1", "experiences": [3]}', "experiences"),
+        (b'{"format": "coral-memory/1", "experiences": [{"instruction": 3}]}', "experiences"),
+    ],
+)
 def test_what_is_no_memory_is_refused(tmp_path, content, said):
     path = tmp_path / "memory.json"
     path.write_bytes(content)

@@ -33,12 +33,31 @@ def answer(capsys):
 def test_run_prints_one_object_with_the_promised_keys_and_leaves_a_run(task, tmp_path, capsys):
     assert main(["contact", "run", task, "--world", "hand", "--out", str(tmp_path / "run"), "--json", *COARSE]) == 0
     result = answer(capsys)
-    assert {"success", "sim_time_s", "steps", "advisor_calls", "repairs", "memory_hit", "path_length_m", "end_reason",
-            "poses", "wall_time_s", "plan_ms_median"} <= set(result)
+    assert {
+        "success",
+        "sim_time_s",
+        "steps",
+        "advisor_calls",
+        "repairs",
+        "memory_hit",
+        "path_length_m",
+        "end_reason",
+        "poses",
+        "wall_time_s",
+        "plan_ms_median",
+    } <= set(result)
     assert (result["success"], result["end_reason"], result["poses"]) == (False, "timeout", "tracked")
     assert {path.name for path in (tmp_path / "run").iterdir()} == {
-        "config.yaml", "task.yaml", "events.jsonl", "trajectory.csv", "states.csv", "metrics.json", "timing.json",
-        "report.html", "keyframes.png"}
+        "config.yaml",
+        "task.yaml",
+        "events.jsonl",
+        "trajectory.csv",
+        "states.csv",
+        "metrics.json",
+        "timing.json",
+        "report.html",
+        "keyframes.png",
+    }
 
 
 def test_run_says_in_words_how_it_ended(task, tmp_path, capsys):
@@ -46,27 +65,33 @@ def test_run_says_in_words_how_it_ended(task, tmp_path, capsys):
     assert "timeout (the task's time was up) after 0.2 s simulated" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(("words", "said"), [
-    (["pick-bx"], "did you mean 'pick-box'?"),
-    (["pick-box", "--world", "pand"], "did you mean 'panda'?"),
-    (["pick-box", "--variant", "expertt"], "did you mean 'expert'?"),
-    (["pick-box", "--advisor", "heuristics"], "did you mean 'heuristic'?"),
-    (["pick-box", "--seed", "-1"], "--seed"),
-    (["pick-box", "--samples", "0"], "--samples"),
-    (["pick-box", "--samples", "100000000"], "samples"),
-    (["pick-box", "--cfg.controller.horizon", "100000000"], "controller.horizon"),
-    (["pick-box", "--cfg.controller.mppi.knots", "1"], "controller.mppi.knots"),
-    (["pick-box", "--cfg.planning.threads", "100000"], "planning.threads"),
-    (["pick-box", "--cfg.controller.workspace-low-m", "1", "1", "1"], "found [1.0, 1.0, 1.0], expected numbers below"),
-    (["pick-box", "--cfg.reactive.memory-s", "0"], "reactive.memory_s"),
-    (["push-pick-board", "--variant", "full", "--believe", "bord=2,0.9"], "did you mean 'board'?"),
-    (["push-pick-board", "--believe", "board=2,0.9"], "also --variant expert-fsm"),
-    (["pick-box", "--memory", "m.sqlite"], "--memory: found also --variant expert-fsm"),
-    (["pick-box", "--memory", "m.sqlite", "--variant", "no-memory"], "also --variant no-memory"),
-    (["pick-box", "--advisor", "desk"], "desk with --variant expert-fsm"),
-    (["pick-box", "--variant", "full", "--model.attempt-timeout-s", "nan"], "attempt_timeout_s"),
-    (["absent.yaml"], "no such file"),
-])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["pick-bx"], "did you mean 'pick-box'?"),
+        (["pick-box", "--world", "pand"], "did you mean 'panda'?"),
+        (["pick-box", "--variant", "expertt"], "did you mean 'expert'?"),
+        (["pick-box", "--advisor", "heuristics"], "did you mean 'heuristic'?"),
+        (["pick-box", "--seed", "-1"], "--seed"),
+        (["pick-box", "--samples", "0"], "--samples"),
+        (["pick-box", "--samples", "100000000"], "samples"),
+        (["pick-box", "--cfg.controller.horizon", "100000000"], "controller.horizon"),
+        (["pick-box", "--cfg.controller.mppi.knots", "1"], "controller.mppi.knots"),
+        (["pick-box", "--cfg.planning.threads", "100000"], "planning.threads"),
+        (
+            ["pick-box", "--cfg.controller.workspace-low-m", "1", "1", "1"],
+            "found [1.0, 1.0, 1.0], expected numbers below",
+        ),
+        (["pick-box", "--cfg.reactive.memory-s", "0"], "reactive.memory_s"),
+        (["push-pick-board", "--variant", "full", "--believe", "bord=2,0.9"], "did you mean 'board'?"),
+        (["push-pick-board", "--believe", "board=2,0.9"], "also --variant expert-fsm"),
+        (["pick-box", "--memory", "m.sqlite"], "--memory: found also --variant expert-fsm"),
+        (["pick-box", "--memory", "m.sqlite", "--variant", "no-memory"], "also --variant no-memory"),
+        (["pick-box", "--advisor", "desk"], "desk with --variant expert-fsm"),
+        (["pick-box", "--variant", "full", "--model.attempt-timeout-s", "nan"], "attempt_timeout_s"),
+        (["absent.yaml"], "no such file"),
+    ],
+)
 def test_bad_input_is_one_line_and_exit_code_2(words, said, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["contact", "run", *words, "--quiet"]) == 2
@@ -91,8 +116,23 @@ def test_tasks_are_listed_and_one_is_shown_with_its_ranges(capsys):
 def bench(task, tmp_path_factory):
     """The words of a bench of two trials, and where it goes."""
     out = tmp_path_factory.mktemp("bench") / "out"
-    return ["contact", "bench", "--tasks", task, "--worlds", "hand", "--variants", "expert-fsm", "--seeds", "0-1",
-            "--out", str(out), "--mix", "--json", *COARSE], out
+    return [
+        "contact",
+        "bench",
+        "--tasks",
+        task,
+        "--worlds",
+        "hand",
+        "--variants",
+        "expert-fsm",
+        "--seeds",
+        "0-1",
+        "--out",
+        str(out),
+        "--mix",
+        "--json",
+        *COARSE,
+    ], out
 
 
 def test_a_bench_runs_what_is_missing_and_makes_tables(bench, task, tmp_path, capsys):
@@ -105,20 +145,48 @@ def test_a_bench_runs_what_is_missing_and_makes_tables(bench, task, tmp_path, ca
     assert (result["episodes"], result["done"], result["ran"], result["found"]) == (3, 3, 1, 2)
     rows = read_parquet(out / "results.parquet")
     assert [(row["seed"], row["evaluation_world"], row["success"]) for row in rows] == [
-        (0, "hand", False), (1, "hand", False), (2, "hand", False)]
+        (0, "hand", False),
+        (1, "hand", False),
+        (2, "hand", False),
+    ]
     assert "0/3" in (out / "tables.md").read_text()
 
     # A trial of a bench is the trial of coral contact run.
-    assert main(["contact", "run", task, "--world", "hand", "--seed", "1", "--out", str(tmp_path / "run"), "--json",
-                 "--cfg.record.no-report", *COARSE]) == 0
+    assert (
+        main(
+            [
+                "contact",
+                "run",
+                task,
+                "--world",
+                "hand",
+                "--seed",
+                "1",
+                "--out",
+                str(tmp_path / "run"),
+                "--json",
+                "--cfg.record.no-report",
+                *COARSE,
+            ]
+        )
+        == 0
+    )
     (folder,) = [path for path in (out / "runs").iterdir() if "_s1_" in path.name]
     for name in ("metrics.json", "trajectory.csv", "events.jsonl"):
         assert (folder / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
 
 
-@pytest.mark.parametrize(("flag", "value"), [("--variants", "expert,nobody"), ("--worlds", "hand,moon"),
-                                             ("--tasks", "pick-bx"), ("--seeds", "x"), ("--advisors", "desk"),
-                                             ("--jobs", "0")])
+@pytest.mark.parametrize(
+    ("flag", "value"),
+    [
+        ("--variants", "expert,nobody"),
+        ("--worlds", "hand,moon"),
+        ("--tasks", "pick-bx"),
+        ("--seeds", "x"),
+        ("--advisors", "desk"),
+        ("--jobs", "0"),
+    ],
+)
 def test_a_bad_bench_is_refused_before_anything_runs(flag, value, tmp_path, capsys):
     words = ["contact", "bench", "--tasks", "pick-box", "--out", str(tmp_path / "out"), flag, value]
     assert main(words) == 2
@@ -126,8 +194,7 @@ def test_a_bad_bench_is_refused_before_anything_runs(flag, value, tmp_path, caps
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("command", [["tasks"], ["run", "--world", "hand"],
-                                     ["bench", "--worlds", "hand", "--tasks"]])
+@pytest.mark.parametrize("command", [["tasks"], ["run", "--world", "hand"], ["bench", "--worlds", "hand", "--tasks"]])
 def test_what_cannot_be_drawn_is_told_with_its_file_before_anything_runs(command, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     content = changed("objects.0.z", 0.0)
@@ -137,11 +204,19 @@ def test_what_cannot_be_drawn_is_told_with_its_file_before_anything_runs(command
     assert [path.name for path in tmp_path.iterdir()] == ["low.yaml"]
 
 
-@pytest.mark.parametrize(("name", "changes", "variant", "said"), [
-    ("push-pick-board", {"name: board": "name: slab", "object: board": "object: slab"}, "expert-fsm", "board_rear_pos"),
-    ("push-force", {"push_force": "force"}, "expert", "push_force"),
-    ("flip-wall", {"name: wall": "name: fence", "thing: wall": "thing: fence"}, "expert", "wall_pos"),
-])
+@pytest.mark.parametrize(
+    ("name", "changes", "variant", "said"),
+    [
+        (
+            "push-pick-board",
+            {"name: board": "name: slab", "object: board": "object: slab"},
+            "expert-fsm",
+            "board_rear_pos",
+        ),
+        ("push-force", {"push_force": "force"}, "expert", "push_force"),
+        ("flip-wall", {"name: wall": "name: fence", "thing: wall": "thing: fence"}, "expert", "wall_pos"),
+    ],
+)
 def test_a_copy_that_lacks_what_the_experts_read_is_told_so(name, changes, variant, said, tmp_path, capsys):
     text = (TASKS_DIR / f"{name}.yaml").read_text(encoding="utf-8")
     for old, new in changes.items():
@@ -156,10 +231,13 @@ def test_a_copy_that_lacks_what_the_experts_read_is_told_so(name, changes, varia
 
 def test_another_mesh_under_the_same_name_is_another_campaign(tmp_path):
     def digest(height):
-        (tmp_path / "m.obj").write_text(f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {height}\nf 1 3 2\nf 1 2 4\nf 2 3 4\n"
-                                        "f 3 1 4\n", encoding="utf-8")
-        (tmp_path / "mesh.yaml").write_text(json.dumps(changed("objects.0.parts.0", {
-            "shape": "mesh", "file": "m.obj", "size": [0.1, 0.1, 0.1]})), encoding="utf-8")
+        (tmp_path / "m.obj").write_text(
+            f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {height}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", encoding="utf-8"
+        )
+        (tmp_path / "mesh.yaml").write_text(
+            json.dumps(changed("objects.0.parts.0", {"shape": "mesh", "file": "m.obj", "size": [0.1, 0.1, 0.1]})),
+            encoding="utf-8",
+        )
         return ContactBench()._conditions(EpisodeCfg(), {"mesh": load_task(tmp_path / "mesh.yaml")}, None)["task mesh"]
 
     assert digest(1) == digest(1)

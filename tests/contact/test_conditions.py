@@ -22,11 +22,17 @@ def shown(judge, *states):
     return said
 
 
-@pytest.mark.parametrize(("z", "contacts", "holds"), [
-    (0.1301, FINGERS, True), (0.1299, FINGERS, False), (0.2, (), True),
-    (0.2, (*FINGERS, touch("box", "wall")), False),  # rubbed up the wall
-    (0.2, (*FINGERS, touch("box", "robot")), False), (0.2, (*FINGERS, touch("table", "wall")), True),
-])
+@pytest.mark.parametrize(
+    ("z", "contacts", "holds"),
+    [
+        (0.1301, FINGERS, True),
+        (0.1299, FINGERS, False),
+        (0.2, (), True),
+        (0.2, (*FINGERS, touch("box", "wall")), False),  # rubbed up the wall
+        (0.2, (*FINGERS, touch("box", "robot")), False),
+        (0.2, (*FINGERS, touch("table", "wall")), True),
+    ],
+)
 def test_lifted(z, contacts, holds):
     assert watch(kind="lifted", height_m=0.1)(truth(0, body((0, 0, z)), *contacts)) is holds
 
@@ -36,45 +42,77 @@ def test_lifted_means_the_lowest_point():
     assert not watch(kind="lifted", height_m=0.1)(truth(0, tilted, *FINGERS))
 
 
-@pytest.mark.parametrize(("contacts", "holds"), [(FINGERS, True), (FINGERS[:1], False),
-                                                 ((touch("box", "hand"),), False),
-                                                 ((FINGERS[0], touch("right", "wall")), False)])
+@pytest.mark.parametrize(
+    ("contacts", "holds"),
+    [
+        (FINGERS, True),
+        (FINGERS[:1], False),
+        ((touch("box", "hand"),), False),
+        ((FINGERS[0], touch("right", "wall")), False),
+    ],
+)
 def test_grasped(contacts, holds):
     assert watch(kind="grasped")(truth(0, body(UP), *contacts)) is holds
 
 
-@pytest.mark.parametrize(("contacts", "holds"), [
-    ((), True), ((touch("box", "table"), touch("hand", "table")), True), (FINGERS[1:], False),
-    ((touch("box", "hand"),), False)])
+@pytest.mark.parametrize(
+    ("contacts", "holds"),
+    [
+        ((), True),
+        ((touch("box", "table"), touch("hand", "table")), True),
+        (FINGERS[1:], False),
+        ((touch("box", "hand"),), False),
+    ],
+)
 def test_released(contacts, holds):
     assert watch(kind="released")(truth(0, body(), *contacts)) is holds
 
 
-@pytest.mark.parametrize(("position", "rpy", "options", "holds"), [
-    ((0.149, 0, 0.5), (0, 0, 0), {}, True), ((0.151, 0, 0.5), (0, 0, 0), {}, False),
-    ((0.14, 0.04, 0.03), (0, 0, 0), {}, False), ((0.1, 0, 0.081), (0, 0, 0), {"axes": "xyz"}, False),
-    ((0.1, 0, 0.079), (0, 0, 0), {"axes": "xyz"}, True), ((0.9, 0.049, 0), (0, 0, 0), {"axes": "y"}, True),
-    ((0.07, -0.03, 0.03), (0, 0, 0), {"point": "corner"}, True),
-    ((0.07, -0.03, 0.03), (0, 0, 180), {"point": "corner"}, False),
-])
+@pytest.mark.parametrize(
+    ("position", "rpy", "options", "holds"),
+    [
+        ((0.149, 0, 0.5), (0, 0, 0), {}, True),
+        ((0.151, 0, 0.5), (0, 0, 0), {}, False),
+        ((0.14, 0.04, 0.03), (0, 0, 0), {}, False),
+        ((0.1, 0, 0.081), (0, 0, 0), {"axes": "xyz"}, False),
+        ((0.1, 0, 0.079), (0, 0, 0), {"axes": "xyz"}, True),
+        ((0.9, 0.049, 0), (0, 0, 0), {"axes": "y"}, True),
+        ((0.07, -0.03, 0.03), (0, 0, 0), {"point": "corner"}, True),
+        ((0.07, -0.03, 0.03), (0, 0, 180), {"point": "corner"}, False),
+    ],
+)
 def test_at(position, rpy, options, holds):
     judge = watch(kind="at", place="goal", tolerance_m=0.05, **options)
     assert judge(truth(0, body(position, rpy))) is holds
 
 
-@pytest.mark.parametrize(("velocity", "spin", "contacts", "holds"), [
-    ((0.019, 0, 0), (0, 0, 0.29), (touch("box", "table"),), True), ((0.021, 0, 0), (0, 0, 0),
-                                                                    (touch("box", "table"),), False),
-    ((0, 0, 0), (0, 0, 0.31), (touch("box", "table"),), False), ((0, 0, 0), (0, 0, 0), (touch("box", "wall"),), False),
-    ((0, 0, 0), (0, 0, 0), (), False)])
+@pytest.mark.parametrize(
+    ("velocity", "spin", "contacts", "holds"),
+    [
+        ((0.019, 0, 0), (0, 0, 0.29), (touch("box", "table"),), True),
+        ((0.021, 0, 0), (0, 0, 0), (touch("box", "table"),), False),
+        ((0, 0, 0), (0, 0, 0.31), (touch("box", "table"),), False),
+        ((0, 0, 0), (0, 0, 0), (touch("box", "wall"),), False),
+        ((0, 0, 0), (0, 0, 0), (), False),
+    ],
+)
 def test_resting(velocity, spin, contacts, holds):
     assert watch(kind="resting")(truth(0, body(velocity=velocity, spin=spin), *contacts)) is holds
 
 
-@pytest.mark.parametrize(("rpy", "holds"), [((0, 90, 0), True), ((-90, 0, 0), True), ((0, 76, 0), True),
-                                            ((0, 74, 0), False),
-                                            ((0, 106, 0), False), ((0, 0, 90), False), ((180, 0, 0), False),
-                                            ((90, 0, 70), True)])
+@pytest.mark.parametrize(
+    ("rpy", "holds"),
+    [
+        ((0, 90, 0), True),
+        ((-90, 0, 0), True),
+        ((0, 76, 0), True),
+        ((0, 74, 0), False),
+        ((0, 106, 0), False),
+        ((0, 0, 90), False),
+        ((180, 0, 0), False),
+        ((90, 0, 70), True),
+    ],
+)
 def test_flipped(rpy, holds):
     assert watch(kind="flipped")(truth(0, body(rpy_deg=rpy))) is holds
 
@@ -86,14 +124,16 @@ def test_flipped_counts_from_how_it_stood():
     assert judge(truth(0, body()))
 
 
-@pytest.mark.parametrize(("rpy", "holds"), [((0, 0, 170), True), ((14, 0, 0), True), ((16, 0, 0), False),
-                                            ((180, 0, 0), False)])
+@pytest.mark.parametrize(
+    ("rpy", "holds"), [((0, 0, 170), True), ((14, 0, 0), True), ((16, 0, 0), False), ((180, 0, 0), False)]
+)
 def test_upright(rpy, holds):
     assert watch(kind="upright")(truth(0, body(rpy_deg=rpy))) is holds
 
 
-@pytest.mark.parametrize(("position", "holds"), [((0.03, 0.03, 0.05), True), ((0.051, 0, 0.03), False),
-                                                 ((0, 0, 0.09), False)])
+@pytest.mark.parametrize(
+    ("position", "holds"), [((0.03, 0.03, 0.05), True), ((0.051, 0, 0.03), False), ((0, 0, 0.09), False)]
+)
 def test_undisturbed(position, holds):
     assert watch(kind="undisturbed")(truth(0, body(position))) is holds
 
@@ -111,10 +151,17 @@ def flip(angles, touched, turn="pitch", step_s=0.05, start_s=0.0):
 FLIP = (0, 0, 0, 5, 10, 20, 30, 40, 50, 60, 70, 80, 90, 90, 90)
 
 
-@pytest.mark.parametrize(("touched", "holds"), [
-    ((0, 90), True), ((30, 40), True), ((30, 30), False),  # a tap of one step
-    ((0, 10), False), ((80, 90), False),  # only before, only after
-    ((999, 999), False)])
+@pytest.mark.parametrize(
+    ("touched", "holds"),
+    [
+        ((0, 90), True),
+        ((30, 40), True),
+        ((30, 30), False),  # a tap of one step
+        ((0, 10), False),
+        ((80, 90), False),  # only before, only after
+        ((999, 999), False),
+    ],
+)
 def test_touched_while_turning(touched, holds):
     assert shown(watch(kind="touched-while-turning", thing="wall"), *flip(FLIP, touched)) is holds
 
@@ -157,26 +204,38 @@ def test_the_time_before_the_first_look_does_not_count():
 
 def push(forces, speed=0.05, step_s=0.02):
     """States of a push along x with these forces (N; None where nothing touches)."""
-    return [(k * step_s, body(velocity=(speed, 0, 0)), *(() if force is None else (touch("hand", "box", (force, 0,
-                                                                                                         0)),)))
-            for k, force in enumerate(forces)]
+    return [
+        (k * step_s, body(velocity=(speed, 0, 0)), *(() if force is None else (touch("hand", "box", (force, 0, 0)),)))
+        for k, force in enumerate(forces)
+    ]
 
 
-@pytest.mark.parametrize(("forces", "speed", "holds"), [
-    ([5.0] * 60, 0.05, True), ([6.9] * 60, 0.05, True), ([7.1] * 60, 0.05, False), ([2.9] * 60, 0.05, False),
-    ([5.0] * 60, 0.004, False),  # it does not move
-    ([5.0] * 40, 0.05, False),  # too short
-    (([10.0] * 15 + [0.0] * 15) * 4, 0.05, False),  # the right mean in slow bursts
-    ([10.0, None] * 60, 0.05, False),  # taps
-    ([5.0] * 40 + [20.0] * 20, 0.05, False), ([5.0] * 90 + [20.0] * 15, 0.05, True),
-])
+@pytest.mark.parametrize(
+    ("forces", "speed", "holds"),
+    [
+        ([5.0] * 60, 0.05, True),
+        ([6.9] * 60, 0.05, True),
+        ([7.1] * 60, 0.05, False),
+        ([2.9] * 60, 0.05, False),
+        ([5.0] * 60, 0.004, False),  # it does not move
+        ([5.0] * 40, 0.05, False),  # too short
+        (([10.0] * 15 + [0.0] * 15) * 4, 0.05, False),  # the right mean in slow bursts
+        ([10.0, None] * 60, 0.05, False),  # taps
+        ([5.0] * 40 + [20.0] * 20, 0.05, False),
+        ([5.0] * 90 + [20.0] * 15, 0.05, True),
+    ],
+)
 def test_steady_force(forces, speed, holds):
     assert shown(watch(kind="steady-force", newtons=5), *push(forces, speed)) is holds
 
 
 def test_force_is_the_hands_net_force_and_not_the_squeeze():
-    squeeze = (touch("left", "box", (0, 20, 0)), touch("right", "box", (0, -20, 0)), touch("hand", "box", (5, 0, 0)),
-               touch("box", "table", (0, 0, -50)))
+    squeeze = (
+        touch("left", "box", (0, 20, 0)),
+        touch("right", "box", (0, -20, 0)),
+        touch("hand", "box", (5, 0, 0)),
+        touch("box", "table", (0, 0, -50)),
+    )
     judge = watch(kind="steady-force", newtons=5)
     said = [judge(truth(0.02 * k, body(velocity=(0.05, 0, 0)), *squeeze)) for k in range(60)]
     assert said[-1]
@@ -187,13 +246,23 @@ def test_force_of_a_hand_that_comes_second_by_name():
     drawn = trial({"kind": "steady-force", "newtons": 5, "object": "tin", "for_s": 0.1}, objects=[box])
     judge = drawn.task.success.conditions[0].watch(drawn)
     moving = body(velocity=(0.05, 0, 0))
-    said = [judge(truth(0.02 * k, None, touch("right", "tin", (3, 0, 0)), touch("tin", "hand", (-2, 0, 0)), tin=moving))
-            for k in range(12)]
+    said = [
+        judge(truth(0.02 * k, None, touch("right", "tin", (3, 0, 0)), touch("tin", "hand", (-2, 0, 0)), tin=moving))
+        for k in range(12)
+    ]
     assert said[-1]
 
 
-@pytest.mark.parametrize(("place", "holds"), [((0, 0, 0.05), True), ((0.1, 0, 0.05), True), ((0.101, 0, 0.05), False),
-                                              ((0, 0.3, 0.05), False), ((0, 0, -0.01), False)])
+@pytest.mark.parametrize(
+    ("place", "holds"),
+    [
+        ((0, 0, 0.05), True),
+        ((0.1, 0, 0.05), True),
+        ((0.101, 0, 0.05), False),
+        ((0, 0.3, 0.05), False),
+        ((0, 0, -0.01), False),
+    ],
+)
 def test_inside(place, holds):
     judge = watch(kind="inside", low=(-0.1, -0.2, 0.0), high=(0.1, 0.2, 0.1))
     assert judge(truth(0, body(place))) is holds

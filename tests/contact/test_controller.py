@@ -35,12 +35,14 @@ def test_replanning_betters_the_plan():
     assert costs[-1] < costs[0] - 0.05
     assert min(costs) == costs[-1]
     assert plans[-1].targets[-1].position @ (GOAL - [-0.1, 0, 0.25]) > plans[0].targets[0].position @ (
-        GOAL - [-0.1, 0, 0.25])
+        GOAL - [-0.1, 0, 0.25]
+    )
 
 
 def test_targets_keep_to_speed_workspace_and_opening():
-    cfg = replace(CFG, sigma_m=(1.0, 1.0, 1.0), sigma_rad=(3.0, 3.0, 3.0), sigma_opening_m=1.0,
-                  workspace_low_m=(-0.11, -1, 0.2))
+    cfg = replace(
+        CFG, sigma_m=(1.0, 1.0, 1.0), sigma_rad=(3.0, 3.0, 3.0), sigma_opening_m=1.0, workspace_low_m=(-0.11, -1, 0.2)
+    )
     planner, now = controller(cfg)
     for plan in replanned(planner, now, 3):
         positions = np.array([now.tool.position, *(target.position for target in plan.targets)])
@@ -150,9 +152,15 @@ def test_plans_over_several_beliefs():
 
 def test_stages_follow_each_other_and_fall_back():
     said = {"done": False, "lost": False}
-    progress = Progress(Strategy("two", (
-        Stage("first", REACH.cost, until=lambda now: said["done"]),
-        Stage("second", REACH.cost, until=lambda now: True, back=("first", lambda now: said["lost"])))))
+    progress = Progress(
+        Strategy(
+            "two",
+            (
+                Stage("first", REACH.cost, until=lambda now: said["done"]),
+                Stage("second", REACH.cost, until=lambda now: True, back=("first", lambda now: said["lost"])),
+            ),
+        )
+    )
     assert not progress.update(None)
     said["done"] = True
     assert progress.update(None)

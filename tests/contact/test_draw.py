@@ -11,8 +11,14 @@ from coral.contact.geometry import rotation_of
 from coral.contact.task import Shape, Task, load_task, shipped_tasks
 from coral.errors import InputError
 
-RANGES = plain()["objects"][0] | {"mass_kg": [0.1, 0.4], "friction": [0.3, 0.7], "x": [-0.2, 0.1], "y": [-0.1, 0.2],
-                                  "yaw_deg": [-90, 90], "scale": [[0.5, 1], [1, 1.5], [1, 2]]}
+RANGES = plain()["objects"][0] | {
+    "mass_kg": [0.1, 0.4],
+    "friction": [0.3, 0.7],
+    "x": [-0.2, 0.1],
+    "y": [-0.1, 0.2],
+    "yaw_deg": [-90, 90],
+    "scale": [[0.5, 1], [1, 1.5], [1, 2]],
+}
 
 
 def test_same_seed_same_trial_bit_for_bit():
@@ -53,7 +59,7 @@ def test_objects_keep_a_centimetre_apart(name):
             placed = drawn.corners(key) @ rotation_of(item.pose.quaternion).T + item.pose.position
             boxes.append((placed.min(axis=0), placed.max(axis=0)))
         for k, (low, high) in enumerate(boxes):
-            for other_low, other_high in boxes[k + 1:]:
+            for other_low, other_high in boxes[k + 1 :]:
                 assert np.maximum(other_low - high, low - other_high).max() >= 0.01 - 1e-9
 
 
@@ -63,8 +69,10 @@ def test_two_objects_in_one_place_are_refused():
         trial(objects=[box, box | {"name": "other", "x": 0.065}])
 
 
-@pytest.mark.parametrize(("x", "z", "fits"), [(0.2, None, True), (0.199, None, True), (0.203, None, False),
-                                              (0.25, 0.23, True), (0.25, None, False)])
+@pytest.mark.parametrize(
+    ("x", "z", "fits"),
+    [(0.2, None, True), (0.199, None, True), (0.203, None, False), (0.25, 0.23, True), (0.25, None, False)],
+)
 def test_objects_stand_against_or_on_a_fixture_but_not_in_it(x, z, fits):
     box = plain()["objects"][0] | {"x": x} | ({} if z is None else {"z": z})
     if fits:
@@ -93,11 +101,17 @@ def test_named_points_and_the_lowest_point_follow_the_object():
     assert drawn.lowest_point("box", body((0, 0, 0.5), (0, 45, 0))) == pytest.approx(0.5 - 0.03 * np.sqrt(2))
 
 
-@pytest.mark.parametrize(("shape", "rpy", "expected"), [
-    ("box", (0, 0, 0), (1, 2, 4)), ("box", (0, 0, 90), (2, 1, 4)), ("box", (90, 0, 0), (1, 4, 2)),
-    ("cylinder", (0, 0, 0), (np.sqrt(2), np.sqrt(2), 4)), ("cylinder", (90, 0, 0), (2, 2, 2)),
-    ("sphere", (0, 0, 0), (2, 2, 2)),
-])
+@pytest.mark.parametrize(
+    ("shape", "rpy", "expected"),
+    [
+        ("box", (0, 0, 0), (1, 2, 4)),
+        ("box", (0, 0, 90), (2, 1, 4)),
+        ("box", (90, 0, 0), (1, 4, 2)),
+        ("cylinder", (0, 0, 0), (np.sqrt(2), np.sqrt(2), 4)),
+        ("cylinder", (90, 0, 0), (2, 2, 2)),
+        ("sphere", (0, 0, 0), (2, 2, 2)),
+    ],
+)
 def test_a_turned_part_is_scaled_along_the_objects_axes(shape, rpy, expected):
     part = Shape(shape=shape, size=(0.1, 0.1, 0.1), rpy_deg=rpy)
     assert part_scale(part, np.array([1.0, 2.0, 4.0])) == pytest.approx(expected)
@@ -108,11 +122,14 @@ def test_an_even_scale_keeps_any_shape():
     assert part_scale(part, np.full(3, 1.5)) == pytest.approx([1.5, 1.5, 1.5])
 
 
-@pytest.mark.parametrize(("part", "size"), [
-    ({"shape": "cylinder", "size": [0.1, 0.1, 0.3]}, (0.1, 0.1, 0.3)),
-    ({"shape": "sphere", "size": [0.1] * 3}, [0.1] * 3),
-    ({"size": [0.1, 0.2, 0.3], "rpy_deg": [0, 0, 90]}, (0.2, 0.1, 0.3)),
-])
+@pytest.mark.parametrize(
+    ("part", "size"),
+    [
+        ({"shape": "cylinder", "size": [0.1, 0.1, 0.3]}, (0.1, 0.1, 0.3)),
+        ({"shape": "sphere", "size": [0.1] * 3}, [0.1] * 3),
+        ({"size": [0.1, 0.2, 0.3], "rpy_deg": [0, 0, 90]}, (0.2, 0.1, 0.3)),
+    ],
+)
 def test_extents(part, size):
     drawn = draw(Task.model_validate(changed("objects.0.parts", [part])), 0)
     assert drawn.size("box") == pytest.approx(size)

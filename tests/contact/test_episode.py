@@ -21,6 +21,7 @@ from .episodes import COARSE, ObedientWorld, stay, strategy, trial
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     """Run an episode in an obedient world; returns result, folder and world."""
+
     def start(mind=None, cfg=COARSE, seconds=0.2, observers=(), **world):
         drawn = trial(seconds)
         made = ObedientWorld(drawn, **world)
@@ -28,6 +29,7 @@ def run(tmp_path, monkeypatch):
         folder = tmp_path / "run"
         one = Episode(drawn, "obedient", mind or Fixed(strategy()), cfg, folder, variant="expert")
         return one.run(observers), folder, made
+
     return start
 
 

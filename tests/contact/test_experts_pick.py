@@ -11,9 +11,15 @@ UPRIGHT, DOWN = np.array([1.0, 0.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0, 0.0])
 
 
 def state(carton, can_size=(0.06, 0.06, 0.1)):
-    values = {"ee_quat": DOWN, "can_pos": np.array([0.0, 0.0, 0.05]), "can_quat": UPRIGHT,
-              "can_size": np.array(can_size), "carton_pos": np.array(carton), "carton_quat": UPRIGHT,
-              "carton_size": np.array([0.06, 0.06, 0.12])}
+    values = {
+        "ee_quat": DOWN,
+        "can_pos": np.array([0.0, 0.0, 0.05]),
+        "can_quat": UPRIGHT,
+        "can_size": np.array(can_size),
+        "carton_pos": np.array(carton),
+        "carton_quat": UPRIGHT,
+        "carton_size": np.array([0.06, 0.06, 0.12]),
+    }
     return Context({name: value[None, None] for name, value in values.items()}, (1, 1))
 
 
@@ -28,7 +34,9 @@ def test_a_narrow_object_is_grasped_across_whatever_stands_beside_it():
     assert abs(axis(grasp_quaternion(beside, "can", ["carton"]), "y")[1]) == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize(("point", "expected"), [((-0.05, 0.0, 0.1), 0.0), ((-0.04, 0.0, 0.1), 0.01),
-                                                 ((-0.08, 0.0, 0.13), 0.01), ((0.2, 0.0, 0.1), ENOUGH_M)])
+@pytest.mark.parametrize(
+    ("point", "expected"),
+    [((-0.05, 0.0, 0.1), 0.0), ((-0.04, 0.0, 0.1), 0.01), ((-0.08, 0.0, 0.13), 0.01), ((0.2, 0.0, 0.1), ENOUGH_M)],
+)
 def test_room_is_counted_from_the_others_surface(point, expected):
     assert room(state((-0.08, 0.0, 0.06)), "carton", np.array(point)) == pytest.approx(expected)

@@ -23,11 +23,17 @@ VECTORS = arrays(float, 3, elements=st.floats(-10, 10))
 TURNS = VECTORS.map(lambda v: from_rotvec(v))
 
 
-@pytest.mark.parametrize(("rpy", "quaternion", "x_goes_to"), [
-    ((0, 0, 0), (1, 0, 0, 0), (1, 0, 0)), ((0, 0, 90), (ROOT, 0, 0, ROOT), (0, 1, 0)),
-    ((0, 90, 0), (ROOT, 0, ROOT, 0), (0, 0, -1)), ((90, 0, 0), (ROOT, ROOT, 0, 0), (1, 0, 0)),
-    ((180, 0, 0), (0, 1, 0, 0), (1, 0, 0)), ((90, 0, 90), (0.5, 0.5, 0.5, 0.5), (0, 1, 0)),
-])
+@pytest.mark.parametrize(
+    ("rpy", "quaternion", "x_goes_to"),
+    [
+        ((0, 0, 0), (1, 0, 0, 0), (1, 0, 0)),
+        ((0, 0, 90), (ROOT, 0, 0, ROOT), (0, 1, 0)),
+        ((0, 90, 0), (ROOT, 0, ROOT, 0), (0, 0, -1)),
+        ((90, 0, 0), (ROOT, ROOT, 0, 0), (1, 0, 0)),
+        ((180, 0, 0), (0, 1, 0, 0), (1, 0, 0)),
+        ((90, 0, 90), (0.5, 0.5, 0.5, 0.5), (0, 1, 0)),
+    ],
+)
 def test_known_turns(rpy, quaternion, x_goes_to):
     found = from_rpy_deg(rpy)
     assert found == pytest.approx(quaternion, abs=1e-12)

@@ -25,11 +25,18 @@ def test_all_conditions_hold_at_once():
     assert judge.holding == (True, False)
 
 
-@pytest.mark.parametrize(("position", "failure"), [
-    ((0, 0, 0.03), None), ((0, 0, 0.005), None), ((0, 0, -0.02), "tunnelling: box"),
-    ((0.41, 0, -0.02), None),  # over the edge, not yet lost
-    ((0.5, 0, -0.2), "dropped: box"), ((0, -0.5, -0.2), "dropped: box"), ((0.5, 0, 0.3), None),
-])
+@pytest.mark.parametrize(
+    ("position", "failure"),
+    [
+        ((0, 0, 0.03), None),
+        ((0, 0, 0.005), None),
+        ((0, 0, -0.02), "tunnelling: box"),
+        ((0.41, 0, -0.02), None),  # over the edge, not yet lost
+        ((0.5, 0, -0.2), "dropped: box"),
+        ((0, -0.5, -0.2), "dropped: box"),
+        ((0.5, 0, 0.3), None),
+    ],
+)
 def test_failures(position, failure):
     assert Judge(trial()).failure(truth(0, body(position))) == failure
 
@@ -44,13 +51,16 @@ def test_tunnelling_is_told_wherever_an_objects_origin_lies():
 WALL = {"name": "wall", "size": [0.05, 0.6, 0.2], "position": [0.2, 0.3, 0.1], "yaw_deg": 90}
 
 
-@pytest.mark.parametrize(("way", "failure"), [
-    ([(-0.2, 0.2, 0.03), (-0.2, 0.39, 0.03)], None),  # past the wall's end: it stands along x
-    ([(0.2, 0.2, 0.03), (0.2, 0.279, 0.03)], None),  # pressed into it
-    ([(0.2, 0.2, 0.03), (0.2, 0.281, 0.03)], "tunnelling: box"),
-    ([(0.2, 0.2, 0.03), (0.2, 0.39, 0.03)], "tunnelling: box"),  # through it between two looks
-    ([(0.2, 0.2, 0.03), (0.2, 0.2, 0.3), (0.2, 0.39, 0.3), (0.2, 0.39, 0.03)], None),  # over it
-])
+@pytest.mark.parametrize(
+    ("way", "failure"),
+    [
+        ([(-0.2, 0.2, 0.03), (-0.2, 0.39, 0.03)], None),  # past the wall's end: it stands along x
+        ([(0.2, 0.2, 0.03), (0.2, 0.279, 0.03)], None),  # pressed into it
+        ([(0.2, 0.2, 0.03), (0.2, 0.281, 0.03)], "tunnelling: box"),
+        ([(0.2, 0.2, 0.03), (0.2, 0.39, 0.03)], "tunnelling: box"),  # through it between two looks
+        ([(0.2, 0.2, 0.03), (0.2, 0.2, 0.3), (0.2, 0.39, 0.3), (0.2, 0.39, 0.03)], None),  # over it
+    ],
+)
 def test_what_goes_through_a_fixture_has_tunnelled(way, failure):
     judge = Judge(trial(fixtures=[WALL]))
     said = [judge.failure(truth(0.02 * k, body(place))) for k, place in enumerate(way)]

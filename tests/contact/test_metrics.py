@@ -15,19 +15,44 @@ EVENTS = [
     {"step": 2, "t": 0.04, "event": "stage", "before": "reach", "stage": "close"},
     {"step": 4, "t": 0.08, "event": "end", "reason": "success", "advisor_calls": 3, "repairs": 1, "memory_hit": True},
 ]
-ROWS = [{"step": str(k), "t": str(0.02 * k), "x": "0", "y": str(0.01 * k), "z": "0.1", "box_hand_force": str(force)}
-        for k, force in enumerate((0.0, 0.0, 0.0, 3.0, 5.0))]
+ROWS = [
+    {"step": str(k), "t": str(0.02 * k), "x": "0", "y": str(0.01 * k), "z": "0.1", "box_hand_force": str(force)}
+    for k, force in enumerate((0.0, 0.0, 0.0, 3.0, 5.0))
+]
 
 
 def test_metrics_of_a_finished_episode():
     found = metrics_of(EVENTS, ROWS)
     assert found == {
-        "success": True, "end_reason": "success", "sim_time_s": 0.08, "steps": 4, "plans": 2, "policy_calls": 1,
-        "stages": 1, "strategy": "pick", "advisor_calls": 3, "repairs": 1, "memory_hit": True, "path_length_m": 0.04,
-        "peak_hand_force_n": 5.0, "mean_hand_force_n": 4.0, "contact_time_s": 0.04, "contacts": 1,
-        "first_touch_s": 0.04, "plan_cost": 3.5, "plan_cost_jump": 1.0, "effective_samples": 3.0,
-        "diverged_rehearsals": 1, "track_lost": 0, "track_recovered": 0, "track_lost_s": 0.0,
-        "pose_error_mm": None, "pose_error_deg": None, "poses": "ground-truth", "tracker": ""}
+        "success": True,
+        "end_reason": "success",
+        "sim_time_s": 0.08,
+        "steps": 4,
+        "plans": 2,
+        "policy_calls": 1,
+        "stages": 1,
+        "strategy": "pick",
+        "advisor_calls": 3,
+        "repairs": 1,
+        "memory_hit": True,
+        "path_length_m": 0.04,
+        "peak_hand_force_n": 5.0,
+        "mean_hand_force_n": 4.0,
+        "contact_time_s": 0.04,
+        "contacts": 1,
+        "first_touch_s": 0.04,
+        "plan_cost": 3.5,
+        "plan_cost_jump": 1.0,
+        "effective_samples": 3.0,
+        "diverged_rehearsals": 1,
+        "track_lost": 0,
+        "track_recovered": 0,
+        "track_lost_s": 0.0,
+        "pose_error_mm": None,
+        "pose_error_deg": None,
+        "poses": "ground-truth",
+        "tracker": "",
+    }
     assert set(found) == set(DEFINITIONS)
 
 
@@ -56,8 +81,19 @@ def test_a_folder_without_a_run_is_refused(tmp_path):
 
 def test_losses_and_errors_of_tracked_poses_are_counted():
     events = [{"event": "track", "step": 1, "lost": True}, {"event": "track", "step": 2, "lost": False}]
-    rows = [{"step": str(k), "t": str(0.1 * k), "x": "0", "y": "0", "z": "0", "box_off_m": str(0.001 * k),
-             "box_off_rad": "0.1", "box_lost": str(int(k == 2))} for k in range(1, 4)]
+    rows = [
+        {
+            "step": str(k),
+            "t": str(0.1 * k),
+            "x": "0",
+            "y": "0",
+            "z": "0",
+            "box_off_m": str(0.001 * k),
+            "box_off_rad": "0.1",
+            "box_lost": str(int(k == 2)),
+        }
+        for k in range(1, 4)
+    ]
     found = metrics_of(events, rows)
     assert (found["track_lost"], found["track_recovered"], found["track_lost_s"]) == (1, 1, 0.1)
     assert (found["pose_error_mm"], found["pose_error_deg"]) == (2.0, 5.73)

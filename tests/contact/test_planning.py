@@ -57,7 +57,8 @@ def test_each_rehearsal_is_what_stepping_it_alone_gives():
                 mujoco.mj_step(model, data)
             assert context.box_pos[k, step] == pytest.approx(data.joint("box_free").qpos[:3], abs=1e-12)
             assert context.gripper_opening[k, step] == pytest.approx(
-                data.joint("left_slide").qpos[0] + data.joint("right_slide").qpos[0], abs=1e-12)
+                data.joint("left_slide").qpos[0] + data.joint("right_slide").qpos[0], abs=1e-12
+            )
         moved.append(data.joint("box_free").qpos[0])
     assert min(moved) > 0.01
 
@@ -81,8 +82,14 @@ def test_what_is_near_an_edge_can_fall(x, falls):
 def test_nothing_sleeps_in_a_mujoco_that_cannot(monkeypatch):
     monkeypatch.setattr("coral.contact.planning.SLEEP", 0)
     monkeypatch.delattr("mujoco.MjOption.sleep_tolerance", raising=False)  # neither can it be asked for
-    tin = {"name": "tin", "parts": [{"shape": "box", "size": [0.04] * 3}], "mass_kg": 0.2, "friction": 0.5,
-           "x": 0, "y": 0.2}
+    tin = {
+        "name": "tin",
+        "parts": [{"shape": "box", "size": [0.04] * 3}],
+        "mass_kg": 0.2,
+        "friction": 0.5,
+        "x": 0,
+        "y": 0.2,
+    }
     drawn = trial(objects=[*plain()["objects"], tin])
     model = world(drawn, LIGHT | {"tin": Physical(0.2, 0.5)}).models[0]
     assert not model.opt.enableflags
@@ -130,7 +137,7 @@ def test_starts_exactly_from_what_is_measured():
     now = seen(drawn, box=box)
     initial = planner._initial(now)
     index = planner._index
-    qpos, qvel = initial[1:1 + index.nq], initial[1 + index.nq:1 + index.nq + index.nv]
+    qpos, qvel = initial[1 : 1 + index.nq], initial[1 + index.nq : 1 + index.nq + index.nv]
     assert np.array_equal(qpos[index.pose["box"]][:3], box.position)
     assert np.array_equal(qpos[index.pose["box"]][3:], box.quaternion)
     planner.rollout(beside(drawn), controls(pushes()))

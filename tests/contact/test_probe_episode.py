@@ -23,8 +23,11 @@ def test_the_truth_stays_in_the_world_and_the_belief_in_the_mind(tmp_path, monke
             self.folder = folder
 
         def run(self, observers):
-            lines = [{"event": "correction", "object": "board", "text": "too little was touched"},
-                     {"event": "correction", "object": "board", "after": [0.1, 0.5]}, {"event": "end"}]
+            lines = [
+                {"event": "correction", "object": "board", "text": "too little was touched"},
+                {"event": "correction", "object": "board", "after": [0.1, 0.5]},
+                {"event": "end"},
+            ]
             (self.folder / "events.jsonl").write_text("\n".join(json.dumps(line) for line in lines))
             return {"end_reason": "success", "sim_time_s": 9.0}
 
@@ -41,9 +44,15 @@ def told(monkeypatch):
 
     def probed(drawn, name, truth, first, cfg, *_):
         heard.append(cfg)
-        event = {"t": 4.0, "accepted": True, "after": [0.11, 0.45], "errors": [6.0, 0.5],
-                 "text": "board: mass 2 to 0.11"}
+        event = {
+            "t": 4.0,
+            "accepted": True,
+            "after": [0.11, 0.45],
+            "errors": [6.0, 0.5],
+            "text": "board: mass 2 to 0.11",
+        }
         return Found((event,), "success", 9.0)
+
     monkeypatch.setattr(contact_identify, "probe_episode", probed)
     return heard
 
@@ -60,9 +69,16 @@ def test_the_command_tells_and_draws_each_correction_of_an_episode(told, tmp_pat
     assert told[0].controller.mppi.samples == 80
 
 
-@pytest.mark.parametrize(("words", "said"), [(["--every", "0"], "--every"), (["--samples", "0"], "--samples"),
-                                             (["--mass", "nan"], "--mass"), (["--seed", "-1"], "--seed"),
-                                             (["--cfg.slow-m-s", "0"], "slow_m_s")])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--every", "0"], "--every"),
+        (["--samples", "0"], "--samples"),
+        (["--mass", "nan"], "--mass"),
+        (["--seed", "-1"], "--seed"),
+        (["--cfg.slow-m-s", "0"], "slow_m_s"),
+    ],
+)
 def test_bad_input_is_refused_in_a_line(words, said, told, capsys):
     assert main(["contact", "identify", "--world", "panda", "--quiet", *words]) == 2
     error = capsys.readouterr().err

@@ -125,8 +125,10 @@ def test_a_hand_outside_the_workspace_is_drawn_back_no_harder_than_allowed(wante
     now = observed(position=HIGH + np.abs(away))
     command = made.command(target(wanted, stiffness), now)
     assert stiffness * np.linalg.norm(command.position - now.tool.position + command.force / stiffness) <= 30.0 + 1e-5
-    assert (np.abs(command.position - np.clip(command.position, LOW, HIGH))
-            <= np.abs(now.tool.position - np.clip(now.tool.position, LOW, HIGH)) + 1e-9).all()
+    assert (
+        np.abs(command.position - np.clip(command.position, LOW, HIGH))
+        <= np.abs(now.tool.position - np.clip(now.tool.position, LOW, HIGH)) + 1e-9
+    ).all()
 
 
 def test_what_is_felt_beyond_the_limit_makes_the_hand_yield_along_it_only():

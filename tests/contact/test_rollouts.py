@@ -14,8 +14,14 @@ pytestmark = pytest.mark.skipif(not SLEEP, reason="this MuJoCo cannot sleep")
 SUNK = 2e-5
 """How far (m) a light object at rest is pressed into the table."""
 BELIEFS = {"box": Physical(0.2, 0.5), "tin": Physical(0.2, 0.5)}
-TIN = {"name": "tin", "parts": [{"shape": "cylinder", "size": [0.06, 0.06, 0.04]}], "mass_kg": 0.2, "friction": 0.5,
-       "x": 0, "y": 0.2}
+TIN = {
+    "name": "tin",
+    "parts": [{"shape": "cylinder", "size": [0.06, 0.06, 0.04]}],
+    "mass_kg": 0.2,
+    "friction": 0.5,
+    "x": 0,
+    "y": 0.2,
+}
 
 
 def two(**places):
@@ -41,8 +47,12 @@ def push(count=3, steps=15, start=-0.08):
 
 
 def keep(now, steps=20):
-    return Controls(np.tile(now.tool.position, (1, steps, 1)), np.tile(now.tool.quaternion, (1, steps, 1)),
-                    np.full((1, steps), now.opening_m), 600.0)
+    return Controls(
+        np.tile(now.tool.position, (1, steps, 1)),
+        np.tile(now.tool.quaternion, (1, steps, 1)),
+        np.full((1, steps), now.opening_m),
+        600.0,
+    )
 
 
 def asleep(planner, now):
@@ -58,9 +68,16 @@ def test_what_lies_still_sleeps():
     assert asleep(world(drawn, now), now) == {"box", "tin"}
 
 
-@pytest.mark.parametrize("box", [
-    lies(0.0, velocity=(0.05, 0, 0)), lies(0.0, spin=(0, 0, 1.0)), lies(0.0, 0.2), lies(0.2, 0.12, velocity=(0, 0, -1)),
-], ids=["slides", "turns", "in the air", "falls towards the tin"])
+@pytest.mark.parametrize(
+    "box",
+    [
+        lies(0.0, velocity=(0.05, 0, 0)),
+        lies(0.0, spin=(0, 0, 1.0)),
+        lies(0.0, 0.2),
+        lies(0.2, 0.12, velocity=(0, 0, -1)),
+    ],
+    ids=["slides", "turns", "in the air", "falls towards the tin"],
+)
 def test_what_moves_or_hangs_does_not(box):
     drawn, now = two(box=box)
     assert asleep(world(drawn, now), now) == {"tin"}
@@ -123,8 +140,17 @@ def test_what_one_rehearsal_wakes_still_sleeps_in_the_next():
     drawn, now = two()
     alike = push(4)
     still = keep(now, 15)
-    mixed = Controls(*(np.concatenate([first, second, first]) for first, second in (
-        (alike.position, still.position), (alike.quaternion, still.quaternion), (alike.opening, still.opening))), 600.0)
+    mixed = Controls(
+        *(
+            np.concatenate([first, second, first])
+            for first, second in (
+                (alike.position, still.position),
+                (alike.quaternion, still.quaternion),
+                (alike.opening, still.opening),
+            )
+        ),
+        600.0,
+    )
     context, _ = world(drawn, now).rollout(now, mixed)
     assert np.array_equal(context.box_pos[:4], context.box_pos[5:])
     assert (context.box_pos[4] == now.objects["box"].position).all()

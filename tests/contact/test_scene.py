@@ -80,8 +80,9 @@ def pulled(world, target, steps=100):
     return observed
 
 
-@pytest.mark.parametrize("turn", [(0, 0, 0), (np.radians(170), 0, 0), (0, np.radians(-170), 0), (0, 0, np.radians(170)),
-                                  (1.0, -1.2, 0.7)])
+@pytest.mark.parametrize(
+    "turn", [(0, 0, 0), (np.radians(170), 0, 0), (0, np.radians(-170), 0), (0, 0, np.radians(170)), (1.0, -1.2, 0.7)]
+)
 def test_the_tool_comes_to_its_target_at_any_orientation(turn):
     turned = from_rotvec(turn)
     start = np.array([0.0, 1.0, 0.0, 0.0])

@@ -78,15 +78,24 @@ def test_the_table_may_stand_anywhere(tmp_path):
 
 CONDITION = "success.conditions.0"
 BAD = [
-    ("name", "Has Spaces", "name", "text like"), ("name", 3, "name", "string"), ("title", "", "title", "at least 1"),
-    ("titel", "x", "titel", "did you mean 'title'?"), ("format", "coral-contact/2", "format", "coral-contact/1"),
-    ("time_limit_s", 0, "time_limit_s", "greater than 0"), ("time_limit_s", True, "time_limit_s", "number"),
-    ("time_limit_s", "10", "time_limit_s", "number"), ("time_limit_s", math.nan, "time_limit_s", "finite"),
-    ("time_limit_s", math.inf, "time_limit_s", "finite"), ("time_limit_s", None, "time_limit_s", "a value"),
-    ("objects", [], "objects", "at least 1"), ("objects", {}, "objects", "a list"),
+    ("name", "Has Spaces", "name", "text like"),
+    ("name", 3, "name", "string"),
+    ("title", "", "title", "at least 1"),
+    ("titel", "x", "titel", "did you mean 'title'?"),
+    ("format", "coral-contact/2", "format", "coral-contact/1"),
+    ("time_limit_s", 0, "time_limit_s", "greater than 0"),
+    ("time_limit_s", True, "time_limit_s", "number"),
+    ("time_limit_s", "10", "time_limit_s", "number"),
+    ("time_limit_s", math.nan, "time_limit_s", "finite"),
+    ("time_limit_s", math.inf, "time_limit_s", "finite"),
+    ("time_limit_s", None, "time_limit_s", "a value"),
+    ("objects", [], "objects", "at least 1"),
+    ("objects", {}, "objects", "a list"),
     ("objects.0", 3, "objects[0]", "a mapping with the keys name, label"),
-    ("objects.0.name", "Box", "objects[0].name", "text like"), ("objects.0.name", "table", "objects[0].name", "taken"),
-    ("objects.0.name", "wall", "objects[0].name", "taken"), ("objects.0.name", "target", "objects[0].name", "taken"),
+    ("objects.0.name", "Box", "objects[0].name", "text like"),
+    ("objects.0.name", "table", "objects[0].name", "taken"),
+    ("objects.0.name", "wall", "objects[0].name", "taken"),
+    ("objects.0.name", "target", "objects[0].name", "taken"),
     *(("objects.0.name", name, "objects[0].name", "taken") for name in ("cmd", "step", "t", "event", "source", "self")),
     ("objects.0.mas_kg", 1, "objects[0].mas_kg", "did you mean 'mass_kg'?"),
     ("objects.0.mass_kg", [0.4, 0.1], "objects[0].mass_kg", "lower end first"),
@@ -112,9 +121,11 @@ BAD = [
     ("objects.0.parts.0.file", "a.stl", "objects[0].parts[0]", "another shape without one"),
     ("fixtures.0.position", "here", "fixtures[0].position", "a list"),
     ("fixtures.0.name", "hand", "fixtures[0].name", "taken"),
-    ("places", {"box": [0, 0, 0]}, "places.box", "taken"), ("places", [1], "places", "dictionary"),
+    ("places", {"box": [0, 0, 0]}, "places.box", "taken"),
+    ("places", [1], "places", "dictionary"),
     ("places", {"goal": [0, 0, True]}, "places.goal[2]", "number"),
-    ("numbers", {"time": 3}, "numbers.time", "taken"), ("numbers", {"box_pos": 3}, "numbers.box_pos", "taken"),
+    ("numbers", {"time": 3}, "numbers.time", "taken"),
+    ("numbers", {"box_pos": 3}, "numbers.box_pos", "taken"),
     ("numbers", {"n": "3"}, "numbers.n", "number"),
     ("success.hold_s", -1, "success.hold_s", "greater than or equal to 0"),
     ("success.conditions", [], "success.conditions", "at least 1"),
@@ -124,19 +135,32 @@ BAD = [
     (CONDITION, {"kind": "lifted", "object": "box"}, "success.conditions[0].height_m", "a value"),
     (CONDITION, {"kind": "lifted", "object": "box", "height": 1}, "success.conditions[0].height", "'height_m'?"),
     (CONDITION, {"kind": "released", "object": "box", "objet": 1}, "success.conditions[0].objet", "'object'?"),
-    (CONDITION, {"kind": "at", "object": "box", "place": "gaol", "tolerance_m": 0.1}, "success.conditions[0].place",
-     "did you mean 'goal'?"),
-    (CONDITION, {"kind": "at", "object": "box", "place": "goal", "tolerance_m": 0.1, "point": "edge"},
-     "success.conditions[0].point", "one of corner"),
+    (
+        CONDITION,
+        {"kind": "at", "object": "box", "place": "gaol", "tolerance_m": 0.1},
+        "success.conditions[0].place",
+        "did you mean 'goal'?",
+    ),
+    (
+        CONDITION,
+        {"kind": "at", "object": "box", "place": "goal", "tolerance_m": 0.1, "point": "edge"},
+        "success.conditions[0].point",
+        "one of corner",
+    ),
     (CONDITION, {"kind": "resting", "object": "box", "thing": "box"}, "success.conditions[0].thing", "table, wall"),
-    (CONDITION, {"kind": "touched-while-turning", "object": "box", "thing": "wall", "between_deg": [75, 15]},
-     "success.conditions[0].between_deg", "lower end first"),
+    (
+        CONDITION,
+        {"kind": "touched-while-turning", "object": "box", "thing": "wall", "between_deg": [75, 15]},
+        "success.conditions[0].between_deg",
+        "lower end first",
+    ),
     (CONDITION, {"kind": "steady-force", "object": "box", "newtons": True}, "success.conditions[0].newtons", "number"),
 ]
 
 
-@pytest.mark.parametrize(("place", "value", "field", "expected"), BAD,
-                         ids=[f"{k}-{place}" for k, (place, *_) in enumerate(BAD)])
+@pytest.mark.parametrize(
+    ("place", "value", "field", "expected"), BAD, ids=[f"{k}-{place}" for k, (place, *_) in enumerate(BAD)]
+)
 def test_refuses(tmp_path, place, value, field, expected):
     with pytest.raises(InputError) as caught:
         written(tmp_path, changed(place, value))
@@ -147,16 +171,26 @@ def test_refuses(tmp_path, place, value, field, expected):
 
 
 BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
-    f"{new}: &{new} [{', '.join([f'*{old}'] * 9)}]\n" for old, new in pairwise("abcdefghijklm"))
+    f"{new}: &{new} [{', '.join([f'*{old}'] * 9)}]\n" for old, new in pairwise("abcdefghijklm")
+)
 
 
-@pytest.mark.parametrize(("text", "expected"), [
-    ("", "nothing"), ("- 1", "a mapping"), ("a: [", "line"), (b"\xff\xfe\x00", "unreadable"),
-                                            ("when: 2026-13-45", "month"),
-    ("a: " + "[" * 3000, ""), ("? [1, 2]\n: 3", "unhashable"), ("1: 2", "found nothing"),
-    (BOMB, "values"),
-    ("a: &a [*a]", "values"),
-], ids=range(10))
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "nothing"),
+        ("- 1", "a mapping"),
+        ("a: [", "line"),
+        (b"\xff\xfe\x00", "unreadable"),
+        ("when: 2026-13-45", "month"),
+        ("a: " + "[" * 3000, ""),
+        ("? [1, 2]\n: 3", "unhashable"),
+        ("1: 2", "found nothing"),
+        (BOMB, "values"),
+        ("a: &a [*a]", "values"),
+    ],
+    ids=range(10),
+)
 def test_refuses_text(tmp_path, text, expected):
     with pytest.raises(InputError) as caught:
         written(tmp_path, text)
@@ -202,8 +236,10 @@ def test_a_mesh_in_other_units_is_told(tmp_path, edge):
         written(tmp_path, changed("objects.0.parts.0", {"shape": "mesh", "file": "m.stl", "size": [1, 1, 1]}))
 
 
-@pytest.mark.parametrize(("name", "content"), [("no.stl", None), ("a.ply", b"ply"), ("a.stl", b"solid nothing"),
-                                               ("a.obj", b"v 0 0 0\n"), ("a.stl", bytes(84))])
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [("no.stl", None), ("a.ply", b"ply"), ("a.stl", b"solid nothing"), ("a.obj", b"v 0 0 0\n"), ("a.stl", bytes(84))],
+)
 def test_refuses_meshes(tmp_path, name, content):
     if content is not None:
         (tmp_path / name).write_bytes(content)
@@ -214,17 +250,29 @@ def test_refuses_meshes(tmp_path, name, content):
 
 
 SCRAPS = st.recursive(
-    st.none() | st.booleans() | st.integers(-3, 400) | st.floats() | st.text(max_size=5) | st.sampled_from(
-        ["box", "wall", "goal", "mesh", "at", "lifted", "table"]),
-    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(
-        st.sampled_from(["name", "kind", "object", "size", "parts", "file", "place", "conditions",
-                         "x"]) | st.text(max_size=3),
-        inner, max_size=4), max_leaves=8)
+    st.none()
+    | st.booleans()
+    | st.integers(-3, 400)
+    | st.floats()
+    | st.text(max_size=5)
+    | st.sampled_from(["box", "wall", "goal", "mesh", "at", "lifted", "table"]),
+    lambda inner: (
+        st.lists(inner, max_size=4)
+        | st.dictionaries(
+            st.sampled_from(["name", "kind", "object", "size", "parts", "file", "place", "conditions", "x"])
+            | st.text(max_size=3),
+            inner,
+            max_size=4,
+        )
+    ),
+    max_leaves=8,
+)
 PLACES = sorted({place for place, *_ in BAD})
 
 
-@settings(max_examples=150, deadline=None, derandomize=True,
-          suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=150, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(st.lists(st.tuples(st.sampled_from(PLACES), SCRAPS), min_size=1, max_size=2))
 def test_whatever_is_written_loads_or_is_refused_in_one_line(tmp_path, changes):
     content = plain()

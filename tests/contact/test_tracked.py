@@ -159,8 +159,11 @@ def test_the_same_seed_gives_the_same_files(tmp_path):
 
 def test_an_episode_tells_what_was_not_found(tmp_path, monkeypatch):
     cfg = dataclasses.replace(COARSE, poses="tracked", tracked=dataclasses.replace(SMALL, search_s=0.0))
-    monkeypatch.setattr(module, "TrackedWorld", lambda *given: TrackedWorld(
-        *given, Scripted(given[0], given[1], SMALL, covered=lambda k: True)))
+    monkeypatch.setattr(
+        module,
+        "TrackedWorld",
+        lambda *given: TrackedWorld(*given, Scripted(given[0], given[1], SMALL, covered=lambda k: True)),
+    )
     result = Episode(trial(0.2), "hand", Fixed(strategy()), cfg, tmp_path / "run", variant="expert").run()
     assert (result["success"], result["end_reason"], result["poses"]) == (False, "not-found", "tracked")
     last = json.loads((tmp_path / "run" / "events.jsonl").read_text().splitlines()[-1])

@@ -38,6 +38,7 @@ def truthful(episode):
     def answer():
         box = episode.world.truth().objects["box"]
         return camera @ pose(rotation_of(box.quaternion), box.position)
+
     return answer
 
 
@@ -104,6 +105,7 @@ def test_a_server_that_dies_in_the_middle_ends_the_episode_by_name(tmp_path, mon
 def test_a_server_that_refuses_ends_the_episode_by_name(tmp_path, monkeypatch):
     def fail():
         raise RuntimeError("CUDA out of memory")
+
     monkeypatch.setattr(Oracle, "answer", staticmethod(fail))
     with serving() as server:
         result = episode(served(server), tmp_path / "run").run()
@@ -114,8 +116,9 @@ def test_a_server_that_refuses_ends_the_episode_by_name(tmp_path, monkeypatch):
 def test_a_failed_tracker_is_no_result_of_a_campaign(tmp_path, monkeypatch):
     monkeypatch.setattr(Oracle, "answer", np.zeros((4, 4)))
     with serving() as server, pytest.raises(RunError, match=r"^tracker-failed: .*no pose"):
-        run_trial(short_task(), served(server), tmp_path / "run", world="hand", variant="expert", advisor="none",
-                  seed=0)
+        run_trial(
+            short_task(), served(server), tmp_path / "run", world="hand", variant="expert", advisor="none", seed=0
+        )
 
 
 def test_nobody_there_is_told_before_anything_is_made(tmp_path, capsys):
@@ -132,13 +135,17 @@ def test_nobody_there_is_told_before_anything_is_made(tmp_path, capsys):
     assert not out.exists()
 
 
-@pytest.mark.parametrize(("flags", "named"), [
-    (["--tracker", "magic"], "--tracker: found 'magic'"),
-    (["--tracker", "foundationpose:ws://127.0.0.1:9"], "expected an address as http://"),
-    (["--tracker", NOBODY, "--poses", "ground-truth"], "--poses tracked"),
-    (["--tracker", NOBODY, "--variant", "no-tracking"], "also --variant no-tracking"),
-    (["--tracker", NOBODY, "--policy", "ws://127.0.0.1:9"], "also --policy"),
-    (["--cfg.tracked.by", "magic"], "by: found 'magic'")])
+@pytest.mark.parametrize(
+    ("flags", "named"),
+    [
+        (["--tracker", "magic"], "--tracker: found 'magic'"),
+        (["--tracker", "foundationpose:ws://127.0.0.1:9"], "expected an address as http://"),
+        (["--tracker", NOBODY, "--poses", "ground-truth"], "--poses tracked"),
+        (["--tracker", NOBODY, "--variant", "no-tracking"], "also --variant no-tracking"),
+        (["--tracker", NOBODY, "--policy", "ws://127.0.0.1:9"], "also --policy"),
+        (["--cfg.tracked.by", "magic"], "by: found 'magic'"),
+    ],
+)
 def test_flags_that_cannot_be_meant_are_named(flags, named, capsys):
     assert main(["contact", "run", "pick-box", "--world", "hand", *flags]) == 2
     assert named in capsys.readouterr().err
@@ -162,6 +169,7 @@ def test_a_campaign_tells_trackers_apart_but_not_where_they_run():
     def conditions(word):
         cfg = with_tracker(SMALL, word)
         return ContactBench()._conditions(cfg, {}, None)["configuration"]
+
     assert conditions(NOBODY) == conditions("foundationpose:http://elsewhere:5070")
     assert conditions(NOBODY) != conditions("model") == conditions(None)
     assert f"--tracker {NOBODY}" in ContactBench(tracker=NOBODY)._command()

@@ -31,28 +31,46 @@ class Pick(BaseModel):
 
 def facts():
     """What the robot believes; its +X points up the map."""
-    centroids = [{"index": k, "forward_m": y - POSE.y, "left_m": POSE.x - x, "visited": k == 12}
-                 for k, (x, y) in DOTS.items()]
+    centroids = [
+        {"index": k, "forward_m": y - POSE.y, "left_m": POSE.x - x, "visited": k == 12} for k, (x, y) in DOTS.items()
+    ]
     return {"robot": {"x": POSE.x, "y": POSE.y, "theta": POSE.theta}, "centroids": centroids}
 
 
 def drawn_map():
     cells = np.ones((240, 240), np.uint8)
-    return draw_map(MapScene(cells=cells, cell_m=0.05, pose=POSE, centroids=np.array(list(DOTS.values())),
-                             indices=list(DOTS), visited=[k == 12 for k in DOTS]))
+    return draw_map(
+        MapScene(
+            cells=cells,
+            cell_m=0.05,
+            pose=POSE,
+            centroids=np.array(list(DOTS.values())),
+            indices=list(DOTS),
+            visited=[k == 12 for k in DOTS],
+        )
+    )
 
 
 def reef_question(kind="reef-centroid"):
     drawn = drawn_map()
     frame = ((drawn.scale, 0.0, drawn.left_px), (0.0, -drawn.scale, drawn.bottom_px))
-    return Question(kind=kind, prompt="Which dot?\nThe best one.", facts=facts(),
-                    answer_type=CentroidChoice if kind == "reef-centroid" else WaypointChoice,
-                    pictures=(Picture(name="map", png=png(drawn.rgb), caption="from above", pixel_from_world=frame),))
+    return Question(
+        kind=kind,
+        prompt="Which dot?\nThe best one.",
+        facts=facts(),
+        answer_type=CentroidChoice if kind == "reef-centroid" else WaypointChoice,
+        pictures=(Picture(name="map", png=png(drawn.rgb), caption="from above", pixel_from_world=frame),),
+    )
 
 
 def pick_question():
-    return Question(kind="pick", prompt="Which?", answer_type=Pick, facts={"n": 3},
-                    pictures=(Picture(name="map", png=png(np.zeros((8, 12, 3), np.uint8)), caption="black"),))
+    return Question(
+        kind="pick",
+        prompt="Which?",
+        answer_type=Pick,
+        facts={"n": 3},
+        pictures=(Picture(name="map", png=png(np.zeros((8, 12, 3), np.uint8)), caption="black"),),
+    )
 
 
 class Asking:
@@ -121,9 +139,16 @@ class Client:
 
     def answer(self, question_id, answer, operator="", **headers):
         body = json.dumps({"answer": answer, "operator": operator})
-        return self("POST", f"/api/questions/{question_id}/answer", body,
-                    {"Content-Type": "application/json", "X-Coral-Desk": "1",
-                     **{name.replace("_", "-"): value for name, value in headers.items()}})
+        return self(
+            "POST",
+            f"/api/questions/{question_id}/answer",
+            body,
+            {
+                "Content-Type": "application/json",
+                "X-Coral-Desk": "1",
+                **{name.replace("_", "-"): value for name, value in headers.items()},
+            },
+        )
 
 
 @contextmanager
@@ -152,5 +177,12 @@ def client(server):
 @pytest.fixture(scope="session")
 def case():
     """What the tests build questions and servers from."""
-    return SimpleNamespace(pick_question=pick_question, reef_question=reef_question, refused=refused,
-                           drawn_map=drawn_map, serving=serving, client=Client, dots=DOTS)
+    return SimpleNamespace(
+        pick_question=pick_question,
+        reef_question=reef_question,
+        refused=refused,
+        drawn_map=drawn_map,
+        serving=serving,
+        client=Client,
+        dots=DOTS,
+    )

@@ -34,11 +34,16 @@ def test_the_command_serves_until_it_is_told_to_stop(tmp_path):
     assert (tmp_path / "inbox").is_dir()
 
 
-@pytest.mark.parametrize(("words", "message"), [
-    (["{file}"], "INBOX: found a file, expected a folder"), (["{folder}", "--port", "-1"], "--port: found -1"),
-    (["{folder}", "--token", "x"], "--token: found a token of 1 characters"),
-    (["{folder}", "--host", "no such host"], "--host: found 'no such host'"), ([], "coral desk: found"),
-])
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["{file}"], "INBOX: found a file, expected a folder"),
+        (["{folder}", "--port", "-1"], "--port: found -1"),
+        (["{folder}", "--token", "x"], "--token: found a token of 1 characters"),
+        (["{folder}", "--host", "no such host"], "--host: found 'no such host'"),
+        ([], "coral desk: found"),
+    ],
+)
 def test_bad_flags_are_one_line(tmp_path, capsys, words, message):
     (tmp_path / "file").write_text("")
     assert main(["desk", *(word.format(file=tmp_path / "file", folder=tmp_path) for word in words)]) == 2
@@ -51,7 +56,7 @@ def test_the_map_says_where_the_world_lies_in_it():
     belief = Belief(OccupancyMap((20.0, 16.0), CameraCfg()))
     belief.pose = Pose(7.0, 4.0, 2.0)
     belief.goal = (12.0, 9.0)
-    picture, = question_pictures(belief)
+    (picture,) = question_pictures(belief)
     rgb = cv2.imdecode(np.frombuffer(picture.png, np.uint8), cv2.IMREAD_COLOR)[:, :, ::-1]
     column, row = np.array(picture.pixel_from_world) @ (belief.pose.x, belief.pose.y, 1.0)
     red, green, blue = rgb[round(row), round(column)].astype(int)
@@ -77,7 +82,7 @@ def test_the_default_inbox_lies_in_the_run_folder(tmp_path, monkeypatch):
     with pytest.raises(Stop):
         ReefRun(world="s1", advisor="desk", out=tmp_path / "run", quiet=True)()
     assert seen == [tmp_path / "run"]
-    notice, = (tmp_path / "run" / "inbox").glob("mission-*.json")
+    (notice,) = (tmp_path / "run" / "inbox").glob("mission-*.json")
     assert json.loads(notice.read_text())["state"] == "failed"
 
 

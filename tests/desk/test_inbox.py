@@ -36,11 +36,11 @@ def test_a_file_is_no_inbox(tmp_path):
 
 def test_a_question_lives_from_open_to_answered(inbox, ask):
     asking = ask()
-    entry, = inbox.entries()
+    (entry,) = inbox.entries()
     assert (entry.id, entry.kind, entry.state, entry.attempt) == ("000001-pick", "pick", "open", 0)
     inbox.answer(asking.id, {"index": 2}, "Ana")
     assert asking.result().index == 2
-    entry, = inbox.entries()
+    (entry,) = inbox.entries()
     assert (entry.state, entry.operator, entry.answer) == ("answered", "Ana", {"index": 2})
     with pytest.raises(NotOpen, match="already answered by Ana"):
         inbox.answer(asking.id, {"index": 3}, "Bo")
@@ -127,8 +127,22 @@ def test_history_tells_which_answer_was_refused(inbox, ask, case):
     assert [entry.refused for entry in inbox.entries()] == ["behind you", "", ""]
 
 
-@pytest.mark.parametrize("name", ["..", ".", "", "../inbox/000001-pick", "000001-pick/..", "1-a/b", "%2e%2e", "1-..%2f",
-                                  "000002-none", "mission-x.json", "1-\n"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "..",
+        ".",
+        "",
+        "../inbox/000001-pick",
+        "000001-pick/..",
+        "1-a/b",
+        "%2e%2e",
+        "1-..%2f",
+        "000002-none",
+        "mission-x.json",
+        "1-\n",
+    ],
+)
 def test_only_questions_are_found(inbox, ask, name):
     ask()
     with pytest.raises(NoSuchQuestion):
@@ -137,8 +151,10 @@ def test_only_questions_are_found(inbox, ask, name):
         inbox.picture(name, "map.png")
 
 
-@pytest.mark.parametrize("name", ["question.json", "../000001-pick/map.png", "/etc/hostname", "..", "", "link.png",
-                                  "text.png", ".hidden.png"])
+@pytest.mark.parametrize(
+    "name",
+    ["question.json", "../000001-pick/map.png", "/etc/hostname", "..", "", "link.png", "text.png", ".hidden.png"],
+)
 def test_only_listed_pictures_are_found(inbox, ask, tmp_path, name):
     asking = ask()
     folder = inbox.folder / asking.id
@@ -167,13 +183,22 @@ def test_rubbish_in_the_inbox_is_listed_and_harmless(inbox, ask):
     (inbox.folder / "000005-broken" / "question.json").write_text("{")
     (inbox.folder / "notes.txt").write_text("hello")
     (inbox.folder / "mission-x.json").write_text("[]")
-    odd = {"kind": [], "answer_schema": {}, "images": 3, "rejections": [1], "asker": {"host": [], "pid": "x"},
-           "asked_at": 1e999}
+    odd = {
+        "kind": [],
+        "answer_schema": {},
+        "images": 3,
+        "rejections": [1],
+        "asker": {"host": [], "pid": "x"},
+        "asked_at": 1e999,
+    }
     (inbox.folder / "000006-odd").mkdir()
     (inbox.folder / "000006-odd" / "question.json").write_text(json.dumps(odd))
     (inbox.folder / "000006-odd" / "answer.json").write_text("[" * 900 + "]" * 900)
     assert [(entry.id, entry.state) for entry in inbox.entries()] == [
-        ("000001-pick", "open"), ("000005-broken", "unreadable"), ("000006-odd", "sent")]
+        ("000001-pick", "open"),
+        ("000005-broken", "unreadable"),
+        ("000006-odd", "sent"),
+    ]
     assert "Infinity" not in Watch(inbox).wait(-1, 0.0)[1]
     assert inbox.missions() == []
 
@@ -182,7 +207,7 @@ def test_a_mission_tells_how_it_ended(inbox):
     with mission_notice(inbox.folder, world="s1", run="runs/s1-001") as finished:
         assert inbox.missions()[0]["state"] == "running"
         finished("8 of 8 oyster clusters covered")
-    notice, = inbox.missions()
+    (notice,) = inbox.missions()
     assert (notice["state"], notice["outcome"], notice["world"]) == ("finished", "8 of 8 oyster clusters covered", "s1")
     with pytest.raises(ZeroDivisionError), mission_notice(inbox.folder):
         raise ZeroDivisionError
@@ -192,7 +217,7 @@ def test_a_mission_tells_how_it_ended(inbox):
 def test_a_killed_mission_has_stopped(inbox):
     pid = dead_process()
     with mission_notice(inbox.folder):
-        file, = inbox.folder.glob("mission-*.json")
+        (file,) = inbox.folder.glob("mission-*.json")
         notice = json.loads(file.read_text())
         file.write_text(json.dumps({**notice, "pid": pid}))
         assert inbox.missions()[0]["state"] == "stopped"

@@ -15,8 +15,15 @@ from coral.reef.geometry import Pose, to_world
 pytestmark = pytest.mark.browser
 # Only a page that never gets there waits this long; a busy machine may need more than the usual 5 s.
 expect.set_options(timeout=30_000)
-FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-         "--disable-component-update", "--disable-sync"]
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
 
 
 class Object(BaseModel):
@@ -62,12 +69,23 @@ def visit(browser, server):
         contexts.append(browser.new_context(viewport={"width": width, "height": height}))
         page = contexts[-1].new_page()
         page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("console", lambda line: line.type == "error" and "409" not in line.text and "422" not in line.text
-                and complaints.append(line.text))
+        page.on(
+            "console",
+            lambda line: (
+                line.type == "error"
+                and "409" not in line.text
+                and "422" not in line.text
+                and complaints.append(line.text)
+            ),
+        )
         page.on("request", lambda r: r.url.startswith((server.url, "data:")) or complaints.append(r.url))
         if stale is not None:
-            page.route("**/api/events", lambda route: route.fulfill(
-                content_type="text/event-stream", body=f"retry: 600000\ndata: {json.dumps(stale)}\n\n"))
+            page.route(
+                "**/api/events",
+                lambda route: route.fulfill(
+                    content_type="text/event-stream", body=f"retry: 600000\ndata: {json.dumps(stale)}\n\n"
+                ),
+            )
         page.goto(server.url)
         page.get_by_label("Operator").fill(operator)
         page.get_by_label("Operator").press("Enter")
@@ -178,7 +196,11 @@ def test_nested_answers_have_a_form_and_a_text(visit, ask):
     page.get_by_role("button", name="Edit as JSON").click()
     text = page.get_by_label("Answer as JSON")
     assert json.loads(text.input_value()) == {
-        "count": 12, "direction": [0, 0.5, -1], "objects": [{"label": "mug", "mass": 0}], "note": None}
+        "count": 12,
+        "direction": [0, 0.5, -1],
+        "objects": [{"label": "mug", "mass": 0}],
+        "note": None,
+    }
     text.fill("{")
     page.get_by_role("button", name="Submit").click()
     expect(page.locator("#send-fault")).to_contain_text("is not valid JSON")
@@ -189,8 +211,14 @@ def test_nested_answers_have_a_form_and_a_text(visit, ask):
 
 
 def test_an_answer_by_object_has_an_entry_for_each_of_them(visit, ask):
-    asking = ask(Question(kind="physical-parameters", prompt="How heavy?", answer_type=Masses,
-                          facts={"objects": {"mug": {}, "can": {}}}))
+    asking = ask(
+        Question(
+            kind="physical-parameters",
+            prompt="How heavy?",
+            answer_type=Masses,
+            facts={"objects": {"mug": {}, "can": {}}},
+        )
+    )
     page = visit()
     expect(page.get_by_role("heading", name="How heavy, how rough?")).to_be_visible()
     names = page.get_by_label("name")

@@ -30,36 +30,48 @@ GOOD: dict[str, Any] = {"mode": "push", "count": 2, "index": None}
 SCHEMA = Everything.model_json_schema()
 
 
-@pytest.mark.parametrize("more", [
-    {}, {"index": 7}, {"count": -6}, {"count": 2.0}, {"parts": [{"label": "mug", "mass": 0.5}]}, {"pair": [1, 2.5]},
-    {"flag": True}, {"table": {"a": 1}},
-])
+@pytest.mark.parametrize(
+    "more",
+    [
+        {},
+        {"index": 7},
+        {"count": -6},
+        {"count": 2.0},
+        {"parts": [{"label": "mug", "mass": 0.5}]},
+        {"pair": [1, 2.5]},
+        {"flag": True},
+        {"table": {"a": 1}},
+    ],
+)
 def test_fitting_answers(more):
     assert faults({**GOOD, **more}, SCHEMA) == []
     Everything.model_validate({**GOOD, **more})
 
 
-@pytest.mark.parametrize(("more", "place", "reason"), [
-    ({"mode": "lift"}, "mode", 'must be one of "push", "pull", not "lift"'),
-    ({"count": 7}, "count", "must be 6 or less, not 7"),
-    ({"count": -7}, "count", "must be -6 or more"),
-    ({"count": 1.5}, "count", "must be a whole number, not 1.5"),
-    ({"count": True}, "count", "must be a whole number, not true"),
-    ({"count": "2"}, "count", "must be a whole number"),
-    ({"index": "a"}, "index", "must be a whole number, not \"a\", or null"),
-    ({"parts": [{"label": "mug", "mass": 0}]}, "parts.0.mass", "must be more than 0, not 0"),
-    ({"parts": [{"label": "", "mass": 1}]}, "parts.0.label", "must have 1 characters or more"),
-    ({"parts": [{"label": "mug"}]}, "parts.0.mass", "is missing"),
-    ({"parts": [{"label": "mug", "mass": 1}] * 3}, "parts", "must have 2 entries or fewer, not 3"),
-    ({"parts": {}}, "parts", "must be a list"),
-    ({"pair": [1]}, "pair", "must have 2 entries or more"),
-    ({"pair": [1, "b"]}, "pair.1", "must be a number"),
-    ({"table": {"a": "b"}}, "table.a", "must be a whole number"),
-    ({"other": 1}, "other", "is not allowed here"),
-])
+@pytest.mark.parametrize(
+    ("more", "place", "reason"),
+    [
+        ({"mode": "lift"}, "mode", 'must be one of "push", "pull", not "lift"'),
+        ({"count": 7}, "count", "must be 6 or less, not 7"),
+        ({"count": -7}, "count", "must be -6 or more"),
+        ({"count": 1.5}, "count", "must be a whole number, not 1.5"),
+        ({"count": True}, "count", "must be a whole number, not true"),
+        ({"count": "2"}, "count", "must be a whole number"),
+        ({"index": "a"}, "index", 'must be a whole number, not "a", or null'),
+        ({"parts": [{"label": "mug", "mass": 0}]}, "parts.0.mass", "must be more than 0, not 0"),
+        ({"parts": [{"label": "", "mass": 1}]}, "parts.0.label", "must have 1 characters or more"),
+        ({"parts": [{"label": "mug"}]}, "parts.0.mass", "is missing"),
+        ({"parts": [{"label": "mug", "mass": 1}] * 3}, "parts", "must have 2 entries or fewer, not 3"),
+        ({"parts": {}}, "parts", "must be a list"),
+        ({"pair": [1]}, "pair", "must have 2 entries or more"),
+        ({"pair": [1, "b"]}, "pair.1", "must be a number"),
+        ({"table": {"a": "b"}}, "table.a", "must be a whole number"),
+        ({"other": 1}, "other", "is not allowed here"),
+    ],
+)
 def test_faults_name_the_place_and_the_reason(more, place, reason):
     fault, *_ = faults({**GOOD, **more}, SCHEMA)
-    assert (fault.place, fault.reason[:len(reason)]) == (place, reason)
+    assert (fault.place, fault.reason[: len(reason)]) == (place, reason)
     # What pydantic takes for a number in lax mode (true, "2") is still no number to a person.
     if place != "count":
         with pytest.raises(ValidationError):
@@ -68,9 +80,9 @@ def test_faults_name_the_place_and_the_reason(more, place, reason):
 
 def test_the_bounds_of_a_reef_waypoint_are_checked():
     assert faults({"forward_m": 6, "left_m": -6}, WaypointChoice.model_json_schema()) == []
-    fault, = faults({"forward_m": 7, "left_m": 0}, WaypointChoice.model_json_schema())
+    (fault,) = faults({"forward_m": 7, "left_m": 0}, WaypointChoice.model_json_schema())
     assert fault.place == "forward_m"
-    fault, = faults({}, CentroidChoice.model_json_schema())
+    (fault,) = faults({}, CentroidChoice.model_json_schema())
     assert (fault.place, fault.reason) == ("selected_centroid_index", "is missing")
 
 

@@ -21,7 +21,7 @@ def test_the_page_is_one_file_that_loads_nothing_from_elsewhere(client):
     text = page.decode().replace("http://www.w3.org/2000/svg", "")
     assert "http://" not in text
     assert "https://" not in text
-    assert "<link rel=\"stylesheet" not in text
+    assert '<link rel="stylesheet' not in text
     assert "<script src" not in text
 
 
@@ -79,11 +79,24 @@ def test_new_questions_arrive_by_themselves(server, client, ask):
     connection.close()
 
 
-@pytest.mark.parametrize("path", [
-    "/pictures/../../etc/passwd", "/pictures/000001-pick/..%2f..%2fsecret.png", "/pictures/..%2f/map.png",
-    "/pictures/000001-pick/question.json", "/pictures/000001-pick/%2e%2e", "/pictures/%00/map.png", "//etc/passwd",
-    "/api/questions/..", "/api/questions/..%2f..", "/api/questions/000002-pick", "/favicon.ico", "/page.html", "/api",
-])
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/pictures/../../etc/passwd",
+        "/pictures/000001-pick/..%2f..%2fsecret.png",
+        "/pictures/..%2f/map.png",
+        "/pictures/000001-pick/question.json",
+        "/pictures/000001-pick/%2e%2e",
+        "/pictures/%00/map.png",
+        "//etc/passwd",
+        "/api/questions/..",
+        "/api/questions/..%2f..",
+        "/api/questions/000002-pick",
+        "/favicon.ico",
+        "/page.html",
+        "/api",
+    ],
+)
 def test_there_is_no_way_out_of_the_inbox(client, ask, tmp_path, path):
     ask()
     (tmp_path / "secret.png").write_bytes(b"\x89PNG\r\n\x1a\nsecret")
@@ -92,8 +105,19 @@ def test_there_is_no_way_out_of_the_inbox(client, ask, tmp_path, path):
     assert set(reply) == {"error"}
 
 
-@pytest.mark.parametrize("host", ["evil.example", "evil.example:{port}", "127.0.0.1.evil.example:{port}", "localhost:1",
-                                  "127.0.0.1", "192.168.1.7:{port}", "", "[::1:{port}"])
+@pytest.mark.parametrize(
+    "host",
+    [
+        "evil.example",
+        "evil.example:{port}",
+        "127.0.0.1.evil.example:{port}",
+        "localhost:1",
+        "127.0.0.1",
+        "192.168.1.7:{port}",
+        "",
+        "[::1:{port}",
+    ],
+)
 def test_other_names_are_not_served(server, client, host):
     response, content = client("GET", "/api/state", headers={"Host": host.format(port=server.access.port)}, raw=True)
     assert response.status == 421
@@ -118,12 +142,23 @@ def test_other_sites_cannot_answer(client, ask):
     assert client.answer(asking.id, {"index": 1}, Origin=f"http://127.0.0.1:{client.port}")[0] == 200
 
 
-@pytest.mark.parametrize(("body", "headers", "status"), [
-    (b"{", {}, 400), (b"[]", {}, 400), (b"{}", {}, 400), (b'{"answer": NaN}', {}, 400), (b"[" * 5000, {}, 400),
-    (b'{"answer": 1, "operator": 2}', {}, 400), (b"\xff\xfe", {}, 400), (b"{}", {"Content-Type": "text/plain"}, 415),
-    (None, {"Content-Length": str(BODY_LIMIT + 1)}, 413), (None, {"Content-Length": "-1"}, 411),
-    (None, {"Content-Length": "9" * 99}, 411), (None, {"Content-Length": "x"}, 411),
-])
+@pytest.mark.parametrize(
+    ("body", "headers", "status"),
+    [
+        (b"{", {}, 400),
+        (b"[]", {}, 400),
+        (b"{}", {}, 400),
+        (b'{"answer": NaN}', {}, 400),
+        (b"[" * 5000, {}, 400),
+        (b'{"answer": 1, "operator": 2}', {}, 400),
+        (b"\xff\xfe", {}, 400),
+        (b"{}", {"Content-Type": "text/plain"}, 415),
+        (None, {"Content-Length": str(BODY_LIMIT + 1)}, 413),
+        (None, {"Content-Length": "-1"}, 411),
+        (None, {"Content-Length": "9" * 99}, 411),
+        (None, {"Content-Length": "x"}, 411),
+    ],
+)
 def test_bad_requests_are_refused(client, ask, body, headers, status):
     asking = ask()
     sent = {"X-Coral-Desk": "1", "Content-Type": "application/json", **headers}
@@ -175,11 +210,15 @@ def test_a_port_in_use_is_named(server, tmp_path):
         DeskServer(Inbox(tmp_path), port=server.access.port)
 
 
-@pytest.mark.parametrize(("options", "message"), [
-    ({"port": 70000}, "--port: found 70000"), ({"host": "192.0.2.1"}, "--host: found '192.0.2.1'"),
-    ({"token": "short"}, "--token: found a token of 5 characters"),
-    ({"token": "twelve chars; and more"}, "--token: found a token of 22 characters"),
-])
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"port": 70000}, "--port: found 70000"),
+        ({"host": "192.0.2.1"}, "--host: found '192.0.2.1'"),
+        ({"token": "short"}, "--token: found a token of 5 characters"),
+        ({"token": "twelve chars; and more"}, "--token: found a token of 22 characters"),
+    ],
+)
 def test_bad_addresses_and_tokens_are_one_line(tmp_path, options, message):
     with pytest.raises(InputError) as error:
         DeskServer(Inbox(tmp_path), **{"port": 0, **options})

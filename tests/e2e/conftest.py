@@ -17,12 +17,25 @@ def pond():
     oyster = {"z": 0.05, "radii": [0.12, 0.09, 0.06]}
     beds = {"near": (5.0, 3.0), "far": (7.5, 5.0)}
     return {
-        "format": "coral-reef/1", "name": "pond", "size_m": [9.0, 7.0], "start": {"x": 1.0, "y": 3.0, "theta": 0.0},
-        "clusters": [{"name": name, "oysters": [
-            {"x": round(x + 0.2 * (k % 6 - 2.5), 3), "y": round(y + 0.2 * (k // 6 - 2.5), 3), **oyster}
-            for k in range(36)]} for name, (x, y) in beds.items()],
-        "obstacles": [{"shape": "cylinder", "x": x, "y": y, "z": 0.7, "size": [0.15, 0.15, 0.7]}
-                      for x, y in ((3.0, 2.2), (5.8, 4.2))]}
+        "format": "coral-reef/1",
+        "name": "pond",
+        "size_m": [9.0, 7.0],
+        "start": {"x": 1.0, "y": 3.0, "theta": 0.0},
+        "clusters": [
+            {
+                "name": name,
+                "oysters": [
+                    {"x": round(x + 0.2 * (k % 6 - 2.5), 3), "y": round(y + 0.2 * (k // 6 - 2.5), 3), **oyster}
+                    for k in range(36)
+                ],
+            }
+            for name, (x, y) in beds.items()
+        ],
+        "obstacles": [
+            {"shape": "cylinder", "x": x, "y": y, "z": 0.7, "size": [0.15, 0.15, 0.7]}
+            for x, y in ((3.0, 2.2), (5.8, 4.2))
+        ],
+    }
 
 
 @pytest.fixture(scope="session")
@@ -53,7 +66,16 @@ def coral_folder():
 @pytest.fixture(scope="session")
 def coral(environment):
     """Run the command to its end in a folder."""
+
     def run(folder, *words):
-        return subprocess.run([CORAL, *map(str, words)], cwd=folder, env=environment, capture_output=True, text=True,
-                              timeout=300, check=False)
+        return subprocess.run(
+            [CORAL, *map(str, words)],
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+
     return run

@@ -14,6 +14,7 @@ RUN = ("reef", "run", "{place}/pond.yaml", "--cfg.time-limit-s", "5", "--quiet")
 @pytest.fixture
 def refused(place, capsys, monkeypatch):
     """Run the command in-process; returns its one line on standard error."""
+
     def run(*words):
         monkeypatch.chdir(place)
         before = sorted(path.relative_to(place) for path in place.rglob("*"))
@@ -25,6 +26,7 @@ def refused(place, capsys, monkeypatch):
         assert "Traceback" not in told.err
         assert sorted(path.relative_to(place) for path in place.rglob("*")) == before
         return told.err
+
     return run
 
 
@@ -41,117 +43,147 @@ def ring(content):
     """Close a wall around the second cluster."""
     content["obstacles"] += [
         {"shape": "box", "x": 5.9, "y": 5.25, "z": 0.6, "size": [0.1, 1.75, 0.6]},
-        {"shape": "box", "x": 7.45, "y": 3.5, "z": 0.6, "size": [1.55, 0.1, 0.6]}]
+        {"shape": "box", "x": 7.45, "y": 3.5, "z": 0.6, "size": [1.55, 0.1, 0.6]},
+    ]
     content["clusters"][0]["oysters"] = [dict(o, x=o["x"] - 1.0) for o in content["clusters"][0]["oysters"]]
     content["obstacles"][1]["x"] = 5.0
     content["size_m"] = [12.0, 11.0]
-    content["clusters"][1]["oysters"] = [dict(o, x=o["x"] + 1.5, y=o["y"] + 3.0)
-                                         for o in content["clusters"][1]["oysters"]]
+    content["clusters"][1]["oysters"] = [
+        dict(o, x=o["x"] + 1.5, y=o["y"] + 3.0) for o in content["clusters"][1]["oysters"]
+    ]
     content["obstacles"] += [
         {"shape": "box", "x": 9.0, "y": 5.0, "z": 0.6, "size": [2.9, 0.1, 0.6]},
-        {"shape": "box", "x": 6.0, "y": 8.0, "z": 0.6, "size": [0.1, 3.0, 0.6]}]
+        {"shape": "box", "x": 6.0, "y": 8.0, "z": 0.6, "size": [0.1, 3.0, 0.6]},
+    ]
 
 
-@pytest.mark.parametrize(("change", "named"), [
-    (lambda w: w["size_m"].__setitem__(0, -9.0), r"bad\.yaml: size_m\[0\]: found -9\.0"),
-    (lambda w: w["size_m"].__setitem__(1, float("nan")), r"bad\.yaml: size_m\[1\]: found nan"),
-    (lambda w: w["clusters"][0]["oysters"][3].update(radii=[0.1, 0.1, -0.1]),
-     r"clusters\[0\]\.oysters\[3\]\.radii\[2\]: found -0\.1"),
-    (lambda w: w["start"].update(x=float("inf")), r"start\.x: found inf"),
-    (lambda w: w["start"].update(x="left"), r"start\.x: found 'left'"),
-    (lambda w: w["start"].update(x=3.0, y=2.2), r"start: found \(3, 2\.2\), inside obstacles\[0\]"),
-    (lambda w: w["obstacles"][0].update(radius=1.0), r"obstacles\[0\]\.radius: found an unknown key"),
-    (lambda w: w.update(clutsers=[]), r"clutsers: found an unknown key.*did you mean 'clusters'"),
-    (lambda w: w.pop("clusters"), r"clusters: found nothing"),
-    (lambda w: w["clusters"].clear(), r"clusters: found"),
-    (ring, r"clusters\[1\]: found cluster 'far' out of the robot's reach"),
-])
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (lambda w: w["size_m"].__setitem__(0, -9.0), r"bad\.yaml: size_m\[0\]: found -9\.0"),
+        (lambda w: w["size_m"].__setitem__(1, float("nan")), r"bad\.yaml: size_m\[1\]: found nan"),
+        (
+            lambda w: w["clusters"][0]["oysters"][3].update(radii=[0.1, 0.1, -0.1]),
+            r"clusters\[0\]\.oysters\[3\]\.radii\[2\]: found -0\.1",
+        ),
+        (lambda w: w["start"].update(x=float("inf")), r"start\.x: found inf"),
+        (lambda w: w["start"].update(x="left"), r"start\.x: found 'left'"),
+        (lambda w: w["start"].update(x=3.0, y=2.2), r"start: found \(3, 2\.2\), inside obstacles\[0\]"),
+        (lambda w: w["obstacles"][0].update(radius=1.0), r"obstacles\[0\]\.radius: found an unknown key"),
+        (lambda w: w.update(clutsers=[]), r"clutsers: found an unknown key.*did you mean 'clusters'"),
+        (lambda w: w.pop("clusters"), r"clusters: found nothing"),
+        (lambda w: w["clusters"].clear(), r"clusters: found"),
+        (ring, r"clusters\[1\]: found cluster 'far' out of the robot's reach"),
+    ],
+)
 def test_a_fault_in_a_world_is_named(place, world, refused, change, named):
     changed(place, world, change)
     assert re.search(named, refused("reef", "run", "{place}/bad.yaml"))
     assert re.search(named, refused("reef", "envs", "{place}/bad.yaml"))
 
 
-@pytest.mark.parametrize(("words", "named"), [
-    (("reef", "run", "none.yaml"), "none.yaml"),
-    (("reef", "run", "s3"), "s3"),
-    (("reef", "run"), "WORLD"),
-    (("reef", "run", "{place}"), "{place}"),
-    ((*RUN, "--advisor", "huristic"), "--advisor: found 'huristic'.*did you mean 'heuristic'"),
-    ((*RUN, "--advisor", "openai:gpt-4o"), "OPENAI_API_KEY"),
-    ((*RUN, "--advisor", "local:8080"), "--advisor: found an incomplete local advisor"),
-    ((*RUN, "--advisor", "replay:none.jsonl"), "--advisor.*none.jsonl"),
-    ((*RUN, "--advisor", "fallible:2:heuristic"), "--advisor.*found '?2"),
-    ((*RUN, "--advisor", "fallible:often:heuristic"), "--advisor: P: found 'often'"),
-    ((*RUN, "--advisor", "fallible:0.3"), "--advisor: found 'fallible:0.3'"),
-    ((*RUN, "--advisor", "fallible:nan:heuristic"), "--advisor.*nan"),
-    ((*RUN, "--advisor", ""), "--advisor: found ''"),
-    ((*RUN, "--variant", "no-triger"), "--variant: found 'no-triger'.*did you mean 'no-trigger'"),
-    ((*RUN, "--seed", "-1"), "--seed: found -1"),
-    ((*RUN, "--seed", "1.5"), "--seed"),
-    ((*RUN, "--sead", "1"), "--sead"),
-    ((*RUN, "--cfg.time-limit-s", "-5"), "time_limit_s: found -5"),
-    ((*RUN, "--cfg.time-limit-s", "nan"), "time_limit_s: found nan"),
-    ((*RUN, "--cfg.control-period-s", "0"), "control_period_s: found 0"),
-    ((*RUN, "--robots", "0"), "--robots: found 0, expected a number from 1 to 4"),
-    ((*RUN, "--robots", "5"), "--robots: found 5, expected a number from 1 to 4"),
-    ((*RUN, "--robots", "two"), "two"),
-    ((*RUN, "--cfg.latency", "soon"), "found 'soon'"),
-    ((*RUN, "--cfg.map.cell-m", "1e-9"), "map.cell_m: found 1e-09"),
-    ((*RUN, "--cfg.simulator.vehicle.loop-s", "1e-12"), "loop_s: found 1e-12"),
-    ((*RUN, "--cfg.controller.n-rollouts", "0"), "n_rollouts: found 0"),
-    ((*RUN, "--cfg.controller.warm-fraction", "0.9"), "warm_fraction.*found 1.05"),
-    ((*RUN, "--cfg.planner.forward-m", "nan"), "planner.forward_m: found nan"),
-    ((*RUN, "--cfg.belief.visit-radius-m", "-1"), "belief.visit_radius_m: found -1"),
-    ((*RUN, "--model.attempt-timeout-s", "-1"), "--model: attempt_timeout_s: found -1"),
-    ((*RUN, "--cfg.simulator.camera.range-m", "-1"), "range_m: found -1"),
-    ((*RUN, "--cfg.simulator.noise.dropout", "3"), "dropout: found 3"),
-    ((*RUN, "--cfg.simulator.vehicle.parameters", "Z"), "parameters: found Z"),
-    ((*RUN, "--out", "{place}/pond.yaml/run"), "--out"),
-    ((*RUN, "--out", "{place}/pond.yaml"), "--out"),
-    ((*RUN, "--config", "none.yaml"), "none.yaml: found no such file"),
-    ((*RUN, "--config=none.yaml",), "none.yaml: found no such file"),
-    ((*RUN, "--config",), "--config"),
-    (("reef", "rum", "s1"), "'reef rum'.*did you mean 'reef run'"),
-    (("survey",), "'survey'"),
-    (("report", "none"), "none"),
-    (("report", "{place}"), "{place}.*events.jsonl"),
-    (("reef", "envs", "--preview", "{place}/pond.yaml/x"), "--preview"),
-    (("reef", "generate", "--out", "{place}/pond.yaml"), "--out"),
-    (("reef", "generate", "--out", "new.yaml", "--polyline", "[[1,2]"), "--polyline"),
-    (("reef", "generate", "--out", "new.yaml", "--topology", "Q"), "--topology"),
-    (("reef", "generate", "--out", "new.yaml", "--clusters", "-2"), "clusters: found -2"),
-    (("reef", "generate", "--out", "new.yaml", "--clusters", "2", "--preview", "{place}/pond.yaml/x.png"), "--preview"),
-    (("advisor", "show", "reef-centriod"), "KIND.*did you mean 'reef-centroid'"),
-])
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (("reef", "run", "none.yaml"), "none.yaml"),
+        (("reef", "run", "s3"), "s3"),
+        (("reef", "run"), "WORLD"),
+        (("reef", "run", "{place}"), "{place}"),
+        ((*RUN, "--advisor", "huristic"), "--advisor: found 'huristic'.*did you mean 'heuristic'"),
+        ((*RUN, "--advisor", "openai:gpt-4o"), "OPENAI_API_KEY"),
+        ((*RUN, "--advisor", "local:8080"), "--advisor: found an incomplete local advisor"),
+        ((*RUN, "--advisor", "replay:none.jsonl"), "--advisor.*none.jsonl"),
+        ((*RUN, "--advisor", "fallible:2:heuristic"), "--advisor.*found '?2"),
+        ((*RUN, "--advisor", "fallible:often:heuristic"), "--advisor: P: found 'often'"),
+        ((*RUN, "--advisor", "fallible:0.3"), "--advisor: found 'fallible:0.3'"),
+        ((*RUN, "--advisor", "fallible:nan:heuristic"), "--advisor.*nan"),
+        ((*RUN, "--advisor", ""), "--advisor: found ''"),
+        ((*RUN, "--variant", "no-triger"), "--variant: found 'no-triger'.*did you mean 'no-trigger'"),
+        ((*RUN, "--seed", "-1"), "--seed: found -1"),
+        ((*RUN, "--seed", "1.5"), "--seed"),
+        ((*RUN, "--sead", "1"), "--sead"),
+        ((*RUN, "--cfg.time-limit-s", "-5"), "time_limit_s: found -5"),
+        ((*RUN, "--cfg.time-limit-s", "nan"), "time_limit_s: found nan"),
+        ((*RUN, "--cfg.control-period-s", "0"), "control_period_s: found 0"),
+        ((*RUN, "--robots", "0"), "--robots: found 0, expected a number from 1 to 4"),
+        ((*RUN, "--robots", "5"), "--robots: found 5, expected a number from 1 to 4"),
+        ((*RUN, "--robots", "two"), "two"),
+        ((*RUN, "--cfg.latency", "soon"), "found 'soon'"),
+        ((*RUN, "--cfg.map.cell-m", "1e-9"), "map.cell_m: found 1e-09"),
+        ((*RUN, "--cfg.simulator.vehicle.loop-s", "1e-12"), "loop_s: found 1e-12"),
+        ((*RUN, "--cfg.controller.n-rollouts", "0"), "n_rollouts: found 0"),
+        ((*RUN, "--cfg.controller.warm-fraction", "0.9"), "warm_fraction.*found 1.05"),
+        ((*RUN, "--cfg.planner.forward-m", "nan"), "planner.forward_m: found nan"),
+        ((*RUN, "--cfg.belief.visit-radius-m", "-1"), "belief.visit_radius_m: found -1"),
+        ((*RUN, "--model.attempt-timeout-s", "-1"), "--model: attempt_timeout_s: found -1"),
+        ((*RUN, "--cfg.simulator.camera.range-m", "-1"), "range_m: found -1"),
+        ((*RUN, "--cfg.simulator.noise.dropout", "3"), "dropout: found 3"),
+        ((*RUN, "--cfg.simulator.vehicle.parameters", "Z"), "parameters: found Z"),
+        ((*RUN, "--out", "{place}/pond.yaml/run"), "--out"),
+        ((*RUN, "--out", "{place}/pond.yaml"), "--out"),
+        ((*RUN, "--config", "none.yaml"), "none.yaml: found no such file"),
+        (
+            (
+                *RUN,
+                "--config=none.yaml",
+            ),
+            "none.yaml: found no such file",
+        ),
+        (
+            (
+                *RUN,
+                "--config",
+            ),
+            "--config",
+        ),
+        (("reef", "rum", "s1"), "'reef rum'.*did you mean 'reef run'"),
+        (("survey",), "'survey'"),
+        (("report", "none"), "none"),
+        (("report", "{place}"), "{place}.*events.jsonl"),
+        (("reef", "envs", "--preview", "{place}/pond.yaml/x"), "--preview"),
+        (("reef", "generate", "--out", "{place}/pond.yaml"), "--out"),
+        (("reef", "generate", "--out", "new.yaml", "--polyline", "[[1,2]"), "--polyline"),
+        (("reef", "generate", "--out", "new.yaml", "--topology", "Q"), "--topology"),
+        (("reef", "generate", "--out", "new.yaml", "--clusters", "-2"), "clusters: found -2"),
+        (
+            ("reef", "generate", "--out", "new.yaml", "--clusters", "2", "--preview", "{place}/pond.yaml/x.png"),
+            "--preview",
+        ),
+        (("advisor", "show", "reef-centriod"), "KIND.*did you mean 'reef-centroid'"),
+    ],
+)
 def test_bad_words_are_named(place, refused, monkeypatch, words, named):
     for key in ("OPENAI_API_KEY", "CORAL_LOCAL_API_KEY"):
         monkeypatch.delenv(key, raising=False)
     assert re.search(named.format(place=re.escape(str(place))), refused(*words))
 
 
-@pytest.mark.parametrize(("text", "named"), [
-    ("time_limits: 5\n", "time_limits: found an unknown key.*did you mean 'time_limit_s'"),
-    ("time_limit_s: soon\n", "time_limit_s: found 'soon'"),
-    ("time_limit_s: -5\n", "time_limit_s: found -5"),
-    ("time_limit_s: .nan\n", "time_limit_s: found nan"),
-    ("controller: 7\n", "controller: found 7"),
-    ("controller: {costs: {gaol: 1}}\n", r"controller\.costs\.gaol: found an unknown key.*did you mean 'goal'"),
-    ("simulator: {noise: {dropout: 3}}\n", "dropout: found 3"),
-    ("latency: [1]\n", "latency: found"),
-    ("latency: soon\n", "found 'soon'"),
-    ("- a list\n", "cfg.yaml: found list"),
-    ("a: [1\n", "cfg.yaml: line 2: found"),
-    ("1: 2\n", "1: found an unknown key"),
-    ("\x00", "cfg.yaml"),
-])
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("time_limits: 5\n", "time_limits: found an unknown key.*did you mean 'time_limit_s'"),
+        ("time_limit_s: soon\n", "time_limit_s: found 'soon'"),
+        ("time_limit_s: -5\n", "time_limit_s: found -5"),
+        ("time_limit_s: .nan\n", "time_limit_s: found nan"),
+        ("controller: 7\n", "controller: found 7"),
+        ("controller: {costs: {gaol: 1}}\n", r"controller\.costs\.gaol: found an unknown key.*did you mean 'goal'"),
+        ("simulator: {noise: {dropout: 3}}\n", "dropout: found 3"),
+        ("latency: [1]\n", "latency: found"),
+        ("latency: soon\n", "found 'soon'"),
+        ("- a list\n", "cfg.yaml: found list"),
+        ("a: [1\n", "cfg.yaml: line 2: found"),
+        ("1: 2\n", "1: found an unknown key"),
+        ("\x00", "cfg.yaml"),
+    ],
+)
 def test_a_fault_in_a_configuration_is_named(place, refused, text, named):
     (place / "cfg.yaml").write_text(text)
     assert re.search(named, refused(*RUN, "--config", "cfg.yaml"))
 
 
-@pytest.mark.parametrize("text", [
-    "size_m: [1, 2\n", "just words\n", "", "\tx: 1\n", "format: coral-reef/2\n", "a: &a [*a]\n"])
+@pytest.mark.parametrize(
+    "text", ["size_m: [1, 2\n", "just words\n", "", "\tx: 1\n", "format: coral-reef/2\n", "a: &a [*a]\n"]
+)
 def test_a_world_that_is_none_is_named(place, refused, text):
     (place / "bad.yaml").write_text(text)
     assert "bad.yaml" in refused("reef", "run", "{place}/bad.yaml")

@@ -39,8 +39,15 @@ def test_the_commands_of_a_page_run(page, tmp_path, environment, coral_folder):
     path = os.pathsep.join([str(coral_folder), environment["PATH"]])
     for text in runnable(page):
         script = text.replace(".venv/bin/coral", "coral")
-        done = subprocess.run(["bash", "-euc", script], cwd=tmp_path, env={**environment, "PATH": path},
-                              capture_output=True, text=True, timeout=300, check=False)
+        done = subprocess.run(
+            ["bash", "-euc", script],
+            cwd=tmp_path,
+            env={**environment, "PATH": path},
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
         assert done.returncode == 0, f"{script}\n{done.stderr}"
 
 
@@ -51,11 +58,13 @@ def shown(page):
 @pytest.fixture(scope="module")
 def help_of(coral, tmp_path_factory):
     """The help text of a command, asked for once."""
+
     @cache
     def ask(command):
         done = coral(tmp_path_factory.getbasetemp(), *command.split(), "--help")
         assert done.returncode == 0, done.stderr
         return done.stdout
+
     return ask
 
 

@@ -10,11 +10,34 @@ from pathlib import Path
 
 import pytest
 
-KEYS = {"coverage", "clusters_covered", "clusters_total", "collisions", "advisor_calls", "requeries", "deviations",
-        "steps", "sim_time_s", "coverage_time_s", "distance_m", "end_reason", "wall_time_s", "control_ms_median",
-        "control_ms_p99"}
-FILES = {"config.yaml", "world.yaml", "events.jsonl", "trajectory.csv", "attempts.jsonl", "metrics.json", "timing.json",
-         "map.png", "report.html"}
+KEYS = {
+    "coverage",
+    "clusters_covered",
+    "clusters_total",
+    "collisions",
+    "advisor_calls",
+    "requeries",
+    "deviations",
+    "steps",
+    "sim_time_s",
+    "coverage_time_s",
+    "distance_m",
+    "end_reason",
+    "wall_time_s",
+    "control_ms_median",
+    "control_ms_p99",
+}
+FILES = {
+    "config.yaml",
+    "world.yaml",
+    "events.jsonl",
+    "trajectory.csv",
+    "attempts.jsonl",
+    "metrics.json",
+    "timing.json",
+    "map.png",
+    "report.html",
+}
 WORDS = ("reef", "run", "pond.yaml", "--cfg.time-limit-s", "40", "--json")
 
 
@@ -26,8 +49,10 @@ def runs(world, coral, tmp_path_factory):
     place = tmp_path_factory.mktemp("runs")
     (place / "pond.yaml").write_text(yaml.safe_dump(world()))
     noise = ("--cfg.simulator.noise.dropout", "0.05", "--cfg.simulator.noise.drift-xy", "0.01")
-    return {name: (coral(place, *WORDS, *noise, "--seed", seed, "--out", name), place / name)
-            for name, seed in (("first", 0), ("again", 0), ("other", 1))}
+    return {
+        name: (coral(place, *WORDS, *noise, "--seed", seed, "--out", name), place / name)
+        for name, seed in (("first", 0), ("again", 0), ("other", 1))
+    }
 
 
 def test_standard_output_is_one_json_object(runs):
@@ -67,9 +92,22 @@ def test_the_same_seed_repeats_the_mission_byte_for_byte(runs):
 
 def test_a_recording_repeats_the_mission_without_its_advisor(runs, coral):
     _, first = runs["first"]
-    done = coral(first.parent, "reef", "run", first / "world.yaml", "--advisor", f"replay:{first / 'attempts.jsonl'}",
-                 "--cfg.time-limit-s", "40", "--cfg.simulator.noise.dropout", "0.05",
-                 "--cfg.simulator.noise.drift-xy", "0.01", "--out", "replayed")
+    done = coral(
+        first.parent,
+        "reef",
+        "run",
+        first / "world.yaml",
+        "--advisor",
+        f"replay:{first / 'attempts.jsonl'}",
+        "--cfg.time-limit-s",
+        "40",
+        "--cfg.simulator.noise.dropout",
+        "0.05",
+        "--cfg.simulator.noise.drift-xy",
+        "0.01",
+        "--out",
+        "replayed",
+    )
     assert done.returncode == 0, done.stderr
     assert (first.parent / "replayed" / "metrics.json").read_bytes() == (first / "metrics.json").read_bytes()
 
@@ -90,10 +128,24 @@ def heed_ctrl_c():
 
 def interrupted(place, environment, how, rows):
     """A run without end, sent a signal once its trajectory has so many rows: exit code, folder, output, error."""
-    command = [Path(sys.executable).with_name("coral"), "reef", "run", "pond.yaml", "--cfg.no-stop-when-covered",
-               "--cfg.time-limit-s", "100000", "--cfg.latency", "1", "--out", "stopped", "--json", "--quiet"]
-    process = subprocess.Popen(command, cwd=place, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                               preexec_fn=heed_ctrl_c)
+    command = [
+        Path(sys.executable).with_name("coral"),
+        "reef",
+        "run",
+        "pond.yaml",
+        "--cfg.no-stop-when-covered",
+        "--cfg.time-limit-s",
+        "100000",
+        "--cfg.latency",
+        "1",
+        "--out",
+        "stopped",
+        "--json",
+        "--quiet",
+    ]
+    process = subprocess.Popen(
+        command, cwd=place, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=heed_ctrl_c
+    )
     path = place / "stopped" / "trajectory.csv"
     try:
         while process.poll() is None and not (path.is_file() and path.read_bytes().count(b"\n") > rows):
@@ -130,17 +182,27 @@ def test_ctrl_c_ends_a_run_in_order(place, environment):
     assert (folder / "metrics.json").is_file()
 
 
-@pytest.mark.parametrize(("words", "said"), [
-    (("--help",), "coral reef run"), ((), "usage: coral"), (("reef",), "coral reef envs"),
-    (("reef", "run", "--help"), "--cfg.time-limit-s"), (("version",), "coral 0"), (("doctor",), "ready")])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--help",), "coral reef run"),
+        ((), "usage: coral"),
+        (("reef",), "coral reef envs"),
+        (("reef", "run", "--help"), "--cfg.time-limit-s"),
+        (("version",), "coral 0"),
+        (("doctor",), "ready"),
+    ],
+)
 def test_help_is_on_standard_output(place, coral, words, said):
     done = coral(place, *words)
     assert (done.returncode, done.stderr) == (0, "")
     assert said in done.stdout
 
 
-@pytest.mark.parametrize("words", [("version",), ("doctor",), ("reef", "envs"), ("advisor", "show", "list"),
-                                   ("advisor", "show", "cost-function")])
+@pytest.mark.parametrize(
+    "words",
+    [("version",), ("doctor",), ("reef", "envs"), ("advisor", "show", "list"), ("advisor", "show", "cost-function")],
+)
 def test_every_command_speaks_json(place, coral, words):
     done = coral(place, *words, "--json")
     assert done.returncode == 0, done.stderr

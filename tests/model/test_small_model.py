@@ -37,8 +37,24 @@ def server(tmp_path_factory):
         port = probe.getsockname()[1]
     log = open(tmp_path_factory.mktemp("server") / "log", "w")  # noqa: SIM115
     process = subprocess.Popen(
-        [sys.executable, "-m", "llama_cpp.server", "--model", str(weights), "--n_threads", "1", "--n_ctx", "4096",
-         "--host", "127.0.0.1", "--port", str(port)], stdout=log, stderr=subprocess.STDOUT)
+        [
+            sys.executable,
+            "-m",
+            "llama_cpp.server",
+            "--model",
+            str(weights),
+            "--n_threads",
+            "1",
+            "--n_ctx",
+            "4096",
+            "--host",
+            "127.0.0.1",
+            "--port",
+            str(port),
+        ],
+        stdout=log,
+        stderr=subprocess.STDOUT,
+    )
     url = f"http://127.0.0.1:{port}/v1"
     try:
         for _ in range(240):
@@ -56,8 +72,16 @@ def server(tmp_path_factory):
 
 
 def test_a_mission_survives_a_weak_model(server, tmp_path):
-    cfg = ModelCfg(pictures=False, facts=False, max_output_tokens=160, temperature=0.0, attempt_timeout_s=120.0,
-                   deadline_s=240.0, max_retries=0, format_repairs=0)
+    cfg = ModelCfg(
+        pictures=False,
+        facts=False,
+        max_output_tokens=160,
+        temperature=0.0,
+        attempt_timeout_s=120.0,
+        deadline_s=240.0,
+        max_retries=0,
+        format_repairs=0,
+    )
     advisor = make_advisor(f"local:{server}#smollm2", rules=REEF_RULES, rng=np.random.default_rng(0), cfg=cfg)
     mission_cfg = MissionCfg(latency="fixed:10", time_limit_s=120.0, record=RecordCfg(pictures=False, frames=False))
     result = Mission(load_world("l1"), mission_cfg, advisor, tmp_path / "run").run()

@@ -93,9 +93,16 @@ def test_advance_begins_the_plan_later():
     assert mppi.knots[:, 0] == pytest.approx([0.5, 1.5, 2.5, 3.0])
 
 
-@pytest.mark.parametrize(("costs", "quantile", "expected"), [
-    ([1.0, 3.0], 1.0, 1.0), ([1.0, 3.0, np.inf], 1.0, 1.0), ([4.0, 4.0], 1.0, 1.0), ([2.0], 1.0, 1.0),
-    ([], 1.0, 1.0), ([0.0, 1.0, 2.0, 1e9], 0.75, np.sqrt(2 / 3)),
-])
+@pytest.mark.parametrize(
+    ("costs", "quantile", "expected"),
+    [
+        ([1.0, 3.0], 1.0, 1.0),
+        ([1.0, 3.0, np.inf], 1.0, 1.0),
+        ([4.0, 4.0], 1.0, 1.0),
+        ([2.0], 1.0, 1.0),
+        ([], 1.0, 1.0),
+        ([0.0, 1.0, 2.0, 1e9], 0.75, np.sqrt(2 / 3)),
+    ],
+)
 def test_spread(costs, quantile, expected):
     assert spread(np.array(costs), quantile) == pytest.approx(expected)

@@ -10,12 +10,18 @@ from coral.mppi.risk import RiskCfg, risk
 COSTS = np.array([[1.0, 8.0], [2.0, 2.0], [3.0, 5.0], [10.0, 1.0]])
 
 
-@pytest.mark.parametrize(("cfg", "expected"), [
-    (RiskCfg(measure="mean"), [4.0, 4.0]), (RiskCfg(measure="worst"), [10.0, 8.0]),
-    (RiskCfg(measure="cvar", share=0.5), [6.5, 6.5]), (RiskCfg(measure="cvar", share=0.25), [10.0, 8.0]),
-    (RiskCfg(measure="cvar", share=0.0), [10.0, 8.0]), (RiskCfg(measure="cvar", share=1.0), [4.0, 4.0]),
-    (RiskCfg(measure="cvar", share=0.3), [6.5, 6.5]),
-])
+@pytest.mark.parametrize(
+    ("cfg", "expected"),
+    [
+        (RiskCfg(measure="mean"), [4.0, 4.0]),
+        (RiskCfg(measure="worst"), [10.0, 8.0]),
+        (RiskCfg(measure="cvar", share=0.5), [6.5, 6.5]),
+        (RiskCfg(measure="cvar", share=0.25), [10.0, 8.0]),
+        (RiskCfg(measure="cvar", share=0.0), [10.0, 8.0]),
+        (RiskCfg(measure="cvar", share=1.0), [4.0, 4.0]),
+        (RiskCfg(measure="cvar", share=0.3), [6.5, 6.5]),
+    ],
+)
 def test_four_beliefs(cfg, expected):
     assert risk(COSTS, cfg) == pytest.approx(expected)
 

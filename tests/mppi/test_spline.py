@@ -10,11 +10,15 @@ from coral.mppi.spline import basis, interpolate, shift
 KINDS = ("hold", "linear", "cubic")
 
 
-@pytest.mark.parametrize(("kind", "expected"), [
-    ("hold", [0.0, 0.0, 1.0, 1.0, 4.0]), ("linear", [0.0, 0.5, 1.0, 2.5, 4.0]),
-    # Catmull-Rom with held ends: at s = 1/2 the weights are (-1, 9, 9, -1) / 16.
-    ("cubic", [0.0, (9 * 1 - 4) / 16, 1.0, (9 * 1 + 9 * 4 - 4) / 16, 4.0]),
-])
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        ("hold", [0.0, 0.0, 1.0, 1.0, 4.0]),
+        ("linear", [0.0, 0.5, 1.0, 2.5, 4.0]),
+        # Catmull-Rom with held ends: at s = 1/2 the weights are (-1, 9, 9, -1) / 16.
+        ("cubic", [0.0, (9 * 1 - 4) / 16, 1.0, (9 * 1 + 9 * 4 - 4) / 16, 4.0]),
+    ],
+)
 def test_between_three_knots(kind, expected):
     values = interpolate(np.array([[0.0], [1.0], [4.0]]), np.linspace(0, 2, 5), 2.0, kind)
     assert values[:, 0] == pytest.approx(expected)

@@ -15,8 +15,9 @@ GEOM = {
     BOX: mujoco.mjtGeom.mjGEOM_BOX,
     CYLINDER: mujoco.mjtGeom.mjGEOM_CYLINDER,
 }
-ORACLE = pytest.mark.skipif("normal" not in mujoco.mj_multiRay.__doc__, reason="this MuJoCo loses pixels, and takes "
-                            "other arguments")
+ORACLE = pytest.mark.skipif(
+    "normal" not in mujoco.mj_multiRay.__doc__, reason="this MuJoCo loses pixels, and takes other arguments"
+)
 
 
 def random_world(seed, oysters=120, obstacles=40, z_m=-2.0):
@@ -25,8 +26,13 @@ def random_world(seed, oysters=120, obstacles=40, z_m=-2.0):
 
     def oyster(i):
         x, y = middles[i % 4] + rng.normal(0, 0.6, 2)
-        return Oyster(x=x, y=y, z=z_m + rng.uniform(0, 0.1), radii=tuple(rng.uniform(0.03, 0.15, 3)),
-                      rpy=tuple(rng.uniform(-3, 3, 3)))
+        return Oyster(
+            x=x,
+            y=y,
+            z=z_m + rng.uniform(0, 0.1),
+            radii=tuple(rng.uniform(0.03, 0.15, 3)),
+            rpy=tuple(rng.uniform(-3, 3, 3)),
+        )
 
     def obstacle(i):
         a, b, c = rng.uniform(0.1, 0.7, 3)
@@ -37,16 +43,28 @@ def random_world(seed, oysters=120, obstacles=40, z_m=-2.0):
         return Obstacle(shape=shape, x=x, y=y, z=z_m + rng.uniform(0, 1.8), size=size, yaw=rng.uniform(-3, 3))
 
     clusters = tuple(Cluster(name=f"c{k}", oysters=tuple(oyster(k) for _ in range(oysters // 4))) for k in range(4))
-    return ReefWorld(name="random", size_m=(12, 12), seabed=Seabed(z_m=z_m), start=Start(x=1, y=1),
-                     clusters=clusters, obstacles=tuple(obstacle(i) for i in range(obstacles)))
+    return ReefWorld(
+        name="random",
+        size_m=(12, 12),
+        seabed=Seabed(z_m=z_m),
+        start=Start(x=1, y=1),
+        clusters=clusters,
+        obstacles=tuple(obstacle(i) for i in range(obstacles)),
+    )
 
 
 def lone(obstacle=None, z_m=0.0):
     """A scene with one far oyster and perhaps an obstacle."""
     oyster = Oyster(x=-500, y=0, z=z_m, radii=(0.1, 0.1, 0.1))
     return Scene.from_world(
-        ReefWorld(name="lone", size_m=(20, 20), seabed=Seabed(z_m=z_m), start=Start(x=1, y=1),
-                  clusters=(Cluster(name="far", oysters=(oyster,)),), obstacles=(obstacle,) if obstacle else ())
+        ReefWorld(
+            name="lone",
+            size_m=(20, 20),
+            seabed=Seabed(z_m=z_m),
+            start=Start(x=1, y=1),
+            clusters=(Cluster(name="far", oysters=(oyster,)),),
+            obstacles=(obstacle,) if obstacle else (),
+        )
     )
 
 
@@ -76,16 +94,18 @@ class MujocoCamera:
         n = len(self.rays)
         ids, distance = np.zeros(n, np.int32), np.zeros(n)
         directions = (self.rays @ transform[:3, :3].T).ravel()
-        mujoco.mj_multiRay(self.model, self.data, transform[:3, 3].copy(), directions, None, 1, -1, ids, distance,
-                           None, n, 1e6)
+        mujoco.mj_multiRay(
+            self.model, self.data, transform[:3, 3].copy(), directions, None, 1, -1, ids, distance, None, n, 1e6
+        )
         shape = (self.cfg.height, self.cfg.width)
         return self.cut(ids.reshape(shape), distance.reshape(shape), self.length.reshape(shape))
 
     def pixel(self, transform, k):
         """Depth and solid of one pixel (flat index) by a single ray, which nothing is culled from."""
         ids = np.zeros(1, np.int32)
-        distance = mujoco.mj_ray(self.model, self.data, transform[:3, 3].copy(), transform[:3, :3] @ self.rays[k],
-                                 None, 1, -1, ids)
+        distance = mujoco.mj_ray(
+            self.model, self.data, transform[:3, 3].copy(), transform[:3, :3] @ self.rays[k], None, 1, -1, ids
+        )
         return self.cut(ids[0], distance, self.length[k])
 
     def cut(self, ids, distance, length):
@@ -133,8 +153,12 @@ def test_picture_equals_mujocos_ray_casting(seed):
 @pytest.mark.parametrize("shape", ["sphere", "ellipsoid", "cylinder", "box"])
 def test_a_close_solid_equals_mujocos_even_beside_and_around_the_camera(shape):
     """Solids that reach behind the image plane have silhouettes without end; around the camera they have none."""
-    size = {"sphere": (0.6, 0.6, 0.6), "ellipsoid": (0.9, 0.4, 0.7), "cylinder": (0.5, 0.5, 1.5),
-            "box": (0.9, 0.4, 0.7)}[shape]
+    size = {
+        "sphere": (0.6, 0.6, 0.6),
+        "ellipsoid": (0.9, 0.4, 0.7),
+        "cylinder": (0.5, 0.5, 1.5),
+        "box": (0.9, 0.4, 0.7),
+    }[shape]
     scene = lone(Obstacle(shape=shape, x=10, y=10, z=0.8, size=size, yaw=0.5))
     cfg = CameraCfg(near_m=1e-6, width=96, height=72)
     camera, oracle = Camera(scene, cfg), MujocoCamera(scene, cfg)
@@ -244,8 +268,15 @@ def test_each_picture_has_its_own_memory():
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("width", 1), ("hfov_deg", 180.0), ("altitude_m", 0.0), ("range_m", math.inf), ("near_m", 0.0),
-     ("pitch_down_deg", 91.0), ("hfov_deg", math.nan)],
+    [
+        ("width", 1),
+        ("hfov_deg", 180.0),
+        ("altitude_m", 0.0),
+        ("range_m", math.inf),
+        ("near_m", 0.0),
+        ("pitch_down_deg", 91.0),
+        ("hfov_deg", math.nan),
+    ],
 )
 def test_a_bad_setting_is_named(field, value):
     with pytest.raises(InputError, match=f"camera: {field}"):
@@ -261,8 +292,10 @@ def test_a_lost_pose_sees_no_solid():
 def test_a_flush_of_edge_poses_never_writes_outside():
     """Straight down over a cylinder's axis, level with a box's faces, exactly on a surface."""
     for shape in ("sphere", "ellipsoid", "cylinder", "box"):
-        camera = Camera(lone(Obstacle(shape=shape, x=5, y=5, z=1, size=(1, 1, 1))),
-                        CameraCfg(width=41, height=31, pitch_down_deg=90))
+        camera = Camera(
+            lone(Obstacle(shape=shape, x=5, y=5, z=1, size=(1, 1, 1))),
+            CameraCfg(width=41, height=31, pitch_down_deg=90),
+        )
         for x in (4.0, 5.0, 6.0):
             for altitude in (0.5, 2.0, 3.0):
                 for pitch in (0.0, -math.pi / 2):

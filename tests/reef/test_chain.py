@@ -33,7 +33,7 @@ def test_separate_oysters_of_a_bed_are_one_cluster():
     target = np.zeros((100, 100), bool)
     for y in range(20, 60, 6):
         for x in range(20, 60, 6):
-            target[y:y + 3, x:x + 3] = True
+            target[y : y + 3, x : x + 3] = True
     assert len(components(target, CELL, ChainCfg())) == 1
 
 

@@ -25,8 +25,9 @@ def boundary(footprint, k, n=4000):
     else:
         s = np.linspace(-1, 1, n // 4)
         one = np.ones_like(s)
-        local = np.concatenate([np.stack([s, one], 1), np.stack([s, -one], 1), np.stack([one, s], 1),
-                                np.stack([-one, s], 1)]) * [a, b]
+        local = np.concatenate(
+            [np.stack([s, one], 1), np.stack([s, -one], 1), np.stack([one, s], 1), np.stack([-one, s], 1)]
+        ) * [a, b]
     c, s_ = math.cos(footprint.yaw[k]), math.sin(footprint.yaw[k])
     return local @ np.array([[c, s_], [-s_, c]]) + footprint.center[k]
 
@@ -56,7 +57,10 @@ def test_the_worlds_border_is_no_obstacle():
 
 
 @given(
-    st.floats(0.05, 3), st.floats(0.05, 3), st.floats(-5, 5), st.floats(-5, 5),
+    st.floats(0.05, 3),
+    st.floats(0.05, 3),
+    st.floats(-5, 5),
+    st.floats(-5, 5),
 )
 @settings(max_examples=150, deadline=None)
 def test_ellipse_distance_equals_a_dense_search(a, b, x, y):
@@ -87,8 +91,12 @@ def test_rectangle_corner_edge_and_inside():
 def test_nearest_equals_the_search_over_all_outlines():
     rng = np.random.default_rng(3)
     n = 25
-    field = Footprints(rng.integers(0, 2, n).astype(np.int8), rng.uniform(0, 10, (n, 2)), rng.uniform(0.1, 1, (n, 2)),
-                       rng.uniform(-3, 3, n))
+    field = Footprints(
+        rng.integers(0, 2, n).astype(np.int8),
+        rng.uniform(0, 10, (n, 2)),
+        rng.uniform(0.1, 1, (n, 2)),
+        rng.uniform(-3, 3, n),
+    )
     edges = [boundary(field, k) for k in range(n)]
     checked = 0
     for x, y in rng.uniform(-1, 11, (200, 2)):

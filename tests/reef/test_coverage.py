@@ -15,8 +15,9 @@ def disc(x, y, r=0.3, name="c"):
 
 
 def meter(clusters, obstacles=(), **settings):
-    scene = Scene.from_world(ReefWorld(name="w", size_m=(20, 20), start=Start(x=1, y=1), clusters=clusters,
-                                       obstacles=obstacles))
+    scene = Scene.from_world(
+        ReefWorld(name="w", size_m=(20, 20), start=Start(x=1, y=1), clusters=clusters, obstacles=obstacles)
+    )
     return CoverageMeter(scene, CoverageCfg(**settings))
 
 
@@ -146,18 +147,29 @@ def test_cells_under_an_obstacle_are_not_part_of_the_area():
 def test_the_seen_cells_equal_a_plain_search():
     rng = np.random.default_rng(4)
     clusters = tuple(
-        Cluster(name=f"c{k}", oysters=tuple(
-            Oyster(x=x, y=y, z=0, radii=tuple(rng.uniform(0.05, 0.15, 3)), rpy=tuple(rng.uniform(-3, 3, 3)))
-            for x, y in rng.uniform(2, 10, 2) + rng.normal(0, 0.4, (15, 2))))
+        Cluster(
+            name=f"c{k}",
+            oysters=tuple(
+                Oyster(x=x, y=y, z=0, radii=tuple(rng.uniform(0.05, 0.15, 3)), rpy=tuple(rng.uniform(-3, 3, 3)))
+                for x, y in rng.uniform(2, 10, 2) + rng.normal(0, 0.4, (15, 2))
+            ),
+        )
         for k in range(5)
     )
     obstacles = tuple(
-        Obstacle(shape=("box", "ellipsoid")[k % 2], x=rng.uniform(1, 11), y=rng.uniform(1, 11), z=0.5,
-                 size=tuple(rng.uniform(0.1, 0.6, 3)), yaw=rng.uniform(-3, 3))
+        Obstacle(
+            shape=("box", "ellipsoid")[k % 2],
+            x=rng.uniform(1, 11),
+            y=rng.uniform(1, 11),
+            z=0.5,
+            size=tuple(rng.uniform(0.1, 0.6, 3)),
+            yaw=rng.uniform(-3, 3),
+        )
         for k in range(14)
     )
-    scene = Scene.from_world(ReefWorld(name="w", size_m=(12, 12), start=Start(x=1, y=1), clusters=clusters,
-                                       obstacles=obstacles))
+    scene = Scene.from_world(
+        ReefWorld(name="w", size_m=(12, 12), start=Start(x=1, y=1), clusters=clusters, obstacles=obstacles)
+    )
     watch, hiders = CoverageMeter(scene), scene.footprints()
     expected = [np.zeros(len(watch.area(k)[0]), bool) for k in range(5)]
     # Points along the line of sight; a hider that they just miss is too thin a cut to matter.
@@ -192,8 +204,14 @@ def test_a_lost_pose_sees_nothing():
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("cell_m", 0.0), ("closing_m", -0.1), ("hfov_deg", 361.0), ("range_m", 0.0), ("threshold", 0.0),
-     ("threshold", math.nan)],
+    [
+        ("cell_m", 0.0),
+        ("closing_m", -0.1),
+        ("hfov_deg", 361.0),
+        ("range_m", 0.0),
+        ("threshold", 0.0),
+        ("threshold", math.nan),
+    ],
 )
 def test_a_bad_setting_is_named(field, value):
     with pytest.raises(InputError, match=f"coverage: {field}"):

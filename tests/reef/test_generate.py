@@ -26,8 +26,9 @@ def world(request) -> ReefWorld:
 def beds(world: ReefWorld) -> list[np.ndarray]:
     """Cells (m) under the oysters of every cluster."""
     scene = Scene.from_world(world)
-    return [rasterise(scene.outlines(np.flatnonzero(scene.cluster == k)), CELL_M, 0.0)
-            for k in range(len(world.clusters))]
+    return [
+        rasterise(scene.outlines(np.flatnonzero(scene.cluster == k)), CELL_M, 0.0) for k in range(len(world.clusters))
+    ]
 
 
 def gaps(world: ReefWorld) -> list[float]:
@@ -35,8 +36,10 @@ def gaps(world: ReefWorld) -> list[float]:
     outlines = [obstacle_outline(obstacle, corners=24) for obstacle in world.obstacles]
     places = np.array([(o.x, o.y) for o in world.obstacles])
     away = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))
-    return [min(min(distance_to(outlines[k], *corner) for corner in outlines[i])
-                for k in np.argsort(away[i])[1:4]) for i in range(len(outlines))]
+    return [
+        min(min(distance_to(outlines[k], *corner) for corner in outlines[i]) for k in np.argsort(away[i])[1:4])
+        for i in range(len(outlines))
+    ]
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -140,8 +143,9 @@ def test_defaults_fit_for_any_seed(topology):
 
 
 def test_a_reef_grows_along_a_drawn_line():
-    world = generate(GeneratorCfg(spine=(((3.0, 3.0), (12.0, 4.0), (15.0, 12.0)),), clusters=4, size_m=(20.0, 16.0)),
-                     "mine")
+    world = generate(
+        GeneratorCfg(spine=(((3.0, 3.0), (12.0, 4.0), (15.0, 12.0)),), clusters=4, size_m=(20.0, 16.0)), "mine"
+    )
     assert (world.name, world.topology) == ("mine", "custom")
     assert (world.start.x, world.start.y) == (3.0, 3.0)
     assert world.start.theta == pytest.approx(math.atan2(1.0, 9.0), abs=1e-3)
@@ -149,20 +153,23 @@ def test_a_reef_grows_along_a_drawn_line():
     assert math.hypot(world.clusters[-1].oysters[0].x - 15.0, world.clusters[-1].oysters[0].y - 12.0) < 1.6
 
 
-@pytest.mark.parametrize(("changes", "field", "words"), [
-    ({"topology": "Q"}, "topology", "one of L, S, K, E, O"),
-    ({"size_m": (math.nan, 20.0)}, "size_m", "8 to 100 m"),
-    ({"clusters": 3, "topology": "E"}, "clusters", "4 (one for each line"),
-    ({"clusters": 40}, "clusters", "at most 11"),
-    ({"oysters": (5, 2)}, "oysters", "range"),
-    ({"dense_obstacles": 400}, "dense_obstacles", "at most"),
-    ({"obstacles": 500}, "obstacles", "at most"),
-    ({"passage_m": 0.5}, "passage_m", "0.8 to 5 m"),
-    ({"seed": -1}, "seed", "from 0 on"),
-    ({"spine": (((3.0, 3.0),),)}, "spine[0]", "at least 2 points"),
-    ({"spine": (((3.0, 3.0), (3.0, 3.0)),)}, "spine", "longer than"),
-    ({"spine": (((3.0, 3.0), (40.0, 3.0)),)}, "spine[0][1]", "inside size_m"),
-])
+@pytest.mark.parametrize(
+    ("changes", "field", "words"),
+    [
+        ({"topology": "Q"}, "topology", "one of L, S, K, E, O"),
+        ({"size_m": (math.nan, 20.0)}, "size_m", "8 to 100 m"),
+        ({"clusters": 3, "topology": "E"}, "clusters", "4 (one for each line"),
+        ({"clusters": 40}, "clusters", "at most 11"),
+        ({"oysters": (5, 2)}, "oysters", "range"),
+        ({"dense_obstacles": 400}, "dense_obstacles", "at most"),
+        ({"obstacles": 500}, "obstacles", "at most"),
+        ({"passage_m": 0.5}, "passage_m", "0.8 to 5 m"),
+        ({"seed": -1}, "seed", "from 0 on"),
+        ({"spine": (((3.0, 3.0),),)}, "spine[0]", "at least 2 points"),
+        ({"spine": (((3.0, 3.0), (3.0, 3.0)),)}, "spine", "longer than"),
+        ({"spine": (((3.0, 3.0), (40.0, 3.0)),)}, "spine[0][1]", "inside size_m"),
+    ],
+)
 def test_impossible_demands_are_named(changes, field, words):
     with pytest.raises(InputError) as caught:
         generate(GeneratorCfg(**changes))
@@ -173,8 +180,7 @@ def test_impossible_demands_are_named(changes, field, words):
 def test_places_are_even_along_a_line_and_reach_the_tips():
     stem, branch = np.array([(0.0, 0.0), (0.0, 14.0)]), np.array([(0.0, 7.0), (8.0, 7.0)])
     places = spread([stem, branch], 5, lead_m=2.0)
-    assert [place[:2] for place in places] == [pytest.approx(p) for p in
-                                               [(0, 2), (0, 8), (0, 14), (4, 7), (8, 7)]]
+    assert [place[:2] for place in places] == [pytest.approx(p) for p in [(0, 2), (0, 8), (0, 14), (4, 7), (8, 7)]]
     assert places[0][2] == pytest.approx(math.pi / 2)
 
 

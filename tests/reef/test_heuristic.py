@@ -6,22 +6,49 @@ HERE = {"forward_m": 0.0, "left_m": 0.0, "heading_deg": 0.0}
 
 def centroid(index, forward, left, **changes):
     distance = (forward**2 + left**2) ** 0.5
-    return {"index": index, "forward_m": forward, "left_m": left, "path_m": distance, "visited": False,
-            "failed_attempts": 0, "unexplored": 0.3, "bearing_deg": 0.0, **changes}
+    return {
+        "index": index,
+        "forward_m": forward,
+        "left_m": left,
+        "path_m": distance,
+        "visited": False,
+        "failed_attempts": 0,
+        "unexplored": 0.3,
+        "bearing_deg": 0.0,
+        **changes,
+    }
 
 
 def facts(centroids=(), frontiers=(), options=(), arrival=HERE, trend=None, dead_end=False):
-    return {"centroids": list(centroids), "frontiers": list(frontiers), "options": list(options), "arrival": arrival,
-            "trend_deg": trend, "dead_end": dead_end}
+    return {
+        "centroids": list(centroids),
+        "frontiers": list(frontiers),
+        "options": list(options),
+        "arrival": arrival,
+        "trend_deg": trend,
+        "dead_end": dead_end,
+    }
 
 
 def frontier(forward, left, **changes):
-    return {"forward_m": forward, "left_m": left, "path_m": (forward**2 + left**2) ** 0.5, "bearing_deg": 0.0,
-            "length_m": 2.0, "unexplored": 0.5, "reef_m": 2.0, **changes}
+    return {
+        "forward_m": forward,
+        "left_m": left,
+        "path_m": (forward**2 + left**2) ** 0.5,
+        "bearing_deg": 0.0,
+        "length_m": 2.0,
+        "unexplored": 0.5,
+        "reef_m": 2.0,
+        **changes,
+    }
 
 
-GRID = [{"forward_m": f, "left_m": s, "path_m": (f * f + s * s) ** 0.5, "unexplored": 0.2}
-        for f in range(-6, 7) for s in range(-6, 7) if f or s]
+GRID = [
+    {"forward_m": f, "left_m": s, "path_m": (f * f + s * s) ** 0.5, "unexplored": 0.2}
+    for f in range(-6, 7)
+    for s in range(-6, 7)
+    if f or s
+]
 
 
 def test_visited_clusters_are_avoided():

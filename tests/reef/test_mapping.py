@@ -74,7 +74,7 @@ def test_explored_is_the_visible_sector_and_stops_at_an_obstacle():
     view = frame(np.full((CAMERA.height, CAMERA.width), 10.0), np.zeros((CAMERA.height, CAMERA.width)))
     grid = OccupancyMap((20.0, 20.0), CAMERA)
     wall = int(7.0 / 0.05)
-    grid.obstacle[int(9.0 / 0.05):int(11.0 / 0.05), wall] = True
+    grid.obstacle[int(9.0 / 0.05) : int(11.0 / 0.05), wall] = True
     grid._obstacles[grid.obstacle] = 10
     grid.integrate(view, Pose(5.0, 10.0, 0.0))
     ys, xs = np.nonzero(grid.explored)
@@ -83,7 +83,7 @@ def test_explored_is_the_visible_sector_and_stops_at_an_obstacle():
     assert np.all(np.abs(np.degrees(np.arctan2(left, forward)))[np.hypot(forward, left) > 1.0] <= 62.5)
     straight = grid.explored[int(10.0 / 0.05)]
     assert straight[wall]
-    assert not straight[wall + 1:].any()
+    assert not straight[wall + 1 :].any()
     sector = math.pi * 36 / 3
     assert 0.6 * sector < grid.explored.sum() * 0.05**2 < sector
 

@@ -7,8 +7,15 @@ from coral.reef.metrics import DEFINITIONS, compute_metrics, metrics_of
 
 
 def row(step, x, coverage, covered, clearance=1.0):
-    return {"step": str(step), "t": str(step / 10), "x": str(x), "y": "0", "clearance": str(clearance),
-            "clusters_covered": str(covered), "coverage": str(coverage)}
+    return {
+        "step": str(step),
+        "t": str(step / 10),
+        "x": str(x),
+        "y": "0",
+        "clearance": str(clearance),
+        "clusters_covered": str(covered),
+        "coverage": str(coverage),
+    }
 
 
 EVENTS = [
@@ -32,11 +39,26 @@ def test_counts_and_rates_by_hand():
     rows = [row(1, 0.0, 0.0, 0), row(200, 3.0, 0.25, 1, clearance=0.05), row(400, 7.0, 0.25, 1)]
     assert metrics_of(EVENTS, rows) == {
         **metrics_of(EVENTS, rows),
-        "coverage": 0.25, "clusters_covered": 1, "clusters_total": 4, "collisions": 1, "advisor_calls": 2,
-        "requeries": 1, "rejections": 1, "fallbacks": 1, "deviations": 1, "steps": 400, "sim_time_s": 40.0,
+        "coverage": 0.25,
+        "clusters_covered": 1,
+        "clusters_total": 4,
+        "collisions": 1,
+        "advisor_calls": 2,
+        "requeries": 1,
+        "rejections": 1,
+        "fallbacks": 1,
+        "deviations": 1,
+        "steps": 400,
+        "sim_time_s": 40.0,
         "coverage_time_s": 25.0,
-        "steps_per_percent": 16.0, "distance_m": 7.0, "mean_speed_m_s": 0.175, "min_clearance_m": 0.05,
-        "planner_failures": 1, "path_replans": 1, "end_reason": "time limit"}
+        "steps_per_percent": 16.0,
+        "distance_m": 7.0,
+        "mean_speed_m_s": 0.175,
+        "min_clearance_m": 0.05,
+        "planner_failures": 1,
+        "path_replans": 1,
+        "end_reason": "time limit",
+    }
 
 
 def test_every_metric_is_defined_in_words():

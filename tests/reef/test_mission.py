@@ -113,8 +113,9 @@ def with_fallback(policy):
     return dataclasses.replace(SHORT, pilot=dataclasses.replace(SHORT.pilot, fallback=policy))
 
 
-@pytest.mark.parametrize(("advisor", "failure"), [(Silent, "no-network"), (Garbling, "requeries-used-up"),
-                                                  (Stubborn, "requeries-used-up")])
+@pytest.mark.parametrize(
+    ("advisor", "failure"), [(Silent, "no-network"), (Garbling, "requeries-used-up"), (Stubborn, "requeries-used-up")]
+)
 def test_the_rules_take_over_when_the_advisor_fails(pond, tmp_path, advisor, failure):
     result = run(pond, tmp_path / "run", advisor(), with_fallback("heuristic"))
     assert result["fallbacks"] >= 1

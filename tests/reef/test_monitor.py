@@ -6,8 +6,9 @@ from coral.reef.monitor import MonitorCfg, PathMonitor, distance_to_path
 PATH = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0]])
 
 
-@pytest.mark.parametrize(("point", "distance"), [
-    ((2.0, 1.0), 1.0), ((-3.0, 4.0), 5.0), ((5.0, 2.0), 1.0), ((4.0, 7.0), 3.0)])
+@pytest.mark.parametrize(
+    ("point", "distance"), [((2.0, 1.0), 1.0), ((-3.0, 4.0), 5.0), ((5.0, 2.0), 1.0), ((4.0, 7.0), 3.0)]
+)
 def test_distance_to_a_polyline(point, distance):
     assert distance_to_path(PATH, *point) == pytest.approx(distance)
 

@@ -13,8 +13,7 @@ SHAPE = (CAMERA.height, CAMERA.width)
 
 
 def flat(label=Label.SEABED, depth=2.0, instance=-1):
-    return Frame(np.full(SHAPE, depth, np.float32), np.full(SHAPE, label, np.uint8),
-                 np.full(SHAPE, instance, np.int32))
+    return Frame(np.full(SHAPE, depth, np.float32), np.full(SHAPE, label, np.uint8), np.full(SHAPE, instance, np.int32))
 
 
 def spoil(frame, seed=0, **settings):
@@ -44,8 +43,11 @@ def test_same_seed_same_picture_and_the_input_is_left_alone():
 
 @pytest.mark.parametrize(
     ("settings", "sigma"),
-    [({"depth_sigma": 0.02}, 0.06), ({"depth_sigma_square": 0.02}, 0.18),
-     ({"depth_sigma": 0.02, "depth_sigma_square": 0.02}, 0.24)],
+    [
+        ({"depth_sigma": 0.02}, 0.06),
+        ({"depth_sigma_square": 0.02}, 0.18),
+        ({"depth_sigma": 0.02, "depth_sigma_square": 0.02}, 0.24),
+    ],
 )
 def test_depth_noise_grows_with_depth(settings, sigma):
     error = spoil(flat(depth=3.0), **settings).depth - 3.0
@@ -89,8 +91,12 @@ def test_visibility_without_falloff_is_a_sharp_edge():
 
 @pytest.mark.parametrize(
     ("field", "before", "after"),
-    [("oyster_missed", Label.OYSTER, Label.SEABED), ("obstacle_missed", Label.OBSTACLE, Label.SEABED),
-     ("oyster_false", Label.SEABED, Label.OYSTER), ("obstacle_false", Label.SEABED, Label.OBSTACLE)],
+    [
+        ("oyster_missed", Label.OYSTER, Label.SEABED),
+        ("obstacle_missed", Label.OBSTACLE, Label.SEABED),
+        ("oyster_false", Label.SEABED, Label.OYSTER),
+        ("obstacle_false", Label.SEABED, Label.OBSTACLE),
+    ],
 )
 def test_masks_are_wrong_at_their_rate_and_only_so(field, before, after):
     noise = SensorNoise(SensorNoiseCfg(**{field: 0.2}), np.random.default_rng(0), CAMERA)
@@ -144,8 +150,15 @@ def test_drifting_heading_stays_wrapped():
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("dropout", 1.5), ("dropout", -0.1), ("depth_sigma", math.nan), ("visibility_m", 0.0), ("patch_px", 0),
-     ("drift_xy", -1.0), ("oyster_false", math.nan)],
+    [
+        ("dropout", 1.5),
+        ("dropout", -0.1),
+        ("depth_sigma", math.nan),
+        ("visibility_m", 0.0),
+        ("patch_px", 0),
+        ("drift_xy", -1.0),
+        ("oyster_false", math.nan),
+    ],
 )
 def test_a_bad_setting_is_named(field, value):
     with pytest.raises(InputError, match=f"noise: {field}"):

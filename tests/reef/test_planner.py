@@ -29,8 +29,9 @@ def belief_with(centroids, pose=HERE, explored=None, size=20.0):
 
 
 def planner_for(belief, **changes):
-    return HighLevelPlanner(belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda belief: (),
-                            PlannerCfg(**changes))
+    return HighLevelPlanner(
+        belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda belief: (), PlannerCfg(**changes)
+    )
 
 
 def visit(belief, index):
@@ -173,13 +174,11 @@ def test_a_target_that_another_robot_has_taken_is_refused_with_a_reason():
     belief = belief_with([(14.0, 10.0), (14.0, 12.5)])
     planner = planner_for(belief)
     index = {(t.x, t.y): t.index for t in belief.tracks}
-    belief.others = (Neighbour(pose=Pose(12.0, 8.0, 0.0), radius_m=0.3, goal=(14.0, 10.0),
-                               index=index[14.0, 10.0]),)
+    belief.others = (Neighbour(pose=Pose(12.0, 8.0, 0.0), radius_m=0.3, goal=(14.0, 10.0), index=index[14.0, 10.0]),)
     question = planner.observe(())
     shown = {c["index"]: c["taken"] for c in question.facts["centroids"]}
     assert shown == {index[14.0, 10.0]: True, index[14.0, 12.5]: False}
-    assert question.facts["others"] == [
-        {"forward_m": 2.0, "left_m": -2.0, "goal_forward_m": 4.0, "goal_left_m": 0.0}]
+    assert question.facts["others"] == [{"forward_m": 2.0, "left_m": -2.0, "goal_forward_m": 4.0, "goal_left_m": 0.0}]
     refusal = planner.verify(question, CentroidChoice(selected_centroid_index=index[14.0, 10.0]))
     assert refusal.code == "taken"
     assert "Another robot" in refusal.reason

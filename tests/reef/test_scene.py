@@ -11,8 +11,14 @@ def world(oysters=(((1.0, 2.0, 0.1), (0.1, 0.2, 0.05), (0.0, 0.0, 0.0)),), obsta
         Cluster(name=f"c{i}", oysters=(Oyster(x=p[0], y=p[1], z=p[2], radii=r, rpy=a),))
         for i, (p, r, a) in enumerate(oysters)
     )
-    return ReefWorld(name="w", size_m=(20, 20), seabed=Seabed(z_m=-3.0), start=Start(x=1, y=1),
-                     clusters=clusters, obstacles=obstacles)
+    return ReefWorld(
+        name="w",
+        size_m=(20, 20),
+        seabed=Seabed(z_m=-3.0),
+        start=Start(x=1, y=1),
+        clusters=clusters,
+        obstacles=obstacles,
+    )
 
 
 def test_oysters_come_cluster_by_cluster_and_obstacles_last():
@@ -21,8 +27,9 @@ def test_oysters_come_cluster_by_cluster_and_obstacles_last():
     rock = Obstacle(shape="box", x=5, y=6, z=0.5, size=(0.3, 0.4, 0.5), yaw=0.2)
     pile = Obstacle(shape="cylinder", x=7, y=6, z=0.5, size=(0.3, 0.3, 0.5))
     clusters = (Cluster(name="west", oysters=(a, b)), Cluster(name="east", oysters=(b,)))
-    scene = Scene.from_world(ReefWorld(name="w", size_m=(20, 20), start=Start(x=1, y=1), clusters=clusters,
-                                       obstacles=(rock, pile)))
+    scene = Scene.from_world(
+        ReefWorld(name="w", size_m=(20, 20), start=Start(x=1, y=1), clusters=clusters, obstacles=(rock, pile))
+    )
     assert scene.kind.tolist() == [ELLIPSOID, ELLIPSOID, ELLIPSOID, BOX, CYLINDER]
     assert scene.label.tolist() == [Label.OYSTER] * 3 + [Label.OBSTACLE] * 2
     assert scene.cluster.tolist() == [0, 0, 1, -1, -1]

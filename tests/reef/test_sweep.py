@@ -39,8 +39,9 @@ def test_every_word_makes_the_sensors_worse():
 
 
 def test_what_the_words_stand_for():
-    noise = apply_setting((("mask_errors", 0.2), ("pose_drift", 0.05), ("visibility", 3), ("depth_noise", 0.1)), CFG,
-                          WORLD)[0].simulator.noise
+    noise = apply_setting(
+        (("mask_errors", 0.2), ("pose_drift", 0.05), ("visibility", 3), ("depth_noise", 0.1)), CFG, WORLD
+    )[0].simulator.noise
     assert (noise.oyster_missed, noise.obstacle_missed) == (0.2, 0.2)
     assert (noise.oyster_false, noise.obstacle_false) == pytest.approx((0.02, 0.02))
     assert (noise.drift_xy, noise.drift_theta) == pytest.approx((0.05, 0.005))
@@ -52,13 +53,26 @@ def test_any_key_of_the_configuration_can_be_swept():
     assert (cfg.simulator.noise.dropout, cfg.time_limit_s) == (0.2, 5)
 
 
-@pytest.mark.parametrize(("key", "value", "complaint"), [
-    ("curent", 0.1, "'current'"), ("visiblity", 3, "'visibility'"), ("dropout", 0.1, "'simulator.noise.dropout'"),
-    ("simulator.noise.drop_out", 0.1, "'simulator.noise.dropout'"), ("simulator.noise", 1, "unknown key"),
-    ("current", -0.1, "between 0 and 1"), ("current", 1.5, "between 0 and 1"), ("current", "fast", "speed"),
-    ("current", True, "speed"), ("visibility", "far", "number"), ("visibility", 0, "visibility_m"),
-    ("mask_errors", 1.5, "oyster_missed"), ("depth_noise", -1, "depth_sigma"),
-    ("time_limit_s", "x", "time_limit_s"), ("driver", "sail", "driver")])
+@pytest.mark.parametrize(
+    ("key", "value", "complaint"),
+    [
+        ("curent", 0.1, "'current'"),
+        ("visiblity", 3, "'visibility'"),
+        ("dropout", 0.1, "'simulator.noise.dropout'"),
+        ("simulator.noise.drop_out", 0.1, "'simulator.noise.dropout'"),
+        ("simulator.noise", 1, "unknown key"),
+        ("current", -0.1, "between 0 and 1"),
+        ("current", 1.5, "between 0 and 1"),
+        ("current", "fast", "speed"),
+        ("current", True, "speed"),
+        ("visibility", "far", "number"),
+        ("visibility", 0, "visibility_m"),
+        ("mask_errors", 1.5, "oyster_missed"),
+        ("depth_noise", -1, "depth_sigma"),
+        ("time_limit_s", "x", "time_limit_s"),
+        ("driver", "sail", "driver"),
+    ],
+)
 def test_bad_settings_are_told_in_one_line(key, value, complaint):
     with pytest.raises(InputError, match=complaint) as error:
         apply_setting(((key, value),), CFG, WORLD)

@@ -53,8 +53,13 @@ def test_without_memory_there_is_no_graph():
 
 
 def answer_far(belief, **topology):
-    planner = HighLevelPlanner(belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda belief: (),
-                               PlannerCfg(topology=TopologyCfg(**topology)))
+    planner = HighLevelPlanner(
+        belief,
+        CostFieldCfg(),
+        lambda kind, context: (kind, "0"),
+        lambda belief: (),
+        PlannerCfg(topology=TopologyCfg(**topology)),
+    )
     return planner.verify(planner.observe(()), CentroidChoice(selected_centroid_index=2))
 
 

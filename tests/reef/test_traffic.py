@@ -11,8 +11,13 @@ CELL = 0.05
 
 
 def other(x, y, goal=None, path=(), times=()):
-    return Neighbour(pose=Pose(x, y, 0.0), radius_m=0.3, goal=goal, path=np.array(path, float).reshape(-1, 2),
-                     times=np.array(times, float))
+    return Neighbour(
+        pose=Pose(x, y, 0.0),
+        radius_m=0.3,
+        goal=goal,
+        path=np.array(path, float).reshape(-1, 2),
+        times=np.array(times, float),
+    )
 
 
 def open_water(side=200):
@@ -52,8 +57,10 @@ def test_a_plan_that_leads_into_this_robot_is_reserved_up_to_it():
     assert line.tolist() == [[5.0, 5.0], [4.0, 5.0]]
 
 
-@pytest.mark.parametrize(("theta", "speed", "x", "expected"), [
-    (0.0, 0.1, 0.70, 0.0), (math.pi, -0.1, 0.70, 0.0), (math.pi, 0.1, 0.70, 0.1), (0.0, 0.1, 0.80, 0.1)])
+@pytest.mark.parametrize(
+    ("theta", "speed", "x", "expected"),
+    [(0.0, 0.1, 0.70, 0.0), (math.pi, -0.1, 0.70, 0.0), (math.pi, 0.1, 0.70, 0.1), (0.0, 0.1, 0.80, 0.1)],
+)
 def test_a_robot_does_not_drive_towards_one_that_is_close(theta, speed, x, expected):
     assert Traffic().held((speed, 0.2), Pose(0.0, 0.0, theta), [other(x, 0.0)]) == (expected, 0.2)
 

@@ -29,9 +29,13 @@ def plain() -> dict:
     """A small valid world as the plain values of a file."""
     oyster = {"x": 7.0, "y": 5.0, "z": 0.05, "radii": [0.1, 0.08, 0.05]}
     return {
-        "name": "pool", "size_m": [10.0, 10.0], "start": {"x": 2.0, "y": 5.0},
-        "clusters": [{"name": "a", "oysters": [dict(oyster), dict(oyster, x=7.2)]},
-                     {"name": "b", "oysters": [dict(oyster, y=8.0)]}],
+        "name": "pool",
+        "size_m": [10.0, 10.0],
+        "start": {"x": 2.0, "y": 5.0},
+        "clusters": [
+            {"name": "a", "oysters": [dict(oyster), dict(oyster, x=7.2)]},
+            {"name": "b", "oysters": [dict(oyster, y=8.0)]},
+        ],
         "obstacles": [{"shape": "box", "x": 4.0, "y": 2.0, "z": 0.6, "size": [0.3, 0.2, 0.6], "yaw": 0.3}],
     }
 
@@ -70,35 +74,38 @@ def test_a_small_world_loads_with_defaults(tmp_path):
     assert world.current.x_m_s == 0.0
 
 
-@pytest.mark.parametrize(("path", "value", "field", "words"), [
-    ("size_m", [-3.0, 10.0], "size_m[0]", "greater than 0"),
-    ("size_m", [150.0, 10.0], "size_m[0]", "between 2 and 100 m"),
-    ("size_m", [10.0, 1.0], "size_m[1]", "between 2 and 100 m"),
-    ("size_m", "10x10", "size_m", "a list"),
-    ("size_m", [10.0], "size_m[1]", "a value"),
-    ("start", None, "start", "a mapping with the keys x, y, theta"),
-    ("start.x", math.nan, "start.x", "finite"),
-    ("start.x", "left", "start.x", "number"),
-    ("start.x", True, "start.x", "number"),
-    ("start.x", 11.0, "start.x", "0 to 10 m"),
-    ("start.thetta", 1.0, "start.thetta", "did you mean 'theta'?"),
-    ("obstacle", [], "obstacle", "did you mean 'obstacles'?"),
-    ("clusters.0.oysters.1.radius", 0.1, "clusters[0].oysters[1].radius", "z, radii, rpy (did you mean 'radii'?)"),
-    ("clusters.1.oysters.0.radii", [-0.1, 0.1, 0.1], "clusters[1].oysters[0].radii[0]", "0.001"),
-    ("clusters.1.oysters.0.radii", [0.1, math.inf, 0.1], "clusters[1].oysters[0].radii[1]", "finite"),
-    ("clusters.1.oysters.0.x", 10.5, "clusters[1].oysters[0].x", "0 to 10 m"),
-    ("clusters.1.oysters.0.z", 9.0, "clusters[1].oysters[0].z", "on the seabed"),
-    ("clusters.1.oysters", [], "clusters[1].oysters", "at least 1"),
-    ("clusters.1.name", "a", "clusters[1].name", "a different name"),
-    ("clusters", [], "clusters", "at least 1"),
-    ("obstacles.0.y", -0.5, "obstacles[0].y", "0 to 10 m"),
-    ("obstacles.0.z", -4.0, "obstacles[0].z", "above 0 m"),
-    ("obstacles.0.shape", "spher", "obstacles[0].shape", "'sphere'"),
-    ("obstacles.0.shape", "cylinder", "obstacles[0]", "two equal radii"),
-    ("format", "coral-reef/9", "format", "'coral-reef/1'"),
-    ("seed", -1, "seed", "greater than or equal to 0"),
-    ("topology", "Q", "topology", "'custom'"),
-])
+@pytest.mark.parametrize(
+    ("path", "value", "field", "words"),
+    [
+        ("size_m", [-3.0, 10.0], "size_m[0]", "greater than 0"),
+        ("size_m", [150.0, 10.0], "size_m[0]", "between 2 and 100 m"),
+        ("size_m", [10.0, 1.0], "size_m[1]", "between 2 and 100 m"),
+        ("size_m", "10x10", "size_m", "a list"),
+        ("size_m", [10.0], "size_m[1]", "a value"),
+        ("start", None, "start", "a mapping with the keys x, y, theta"),
+        ("start.x", math.nan, "start.x", "finite"),
+        ("start.x", "left", "start.x", "number"),
+        ("start.x", True, "start.x", "number"),
+        ("start.x", 11.0, "start.x", "0 to 10 m"),
+        ("start.thetta", 1.0, "start.thetta", "did you mean 'theta'?"),
+        ("obstacle", [], "obstacle", "did you mean 'obstacles'?"),
+        ("clusters.0.oysters.1.radius", 0.1, "clusters[0].oysters[1].radius", "z, radii, rpy (did you mean 'radii'?)"),
+        ("clusters.1.oysters.0.radii", [-0.1, 0.1, 0.1], "clusters[1].oysters[0].radii[0]", "0.001"),
+        ("clusters.1.oysters.0.radii", [0.1, math.inf, 0.1], "clusters[1].oysters[0].radii[1]", "finite"),
+        ("clusters.1.oysters.0.x", 10.5, "clusters[1].oysters[0].x", "0 to 10 m"),
+        ("clusters.1.oysters.0.z", 9.0, "clusters[1].oysters[0].z", "on the seabed"),
+        ("clusters.1.oysters", [], "clusters[1].oysters", "at least 1"),
+        ("clusters.1.name", "a", "clusters[1].name", "a different name"),
+        ("clusters", [], "clusters", "at least 1"),
+        ("obstacles.0.y", -0.5, "obstacles[0].y", "0 to 10 m"),
+        ("obstacles.0.z", -4.0, "obstacles[0].z", "above 0 m"),
+        ("obstacles.0.shape", "spher", "obstacles[0].shape", "'sphere'"),
+        ("obstacles.0.shape", "cylinder", "obstacles[0]", "two equal radii"),
+        ("format", "coral-reef/9", "format", "'coral-reef/1'"),
+        ("seed", -1, "seed", "greater than or equal to 0"),
+        ("topology", "Q", "topology", "'custom'"),
+    ],
+)
 def test_a_wrong_value_is_named(tmp_path, path, value, field, words):
     error = refusal(tmp_path, changed(path, value))
     assert error.field == field
@@ -116,17 +123,23 @@ def test_a_long_wrong_value_is_cut_short(tmp_path):
     assert len(refusal(tmp_path, changed("start", "x" * 5000)).found) <= 60
 
 
-@pytest.mark.parametrize(("content", "field", "words"), [
-    ("name: [1,\nsize: }", "line 2", "expected valid YAML"),
-    ("", "", "an empty file"),
-    ("[1, 2]", "", "a list"),
-    (b"\xff\xfe\x00\x80", "", "UTF-8"),
-    ("when: 2026-13-45", "", "month"),
-    ("name: !!python/object:os.system x", "line 1", "constructor"),
-    ("clusters: &a [*a]", "", "more than"),
-    ("\n".join(["a0: &a0 [1, 1]", *(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]" for i in range(1, 9))]), "",
-     "more than"),
-])
+@pytest.mark.parametrize(
+    ("content", "field", "words"),
+    [
+        ("name: [1,\nsize: }", "line 2", "expected valid YAML"),
+        ("", "", "an empty file"),
+        ("[1, 2]", "", "a list"),
+        (b"\xff\xfe\x00\x80", "", "UTF-8"),
+        ("when: 2026-13-45", "", "month"),
+        ("name: !!python/object:os.system x", "line 1", "constructor"),
+        ("clusters: &a [*a]", "", "more than"),
+        (
+            "\n".join(["a0: &a0 [1, 1]", *(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]" for i in range(1, 9))]),
+            "",
+            "more than",
+        ),
+    ],
+)
 def test_a_file_that_is_no_world_is_refused(tmp_path, content, field, words):
     error = refusal(tmp_path, content)
     assert error.field == field
@@ -178,8 +191,10 @@ def test_a_gap_must_be_wider_than_the_hull(tmp_path):
 
 def test_a_cluster_seen_past_no_obstacle_is_unreachable():
     """A ring of posts lets nobody in; without line of sight, nearness does not count."""
-    posts = tuple(Obstacle(shape="cylinder", x=7.1 + 1.2 * math.cos(a), y=5.0 + 1.2 * math.sin(a), z=0.7,
-                           size=(0.2, 0.2, 0.7)) for a in np.linspace(0, 2 * math.pi, 24, endpoint=False))
+    posts = tuple(
+        Obstacle(shape="cylinder", x=7.1 + 1.2 * math.cos(a), y=5.0 + 1.2 * math.sin(a), z=0.7, size=(0.2, 0.2, 0.7))
+        for a in np.linspace(0, 2 * math.pi, 24, endpoint=False)
+    )
     closed = ReefWorld.model_validate({**plain(), "obstacles": posts})
     assert unreachable_clusters(closed) == [0]
     assert unreachable_clusters(closed.model_copy(update={"obstacles": posts[::4]})) == []
@@ -209,9 +224,13 @@ def test_outline_of_a_round_obstacle_is_its_circle():
 
 def test_what_is_saved_loads_as_it_was(tmp_path):
     world = ReefWorld(
-        name="a: b, [c]", size_m=(10.0, 12.5), start=Start(x=1.0, y=1.0, theta=-0.25),
+        name="a: b, [c]",
+        size_m=(10.0, 12.5),
+        start=Start(x=1.0, y=1.0, theta=-0.25),
         spine=(((1.0, 1.0), (5.0, 5.0)),),
-        clusters=(Cluster(name="10", oysters=(Oyster(x=5.0, y=5.0, z=0.0, radii=(0.1, 0.1, 0.05)),)),), seed=7)
+        clusters=(Cluster(name="10", oysters=(Oyster(x=5.0, y=5.0, z=0.0, radii=(0.1, 0.1, 0.05)),)),),
+        seed=7,
+    )
     path = tmp_path / "w.yaml"
     save_world(world, path, "made by hand")
     assert load_world(path) == world

@@ -15,18 +15,35 @@ from coral.view.mapview import MapScene, camera_picture, draw_map, png
 SIZE = 12.0
 CELL = 0.05
 CLUSTERS = {"north": (9.0, 9.0), "middle": (6.0, 6.0), "far": (2.0, 10.5)}
-COLUMNS = ("step,t,x,y,theta,u,v,r,est_x,est_y,est_theta,v_cmd,omega_cmd,goal_x,goal_y,clearance,planner_ok,"
-           "coverage,clusters_covered")
+COLUMNS = (
+    "step,t,x,y,theta,u,v,r,est_x,est_y,est_theta,v_cmd,omega_cmd,goal_x,goal_y,clearance,planner_ok,"
+    "coverage,clusters_covered"
+)
 
 
 def world():
-    clusters = [{"name": name, "oysters": [
-        {"x": x + 0.5 * math.cos(k), "y": y + 0.5 * math.sin(k), "z": 0.05, "radii": [0.12, 0.08, 0.06]}
-        for k in range(6)]} for name, (x, y) in CLUSTERS.items()]
-    return {"format": "coral-reef/1", "name": "made-up <reef>", "topology": "S", "size_m": [SIZE, SIZE],
-            "start": {"x": 2.0, "y": 2.0, "theta": math.pi / 4}, "clusters": clusters, "obstacles": [
-                {"shape": "box", "x": 8.0, "y": 4.0, "z": 0.5, "size": [0.6, 0.2, 0.5], "yaw": 0.5},
-                {"shape": "cylinder", "x": 4.0, "y": 7.0, "z": 0.5, "size": [0.4, 0.4, 0.5]}]}
+    clusters = [
+        {
+            "name": name,
+            "oysters": [
+                {"x": x + 0.5 * math.cos(k), "y": y + 0.5 * math.sin(k), "z": 0.05, "radii": [0.12, 0.08, 0.06]}
+                for k in range(6)
+            ],
+        }
+        for name, (x, y) in CLUSTERS.items()
+    ]
+    return {
+        "format": "coral-reef/1",
+        "name": "made-up <reef>",
+        "topology": "S",
+        "size_m": [SIZE, SIZE],
+        "start": {"x": 2.0, "y": 2.0, "theta": math.pi / 4},
+        "clusters": clusters,
+        "obstacles": [
+            {"shape": "box", "x": 8.0, "y": 4.0, "z": 0.5, "size": [0.6, 0.2, 0.5], "yaw": 0.5},
+            {"shape": "cylinder", "x": 4.0, "y": 7.0, "z": 0.5, "size": [0.4, 0.4, 0.5]},
+        ],
+    }
 
 
 def cells_at(x, y):
@@ -67,9 +84,11 @@ def write_run(folder, seconds=40.0):
         t = step / 10
         x, y, theta = pose(t)
         covered = (t > 15) + (t > 33)
-        rows.append(f"{step},{t},{x:.5f},{y:.5f},{theta:.5f},0.25,0,0,{x:.5f},{y:.5f},{theta:.5f},0.26,0.01,"
-                    f"{'' if t < 2 else 9.0},{'' if t < 2 else 9.0},{0.2 + abs(math.sin(t / 9)):.4f},1,"
-                    f"{covered / 3:.5f},{covered}")
+        rows.append(
+            f"{step},{t},{x:.5f},{y:.5f},{theta:.5f},0.25,0,0,{x:.5f},{y:.5f},{theta:.5f},0.26,0.01,"
+            f"{'' if t < 2 else 9.0},{'' if t < 2 else 9.0},{0.2 + abs(math.sin(t / 9)):.4f},1,"
+            f"{covered / 3:.5f},{covered}"
+        )
     (folder / "frames").mkdir()
     (folder / "pictures").mkdir()
     for step in range(0, steps + 1, 20):
@@ -77,26 +96,53 @@ def write_run(folder, seconds=40.0):
         depth = np.where(np.isfinite(frame.depth), frame.depth * 1000, 0).astype(np.uint16)
         for kind, image in (("map", cells_at(x, y)), ("depth", depth), ("labels", frame.labels)):
             cv2.imwrite(str(folder / "frames" / f"{step:06d}_{kind}.png"), image)
-    centroids = [{"index": k, "x": x, "y": y, "visited": k == 0} for k, (x, y) in
-                 enumerate([(6.0, 6.0), (9.0, 9.0)])]
+    centroids = [{"index": k, "x": x, "y": y, "visited": k == 0} for k, (x, y) in enumerate([(6.0, 6.0), (9.0, 9.0)])]
 
     def ask(t, decision, attempt, verdict, *, latency=4.0, mode="centroid", answer=None, code="", reason="", raw=""):
         x, y, theta = pose(t)
-        scene = MapScene(cells=cells_at(x, y), cell_m=CELL, pose=Pose(x, y, theta),
-                         centroids=np.array([(c["x"], c["y"]) for c in centroids]))
-        shown = {"map": draw_map(scene).rgb, "segmentation": camera_picture(frame),
-                 "depth": camera_picture(frame, "depth")}
+        scene = MapScene(
+            cells=cells_at(x, y),
+            cell_m=CELL,
+            pose=Pose(x, y, theta),
+            centroids=np.array([(c["x"], c["y"]) for c in centroids]),
+        )
+        shown = {
+            "map": draw_map(scene).rgb,
+            "segmentation": camera_picture(frame),
+            "depth": camera_picture(frame, "depth"),
+        }
         digests = []
         for name, rgb in shown.items():
             digests.append(f"{decision}{attempt}{name}")
             (folder / "pictures" / f"{digests[-1]}.png").write_bytes(png(rgb))
         event(t, "question", decision=decision, attempt=attempt, mode=mode, pictures=digests, centroids=centroids)
         if verdict:
-            event(t + latency, "verdict", decision=decision, attempt=attempt, verdict=verdict, code=code, reason=reason,
-                  answer=answer, asked_at=t)
-            attempts.append({"decision": decision, "attempt": attempt, "asked_at_s": t, "answered_at_s": t + latency,
-                             "pictures": digests, "captions": [[name, ""] for name in shown], "verdict": verdict,
-                             "code": code, "reason": reason, "answer": answer, "raw": raw})
+            event(
+                t + latency,
+                "verdict",
+                decision=decision,
+                attempt=attempt,
+                verdict=verdict,
+                code=code,
+                reason=reason,
+                answer=answer,
+                asked_at=t,
+            )
+            attempts.append(
+                {
+                    "decision": decision,
+                    "attempt": attempt,
+                    "asked_at_s": t,
+                    "answered_at_s": t + latency,
+                    "pictures": digests,
+                    "captions": [[name, ""] for name in shown],
+                    "verdict": verdict,
+                    "code": code,
+                    "reason": reason,
+                    "answer": answer,
+                    "raw": raw,
+                }
+            )
 
     event(0.0, "start", world="made-up <reef>", advisor="heuristic", variant="full", seed=3, clusters_total=3)
     event(0.0, "trigger", cause="first", fired=True, held_by="")
@@ -109,8 +155,15 @@ def write_run(folder, seconds=40.0):
     for k in range(10):
         event(12.5 + k / 10, "trigger", cause="distance", fired=False, held_by="pending")
     event(15.0, "cluster_covered", name="middle", fraction=0.7)
-    ask(16.0, 1, 1, "rejected", answer={"selected_centroid_index": 0, "reason": "It is near."}, code="behind-robot",
-        reason="The chosen centroid is behind the robot.")
+    ask(
+        16.0,
+        1,
+        1,
+        "rejected",
+        answer={"selected_centroid_index": 0, "reason": "It is near."},
+        code="behind-robot",
+        reason="The chosen centroid is behind the robot.",
+    )
     ask(20.0, 1, 2, "accepted", answer={"selected_centroid_index": 1, "reason": "Unexplored water beyond it."})
     event(24.0, "goal", x=9.0, y=9.0, source="advisor", decision=1, index=1, reason="Unexplored water beyond it.")
     event(26.0, "collision", x=6.7, y=6.8, obstacle=1)
@@ -123,16 +176,46 @@ def write_run(folder, seconds=40.0):
     (folder / "attempts.jsonl").write_text("".join(json.dumps(a) + "\n" for a in attempts))
     (folder / "trajectory.csv").write_text("\n".join(rows) + "\n")
     (folder / "world.yaml").write_text(yaml.safe_dump(world()))
-    (folder / "config.yaml").write_text(yaml.safe_dump(
-        {"world": "made-up <reef>", "advisor": "heuristic", "variant": "full", "seed": 3,
-         "provenance": {"coral": "0.1.0", "commit": "abc123", "machine": "test, 2 cores"}}))
-    (folder / "metrics.json").write_text(json.dumps(
-        {"coverage": 2 / 3, "clusters_covered": 2, "clusters_total": 3, "collisions": 1, "advisor_calls": 5,
-         "requeries": 2, "deviations": 0, "steps": steps, "sim_time_s": seconds, "coverage_time_s": 33.0,
-         "distance_m": 10.2, "min_clearance_m": 0.2, "end_reason": "time limit"}))
-    (folder / "timing.json").write_text(json.dumps(
-        {"wall_time_s": 3.1, "control_ms_median": 1.2, "control_ms_p99": 4.0,
-         "control_ms_histogram": {"counts": [200, 180, 20, 0, 1], "edges": [0, 1, 2, 3, 4, 5]}}))
+    (folder / "config.yaml").write_text(
+        yaml.safe_dump(
+            {
+                "world": "made-up <reef>",
+                "advisor": "heuristic",
+                "variant": "full",
+                "seed": 3,
+                "provenance": {"coral": "0.1.0", "commit": "abc123", "machine": "test, 2 cores"},
+            }
+        )
+    )
+    (folder / "metrics.json").write_text(
+        json.dumps(
+            {
+                "coverage": 2 / 3,
+                "clusters_covered": 2,
+                "clusters_total": 3,
+                "collisions": 1,
+                "advisor_calls": 5,
+                "requeries": 2,
+                "deviations": 0,
+                "steps": steps,
+                "sim_time_s": seconds,
+                "coverage_time_s": 33.0,
+                "distance_m": 10.2,
+                "min_clearance_m": 0.2,
+                "end_reason": "time limit",
+            }
+        )
+    )
+    (folder / "timing.json").write_text(
+        json.dumps(
+            {
+                "wall_time_s": 3.1,
+                "control_ms_median": 1.2,
+                "control_ms_p99": 4.0,
+                "control_ms_histogram": {"counts": [200, 180, 20, 0, 1], "edges": [0, 1, 2, 3, 4, 5]},
+            }
+        )
+    )
     return folder
 
 

@@ -24,18 +24,31 @@ from coral.view.contact.video import moments as film_moments
 from coral.view.contact.video import pictures
 from coral.view.run import RunFolder
 
-COARSE = EpisodeCfg(poses="ground-truth", planning=PlanningCfg(threads=1),
-                    controller=ControllerCfg(horizon=10, mppi=KnotMppiCfg(samples=10, knots=3), guided=0.5))
+COARSE = EpisodeCfg(
+    poses="ground-truth",
+    planning=PlanningCfg(threads=1),
+    controller=ControllerCfg(horizon=10, mppi=KnotMppiCfg(samples=10, knots=3), guided=0.5),
+)
 
 
 def poke():
     """Down upon the box, then stay: two stages, a contact."""
     above = Guide(lambda state: state.box_pos[0, :1])
-    return Strategy("poke", (
-        Stage("down", lambda state: {"reach": 10 * np.linalg.norm(state.ee_pos - state.box_pos, axis=-1),
-                                     "calm": 0.01 * np.square(state.ee_vel).sum(axis=-1)}, (above,),
-              until=lambda now: bool(now.box_hand_contact[0, 0])),
-        Stage("rest", lambda state: {"calm": np.square(state.ee_vel).sum(axis=-1)})))
+    return Strategy(
+        "poke",
+        (
+            Stage(
+                "down",
+                lambda state: {
+                    "reach": 10 * np.linalg.norm(state.ee_pos - state.box_pos, axis=-1),
+                    "calm": 0.01 * np.square(state.ee_vel).sum(axis=-1),
+                },
+                (above,),
+                until=lambda now: bool(now.box_hand_contact[0, 0]),
+            ),
+            Stage("rest", lambda state: {"calm": np.square(state.ee_vel).sum(axis=-1)}),
+        ),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -110,8 +123,9 @@ def test_names_from_a_task_file_are_escaped(copy):
 def test_the_trial_is_drawn_again_from_the_folder(recorded):
     drawn = trial(RunFolder.read(recorded))
     run = RunFolder.read(recorded)
-    np.testing.assert_allclose(drawn.objects["box"].pose.position,
-                               [run.column(f"box_{axis}")[0] for axis in "xyz"], atol=1e-5)
+    np.testing.assert_allclose(
+        drawn.objects["box"].pose.position, [run.column(f"box_{axis}")[0] for axis in "xyz"], atol=1e-5
+    )
 
 
 def test_pictures_show_what_moved(recorded):

@@ -17,9 +17,12 @@ from coral.view.contact.report import write_contact_report
 from coral.view.contact.thought import answers, counted, seen, thoughts
 from coral.view.run import RunFolder
 
-COARSE = EpisodeCfg(poses="ground-truth", planning=PlanningCfg(threads=1),
-                    think=ThinkCfg(outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1, progress=0.9)),
-                    controller=ControllerCfg(horizon=8, mppi=KnotMppiCfg(samples=6, knots=3)))
+COARSE = EpisodeCfg(
+    poses="ground-truth",
+    planning=PlanningCfg(threads=1),
+    think=ThinkCfg(outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1, progress=0.9)),
+    controller=ControllerCfg(horizon=8, mppi=KnotMppiCfg(samples=6, knots=3)),
+)
 
 
 @pytest.fixture(scope="module")
@@ -67,32 +70,76 @@ def test_the_page_shows_thoughts_reasons_and_what_the_advisor_saw(spoilt):
 
 
 def test_a_correction_says_how_well_the_history_fits(tmp_path):
-    run = told(tmp_path, {"event": "stuck", "diagnosis": "not-moved", "text": "it hardly moved", "object": "box"},
-               {"event": "correction", "object": "box", "accepted": True, "text": "box: lighter", "errors": [0.8, 0.3],
-                "before": [2.0, 0.9], "after": [0.1, 0.5], "refused": ["too heavy"]})
+    run = told(
+        tmp_path,
+        {"event": "stuck", "diagnosis": "not-moved", "text": "it hardly moved", "object": "box"},
+        {
+            "event": "correction",
+            "object": "box",
+            "accepted": True,
+            "text": "box: lighter",
+            "errors": [0.8, 0.3],
+            "before": [2.0, 0.9],
+            "after": [0.1, 0.5],
+            "refused": ["too heavy"],
+        },
+    )
     part = thoughts(run)[0].parts[1]
     assert part.title == "World model of the box: corrected"
     assert part.chips == ("mass 2 → 0.1 kg", "friction 0.9 → 0.5", "replay error over all windows 0.80 → 0.30")
     assert part.refused == ("too heavy",)
 
 
-@pytest.mark.parametrize(("event", "title", "said"), [
-    ({"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.12, "refused": ""},
-     "Memory 3 was used", "lower the cost by 12 %"),
-    ({"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.0, "refused": "off the surface"},
-     "Memory 3 was not used", "similar by 0.90"),
-    ({"event": "cost_error", "stage": "lift", "code": "not_finite", "reason": "line 3: nan", "meanwhile": "reach"},
-     "The cost could not be evaluated", "the last good cost, “reach”, took over"),
-    ({"event": "fallback", "what": "plan", "by": "heuristic", "because": "requeries-used-up"},
-     "The rules of heuristic took over", "no answer passed the checks"),
-    ({"event": "remembered", "id": 7, "file": "m.sqlite"}, "Remembered", "number 7 in m.sqlite"),
-    ({"event": "plan_answer", "kind": "cost-repair", "failure": "deadline", "refused": ["no"]},
-     "A better plan: none", "No answer came in time"),
-    ({"event": "poses", "attempts": 2, "box": [0.1, 0.0, 0.03, 1, 0, 0, 0], "refused": ["off the table"]},
-     "Where the objects are held to be, from now on", "Accepted at attempt 2"),
-    ({"event": "candidates", "regions": [{"object": "box", "stage": "push", "kept": 3, "lost": {"inside wall": 2}}]},
-     "Some points cannot be touched", "3 of 5 are left on the box for push; 2 inside wall."),
-])
+@pytest.mark.parametrize(
+    ("event", "title", "said"),
+    [
+        (
+            {"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.12, "refused": ""},
+            "Memory 3 was used",
+            "lower the cost by 12 %",
+        ),
+        (
+            {"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.0, "refused": "off the surface"},
+            "Memory 3 was not used",
+            "similar by 0.90",
+        ),
+        (
+            {
+                "event": "cost_error",
+                "stage": "lift",
+                "code": "not_finite",
+                "reason": "line 3: nan",
+                "meanwhile": "reach",
+            },
+            "The cost could not be evaluated",
+            "the last good cost, “reach”, took over",
+        ),
+        (
+            {"event": "fallback", "what": "plan", "by": "heuristic", "because": "requeries-used-up"},
+            "The rules of heuristic took over",
+            "no answer passed the checks",
+        ),
+        ({"event": "remembered", "id": 7, "file": "m.sqlite"}, "Remembered", "number 7 in m.sqlite"),
+        (
+            {"event": "plan_answer", "kind": "cost-repair", "failure": "deadline", "refused": ["no"]},
+            "A better plan: none",
+            "No answer came in time",
+        ),
+        (
+            {"event": "poses", "attempts": 2, "box": [0.1, 0.0, 0.03, 1, 0, 0, 0], "refused": ["off the table"]},
+            "Where the objects are held to be, from now on",
+            "Accepted at attempt 2",
+        ),
+        (
+            {
+                "event": "candidates",
+                "regions": [{"object": "box", "stage": "push", "kept": 3, "lost": {"inside wall": 2}}],
+            },
+            "Some points cannot be touched",
+            "3 of 5 are left on the box for push; 2 inside wall.",
+        ),
+    ],
+)
 def test_each_kind_of_event_is_told_in_words(tmp_path, event, title, said):
     part = thoughts(told(tmp_path, event))[0].parts[0]
     assert part.title == title

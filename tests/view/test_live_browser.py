@@ -12,8 +12,17 @@ from playwright.sync_api import expect, sync_playwright
 pytestmark = pytest.mark.browser
 PATIENCE_MS = 60_000
 """Only a page that never gets there waits this long; WebGL in software is slow on a busy machine."""
-FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
-         "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"]
+FLAGS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +41,12 @@ def watch(browser):
     started, faults, asked = [], [], []
 
     def go(*words):
-        process = subprocess.Popen([sys.executable, "-m", "coral.cli", *words, "--json"], stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen(
+            [sys.executable, "-m", "coral.cli", *words, "--json"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         started.append(process)
         url = re.search(r"http://127\.0\.0\.1:\d+/", process.stderr.readline()).group()
         page = browser.new_page(viewport={"width": 1280, "height": 900})
@@ -58,8 +71,19 @@ def see(page, text):
 
 
 def test_a_mission_is_watched_paused_and_stopped(watch, tmp_path):
-    process, page = watch("reef", "run", "l1", "--live", "--live-port", "0", "--live-speed", "1", "--quiet",
-                          "--out", str(tmp_path / "run"))
+    process, page = watch(
+        "reef",
+        "run",
+        "l1",
+        "--live",
+        "--live-port",
+        "0",
+        "--live-speed",
+        "1",
+        "--quiet",
+        "--out",
+        str(tmp_path / "run"),
+    )
     see(page, "coverage")
     see(page, "OPEN QUESTION")
     see(page, "Cost of the plan, by term")

@@ -66,7 +66,7 @@ def test_watching_and_pausing_change_nothing(plain, watched):
     for name in ("metrics.json", "trajectory.csv", "events.jsonl", "config.yaml"):
         texts = [(path / name).read_text() for path in (plain, folder)]
         if name == "config.yaml":
-            texts = [text[:text.index("provenance")] for text in texts]
+            texts = [text[: text.index("provenance")] for text in texts]
         assert texts[0] == texts[1], name
 
 
@@ -78,7 +78,7 @@ def test_the_page_sees_what_the_robot_believes(watched):
     lines = {line.name: line for line in last.lines}
     assert len(lines["rollouts"].segments) > 100
     assert len(lines["plan"].segments) == SHORT.controller.n_steps
-    body, = last.bodies
+    (body,) = last.bodies
     assert np.allclose(lines["trajectory"].segments[-1, 1, :2], body.position[:2])
     assert (last.ground.cells == 3).any()
     assert {n.name: n.value for n in last.numbers}["coverage"] == f"{100 * result['coverage']:.0f} %"
@@ -128,6 +128,7 @@ def test_a_pause_is_not_part_of_the_wall_time(tmp_path):
 @pytest.mark.parametrize(("answered_at", "due"), [(107.0, 7.0), (50.0, 5.0), (3.0, 3.0)])
 def test_a_pause_is_not_part_of_a_measured_latency(monkeypatch, answered_at, due):
     """Asked at 0, the run stands still from 5 to 105 s of wall time."""
+
     class Wall:
         now = 0.0
 

@@ -38,10 +38,15 @@ def test_commands_say_which_port_is_in_use(words, finished, tmp_path, capsys):
     assert not (tmp_path / "new").exists()
 
 
-@pytest.mark.parametrize(("words", "message"), [
-    (["replay", "{nothing}"], "found nothing, expected the folder of a run"),
-    (["replay", "{run}", "--port", "70000"], "--port: found 70000"), (["replay", "{run}", "--speed", "0"], "speed"),
-    (["reef", "run", "l1", "--live", "--live-speed", "-1"], "--live-speed: found -1.0")])
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["replay", "{nothing}"], "found nothing, expected the folder of a run"),
+        (["replay", "{run}", "--port", "70000"], "--port: found 70000"),
+        (["replay", "{run}", "--speed", "0"], "speed"),
+        (["reef", "run", "l1", "--live", "--live-speed", "-1"], "--live-speed: found -1.0"),
+    ],
+)
 def test_bad_flags_are_one_line(words, message, finished, tmp_path, capsys):
     assert main([word.format(run=finished, nothing=tmp_path / "nothing") for word in words]) == 2
     error = capsys.readouterr().err

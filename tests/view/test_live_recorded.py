@@ -22,9 +22,13 @@ def test_any_moment_of_a_recording(recording):
     assert state.answered.reason == "Not valid JSON."
     assert [name for name, _ in state.pictures] == ["Camera: oysters green, obstacles dark", "Depth: near is bright"]
     assert {n.name: n.value for n in state.numbers} == {
-        "coverage": "33 %", "clusters": "1 of 3", "collisions": "0", "advisor calls": "3 (1 again)",
-        "speed": "0.25 m/s"}
-    body, = state.bodies
+        "coverage": "33 %",
+        "clusters": "1 of 3",
+        "collisions": "0",
+        "advisor calls": "3 (1 again)",
+        "speed": "0.25 m/s",
+    }
+    (body,) = state.bodies
     assert body.position[:2] == pytest.approx((2.0 + 0.18 * 17, 2.0 + 0.18 * 17 + 0.4 * np.sin(17 / 4)), abs=1e-3)
     assert all(chart.t[-1] == pytest.approx(17.0) for chart in state.charts)
 
@@ -99,8 +103,9 @@ def test_the_story_counts_and_forgets_what_is_old():
     story = Story()
     for k in range(20):
         story = told(story, event(k, "question", decision=k, attempt=k % 2, mode="centroid"))
-        story = told(story, event(k, "verdict", verdict="rejected", reason="too far",
-                                  answer={"selected_centroid_index": k}))
+        story = told(
+            story, event(k, "verdict", verdict="rejected", reason="too far", answer={"selected_centroid_index": k})
+        )
     assert (story.calls, story.requeries, story.asked) == (20, 10, None)
     assert (story.answered.said, story.answered.reason) == ("centroid 19", "too far")
     assert len(story.log) == 6

@@ -96,7 +96,7 @@ def test_trajectory_is_yellow_with_a_dark_edge():
     picture = draw_map(scene, MapViewCfg(crop=False, legend=False))
     assert pixel(picture, 9.9, 10.0) == YELLOW
     column, row = (int(v) for v in picture.to_pixels(np.array([9.9, 10.0])))
-    assert picture.rgb[row - 4:row + 5, column].sum(axis=1).min() < 300
+    assert picture.rgb[row - 4 : row + 5, column].sum(axis=1).min() < 300
 
 
 @pytest.mark.parametrize("at", [(0.05, 0.05), (19.95, 19.95), (0.05, 19.95), (19.95, 0.05)])
@@ -117,8 +117,9 @@ def test_labels_stay_inside_the_picture(at):
 def test_the_crop_keeps_everything_that_is_drawn():
     cells = grid(30.0)
     cells[200:260, 200:260] = 1
-    scene = MapScene(cells=cells, cell_m=0.05, pose=Pose(11.0, 11.0, 0.0), goal=(25.0, 11.0),
-                     centroids=np.array([(12.0, 20.0)]))
+    scene = MapScene(
+        cells=cells, cell_m=0.05, pose=Pose(11.0, 11.0, 0.0), goal=(25.0, 11.0), centroids=np.array([(12.0, 20.0)])
+    )
     picture = draw_map(scene)
     x0, y0, x1, y1 = picture.window
     assert 0 < x0 < 10
@@ -147,7 +148,7 @@ def test_the_legend_of_a_narrow_map_is_not_cut():
     plain, with_goal = lowest_rows(None), lowest_rows((2.0, 2.0))
     assert has(with_goal, (190, 0, 170))
     columns = np.nonzero((plain != 255).any(axis=(0, 2)))[0]
-    np.testing.assert_array_equal(with_goal[:, :columns[-1] + 1], plain[:, :columns[-1] + 1])
+    np.testing.assert_array_equal(with_goal[:, : columns[-1] + 1], plain[:, : columns[-1] + 1])
     assert (with_goal[:, -3:] == 255).all()
 
 
@@ -199,8 +200,15 @@ def test_text_never_leaves_the_picture():
 
 
 def test_other_robots_have_their_own_colours_and_a_key():
-    pair = (Companion(pose=Pose(5.0, 15.0, 0.0), goal=(15.0, 15.0), trajectory=np.array([(2.0, 15.0), (5.0, 15.0)]),
-                      color=COLORS[1]), Companion(pose=Pose(5.0, 5.0, 0.0), color=COLORS[2]))
+    pair = (
+        Companion(
+            pose=Pose(5.0, 15.0, 0.0),
+            goal=(15.0, 15.0),
+            trajectory=np.array([(2.0, 15.0), (5.0, 15.0)]),
+            color=COLORS[1],
+        ),
+        Companion(pose=Pose(5.0, 5.0, 0.0), color=COLORS[2]),
+    )
     whole = MapViewCfg(crop=False)
     scene = MapScene(cells=grid(), cell_m=0.05, pose=Pose(10.0, 10.0, 0.0), others=pair)
     drawn = draw_map(scene, whole)

@@ -42,10 +42,10 @@ def test_every_cut_is_survived(fresh):
     rows = (fresh / "trajectory.csv").read_text()[:400]
     for cut in range(0, 700, 7):
         (fresh / "events.jsonl").write_text(text[:cut])
-        (fresh / "trajectory.csv").write_text(rows[:cut // 2])
+        (fresh / "trajectory.csv").write_text(rows[: cut // 2])
         run = RunFolder.read(fresh)
         assert len(run.events) <= text[:cut].count("\n") + 1
-        assert len(run.column("t")) <= max(0, rows[:cut // 2].count("\n") - 1)
+        assert len(run.column("t")) <= max(0, rows[: cut // 2].count("\n") - 1)
         decisions(run)
 
 

@@ -54,8 +54,15 @@ class SimulatedClock:
     advisor took, and `advance` keeps simulated time from running ahead of it while a reply is outstanding.
     """
 
-    def __init__(self, latency: str | LatencyCfg, rng: np.random.Generator, *, thread: AdvisorThread | None = None,
-                 wall_timeout_s: float = 600.0, paced: bool = True) -> None:
+    def __init__(
+        self,
+        latency: str | LatencyCfg,
+        rng: np.random.Generator,
+        *,
+        thread: AdvisorThread | None = None,
+        wall_timeout_s: float = 600.0,
+        paced: bool = True,
+    ) -> None:
         """Start at time 0.
 
         Args:
@@ -143,9 +150,14 @@ class SimulatedClock:
             raise TimeoutError
         latency = self.latency.draw(self._rng)
         request = _Request(
-            future=self.thread.submit(asking), parked=self._loop.create_future(), asked_s=self._now_s,
-            deadline_s=self._now_s + timeout_s, asked_wall_s=time.monotonic(),
-            due_s=None if latency is None else self._now_s + latency, wait=self.latency.kind != "measured")
+            future=self.thread.submit(asking),
+            parked=self._loop.create_future(),
+            asked_s=self._now_s,
+            deadline_s=self._now_s + timeout_s,
+            asked_wall_s=time.monotonic(),
+            due_s=None if latency is None else self._now_s + latency,
+            wait=self.latency.kind != "measured",
+        )
 
         def stamp(_: Future[Any]) -> None:
             request.wall_s = time.monotonic() - request.asked_wall_s
@@ -223,8 +235,9 @@ class SimulatedClock:
                 wait([future], self._wall_timeout_s)
                 self.waited_s += time.monotonic() - began
                 if not future.done():
-                    parked.set_exception(AdvisorUnavailable(
-                        "wall-timeout", f"no reply within {self._wall_timeout_s:g} s of wall time"))
+                    parked.set_exception(
+                        AdvisorUnavailable("wall-timeout", f"no reply within {self._wall_timeout_s:g} s of wall time")
+                    )
                     return True
             if future.done():
                 self._learn_due(request)
@@ -284,8 +297,9 @@ class WallClock:
     def start(self, coroutine: Coroutine[Any, Any, R]) -> asyncio.Task[R]:
         """Run a coroutine up to its first wait, in the thread of the control loop."""
         if self._stepped is None:
-            self._stepped = SimulatedClock(LatencyCfg(kind="measured"), np.random.default_rng(0), thread=self._thread,
-                                           paced=False)
+            self._stepped = SimulatedClock(
+                LatencyCfg(kind="measured"), np.random.default_rng(0), thread=self._thread, paced=False
+            )
         self._stepped.advance(self.now())
         return self._stepped.start(coroutine)
 

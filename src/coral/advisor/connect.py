@@ -54,8 +54,10 @@ def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> tuple[Model, 
         from pydantic_ai.models.anthropic import AnthropicModel
         from pydantic_ai.providers.anthropic import AnthropicProvider
 
-        return AnthropicModel(model, provider=AnthropicProvider(
-            anthropic_client=AsyncAnthropic(api_key=key, max_retries=0, http_client=client))), client
+        return AnthropicModel(
+            model,
+            provider=AnthropicProvider(anthropic_client=AsyncAnthropic(api_key=key, max_retries=0, http_client=client)),
+        ), client
     if provider == "google":
         from pydantic_ai.models.google import GoogleModel
         from pydantic_ai.providers.google import GoogleProvider
@@ -67,10 +69,20 @@ def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> tuple[Model, 
     from pydantic_ai.providers.openai import OpenAIProvider
 
     if provider == "openai":
-        return OpenAIChatModel(model, provider=OpenAIProvider(
-            openai_client=AsyncOpenAI(api_key=key, max_retries=0, http_client=client))), client
+        return OpenAIChatModel(
+            model, provider=OpenAIProvider(openai_client=AsyncOpenAI(api_key=key, max_retries=0, http_client=client))
+        ), client
     # What a local server can do does not follow from its model's name: the output mode asked for is tried.
-    profile = OpenAIModelProfile(supports_json_schema_output=True, supports_json_object_output=True,
-                                 supports_tools=True, openai_chat_supports_max_completion_tokens=False)
-    return OpenAIChatModel(model, profile=profile, provider=OpenAIProvider(
-        openai_client=AsyncOpenAI(api_key=key, base_url=url, max_retries=0, http_client=client))), client
+    profile = OpenAIModelProfile(
+        supports_json_schema_output=True,
+        supports_json_object_output=True,
+        supports_tools=True,
+        openai_chat_supports_max_completion_tokens=False,
+    )
+    return OpenAIChatModel(
+        model,
+        profile=profile,
+        provider=OpenAIProvider(
+            openai_client=AsyncOpenAI(api_key=key, base_url=url, max_retries=0, http_client=client)
+        ),
+    ), client

@@ -108,22 +108,42 @@ async def consult(
         asked_at = clock.now()
         reasons = tuple(rejections)
 
-        def record(verdict: Verdict, asked_at: float = asked_at, attempt: int = attempt,
-                   question: Question[A] = question, **fields: Any) -> None:
-            log(Attempt(decision=decision, attempt=attempt, asked_at_s=asked_at, answered_at_s=clock.now(),
-                        question=question, verdict=verdict, **fields))
+        def record(
+            verdict: Verdict,
+            asked_at: float = asked_at,
+            attempt: int = attempt,
+            question: Question[A] = question,
+            **fields: Any,
+        ) -> None:
+            log(
+                Attempt(
+                    decision=decision,
+                    attempt=attempt,
+                    asked_at_s=asked_at,
+                    answered_at_s=clock.now(),
+                    question=question,
+                    verdict=verdict,
+                    **fields,
+                )
+            )
 
         try:
             reply: Reply[A] = await clock.reply(partial(advisor.answer, question, reasons), end - asked_at)
         except TimeoutError:
             silence = Rejection(code="deadline", reason=f"no answer within {budget.deadline_s:g} s")
             record("unavailable", rejection=silence)
-            return Outcome(answer=None, question=question, attempts=attempt + 1, failure="deadline",
-                           rejections=(*rejections, silence))
+            return Outcome(
+                answer=None,
+                question=question,
+                attempts=attempt + 1,
+                failure="deadline",
+                rejections=(*rejections, silence),
+            )
         except Withdrawn:
             record("withdrawn")
-            return Outcome(answer=None, question=question, attempts=attempt + 1, failure="withdrawn",
-                           rejections=reasons)
+            return Outcome(
+                answer=None, question=question, attempts=attempt + 1, failure="withdrawn", rejections=reasons
+            )
         except BadAnswer as bad:
             record("malformed", raw=bad.raw, rejection=bad.rejection, usage=bad.usage)
             rejections.append(bad.rejection)
@@ -132,8 +152,13 @@ async def consult(
             absence = Rejection(code=gone.code, reason=gone.reason)
             record("unavailable", rejection=absence, usage=gone.usage, final=gone.final)
             if gone.final:
-                return Outcome(answer=None, question=question, attempts=attempt + 1, failure=gone.code,
-                               rejections=(*rejections, absence))
+                return Outcome(
+                    answer=None,
+                    question=question,
+                    attempts=attempt + 1,
+                    failure=gone.code,
+                    rejections=(*rejections, absence),
+                )
             continue
         except Exception as error:
             # A fault in somebody's advisor costs its answer, not the vehicle.
@@ -147,5 +172,10 @@ async def consult(
             return Outcome(answer=reply.value, question=question, attempts=attempt + 1, rejections=tuple(rejections))
         record("rejected", rejection=refusal, **fields)
         rejections.append(refusal)
-    return Outcome(answer=None, question=question, attempts=budget.max_requeries + 1,
-                   failure="requeries-used-up", rejections=tuple(rejections))
+    return Outcome(
+        answer=None,
+        question=question,
+        attempts=budget.max_requeries + 1,
+        failure="requeries-used-up",
+        rejections=tuple(rejections),
+    )

@@ -90,8 +90,11 @@ class DeskAdvisor:
             "answer_schema": question.answer_type.model_json_schema(),
             "images": [f"{picture.name}.png" for picture in question.pictures],
             "captions": [picture.caption for picture in question.pictures],
-            "picture_frames": {f"{picture.name}.png": {"pixel_from_world": picture.pixel_from_world}
-                               for picture in question.pictures if picture.pixel_from_world is not None},
+            "picture_frames": {
+                f"{picture.name}.png": {"pixel_from_world": picture.pixel_from_world}
+                for picture in question.pictures
+                if picture.pixel_from_world is not None
+            },
             "facts": question.facts,
             "asked_at": round(time.time(), 3),
             "asker": {"host": socket.gethostname(), "pid": os.getpid()},

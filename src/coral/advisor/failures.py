@@ -50,8 +50,9 @@ def diagnose(error: BaseException, who: str, limit_bytes: int) -> Failure:
         return _http(error, who)
     if isinstance(error, wrong.ModelAPIError):
         return Failure(AdvisorUnavailable("connection", f"{who} cannot be reached: {said}"), retry=True)
-    return Failure(AdvisorUnavailable("client-error", f"{type(error).__name__}: {said}",
-                                      final=isinstance(error, wrong.UserError)))
+    return Failure(
+        AdvisorUnavailable("client-error", f"{type(error).__name__}: {said}", final=isinstance(error, wrong.UserError))
+    )
 
 
 def _http(error: wrong.ModelHTTPError, who: str) -> Failure:
@@ -62,7 +63,13 @@ def _http(error: wrong.ModelHTTPError, who: str) -> Failure:
         return Failure(AdvisorUnavailable("no-such-model", f"{who} was not found: {said}", final=True))
     code = f"http-{status}"
     if status >= 500 or status in RETRIED:
-        return Failure(AdvisorUnavailable(code, f"{who} answered {status}: {said}"), retry=True,
-                       wait_s=error.retry_after)
-    return Failure(AdvisorUnavailable(code, f"{who} refused the request: {said} (`coral advisor probe` tells which "
-                                      "output modes and pictures it takes)", final=True))
+        return Failure(
+            AdvisorUnavailable(code, f"{who} answered {status}: {said}"), retry=True, wait_s=error.retry_after
+        )
+    return Failure(
+        AdvisorUnavailable(
+            code,
+            f"{who} refused the request: {said} (`coral advisor probe` tells which output modes and pictures it takes)",
+            final=True,
+        )
+    )

@@ -66,8 +66,9 @@ class FallibleAdvisor:
     of its usage, as `spoilt-out-of-range`, for whoever reads the log; nothing decides by it.
     """
 
-    def __init__(self, inner: Advisor, cfg: FallibleCfg, rng: np.random.Generator,
-                 hooks: Mapping[str, Corrupt] | None = None) -> None:
+    def __init__(
+        self, inner: Advisor, cfg: FallibleCfg, rng: np.random.Generator, hooks: Mapping[str, Corrupt] | None = None
+    ) -> None:
         """Wrap an advisor.
 
         Args:
@@ -110,11 +111,16 @@ class FallibleAdvisor:
         error = kinds[hit] if hit < len(kinds) else ""
         return self._answer(question, rejections, error, np.random.default_rng(seed))
 
-    async def _answer(self, question: Question[A], rejections: Sequence[Rejection], error: str,
-                      rng: np.random.Generator) -> Reply[A]:
+    async def _answer(
+        self, question: Question[A], rejections: Sequence[Rejection], error: str, rng: np.random.Generator
+    ) -> Reply[A]:
         if error == "silence":
-            raise AdvisorUnavailable("silence", "the simulated model stayed silent", latency_s=math.inf,
-                                     usage=Usage(requests=0, faults=("spoilt-silence",)))
+            raise AdvisorUnavailable(
+                "silence",
+                "the simulated model stayed silent",
+                latency_s=math.inf,
+                usage=Usage(requests=0, faults=("spoilt-silence",)),
+            )
         reply = await self._inner.answer(question, rejections)
         right = reply.value.model_dump(mode="json")
         previous = self._previous.get(question.kind)
@@ -123,11 +129,18 @@ class FallibleAdvisor:
             return reply
         text = self._spoil(error, question, right, previous, rng)
         usage = dataclasses.replace(reply.usage, faults=(*reply.usage.faults, f"spoilt-{error.replace('_', '-')}"))
-        return Reply(value=parse_answer(text, question.answer_type, usage), raw=text, usage=usage,
-                     latency_s=reply.latency_s)
+        return Reply(
+            value=parse_answer(text, question.answer_type, usage), raw=text, usage=usage, latency_s=reply.latency_s
+        )
 
-    def _spoil(self, error: str, question: Question[Any], right: dict[str, Any], previous: dict[str, Any] | None,
-               rng: np.random.Generator) -> str:
+    def _spoil(
+        self,
+        error: str,
+        question: Question[Any],
+        right: dict[str, Any],
+        previous: dict[str, Any] | None,
+        rng: np.random.Generator,
+    ) -> str:
         """The text of a spoilt answer."""
         text = json.dumps(right)
         if error == "empty":

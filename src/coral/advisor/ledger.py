@@ -21,13 +21,16 @@ class Ledger:
         Raises:
             AdvisorUnavailable: The budget is used up (code "budget", final).
         """
-        bounds = ((self.calls, self.cfg.max_calls, "calls", "max_calls"),
-                  (self.tokens, self.cfg.max_tokens, "tokens", "max_tokens"),
-                  (self.usd, self.cfg.max_usd, "USD", "max_usd"))
+        bounds = (
+            (self.calls, self.cfg.max_calls, "calls", "max_calls"),
+            (self.tokens, self.cfg.max_tokens, "tokens", "max_tokens"),
+            (self.usd, self.cfg.max_usd, "USD", "max_usd"),
+        )
         for spent, bound, unit, name in bounds:
             if spent >= bound:
-                raise AdvisorUnavailable("budget", f"the run's budget is used up: {spent:g} of {bound:g} {unit} "
-                                         f"(spend.{name})", final=True)
+                raise AdvisorUnavailable(
+                    "budget", f"the run's budget is used up: {spent:g} of {bound:g} {unit} (spend.{name})", final=True
+                )
         self.calls += 1
 
     def add(self, tokens: int, usd: float) -> None:

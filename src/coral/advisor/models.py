@@ -115,16 +115,18 @@ class ModelAdvisor:
             async with asyncio.timeout(self.cfg.deadline_s) as deadline:
                 return await self._answer(question, rejections, spent, deadline.when() or 0.0)
         except TimeoutError:
-            raise AdvisorUnavailable("timeout", f"{self.name} gave no answer within {self.cfg.deadline_s:g} s",
-                                     usage=spent.usage) from None
+            raise AdvisorUnavailable(
+                "timeout", f"{self.name} gave no answer within {self.cfg.deadline_s:g} s", usage=spent.usage
+            ) from None
         except AdvisorUnavailable as gone:
             gone.usage = spent.usage
             raise
         except BadAnswer as bad:
             raise BadAnswer(bad.rejection.code, scrub(bad.rejection.reason), scrub(bad.raw), spent.usage) from None
 
-    async def _answer(self, question: Question[A], rejections: Sequence[Rejection], spent: _Spent,
-                      deadline: float) -> Reply[A]:
+    async def _answer(
+        self, question: Question[A], rejections: Sequence[Rejection], spent: _Spent, deadline: float
+    ) -> Reply[A]:
         parameters = self._parameters(question.answer_type)
         repair = ""
         for repairs_left in range(self.cfg.format_repairs, -1, -1):
@@ -137,8 +139,10 @@ class ModelAdvisor:
                 if not repairs_left or code not in REPAIRED:
                     raise
                 spent.fault(code)
-                repair = (f"Your last reply to this could not be used. {reason} It began:\n{raw[:1000]}\n"
-                          "Reply again, with nothing but the answer in the format asked for.")
+                repair = (
+                    f"Your last reply to this could not be used. {reason} It began:\n{raw[:1000]}\n"
+                    "Reply again, with nothing but the answer in the format asked for."
+                )
                 continue
             return Reply(value=value, raw=scrub(raw), usage=spent.usage)
         raise AssertionError("the last repair returns or raises")
@@ -173,8 +177,9 @@ class ModelAdvisor:
             mode = "plain" if self._provider == "local" else "native"
         schema = answer_type.model_json_schema()
         if mode == "tool":
-            tool = ToolDefinition(name="answer", description="Give the answer.", parameters_json_schema=schema,
-                                  kind="output")
+            tool = ToolDefinition(
+                name="answer", description="Give the answer.", parameters_json_schema=schema, kind="output"
+            )
             return ModelRequestParameters(output_mode="tool", output_tools=[tool], allow_text_output=False)
         if mode == "plain":
             return ModelRequestParameters()
@@ -182,8 +187,9 @@ class ModelAdvisor:
         # The prompt says what to return; the library's own words about it stay out.
         return ModelRequestParameters(output_mode=mode, output_object=shape, prompted_output_template=False)
 
-    async def _request(self, content: list[UserContent], parameters: ModelRequestParameters, spent: _Spent,
-                       deadline: float) -> ModelResponse:
+    async def _request(
+        self, content: list[UserContent], parameters: ModelRequestParameters, spent: _Spent, deadline: float
+    ) -> ModelResponse:
         """One reply, after as many retries as it takes and the configuration allows."""
         from pydantic_ai.messages import ModelRequest, UserPromptPart
         from pydantic_ai.settings import ModelSettings
@@ -200,10 +206,12 @@ class ModelAdvisor:
             try:
                 async with asyncio.timeout(self.cfg.attempt_timeout_s):
                     response = await self._connected().request(
-                        [ModelRequest(parts=[UserPromptPart(_plain_if_text(content))])], settings, parameters)
+                        [ModelRequest(parts=[UserPromptPart(_plain_if_text(content))])], settings, parameters
+                    )
             except TimeoutError:
                 raise AdvisorUnavailable(
-                    "timeout", f"{self.name} was silent for {self.cfg.attempt_timeout_s:g} s") from None
+                    "timeout", f"{self.name} was silent for {self.cfg.attempt_timeout_s:g} s"
+                ) from None
             except CLIENT_ERRORS as error:
                 failure = diagnose(error, self.name, self.cfg.max_reply_bytes)
             else:
@@ -213,8 +221,9 @@ class ModelAdvisor:
                 raise failure.error
             wait_s = pause_s if failure.wait_s is None else failure.wait_s
             if asyncio.get_running_loop().time() + wait_s >= deadline:
-                raise AdvisorUnavailable(failure.code, f"{failure.error}; the next try would be in {wait_s:g} s, after "
-                                         "the deadline")
+                raise AdvisorUnavailable(
+                    failure.code, f"{failure.error}; the next try would be in {wait_s:g} s, after the deadline"
+                )
             spent.fault(failure.code)
             await asyncio.sleep(wait_s)
             pause_s *= 2

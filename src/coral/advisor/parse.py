@@ -22,11 +22,13 @@ MAX_CANDIDATES = 64
 """Bracketed passages of a reply that are tried, from the last one backwards."""
 
 _FENCE = re.compile(r"```[\w+-]*[ \t]*\r?\n(.*?)```", re.DOTALL)
-_TOKEN = re.compile(r""""(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|[A-Za-z_]\w*|-?\d[\d.]*(?:[eE][+-]?\d+)?|[\s\[\]{}(),:]+""",
-                    re.DOTALL)
+_TOKEN = re.compile(
+    r""""(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|[A-Za-z_]\w*|-?\d[\d.]*(?:[eE][+-]?\d+)?|[\s\[\]{}(),:]+""", re.DOTALL
+)
 _WORDS = {"true": "True", "false": "False", "null": "None", "True": "True", "False": "False", "None": "None"}
-_REFUSAL = re.compile(r"\b(i['’]?m sorry|i am sorry|i can(?:no|['’])t|i am unable|i['’]m unable|as an ai)\b",
-                      re.IGNORECASE)
+_REFUSAL = re.compile(
+    r"\b(i['’]?m sorry|i am sorry|i can(?:no|['’])t|i am unable|i['’]m unable|as an ai)\b", re.IGNORECASE
+)
 
 
 def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) -> A:
@@ -43,8 +45,9 @@ def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) ->
     if not text.strip():
         raise BadAnswer("empty", "The reply was empty; answer in the format asked for.", text, usage)
     if len(text) > MAX_CHARS:
-        raise BadAnswer("too-long", f"The reply had {len(text)} characters; at most {MAX_CHARS} are read.",
-                        text[:MAX_CHARS], usage)
+        raise BadAnswer(
+            "too-long", f"The reply had {len(text)} characters; at most {MAX_CHARS} are read.", text[:MAX_CHARS], usage
+        )
     first_error: ValidationError | None = None
     for value in _values(text, answer_type):
         try:
@@ -57,8 +60,9 @@ def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) ->
         raise BadAnswer(*_explain(first_error), text, usage)
     if _REFUSAL.search(text):
         raise BadAnswer("refusal", "The reply declined to answer; choose one of the options as asked.", text, usage)
-    raise BadAnswer("not-json", "No JSON object could be read in the reply; return only the object asked for.", text,
-                    usage)
+    raise BadAnswer(
+        "not-json", "No JSON object could be read in the reply; return only the object asked for.", text, usage
+    )
 
 
 def _values(text: str, answer_type: type[BaseModel]) -> Iterator[Any]:

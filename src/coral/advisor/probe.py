@@ -99,8 +99,11 @@ async def _probe(advisor: ModelAdvisor, base: ModelCfg) -> ProbeReport:
         started = time.monotonic()
         findings = [(await _ask(seeing, number, color))[0] for number, color in enumerate(COLORS, start=2)]
         wrong = [finding for finding in findings if not finding.works]
-        pictures = Finding(works=not wrong, wall_s=time.monotonic() - started,
-                           says=wrong[0].says if wrong else f"named {len(findings)} colours of {len(findings)}")
+        pictures = Finding(
+            works=not wrong,
+            wall_s=time.monotonic() - started,
+            says=wrong[0].says if wrong else f"named {len(findings)} colours of {len(findings)}",
+        )
     return ProbeReport(advisor=advisor.name, modes=modes, pictures=pictures, recommended=recommended)
 
 
@@ -108,16 +111,22 @@ async def _ask(advisor: ModelAdvisor, number: int, color: str) -> tuple[Finding,
     """One small question; returns also the code of the failure, if any."""
     what = "the color that fills the picture (red, green or blue)" if color else '"none"'
     question = Question(
-        kind="probe", answer_type=ProbeAnswer, facts={},
+        kind="probe",
+        answer_type=ProbeAnswer,
+        facts={},
         prompt=f"Return only a JSON object with two keys: number, which is {number}, and color, which is {what}.",
-        pictures=(Picture(name="patch", png=_patch(color)),) if color else ())
+        pictures=(Picture(name="patch", png=_patch(color)),) if color else (),
+    )
     started = time.monotonic()
     code = ""
     try:
         answer = (await advisor.answer(question, ())).value
         right = answer.number == number and answer.color == (color or "none")
-        says = "ok" if right else f"wrong answer: number {answer.number} for {number}, color {answer.color} for " \
-                                  f"{color or 'none'}"
+        says = (
+            "ok"
+            if right
+            else f"wrong answer: number {answer.number} for {number}, color {answer.color} for {color or 'none'}"
+        )
         # A format is a matter of form: a weak model that errs in what it says can still have it.
         works = right if color else True
     except BadAnswer as bad:

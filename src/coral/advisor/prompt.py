@@ -15,8 +15,13 @@ from coral.errors import InputError, nearest
 
 FOLDER = Path(__file__).parent / "prompts"
 
-_environment = jinja2.Environment(loader=jinja2.FileSystemLoader(FOLDER), undefined=jinja2.StrictUndefined,
-                                  trim_blocks=True, lstrip_blocks=True, autoescape=False)
+_environment = jinja2.Environment(
+    loader=jinja2.FileSystemLoader(FOLDER),
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    autoescape=False,
+)
 _environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "default": str}
 
 
@@ -60,8 +65,9 @@ def render(kind: str, context: Mapping[str, Any] | None = None, /, **more: Any) 
     try:
         text = _environment.get_template(f"{kind}.md").render(**{**(context or {}), **more})
     except jinja2.UndefinedError as error:
-        raise InputError(f"prompt {kind}", "", error.message or "a missing value", "a value for every placeholder"
-                         ) from None
+        raise InputError(
+            f"prompt {kind}", "", error.message or "a missing value", "a value for every placeholder"
+        ) from None
     return text.strip() + "\n", stamp
 
 
@@ -73,5 +79,10 @@ def render_rejections(rejections: Sequence[Rejection]) -> str:
     if not rejections:
         return ""
     lines = [f"{number}. {rejection.reason}" for number, rejection in enumerate(rejections, start=1)]
-    return "\n".join(["Earlier answers to this question were checked and refused. The pictures are new; the reasons:",
-                      *lines, "Give a different answer that none of these reasons applies to."])
+    return "\n".join(
+        [
+            "Earlier answers to this question were checked and refused. The pictures are new; the reasons:",
+            *lines,
+            "Give a different answer that none of these reasons applies to.",
+        ]
+    )

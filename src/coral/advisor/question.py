@@ -83,8 +83,9 @@ class Reply(Generic[A]):
 class BadAnswer(Exception):
     """The advisor answered, but not with anything that validates. Its reason goes back to the model."""
 
-    def __init__(self, code: str, reason: str, raw: str = "", usage: Usage | None = None,
-                 latency_s: float | None = None) -> None:
+    def __init__(
+        self, code: str, reason: str, raw: str = "", usage: Usage | None = None, latency_s: float | None = None
+    ) -> None:
         super().__init__(reason)
         self.rejection = Rejection(code=code, reason=reason)
         self.raw = raw
@@ -96,8 +97,9 @@ class BadAnswer(Exception):
 class AdvisorUnavailable(Exception):
     """No answer could be had (network, time-out, budget). `code` names the failure in the attempt log."""
 
-    def __init__(self, code: str, reason: str, *, final: bool = False, latency_s: float | None = None,
-                 usage: Usage | None = None) -> None:
+    def __init__(
+        self, code: str, reason: str, *, final: bool = False, latency_s: float | None = None, usage: Usage | None = None
+    ) -> None:
         super().__init__(reason)
         self.code, self.reason = code, reason
         self.final = final

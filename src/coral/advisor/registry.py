@@ -16,8 +16,14 @@ from coral.advisor.rules import Rule, RuleAdvisor
 from coral.advisor.scrub import public_url
 from coral.errors import InputError, nearest
 
-FORMS = ("heuristic", "PROVIDER:MODEL (openai, anthropic, google)", "local:URL#MODEL", "desk", "replay:FILE",
-         "fallible:P:INNER")
+FORMS = (
+    "heuristic",
+    "PROVIDER:MODEL (openai, anthropic, google)",
+    "local:URL#MODEL",
+    "desk",
+    "replay:FILE",
+    "fallible:P:INNER",
+)
 NAMES = ("heuristic", *KEYS, "local", "desk", "replay", "fallible")
 
 
@@ -30,9 +36,16 @@ def rules_alone(advisor: str) -> bool:
     return re.fullmatch(r"(fallible:[^:]*:)*heuristic", advisor.replace(" ", "")) is not None
 
 
-def make_advisor(spec: str, *, rules: Mapping[str, Rule], rng: np.random.Generator, inbox: Path | None = None,
-                 cfg: ModelCfg | None = None, where: str = "--advisor",
-                 spoil: Mapping[str, Callable[..., dict[str, Any]]] | None = None) -> Advisor:
+def make_advisor(
+    spec: str,
+    *,
+    rules: Mapping[str, Rule],
+    rng: np.random.Generator,
+    inbox: Path | None = None,
+    cfg: ModelCfg | None = None,
+    where: str = "--advisor",
+    spoil: Mapping[str, Callable[..., dict[str, Any]]] | None = None,
+) -> Advisor:
     """Make the advisor that a string names.
 
     Args:
@@ -75,12 +88,20 @@ def make_advisor(spec: str, *, rules: Mapping[str, Rule], rng: np.random.Generat
         return FallibleAdvisor(wrapped, errors, rng, spoil)
     if name == "local" and rest:
         if not re.match(r"https?://[^#\s]+#\S", rest):
-            raise InputError(where, "", "an incomplete local advisor",
-                             "local:URL#MODEL, such as local:http://127.0.0.1:8080/v1#my-model")
+            raise InputError(
+                where,
+                "",
+                "an incomplete local advisor",
+                "local:URL#MODEL, such as local:http://127.0.0.1:8080/v1#my-model",
+            )
         url, _, model = rest.partition("#")
         if public_url(url) != url.rstrip("?"):
-            raise InputError(where, "", f"a URL with credentials or a query ({public_url(url)})",
-                             f"a plain URL, and the key in the environment variable {LOCAL_KEY}")
+            raise InputError(
+                where,
+                "",
+                f"a URL with credentials or a query ({public_url(url)})",
+                f"a plain URL, and the key in the environment variable {LOCAL_KEY}",
+            )
         from coral.advisor.models import ModelAdvisor
 
         return ModelAdvisor.local(url, model, cfg or ModelCfg())

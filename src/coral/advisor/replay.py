@@ -17,8 +17,14 @@ from coral.errors import InputError
 
 A = TypeVar("A", bound=BaseModel)
 
-_PARTS = {"kind": "kind", "prompt_version": "prompt version", "schema": "answer schema", "pictures": "pictures",
-          "facts_digest": "facts", "prompt_digest": "prompt"}
+_PARTS = {
+    "kind": "kind",
+    "prompt_version": "prompt version",
+    "schema": "answer schema",
+    "pictures": "pictures",
+    "facts_digest": "facts",
+    "prompt_digest": "prompt",
+}
 """Parts of a question's key, the coarsest first, and how to call them."""
 
 
@@ -67,8 +73,9 @@ class ReplayAdvisor:
         entry = queue.popleft() if queue else None
         return self._repeat(question, key, entry, known=queue is not None)
 
-    async def _repeat(self, question: Question[A], key: dict[str, Any], entry: dict[str, Any] | None, *,
-                      known: bool) -> Reply[A]:
+    async def _repeat(
+        self, question: Question[A], key: dict[str, Any], entry: dict[str, Any] | None, *, known: bool
+    ) -> Reply[A]:
         if entry is None:
             raise AdvisorUnavailable("not-recorded", self._missing(key, known), final=True, latency_s=0.0)
         latency_s = entry["answered_at_s"] - entry["asked_at_s"]
@@ -84,8 +91,12 @@ class ReplayAdvisor:
         try:
             value = question.answer_type.model_validate(entry["answer"])
         except ValidationError as error:
-            raise AdvisorUnavailable("not-recorded", f"{self._file}: a recorded answer no longer validates: {error}",
-                                     final=True, latency_s=0.0) from None
+            raise AdvisorUnavailable(
+                "not-recorded",
+                f"{self._file}: a recorded answer no longer validates: {error}",
+                final=True,
+                latency_s=0.0,
+            ) from None
         return Reply(value=value, raw=raw, usage=usage, latency_s=latency_s)
 
     def _missing(self, key: dict[str, Any], known: bool) -> str:
@@ -107,16 +118,22 @@ class ReplayAdvisor:
             if nearest[part] != key[part]:
                 versions = f" ({key[part]} now, {nearest[part]} recorded)" if part == "prompt_version" else ""
                 different.append(label + versions)
-        return (f"{self._file}: this {key['kind']} question was not recorded; the nearest one differs in "
-                f"{', '.join(different)}")
+        return (
+            f"{self._file}: this {key['kind']} question was not recorded; the nearest one differs in "
+            f"{', '.join(different)}"
+        )
 
 
 def _read(file: Path, where: str) -> list[dict[str, Any]]:
     try:
         lines = file.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(where, "replay", f"{file}: {getattr(error, 'strerror', None) or error}",
-                         "a run folder, or its attempts.jsonl") from None
+        raise InputError(
+            where,
+            "replay",
+            f"{file}: {getattr(error, 'strerror', None) or error}",
+            "a run folder, or its attempts.jsonl",
+        ) from None
     entries = []
     wanted = {*_PARTS, "asked_at_s", "answered_at_s", "verdict", "code", "reason", "raw", "answer", "usage", "final"}
     for number, line in enumerate(lines, start=1):

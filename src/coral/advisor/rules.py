@@ -32,8 +32,12 @@ class RuleAdvisor:
         """
         rule = self._rules.get(question.kind)
         if rule is None:
-            raise AdvisorUnavailable("no-rule", f"{self.name} has no rule for {question.kind!r}, only for "
-                                     f"{', '.join(sorted(self._rules)) or 'nothing'}", final=True)
+            raise AdvisorUnavailable(
+                "no-rule",
+                f"{self.name} has no rule for {question.kind!r}, only for "
+                f"{', '.join(sorted(self._rules)) or 'nothing'}",
+                final=True,
+            )
         value = rule(question.facts, rejections)
         if not isinstance(value, question.answer_type):
             # Another model of the same shape is fine: its fields decide.

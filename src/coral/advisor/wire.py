@@ -41,8 +41,9 @@ def http_client(max_reply_bytes: int, timeout_s: float) -> httpx2.AsyncClient:
         if isinstance(response.stream, httpx2.AsyncByteStream):
             response.stream = _Capped(response.stream, max_reply_bytes // 20 if packed else max_reply_bytes)
 
-    return httpx2.AsyncClient(event_hooks={"response": [cap]}, headers={"Accept-Encoding": "identity"},
-                              timeout=timeout_s)
+    return httpx2.AsyncClient(
+        event_hooks={"response": [cap]}, headers={"Accept-Encoding": "identity"}, timeout=timeout_s
+    )
 
 
 def caused_by(error: BaseException, kind: type[BaseException]) -> bool:

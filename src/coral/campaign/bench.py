@@ -39,8 +39,11 @@ def make_executor(kind: str, jobs: int, address: str) -> Executor:
 
 def table_json(table: Table) -> dict[str, Any]:
     """A table as plain values, its rows by column name."""
-    return {"name": table.name, "caption": table.caption,
-            "rows": [dict(zip(_unique(table.header), row, strict=True)) for row in table.rows]}
+    return {
+        "name": table.name,
+        "caption": table.caption,
+        "rows": [dict(zip(_unique(table.header), row, strict=True)) for row in table.rows],
+    }
 
 
 def _unique(header: Sequence[str]) -> list[str]:

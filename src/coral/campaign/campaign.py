@@ -31,9 +31,17 @@ class Summary:
     """Failed now."""
 
 
-def run_campaign(store: Store, specs: Sequence[Spec], episode: Episode, executor: Executor, *,
-                 retry_failed: bool = False, mix: bool = False, first: Callable[[Spec], float] | None = None,
-                 progress: CampaignProgress | None = None) -> Summary:
+def run_campaign(
+    store: Store,
+    specs: Sequence[Spec],
+    episode: Episode,
+    executor: Executor,
+    *,
+    retry_failed: bool = False,
+    mix: bool = False,
+    first: Callable[[Spec], float] | None = None,
+    progress: CampaignProgress | None = None,
+) -> Summary:
     """Run what is not recorded yet. The store must be locked and opened.
 
     Args:
@@ -74,8 +82,10 @@ def run_campaign(store: Store, specs: Sequence[Spec], episode: Episode, executor
 def _check_version(outcome: Outcome, mix: bool) -> None:
     there = outcome.about.get("code", code_version())
     if there != code_version() and not mix:
-        raise RunError(f"a worker on {outcome.about.get('host')} runs another version of coral ({there}) than this "
-                       f"process ({code_version()}): install the same one everywhere, or give --mix")
+        raise RunError(
+            f"a worker on {outcome.about.get('host')} runs another version of coral ({there}) than this "
+            f"process ({code_version()}): install the same one everywhere, or give --mix"
+        )
 
 
 def _measured(store: Store) -> Callable[[Spec], float]:

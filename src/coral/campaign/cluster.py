@@ -41,8 +41,12 @@ class RayExecutor:
         try:
             import ray
         except ImportError:
-            raise InputError("--executor", "", "ray, which is not installed",
-                             "local, or the extra installed: pip install -e '.[ray]'") from None
+            raise InputError(
+                "--executor",
+                "",
+                "ray, which is not installed",
+                "local, or the extra installed: pip install -e '.[ray]'",
+            ) from None
         self._ray = ray
         _knock(address)
         try:
@@ -70,14 +74,22 @@ class RayExecutor:
                     try:
                         outcome, files = ray.get(reference)
                     except ray.exceptions.RayTaskError as error:  # raised in the task, but not by the episode
-                        yield Outcome(task.spec, message=f"not run by Ray: {first_line(error.cause)}",
-                                      detail=str(error), about={"attempts": attempt})
+                        yield Outcome(
+                            task.spec,
+                            message=f"not run by Ray: {first_line(error.cause)}",
+                            detail=str(error),
+                            about={"attempts": attempt},
+                        )
                     except ray.exceptions.RayError as error:
                         if attempt < ATTEMPTS:
                             queue.append((task, attempt + 1))
                         else:
-                            yield Outcome(task.spec, message=f"lost {ATTEMPTS} times: {type(error).__name__}",
-                                          detail=str(error), about={"attempts": attempt})
+                            yield Outcome(
+                                task.spec,
+                                message=f"lost {ATTEMPTS} times: {type(error).__name__}",
+                                detail=str(error),
+                                about={"attempts": attempt},
+                            )
                     else:
                         unpack(files, task.scratch)
                         yield dataclasses.replace(outcome, about={**outcome.about, "attempts": attempt})

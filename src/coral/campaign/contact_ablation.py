@@ -27,21 +27,28 @@ def ablations(rows: Sequence[Row], command: str) -> list[Table]:
         rows: Of the data set.
         command: That makes the tables.
     """
-    done = [row for row in rows if row["status"] == "done" and row["advisor"] != NO_ADVISOR
-            and row["variant"] in NAMES]
+    done = [row for row in rows if row["status"] == "done" and row["advisor"] != NO_ADVISOR and row["variant"] in NAMES]
     keys = dict.fromkeys((str(row["world"]), str(row["evaluation_world"]), str(row["advisor"])) for row in done)
     return [table for key in keys if (table := _table(chosen(done, *key), *key, command)) is not None]
 
 
 def chosen(rows: Sequence[Row], task: str, place: str, advisor: str) -> dict[str, list[Row]]:
     """Finished trials by variant, of the seeds that all of them have: a comparison in pairs."""
-    own = [row for row in rows if row["status"] == "done"
-           and (row["world"], row["evaluation_world"], row["advisor"]) == (task, place, advisor)]
+    own = [
+        row
+        for row in rows
+        if row["status"] == "done" and (row["world"], row["evaluation_world"], row["advisor"]) == (task, place, advisor)
+    ]
     seeds = {variant: {int(row["seed"]) for row in own if row["variant"] == variant} for variant in NAMES}
     present = [variant for variant in NAMES if seeds[variant]]
     shared = set.intersection(*(seeds[variant] for variant in present)) if present else set()
-    return {variant: sorted((row for row in own if row["variant"] == variant and int(row["seed"]) in shared),
-                            key=lambda row: int(row["seed"])) for variant in present}
+    return {
+        variant: sorted(
+            (row for row in own if row["variant"] == variant and int(row["seed"]) in shared),
+            key=lambda row: int(row["seed"]),
+        )
+        for variant in present
+    }
 
 
 def _table(trials: dict[str, list[Row]], task: str, place: str, advisor: str, command: str) -> Table | None:
@@ -52,8 +59,10 @@ def _table(trials: dict[str, list[Row]], task: str, place: str, advisor: str, co
     lines.append(("change", "", *(_change(guided, unguided, key) for key, _ in COLUMNS)))
     printed = paper()["ablation"]
     if task == printed["task"]:
-        lines += [(f"paper, {NAMES[variant]}", "–", str(printed[variant][0]), f"{printed[variant][1]:.2f}",
-                   *["–"] * 3) for variant in (GUIDED, UNGUIDED)]
+        lines += [
+            (f"paper, {NAMES[variant]}", "–", str(printed[variant][0]), f"{printed[variant][1]:.2f}", *["–"] * 3)
+            for variant in (GUIDED, UNGUIDED)
+        ]
         lines.append(("paper, change", "", *printed["change"], *["–"] * 3))
     notes = (
         "Medians over all trials; one that fails counts all its steps. Change: of the median with the strategy against "
@@ -62,9 +71,15 @@ def _table(trials: dict[str, list[Row]], task: str, place: str, advisor: str, co
         "expected cost of a trial's plans, no comparison between different costs; its jumps: mean change from one plan "
         "to the next in a stage. First touch: of the hand on an object, of the trials that have one.",
         f"Seeds: {', '.join(str(row['seed']) for row in guided)}. Object poses: {poses_of((*guided, *unguided))} "
-        f"(paper: ground truth). Made by: {command}")
-    return Table("Contact-strategy ablation", f"{Path(task).stem}, world: {place}. Advisor: {called(advisor)}.", HEADER,
-                 tuple(lines), notes)
+        f"(paper: ground truth). Made by: {command}",
+    )
+    return Table(
+        "Contact-strategy ablation",
+        f"{Path(task).stem}, world: {place}. Advisor: {called(advisor)}.",
+        HEADER,
+        tuple(lines),
+        notes,
+    )
 
 
 def _line(name: str, rows: Sequence[Row]) -> tuple[str, ...]:

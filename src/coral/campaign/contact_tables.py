@@ -51,9 +51,16 @@ def _place(row: Row) -> str:
 
 def poses_of(rows: Sequence[Row]) -> str:
     """Where the trials' object poses came from; a tracker is named where it is not the embedded one."""
-    return ", ".join(sorted({
-        f"{row.get('poses')} ({row['tracker']})" if row.get("tracker") not in (None, "", "model")
-        else str(row.get("poses")) for row in rows}))
+    return ", ".join(
+        sorted(
+            {
+                f"{row.get('poses')} ({row['tracker']})"
+                if row.get("tracker") not in (None, "", "model")
+                else str(row.get("poses"))
+                for row in rows
+            }
+        )
+    )
 
 
 def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
@@ -68,8 +75,13 @@ def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Tabl
             line += [f"{sum(map(_won, own))}/{len(own)}" if own else "not run", f"{printed[0]}/10" if printed else "–"]
         lines.append(tuple(line))
     header = ["method", *(label for task in tasks for label in (_task(task), "paper"))]
-    return Table("Table 1, success", f"Successful trials beside the paper’s. {caption}", tuple(header), tuple(lines),
-                 (*paper()["notes"], *source))
+    return Table(
+        "Table 1, success",
+        f"Successful trials beside the paper’s. {caption}",
+        tuple(header),
+        tuple(lines),
+        (*paper()["notes"], *source),
+    )
 
 
 def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
@@ -86,8 +98,13 @@ def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
             line += [f"{simulated} ({wall})" if won else "–", str(seconds) if seconds is not None else "–"]
         lines.append(tuple(line))
     header = ["method", *(label for task in tasks for label in (f"{_task(task)} (s)", "paper"))]
-    return Table("Table 1, time", f"Mean completion time of the successes: simulated seconds (wall seconds). {caption}",
-                 tuple(header), tuple(lines), (*paper()["notes"], *source))
+    return Table(
+        "Table 1, time",
+        f"Mean completion time of the successes: simulated seconds (wall seconds). {caption}",
+        tuple(header),
+        tuple(lines),
+        (*paper()["notes"], *source),
+    )
 
 
 def _each(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
@@ -101,18 +118,39 @@ def _each(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
             won = [row for row in own if _won(row)]
             low, high = wilson(len(won), len(own))
             ends = Counter(str(row["end_reason"]) for row in own if not _won(row))
-            lines.append((
-                f"{_name(variant)}, {Path(task).stem}", f"{len(won)}/{len(own)}",
-                f"{number(100 * low, 0)}–{number(100 * high, 0)}", _mean([row["sim_time_s"] for row in won]),
-                _mean([row["wall_time_s"] for row in won]), _mean([row["path_length_m"] for row in own], 2),
-                _mean([row["peak_hand_force_n"] for row in own]),
-                number(median(float(row["plan_ms_median"]) for row in own), 0),
-                ", ".join(f"{reason} {count}" for reason, count in ends.most_common()) or "–"))
-    return Table("Every task", f"Trials of each task. {caption}",
-                 ("method, task", "success", "95 % interval (%)", "time (s)", "wall time (s)", "path (m)",
-                  "peak force (N)", "ms a plan", "otherwise ended by"), tuple(lines),
-                 ("Times: means over successes; path and force: over all trials. Interval: Wilson’s, of the success "
-                  "rate.", *source))
+            lines.append(
+                (
+                    f"{_name(variant)}, {Path(task).stem}",
+                    f"{len(won)}/{len(own)}",
+                    f"{number(100 * low, 0)}–{number(100 * high, 0)}",
+                    _mean([row["sim_time_s"] for row in won]),
+                    _mean([row["wall_time_s"] for row in won]),
+                    _mean([row["path_length_m"] for row in own], 2),
+                    _mean([row["peak_hand_force_n"] for row in own]),
+                    number(median(float(row["plan_ms_median"]) for row in own), 0),
+                    ", ".join(f"{reason} {count}" for reason, count in ends.most_common()) or "–",
+                )
+            )
+    return Table(
+        "Every task",
+        f"Trials of each task. {caption}",
+        (
+            "method, task",
+            "success",
+            "95 % interval (%)",
+            "time (s)",
+            "wall time (s)",
+            "path (m)",
+            "peak force (N)",
+            "ms a plan",
+            "otherwise ended by",
+        ),
+        tuple(lines),
+        (
+            "Times: means over successes; path and force: over all trials. Interval: Wilson’s, of the success rate.",
+            *source,
+        ),
+    )
 
 
 def wilson(won: int, trials: int, z: float = 1.96) -> tuple[float, float]:
@@ -169,19 +207,24 @@ def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, An
     """How the table was made."""
     seeds = sorted({int(row["seed"]) for row in chosen})
     versions = sorted({str(row.get("code")) for row in chosen})
-    parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {poses_of(chosen)}. "
-             f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), "
-             f"{about.get('machine', '?')}. Made by: {command}"]
+    parts = [
+        f"Seeds: {', '.join(map(str, seeds))}. Object poses: {poses_of(chosen)}. "
+        f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), "
+        f"{about.get('machine', '?')}. Made by: {command}"
+    ]
     remembering = [row for row in chosen if row.get("memory_known") is not None]
     if remembering:
         known = sorted({int(row["memory_known"]) for row in remembering})
         used = sum(bool(row["memory_hit"]) for row in remembering)
-        parts.append(f"Experiences in memory at the start of every trial: {', '.join(map(str, known))} (0: nothing can "
-                     f"be recalled); used in {used} of {len(remembering)} trials.")
+        parts.append(
+            f"Experiences in memory at the start of every trial: {', '.join(map(str, known))} (0: nothing can "
+            f"be recalled); used in {used} of {len(remembering)} trials."
+        )
     if len(versions) > 1:
         parts.append("Mixed: these trials ran on different versions of the code.")
     if failed:
         names = ", ".join(f"{row['variant']} in {Path(row['world']).stem}, seed {row['seed']}" for row in failed[:4])
-        parts.append(f"Broke off with an error and left out ({len(failed)}): {names}"
-                     f"{', …' if len(failed) > 4 else ''}.")
+        parts.append(
+            f"Broke off with an error and left out ({len(failed)}): {names}{', …' if len(failed) > 4 else ''}."
+        )
     return tuple(parts)

@@ -22,11 +22,18 @@ def to_rows(records: Iterable[Mapping[str, Any]], about: Mapping[str, Any] | Non
     rows = []
     for record in records:
         spec = dict(record["spec"])
-        row: Row = {**spec, "overrides": json.dumps(spec["overrides"], sort_keys=True),
-                    "setting": setting_text(spec["overrides"]), "status": record["status"],
-                    "failure": record.get("message", "")}
-        row |= {name: json.dumps(value, sort_keys=True) if isinstance(value, dict) else value
-                for name, value in record.get("result", {}).items() if name not in row}
+        row: Row = {
+            **spec,
+            "overrides": json.dumps(spec["overrides"], sort_keys=True),
+            "setting": setting_text(spec["overrides"]),
+            "status": record["status"],
+            "failure": record.get("message", ""),
+        }
+        row |= {
+            name: json.dumps(value, sort_keys=True) if isinstance(value, dict) else value
+            for name, value in record.get("result", {}).items()
+            if name not in row
+        }
         row |= {name: value for name, value in {**(about or {}), **record["about"]}.items() if name not in row}
         rows.append(row)
     return rows

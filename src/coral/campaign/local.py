@@ -65,16 +65,21 @@ class LocalExecutor:
                         if not worker.ready:
                             stillborn += 1
                             if stillborn > self.jobs + 1:
-                                raise RunError("the worker processes end before they begin "
-                                               f"(exit code {code}); see the messages above") from None
+                                raise RunError(
+                                    "the worker processes end before they begin "
+                                    f"(exit code {code}); see the messages above"
+                                ) from None
                         elif worker.task is not None:
                             key = worker.task.spec.key
                             deaths[key] += 1
                             if deaths[key] < ATTEMPTS:
                                 queue.appendleft(worker.task)
                             else:
-                                yield Outcome(worker.task.spec, message=f"its worker process died {ATTEMPTS} times "
-                                              f"({_cause(code)})", about={"attempts": ATTEMPTS})
+                                yield Outcome(
+                                    worker.task.spec,
+                                    message=f"its worker process died {ATTEMPTS} times ({_cause(code)})",
+                                    about={"attempts": ATTEMPTS},
+                                )
                         continue
                     if message == _READY:
                         worker.ready, stillborn = True, 0

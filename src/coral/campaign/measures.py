@@ -27,6 +27,7 @@ class Measure:
 
 def field(key: str, label: str, name: str, scale: float = 1.0, digits: int = 1) -> Measure:
     """A measure that is a column of the data set, times `scale`."""
+
     def of(row: Row) -> float | None:
         value = row.get(name)
         return None if value is None else scale * float(value)
@@ -42,6 +43,7 @@ def time_to_count(reference: Mapping[Pair, int]) -> Measure:
     Args:
         reference: Final count of the other variant for each world and seed.
     """
+
     def of(row: Row) -> float | None:
         count = reference.get(pair(row), 0)
         times = row.get("covered_at_s") or ()
@@ -57,8 +59,11 @@ def pair(row: Row) -> Pair:
 
 def select(rows: Sequence[Row], advisor: str, overrides: str) -> list[Row]:
     """Finished missions with this advisor, and those that ask none."""
-    return [row for row in rows if row["status"] == "done" and row["advisor"] in (advisor, NO_ADVISOR)
-            and row["overrides"] == overrides]
+    return [
+        row
+        for row in rows
+        if row["status"] == "done" and row["advisor"] in (advisor, NO_ADVISOR) and row["overrides"] == overrides
+    ]
 
 
 def values(rows: Sequence[Row], measure: Measure) -> dict[Pair, float]:

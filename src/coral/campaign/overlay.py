@@ -45,12 +45,20 @@ def draw_overlay(runs: Mapping[str, Mapping[str, Path]], path: Path, *, seed: in
     grid = figure.subplots(rows, columns, squeeze=False)
     for axes, (world, folders) in zip(grid.flat, runs.items(), strict=False):
         _panel(axes, world, {variant: RunFolder.read(folder) for variant, folder in folders.items()}, colors)
-    for axes in list(grid.flat)[len(runs):]:
+    for axes in list(grid.flat)[len(runs) :]:
         axes.axis("off")
-    figure.legend(handles=_legend(variants, colors), loc="outside lower center", ncols=min(6, len(variants) + 4),
-                  frameon=False, fontsize=9)
-    figure.suptitle(f"Trajectories over the true reef (m) · seed {seed} · advisor {called(advisor)} · coverage in the "
-                    "legend's order", fontsize=9)
+    figure.legend(
+        handles=_legend(variants, colors),
+        loc="outside lower center",
+        ncols=min(6, len(variants) + 4),
+        frameon=False,
+        fontsize=9,
+    )
+    figure.suptitle(
+        f"Trajectories over the true reef (m) · seed {seed} · advisor {called(advisor)} · coverage in the "
+        "legend's order",
+        fontsize=9,
+    )
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=130)
     write_whole(path, buffer.getvalue())
@@ -80,11 +88,22 @@ def _panel(axes: Any, title: str, runs: Mapping[str, RunFolder], colors: Mapping
 def _truth(axes: Any, world: Mapping[str, Any]) -> None:
     from matplotlib.collections import EllipseCollection, PolyCollection
 
-    oysters = np.array([(o["x"], o["y"], 2 * max(o["radii"])) for c in world.get("clusters", ())
-                        for o in c["oysters"]]).reshape(-1, 3)
-    axes.add_collection(EllipseCollection(
-        oysters[:, 2], oysters[:, 2], np.zeros(len(oysters)), units="xy", offsets=oysters[:, :2],
-        transOffset=axes.transData, facecolor="#7cc47f", edgecolor="none", zorder=1))
+    oysters = np.array(
+        [(o["x"], o["y"], 2 * max(o["radii"])) for c in world.get("clusters", ()) for o in c["oysters"]]
+    ).reshape(-1, 3)
+    axes.add_collection(
+        EllipseCollection(
+            oysters[:, 2],
+            oysters[:, 2],
+            np.zeros(len(oysters)),
+            units="xy",
+            offsets=oysters[:, :2],
+            transOffset=axes.transData,
+            facecolor="#7cc47f",
+            edgecolor="none",
+            zorder=1,
+        )
+    )
     outlines = [outline for obstacle in world.get("obstacles", ()) if len(outline := footprint(obstacle))]
     axes.add_collection(PolyCollection(outlines, facecolor="#6b6b6b", edgecolor="none", zorder=2))
 
@@ -95,6 +114,10 @@ def _legend(variants: Sequence[str], colors: Mapping[str, str]) -> list[Any]:
     def mark(marker: str, color: str, label: str, **style: Any) -> Line2D:
         return Line2D([], [], ls="", marker=marker, color=color, label=label, **style)
 
-    return [*(Line2D([], [], color=colors[variant], lw=2.5, label=name(variant)) for variant in variants),
-            mark("X", "white", "collision", ms=8, mec="#b00020", mew=1.2), mark("^", "black", "start", ms=6),
-            mark("o", "#7cc47f", "oysters", ms=7), mark("s", "#6b6b6b", "obstacle", ms=7)]
+    return [
+        *(Line2D([], [], color=colors[variant], lw=2.5, label=name(variant)) for variant in variants),
+        mark("X", "white", "collision", ms=8, mec="#b00020", mew=1.2),
+        mark("^", "black", "start", ms=6),
+        mark("o", "#7cc47f", "oysters", ms=7),
+        mark("s", "#6b6b6b", "obstacle", ms=7),
+    ]

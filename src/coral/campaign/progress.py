@@ -18,13 +18,19 @@ LINE_EVERY_S = 15.0
 class CampaignProgress:
     """A bar in a terminal, a line now and then elsewhere."""
 
-    def __init__(self, *, quiet: bool = False, clock: Callable[[], float] = time.monotonic,
-                 console: Console | None = None) -> None:
+    def __init__(
+        self, *, quiet: bool = False, clock: Callable[[], float] = time.monotonic, console: Console | None = None
+    ) -> None:
         self._console = console or Console(stderr=True)
         self._quiet, self._clock = quiet, clock
         self._bar = Progress(
-            TextColumn("[bold]episodes"), BarColumn(bar_width=24), TextColumn("{task.fields[status]}"),
-            console=self._console, disable=quiet or not self._console.is_terminal, refresh_per_second=4)
+            TextColumn("[bold]episodes"),
+            BarColumn(bar_width=24),
+            TextColumn("{task.fields[status]}"),
+            console=self._console,
+            disable=quiet or not self._console.is_terminal,
+            refresh_per_second=4,
+        )
         self._task = self._bar.add_task("", total=1.0, status="")
         self._total = self._found = self._ended = self._failed = 0
         self._jobs = 1

@@ -70,8 +70,12 @@ def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> 
         chosen = [row for overrides in settings for row in select(rows, advisor, overrides)]
         for variant in dict.fromkeys(row["variant"] for row in chosen):
             own = [row for row in chosen if row["variant"] == variant]
-            tables += sweep_tables(own, SWEPT, f"{name(variant)}. Advisor: {called(advisor)}.",
-                                   _source(rows, own, advisor, None, about, command))
+            tables += sweep_tables(
+                own,
+                SWEPT,
+                f"{name(variant)}. Advisor: {called(advisor)}.",
+                _source(rows, own, advisor, None, about, command),
+            )
     return tables
 
 
@@ -81,37 +85,70 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
         by_variant.setdefault(row["variant"], []).append(row)
     dream = {pair(row): int(row["clusters_covered"]) for row in by_variant.get("dream", ())}
     coverage_time = time_to_count(dream)
-    time_note = ("Coverage time: simulated time until as many clusters were covered as DREAM covered in that world and "
-                 "seed (paper IV-E), over the missions that got there; (28/30) says how many did."
-                 if dream else "Coverage time is measured against DREAM’s count; `dream` is not among the variants.")
+    time_note = (
+        "Coverage time: simulated time until as many clusters were covered as DREAM covered in that world and "
+        "seed (paper IV-E), over the missions that got there; (28/30) says how many did."
+        if dream
+        else "Coverage time is measured against DREAM’s count; `dream` is not among the variants."
+    )
     notes = paper()["notes"]
     first = (COVERAGE, coverage_time, COLLISIONS, CALLS)
     second = (COVERAGE, EFFICIENCY, DEVIATIONS)
     tables = []
     if any(variant in by_variant for variant in TABLE_I):
         tables += [
-            _beside(by_variant, "Table I", "Baselines", TABLE_I, first, (), "I", advisor,
-                    (time_note, *notes["I"], *source)),
-            _differences(by_variant, "Table I, differences", TABLE_I, first, advisor, source)]
+            _beside(
+                by_variant, "Table I", "Baselines", TABLE_I, first, (), "I", advisor, (time_note, *notes["I"], *source)
+            ),
+            _differences(by_variant, "Table I, differences", TABLE_I, first, advisor, source),
+        ]
     if any(variant in by_variant for variant in TABLE_II):
         tables += [
-            _beside(by_variant, "Table II", "Ablations", TABLE_II, second, (COLLISIONS, CALLS), "II", advisor,
-                    (*notes["II"], *source)),
-            _differences(by_variant, "Table II, differences", TABLE_II, (*second, COLLISIONS, CALLS), advisor, source)]
+            _beside(
+                by_variant,
+                "Table II",
+                "Ablations",
+                TABLE_II,
+                second,
+                (COLLISIONS, CALLS),
+                "II",
+                advisor,
+                (*notes["II"], *source),
+            ),
+            _differences(by_variant, "Table II, differences", TABLE_II, (*second, COLLISIONS, CALLS), advisor, source),
+        ]
     if by_variant.get(REFERENCE):
-        tables += [_by_topology(by_variant[REFERENCE], advisor, (*notes["III"], *source)),
-                   _by_world(by_variant[REFERENCE], advisor, source)]
+        tables += [
+            _by_topology(by_variant[REFERENCE], advisor, (*notes["III"], *source)),
+            _by_world(by_variant[REFERENCE], advisor, source),
+        ]
     everything = (COVERAGE, coverage_time, MISSION_TIME, EFFICIENCY, DISTANCE, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
-    tables.append(Table("All variants", f"Means per mission. Advisor: {called(advisor)}.",
-                        ("variant", "missions", *(m.label for m in everything)),
-                        tuple((name(variant), str(len(found)), *(mean_text(found, m) for m in everything))
-                              for variant, found in by_variant.items()), (time_note, *source)))
+    tables.append(
+        Table(
+            "All variants",
+            f"Means per mission. Advisor: {called(advisor)}.",
+            ("variant", "missions", *(m.label for m in everything)),
+            tuple(
+                (name(variant), str(len(found)), *(mean_text(found, m) for m in everything))
+                for variant, found in by_variant.items()
+            ),
+            (time_note, *source),
+        )
+    )
     return [table for table in tables if table.rows]
 
 
-def _beside(by_variant: Mapping[str, Sequence[Row]], label: str, what: str, variants: Sequence[str],
-            measures: Sequence[Measure], more: Sequence[Measure], key: str, advisor: str,
-            notes: tuple[str, ...]) -> Table:
+def _beside(
+    by_variant: Mapping[str, Sequence[Row]],
+    label: str,
+    what: str,
+    variants: Sequence[str],
+    measures: Sequence[Measure],
+    more: Sequence[Measure],
+    key: str,
+    advisor: str,
+    notes: tuple[str, ...],
+) -> Table:
     """Our means, each measure followed by the paper's number."""
     header, rows = ["variant", "missions"], []
     for measure in measures:
@@ -126,12 +163,23 @@ def _beside(by_variant: Mapping[str, Sequence[Row]], label: str, what: str, vari
             per_mission = f" ({each[measure.key]})" if measure.key in each else ""
             row += [mean_text(found, measure), printed.get(measure.key, "–") + per_mission]
         rows.append((*row, *(mean_text(found, measure) for measure in more)))
-    return Table(label, f"{what}: means per mission beside the paper’s numbers. Advisor: {called(advisor)}.",
-                 (*header, *(measure.label for measure in more)), tuple(rows), notes)
+    return Table(
+        label,
+        f"{what}: means per mission beside the paper’s numbers. Advisor: {called(advisor)}.",
+        (*header, *(measure.label for measure in more)),
+        tuple(rows),
+        notes,
+    )
 
 
-def _differences(by_variant: Mapping[str, Sequence[Row]], label: str, variants: Sequence[str],
-                 measures: Sequence[Measure], advisor: str, source: tuple[str, ...]) -> Table:
+def _differences(
+    by_variant: Mapping[str, Sequence[Row]],
+    label: str,
+    variants: Sequence[str],
+    measures: Sequence[Measure],
+    advisor: str,
+    source: tuple[str, ...],
+) -> Table:
     """Each variant minus the reference, with intervals, and a sentence on what makes no difference."""
     rows, silent = [], []
     reference = by_variant.get(REFERENCE, ())
@@ -141,17 +189,29 @@ def _differences(by_variant: Mapping[str, Sequence[Row]], label: str, variants: 
             continue
         estimates = [difference(found, reference, measure) for measure in measures]
         pairs = len({pair(row) for row in found} & {pair(row) for row in reference})
-        rows.append((name(variant), str(pairs), *(difference_text(e, m.digits)
-                                                  for e, m in zip(estimates, measures, strict=True))))
+        rows.append(
+            (
+                name(variant),
+                str(pairs),
+                *(difference_text(e, m.digits) for e, m in zip(estimates, measures, strict=True)),
+            )
+        )
         if not any(estimate.tells for estimate in estimates):
             silent.append(name(variant))
-    notes = ["Variant minus CORAL (full) in the same world with the same seed and advisor; 95 % intervals from a "
-             "seeded bootstrap that draws whole worlds. ≈: the interval holds zero, so these missions do not tell "
-             "the difference from chance."]
+    notes = [
+        "Variant minus CORAL (full) in the same world with the same seed and advisor; 95 % intervals from a "
+        "seeded bootstrap that draws whole worlds. ≈: the interval holds zero, so these missions do not tell "
+        "the difference from chance."
+    ]
     if silent:
         notes.append(f"No difference in any of these numbers could be shown for: {', '.join(silent)}.")
-    return Table(label, f"Paired differences from {name(REFERENCE)}. Advisor: {called(advisor)}.",
-                 ("variant", "pairs", *(f"Δ {measure.label}" for measure in measures)), tuple(rows), (*notes, *source))
+    return Table(
+        label,
+        f"Paired differences from {name(REFERENCE)}. Advisor: {called(advisor)}.",
+        ("variant", "pairs", *(f"Δ {measure.label}" for measure in measures)),
+        tuple(rows),
+        (*notes, *source),
+    )
 
 
 def _by_topology(rows: Sequence[Row], advisor: str, notes: tuple[str, ...]) -> Table:
@@ -172,9 +232,13 @@ def _by_topology(rows: Sequence[Row], advisor: str, notes: tuple[str, ...]) -> T
     header = ["topology", "missions"]
     for measure in measures:
         header += [measure.label, "paper"]
-    return Table("Table III", f"{name(REFERENCE)} by topology, means per mission. Advisor: {called(advisor)}.",
-                 (*header, COLLISIONS.label), tuple(lines),
-                 ("Paper, last line: from its Tables I and II, calls per environment.", *notes))
+    return Table(
+        "Table III",
+        f"{name(REFERENCE)} by topology, means per mission. Advisor: {called(advisor)}.",
+        (*header, COLLISIONS.label),
+        tuple(lines),
+        ("Paper, last line: from its Tables I and II, calls per environment.", *notes),
+    )
 
 
 def _by_world(rows: Sequence[Row], advisor: str, source: tuple[str, ...]) -> Table:
@@ -185,11 +249,16 @@ def _by_world(rows: Sequence[Row], advisor: str, source: tuple[str, ...]) -> Tab
         found = [row for row in rows if row["world"] == world]
         worst = 100.0 * min(float(row["coverage"]) for row in found)
         most = max(int(row["advisor_calls"]) for row in found)
-        lines.append((world, str(len(found)), *(mean_text(found, measure) for measure in measures), f"{worst:.1f}",
-                      str(most)))
-    return Table("By world", f"{name(REFERENCE)}, means per mission. Advisor: {called(advisor)}.",
-                 ("world", "missions", *(measure.label for measure in measures), "least coverage (%)", "most calls"),
-                 tuple(lines), source)
+        lines.append(
+            (world, str(len(found)), *(mean_text(found, measure) for measure in measures), f"{worst:.1f}", str(most))
+        )
+    return Table(
+        "By world",
+        f"{name(REFERENCE)}, means per mission. Advisor: {called(advisor)}.",
+        ("world", "missions", *(measure.label for measure in measures), "least coverage (%)", "most calls"),
+        tuple(lines),
+        source,
+    )
 
 
 def name(variant: str) -> str:
@@ -197,28 +266,45 @@ def name(variant: str) -> str:
     return str(paper()["names"].get(variant, variant))
 
 
-def _source(rows: Sequence[Row], chosen: Sequence[Row], advisor: str, overrides: str | None, about: Mapping[str, Any],
-            command: str) -> tuple[str, ...]:
+def _source(
+    rows: Sequence[Row],
+    chosen: Sequence[Row],
+    advisor: str,
+    overrides: str | None,
+    about: Mapping[str, Any],
+    command: str,
+) -> tuple[str, ...]:
     """Where the numbers of a table come from; overrides None: from every setting, of the chosen rows' variants."""
     variants = {row["variant"] for row in chosen}
     seeds = sorted({int(row["seed"]) for row in chosen})
     worlds = list(dict.fromkeys(str(row["world"]) for row in chosen))
-    failed = [row for row in rows if row["status"] == "failed" and row["advisor"] in (advisor, NO_ADVISOR)
-              and (row["variant"] in variants if overrides is None else row["overrides"] == overrides)]
+    failed = [
+        row
+        for row in rows
+        if row["status"] == "failed"
+        and row["advisor"] in (advisor, NO_ADVISOR)
+        and (row["variant"] in variants if overrides is None else row["overrides"] == overrides)
+    ]
     versions = sorted({str(row.get("code")) for row in chosen})
-    parts = [f"Worlds: {', '.join(worlds)}. Seeds: {', '.join(map(str, seeds))}. "
-             f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), {about.get('machine', '?')}. "
-             f"Made by: {command}"]
+    parts = [
+        f"Worlds: {', '.join(worlds)}. Seeds: {', '.join(map(str, seeds))}. "
+        f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), {about.get('machine', '?')}. "
+        f"Made by: {command}"
+    ]
     if overrides not in ("{}", None):
         parts.append(f"Configuration: {overrides}.")
     if len(versions) > 1:
         parts.append("Mixed: these missions ran on different versions of the code.")
     if failed:
-        parts.append(f"Failed and left out ({len(failed)}): {', '.join(_label(row) for row in failed[:4])}"
-                     f"{', …' if len(failed) > 4 else ''}.")
+        parts.append(
+            f"Failed and left out ({len(failed)}): {', '.join(_label(row) for row in failed[:4])}"
+            f"{', …' if len(failed) > 4 else ''}."
+        )
     if any(row["advisor"] == NO_ADVISOR for row in chosen) and advisor != NO_ADVISOR:
-        parts.append("Variants that ask no advisor ran once and stand beside every advisor; their calls are questions "
-                     "put to a rule of their own.")
+        parts.append(
+            "Variants that ask no advisor ran once and stand beside every advisor; their calls are questions "
+            "put to a rule of their own."
+        )
     return tuple(parts)
 
 

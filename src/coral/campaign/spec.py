@@ -43,15 +43,26 @@ class Spec:
 
     def to_json(self) -> dict[str, Any]:
         """Plain mapping, as stored."""
-        return {"system": self.system, "variant": self.variant, "world": self.world, "seed": self.seed,
-                "advisor": self.advisor, "overrides": dict(self.overrides)}
+        return {
+            "system": self.system,
+            "variant": self.variant,
+            "world": self.world,
+            "seed": self.seed,
+            "advisor": self.advisor,
+            "overrides": dict(self.overrides),
+        }
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> Spec:
         """The spec that `to_json` wrote."""
-        return cls(system=content["system"], variant=content["variant"], world=content["world"],
-                   seed=content["seed"], advisor=content["advisor"],
-                   overrides=tuple(sorted(content["overrides"].items())))
+        return cls(
+            system=content["system"],
+            variant=content["variant"],
+            world=content["world"],
+            seed=content["seed"],
+            advisor=content["advisor"],
+            overrides=tuple(sorted(content["overrides"].items())),
+        )
 
     @property
     def digest(self) -> str:
@@ -67,9 +78,16 @@ class Spec:
         return f"{words}_{self.digest}"
 
 
-def grid(system: str, *, variants: Sequence[str], worlds: Sequence[str], seeds: Sequence[int],
-         advisors: Sequence[str], alone: Collection[str] = (),
-         overrides: Sequence[Mapping[str, Any]] = ({},)) -> tuple[Spec, ...]:
+def grid(
+    system: str,
+    *,
+    variants: Sequence[str],
+    worlds: Sequence[str],
+    seeds: Sequence[int],
+    advisors: Sequence[str],
+    alone: Collection[str] = (),
+    overrides: Sequence[Mapping[str, Any]] = ({},),
+) -> tuple[Spec, ...]:
     """Every combination once, worlds innermost so that an early look at the results sees all of them.
 
     Args:
@@ -84,17 +102,23 @@ def grid(system: str, *, variants: Sequence[str], worlds: Sequence[str], seeds: 
     Raises:
         InputError: A dimension is empty, or the grid is absurdly large.
     """
-    for flag, values in (("--variants", variants), ("--worlds", worlds), ("--seeds", seeds),
-                         ("--advisors", advisors)):
+    for flag, values in (("--variants", variants), ("--worlds", worlds), ("--seeds", seeds), ("--advisors", advisors)):
         if not values:
             raise InputError(flag, "", "nothing", "at least one")
     size = len(variants) * len(worlds) * len(seeds) * len(advisors) * len(overrides)
     if size > MOST_EPISODES:
         raise InputError("the grid", "", f"{size} episodes", f"at most {MOST_EPISODES}")
-    specs = (Spec(system=system, variant=variant, world=world, seed=seed,
-                  advisor=NO_ADVISOR if variant in alone else advisor, overrides=tuple(sorted(change.items())))
-             for change, advisor, seed, variant, world
-             in itertools.product(overrides, advisors, seeds, variants, worlds))
+    specs = (
+        Spec(
+            system=system,
+            variant=variant,
+            world=world,
+            seed=seed,
+            advisor=NO_ADVISOR if variant in alone else advisor,
+            overrides=tuple(sorted(change.items())),
+        )
+        for change, advisor, seed, variant, world in itertools.product(overrides, advisors, seeds, variants, worlds)
+    )
     return tuple(dict.fromkeys(specs))
 
 

@@ -31,8 +31,14 @@ class Estimate:
         return bool(self.low > 0.0 or self.high < 0.0)
 
 
-def bootstrap_mean(values: Sequence[float], groups: Sequence[Hashable], *, level: float = 0.95,
-                   resamples: int = RESAMPLES, seed: int = SEED) -> Estimate:
+def bootstrap_mean(
+    values: Sequence[float],
+    groups: Sequence[Hashable],
+    *,
+    level: float = 0.95,
+    resamples: int = RESAMPLES,
+    seed: int = SEED,
+) -> Estimate:
     """Mean and percentile interval of the cluster bootstrap (Efron and Tibshirani 1993; Field and Welsh 2007).
 
     Whole groups are drawn with replacement: missions in the same world resemble each other, so drawing single missions
@@ -61,8 +67,9 @@ def bootstrap_mean(values: Sequence[float], groups: Sequence[Hashable], *, level
     return Estimate(float(data.mean()), float(low), float(high), len(data))
 
 
-def paired_difference(ours: Mapping[K, float], reference: Mapping[K, float], group: Mapping[K, Hashable],
-                      **options: Any) -> Estimate:
+def paired_difference(
+    ours: Mapping[K, float], reference: Mapping[K, float], group: Mapping[K, Hashable], **options: Any
+) -> Estimate:
     """Mean of `ours - reference` over the pairs that both have.
 
     Args:

@@ -42,18 +42,27 @@ class Store:
             self.folder.mkdir(parents=True, exist_ok=True)
             strangers = [p.name for p in self.folder.iterdir() if not p.name.startswith(".")]
             if strangers and not self.manifest_path.exists():
-                raise InputError(str(self.folder), "--out", f"a folder with other things in it ({strangers[0]})",
-                                 "a new or empty folder, or one that a campaign made")
+                raise InputError(
+                    str(self.folder),
+                    "--out",
+                    f"a folder with other things in it ({strangers[0]})",
+                    "a new or empty folder, or one that a campaign made",
+                )
             handle = open(self.folder / ".lock", "a")  # noqa: SIM115
         except OSError as error:
-            raise InputError(str(self.folder), "--out", error.strerror or error, "a folder that can be written") \
-                from None
+            raise InputError(
+                str(self.folder), "--out", error.strerror or error, "a folder that can be written"
+            ) from None
         with handle:
             try:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:
-                raise InputError(str(self.folder), "--out", "a campaign that is still running",
-                                 "a folder to which no other process writes") from None
+                raise InputError(
+                    str(self.folder),
+                    "--out",
+                    "a campaign that is still running",
+                    "a folder to which no other process writes",
+                ) from None
             yield
 
     def manifest(self) -> Record:
@@ -68,8 +77,15 @@ class Store:
             raise InputError(str(self.folder), "manifest.json", found, f"a campaign's folder ({FORMAT})")
         return content
 
-    def open(self, specs: Sequence[Spec], conditions: Mapping[str, str], *, command: str = "", mix: bool = False,
-             about: Mapping[str, Any] | None = None) -> None:
+    def open(
+        self,
+        specs: Sequence[Spec],
+        conditions: Mapping[str, str],
+        *,
+        command: str = "",
+        mix: bool = False,
+        about: Mapping[str, Any] | None = None,
+    ) -> None:
         """Take up the campaign with this grid: begin it, go on with it, or extend it.
 
         Args:
@@ -87,15 +103,26 @@ class Store:
         known: dict[str, str] = old["conditions"]
         for name, value in conditions.items():
             if not mix and known.get(name, value) != value:
-                raise InputError(str(self.folder), name, f"results made with {known[name]} (now: {value})",
-                                 "the same as before, a new --out, or --mix to put both into one table")
+                raise InputError(
+                    str(self.folder),
+                    name,
+                    f"results made with {known[name]} (now: {value})",
+                    "the same as before, a new --out, or --mix to put both into one table",
+                )
         wanted = dict.fromkeys([*(Spec.from_json(content) for content in old["specs"]), *specs])
         commands = [*old["commands"], *([command] if command and command not in old["commands"] else [])]
-        self._write(self.manifest_path, {
-            "format": FORMAT, "conditions": {**known, **conditions}, "mixed": bool(old.get("mixed")) or any(
-                known.get(name, value) != value for name, value in conditions.items()),
-            "about": {**old.get("about", {}), **(about or {})}, "commands": commands,
-            "specs": [spec.to_json() for spec in wanted]})
+        self._write(
+            self.manifest_path,
+            {
+                "format": FORMAT,
+                "conditions": {**known, **conditions},
+                "mixed": bool(old.get("mixed"))
+                or any(known.get(name, value) != value for name, value in conditions.items()),
+                "about": {**old.get("about", {}), **(about or {})},
+                "commands": commands,
+                "specs": [spec.to_json() for spec in wanted],
+            },
+        )
         self._sweep()
 
     def specs(self) -> tuple[Spec, ...]:
@@ -105,8 +132,7 @@ class Store:
     def pending(self, specs: Iterable[Spec], *, retry_failed: bool = False) -> tuple[Spec, ...]:
         """Those that still have to run."""
         done, failed = self._keys("episodes"), self._keys("failures")
-        return tuple(spec for spec in specs
-                     if spec.key not in done and (retry_failed or spec.key not in failed))
+        return tuple(spec for spec in specs if spec.key not in done and (retry_failed or spec.key not in failed))
 
     def scratch(self, spec: Spec) -> Path:
         """Where a running episode writes; it becomes `run_folder` once the episode is finished."""
@@ -130,9 +156,10 @@ class Store:
     def fail(self, spec: Spec, message: str, detail: str, about: Mapping[str, Any]) -> None:
         """Record that an episode could not be finished; what it wrote is kept to find out why."""
         self._keep(spec)
-        self._write(self.folder / "failures" / f"{spec.key}.json",
-                    {"spec": spec.to_json(), "status": "failed", "message": message, "detail": detail,
-                     "about": dict(about)})
+        self._write(
+            self.folder / "failures" / f"{spec.key}.json",
+            {"spec": spec.to_json(), "status": "failed", "message": message, "detail": detail, "about": dict(about)},
+        )
 
     def records(self) -> list[Record]:
         """Every recorded episode, finished or failed, in the order of the grid."""

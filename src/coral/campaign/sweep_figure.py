@@ -46,8 +46,7 @@ def draw_sweep(variants: Mapping[str, Sequence[Row]], measures: Sequence[Measure
             axes.tick_params(labelsize=7, length=2)
             axes.grid(alpha=0.25, lw=0.5)
             if line == 0:
-                axes.set_title(f"{key} ({UNITS[key]})" if key in UNITS else key.rsplit(".", 1)[-1],
-                               fontsize=8)
+                axes.set_title(f"{key} ({UNITS[key]})" if key in UNITS else key.rsplit(".", 1)[-1], fontsize=8)
         grid[line, 0].set_ylabel(measure.label, fontsize=8)
         low, high = grid[line, 0].get_ylim()
         grid[line, 0].set_ylim(*((-4.0, 104.0) if measure.key == "coverage" else (min(low, 0.0), max(high, 1.0))))
@@ -81,8 +80,17 @@ def _line(axes: Any, rows: Sequence[Row], key: str, values: Sequence[Any], measu
         estimate = mean([row for row in rows if json.loads(row["overrides"]) == changes], measure)
         if estimate.count:
             points.append((place, estimate))
-    axes.plot([x for x, _ in points], [e.mean for _, e in points], "-o", color=color, mec=EDGED, mew=0.6, ms=4, lw=1.3,
-              label=str(rows[0]["variant"]) if rows else "")
+    axes.plot(
+        [x for x, _ in points],
+        [e.mean for _, e in points],
+        "-o",
+        color=color,
+        mec=EDGED,
+        mew=0.6,
+        ms=4,
+        lw=1.3,
+        label=str(rows[0]["variant"]) if rows else "",
+    )
     for x, estimate in points:
         axes.plot([x, x], [estimate.low, estimate.high], color=color, lw=3, alpha=0.45, solid_capstyle="butt")
 

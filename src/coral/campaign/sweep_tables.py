@@ -36,28 +36,48 @@ def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str,
     if not set(settings) - {NOMINAL}:
         return []
     labels = [measure.label for measure in measures]
-    means = [(setting, str(len(found)), *(mean_interval_text(found, measure) for measure in measures))
-             for setting, found in settings.items()]
-    tables = [Table("Sweep", f"Means per mission under each setting. {caption}", ("setting", "missions", *labels),
-                    tuple(means), (_INTERVALS, *notes))]
+    means = [
+        (setting, str(len(found)), *(mean_interval_text(found, measure) for measure in measures))
+        for setting, found in settings.items()
+    ]
+    tables = [
+        Table(
+            "Sweep",
+            f"Means per mission under each setting. {caption}",
+            ("setting", "missions", *labels),
+            tuple(means),
+            (_INTERVALS, *notes),
+        )
+    ]
     nominal = settings.pop(NOMINAL, [])
     if nominal:
         lines, silent = [], []
         for setting, found in settings.items():
             estimates = [difference(found, nominal, measure) for measure in measures]
             pairs = len({pair(row) for row in found} & {pair(row) for row in nominal})
-            lines.append((setting, str(pairs), *(difference_text(e, m.digits)
-                                                 for e, m in zip(estimates, measures, strict=True))))
+            lines.append(
+                (setting, str(pairs), *(difference_text(e, m.digits) for e, m in zip(estimates, measures, strict=True)))
+            )
             if not any(estimate.tells for estimate in estimates):
                 silent.append(setting)
         more = (f"No difference in any of these numbers could be shown for: {', '.join(silent)}.",) if silent else ()
-        tables.append(Table("Sweep, differences", f"Paired differences from the nominal setting. {caption}",
-                            ("setting", "pairs", *(f"Δ {label}" for label in labels)), tuple(lines),
-                            (_DIFFERENCES, *more, *notes)))
+        tables.append(
+            Table(
+                "Sweep, differences",
+                f"Paired differences from the nominal setting. {caption}",
+                ("setting", "pairs", *(f"Δ {label}" for label in labels)),
+                tuple(lines),
+                (_DIFFERENCES, *more, *notes),
+            )
+        )
     return tables
 
 
-_INTERVALS = ("One key is changed at a time; nominal: none. 95 % intervals from a seeded bootstrap that draws whole "
-              "worlds. (8/9): only 8 of 9 missions have that number.")
-_DIFFERENCES = ("Setting minus nominal in the same world with the same seed and advisor; 95 % intervals from the same "
-                "bootstrap. ≈: the interval holds zero, so these missions do not tell the difference from chance.")
+_INTERVALS = (
+    "One key is changed at a time; nominal: none. 95 % intervals from a seeded bootstrap that draws whole "
+    "worlds. (8/9): only 8 of 9 missions have that number."
+)
+_DIFFERENCES = (
+    "Setting minus nominal in the same world with the same seed and advisor; 95 % intervals from the same "
+    "bootstrap. ≈: the interval holds zero, so these missions do not tell the difference from chance."
+)

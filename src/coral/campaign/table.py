@@ -31,8 +31,10 @@ def to_markdown(table: Table) -> str:
     widths = [max(3, *(len(row[k]) for row in cells)) for k in range(len(table.header))]
     lines = [f"**{table.name}.** {table.caption}", ""]
     for number, row in enumerate(cells):
-        padded = [cell.ljust(width) if k == 0 else cell.rjust(width)
-                  for k, (cell, width) in enumerate(zip(row, widths, strict=True))]
+        padded = [
+            cell.ljust(width) if k == 0 else cell.rjust(width)
+            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
         lines.append(f"| {' | '.join(padded)} |")
         if number == 0:
             rule = ["-" * width if k == 0 else "-" * (width - 1) + ":" for k, width in enumerate(widths)]
@@ -44,13 +46,24 @@ def to_markdown(table: Table) -> str:
 def to_latex(table: Table) -> str:
     """A `table*` float for booktabs and threeparttable."""
     columns = "l" + "r" * (len(table.header) - 1)
-    lines = [r"\begin{table*}\centering\small", r"\begin{threeparttable}",
-             rf"\caption{{{_latex(table.caption)}}}", rf"\begin{{tabular}}{{{columns}}}", r"\toprule",
-             " & ".join(map(_latex, table.header)) + r" \\", r"\midrule",
-             *(" & ".join(map(_latex, row)) + r" \\" for row in table.rows), r"\bottomrule", r"\end{tabular}"]
+    lines = [
+        r"\begin{table*}\centering\small",
+        r"\begin{threeparttable}",
+        rf"\caption{{{_latex(table.caption)}}}",
+        rf"\begin{{tabular}}{{{columns}}}",
+        r"\toprule",
+        " & ".join(map(_latex, table.header)) + r" \\",
+        r"\midrule",
+        *(" & ".join(map(_latex, row)) + r" \\" for row in table.rows),
+        r"\bottomrule",
+        r"\end{tabular}",
+    ]
     if table.notes:
-        lines += [r"\begin{tablenotes}\footnotesize", *(rf"\item {_latex(note)}" for note in table.notes),
-                  r"\end{tablenotes}"]
+        lines += [
+            r"\begin{tablenotes}\footnotesize",
+            *(rf"\item {_latex(note)}" for note in table.notes),
+            r"\end{tablenotes}",
+        ]
     return "\n".join([f"% {table.name}", *lines, r"\end{threeparttable}", r"\end{table*}"]) + "\n"
 
 
@@ -59,9 +72,11 @@ def to_html(table: Table) -> str:
     head = "".join(f"<th>{escape(cell)}</th>" for cell in table.header)
     body = "\n".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in table.rows)
     notes = "".join(f"<li>{escape(note)}</li>" for note in table.notes)
-    return (f"<figure>\n<figcaption><b>{escape(table.name)}.</b> {escape(table.caption)}</figcaption>\n"
-            f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table></div>\n'
-            f"<ul>{notes}</ul>\n</figure>\n")
+    return (
+        f"<figure>\n<figcaption><b>{escape(table.name)}.</b> {escape(table.caption)}</figcaption>\n"
+        f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table></div>\n'
+        f"<ul>{notes}</ul>\n</figure>\n"
+    )
 
 
 def document(tables: Sequence[Table], form: str, title: str) -> str:
@@ -78,16 +93,45 @@ def document(tables: Sequence[Table], form: str, title: str) -> str:
         head = rf"% {title}. Needs \usepackage{{booktabs,threeparttable}}"
         return "\n".join([head, *(to_latex(table) for table in tables)])
     body = "\n".join(to_html(table) for table in tables)
-    return (f'<!doctype html>\n<html lang="en"><meta charset="utf-8">\n'
-            f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
-            f"<style>{_STYLE}</style>\n<h1>{escape(title)}</h1>\n{body}</html>\n")
+    return (
+        f'<!doctype html>\n<html lang="en"><meta charset="utf-8">\n'
+        f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
+        f"<style>{_STYLE}</style>\n<h1>{escape(title)}</h1>\n{body}</html>\n"
+    )
 
 
-_LATEX = {"\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{",
-          "}": r"\}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "−": "$-$", "–": "--", "—": "---",
-          "×": r"$\times$", "∞": r"$\infty$", "°": r"$^\circ$", "±": r"$\pm$", "≥": r"$\geq$", "≤": r"$\leq$",
-          "†": r"$^\dagger$", "‡": r"$^\ddagger$", "Δ": r"$\Delta$", "η": r"$\eta$", "·": r"$\cdot$",
-          "↑": r"$\uparrow$", "↓": r"$\downarrow$", "≈": r"$\approx$", "“": "``", "”": "''", "’": "'"}
+_LATEX = {
+    "\\": r"\textbackslash{}",
+    "&": r"\&",
+    "%": r"\%",
+    "$": r"\$",
+    "#": r"\#",
+    "_": r"\_",
+    "{": r"\{",
+    "}": r"\}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "−": "$-$",
+    "–": "--",
+    "—": "---",
+    "×": r"$\times$",
+    "∞": r"$\infty$",
+    "°": r"$^\circ$",
+    "±": r"$\pm$",
+    "≥": r"$\geq$",
+    "≤": r"$\leq$",
+    "†": r"$^\dagger$",
+    "‡": r"$^\ddagger$",
+    "Δ": r"$\Delta$",
+    "η": r"$\eta$",
+    "·": r"$\cdot$",
+    "↑": r"$\uparrow$",
+    "↓": r"$\downarrow$",
+    "≈": r"$\approx$",
+    "“": "``",
+    "”": "''",
+    "’": "'",
+}
 
 
 def _latex(text: str) -> str:

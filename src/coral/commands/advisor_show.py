@@ -34,8 +34,9 @@ class AdvisorShow:
         if self.kind == "list":
             return {"kinds": kinds()}
         if self.kind not in kinds():
-            raise InputError("KIND", "", repr(self.kind), f"list, or one of {', '.join(kinds())}"
-                                                          f"{nearest(self.kind, kinds())}")
+            raise InputError(
+                "KIND", "", repr(self.kind), f"list, or one of {', '.join(kinds())}{nearest(self.kind, kinds())}"
+            )
         pictures: dict[str, Path] = {}
         with tempfile.TemporaryDirectory() as scratch:
             if self.kind.startswith("reef-"):
@@ -44,8 +45,13 @@ class AdvisorShow:
                 samples = json.loads((FOLDER / "samples.json").read_text(encoding="utf-8"))
                 prompt = render(self.kind, samples[self.kind])[0]
             written = self._write(prompt, pictures) if self.out else []
-        return {"kind": self.kind, "version": version(self.kind), "prompt": prompt, "pictures": list(pictures),
-                "written": written}
+        return {
+            "kind": self.kind,
+            "version": version(self.kind),
+            "prompt": prompt,
+            "pictures": list(pictures),
+            "written": written,
+        }
 
     def _write(self, prompt: str, pictures: Mapping[str, Path]) -> list[str]:
         folder = self.out
@@ -98,4 +104,5 @@ def _asked_in_a_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[
         raise RunError(f"no {kind} question comes up in {world}; try another --world")
     names = [name for name, _ in asked[-1]["captions"]]
     return asked[-1]["prompt"], {
-        name: folder / "pictures" / f"{digest}.png" for name, digest in zip(names, asked[-1]["pictures"], strict=True)}
+        name: folder / "pictures" / f"{digest}.png" for name, digest in zip(names, asked[-1]["pictures"], strict=True)
+    }

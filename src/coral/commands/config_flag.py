@@ -31,8 +31,11 @@ def config_words(cfg: C, default: C, file: Path | None, prefix: str = "cfg") -> 
     """The words of a command that make a configuration: the file, and the flags for what differs from it."""
     base = default if file is None else read_config(file, default)
     named = ["--config", str(file)] if file is not None else []
-    return named + [word for key, value in changes(to_mapping(cfg), to_mapping(base), prefix)
-                    for word in _words(key.replace("_", "-"), value)]
+    return named + [
+        word
+        for key, value in changes(to_mapping(cfg), to_mapping(base), prefix)
+        for word in _words(key.replace("_", "-"), value)
+    ]
 
 
 def _words(key: str, value: Any) -> list[str]:

@@ -58,10 +58,20 @@ class ContactEpisode:
         """Run it."""
         task, world = self.tasks[spec.world], dict(spec.overrides)["world"]
         if spec.variant in self.policies:
-            return run_policy_trial(task, self.cfg, folder, world=world, address=self.policies[spec.variant],
-                                    seed=spec.seed)
-        return run_trial(task, self.cfg, folder, world=world, variant=spec.variant, advisor=spec.advisor,
-                         seed=spec.seed, memory=self.memory, model=self.model)
+            return run_policy_trial(
+                task, self.cfg, folder, world=world, address=self.policies[spec.variant], seed=spec.seed
+            )
+        return run_trial(
+            task,
+            self.cfg,
+            folder,
+            world=world,
+            variant=spec.variant,
+            advisor=spec.advisor,
+            seed=spec.seed,
+            memory=self.memory,
+            model=self.model,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,8 +151,9 @@ class ContactBench:
             cfg.tracked.choice().check()
         specs, memory = self._specs(tasks), None if self.memory is None else read_memory(self.memory)
         with store.lock():
-            store.open(specs, self._conditions(cfg, tasks, memory), command=self._command(), mix=self.mix,
-                       about=provenance())
+            store.open(
+                specs, self._conditions(cfg, tasks, memory), command=self._command(), mix=self.mix, about=provenance()
+            )
             summary = self._run(store, specs, cfg, tasks, memory)
             result = self._collect(store, summary)
         if summary.failed and not result["done"]:
@@ -152,11 +163,14 @@ class ContactBench:
     def describe(self, result: Mapping[str, Any]) -> str:
         """The tables, and where everything is."""
         failed = f"; {result['failed']} broke off (see {self.out / 'failures'}; --retry-failed runs them again)"
-        return "\n".join([
-            (self.out / "tables.md").read_text(encoding="utf-8"),
-            f"{many(result['done'], 'episode')}{failed if result['failed'] else ''}",
-            *(f"{name}: {result[name]}" for name in ("data", "tables", "memory") if result[name]),
-            *(f"figure: {path}" for path in result["figures"])])
+        return "\n".join(
+            [
+                (self.out / "tables.md").read_text(encoding="utf-8"),
+                f"{many(result['done'], 'episode')}{failed if result['failed'] else ''}",
+                *(f"{name}: {result[name]}" for name in ("data", "tables", "memory") if result[name]),
+                *(f"figure: {path}" for path in result["figures"]),
+            ]
+        )
 
     def _specs(self, tasks: Mapping[str, Task]) -> tuple[Spec, ...]:
         worlds = parse_names(self.worlds, "--worlds")
@@ -176,11 +190,18 @@ class ContactBench:
         for advisor in advisors:
             if advisor.split(":")[-1] == "desk":
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
-            make_advisor(advisor, rules={}, rng=np.random.default_rng(0), cfg=checked(self.model, "--model"),
-                         where="--advisors")
-        return grid("contact", variants=(*variants, *policies), worlds=tuple(tasks), seeds=seeds,
-                    advisors=advisors, alone=[*(name for name in variants if name in ALONE), *policies],
-                    overrides=[{"world": world} for world in worlds])
+            make_advisor(
+                advisor, rules={}, rng=np.random.default_rng(0), cfg=checked(self.model, "--model"), where="--advisors"
+            )
+        return grid(
+            "contact",
+            variants=(*variants, *policies),
+            worlds=tuple(tasks),
+            seeds=seeds,
+            advisors=advisors,
+            alone=[*(name for name in variants if name in ALONE), *policies],
+            overrides=[{"world": world} for world in worlds],
+        )
 
     def _policies(self) -> dict[str, Address]:
         words = parse_names(self.policies, "--policies") if self.policies else ()
@@ -189,8 +210,9 @@ class ContactBench:
             raise InputError("--policies", "", repr(self.policies), "a name of its own for each")
         return {one.name: one for one in found}
 
-    def _conditions(self, cfg: EpisodeCfg, tasks: Mapping[str, Task], memory: Mapping[str, Any] | None
-                    ) -> dict[str, str]:
+    def _conditions(
+        self, cfg: EpisodeCfg, tasks: Mapping[str, Task], memory: Mapping[str, Any] | None
+    ) -> dict[str, str]:
         """What must be the same for every episode of a table, as digests."""
         content = to_mapping(cfg)
         content.pop("record")
@@ -198,20 +220,35 @@ class ContactBench:
         content["tracked"]["by"] = cfg.tracked.choice().name  # nor does it matter where a server is
         content["tracked"]["foundationpose"].pop("url")
         whole = {"episode": content, "model": to_mapping(self.model)}
-        return {"code version": f"{code_version()}", "configuration": digest(whole),
-                "memory": "none" if memory is None else digest([
-                    {**one, "created": ""} for one in memory["experiences"]]),
-                **{f"task {name}": _task_digest(task) for name, task in tasks.items()}}
+        return {
+            "code version": f"{code_version()}",
+            "configuration": digest(whole),
+            "memory": "none" if memory is None else digest([{**one, "created": ""} for one in memory["experiences"]]),
+            **{f"task {name}": _task_digest(task) for name, task in tasks.items()},
+        }
 
-    def _run(self, store: Store, specs: Sequence[Spec], cfg: EpisodeCfg, tasks: Mapping[str, Task],
-             memory: Mapping[str, Any] | None) -> Summary:
+    def _run(
+        self,
+        store: Store,
+        specs: Sequence[Spec],
+        cfg: EpisodeCfg,
+        tasks: Mapping[str, Task],
+        memory: Mapping[str, Any] | None,
+    ) -> Summary:
         if (self.jobs > 1 or self.executor == "ray") and not cfg.planning.threads:
             cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
         executor = make_executor(self.executor, self.jobs, self.address)
         try:
             episode = ContactEpisode(cfg, self.model, tasks, self._policies(), memory)
-            return run_campaign(store, specs, episode, executor, retry_failed=self.retry_failed, mix=self.mix,
-                                progress=CampaignProgress(quiet=self.quiet))
+            return run_campaign(
+                store,
+                specs,
+                episode,
+                executor,
+                retry_failed=self.retry_failed,
+                mix=self.mix,
+                progress=CampaignProgress(quiet=self.quiet),
+            )
         except KeyboardInterrupt:
             print(f"stopped; the same command goes on from here ({self.out})", file=sys.stderr)
             raise
@@ -230,11 +267,19 @@ class ContactBench:
         for form in ("md", "tex", "html"):
             write_whole(self.out / f"tables.{form}", document(tables, form, "Contact tasks").encode())
         done = [record for record in records if record["status"] == "done"]
-        return {"out": str(self.out), "episodes": len(store.specs()), "done": len(done),
-                "failed": len(records) - len(done), "ran": summary.finished + summary.failed if summary else 0,
-                "found": summary.found if summary else len(records), "data": str(self.out / "results.parquet"),
-                "tables": str(self.out / "tables.md"), "memory": kept,
-                "figures": self._draw(store, rows), "results": [table_json(table) for table in tables]}
+        return {
+            "out": str(self.out),
+            "episodes": len(store.specs()),
+            "done": len(done),
+            "failed": len(records) - len(done),
+            "ran": summary.finished + summary.failed if summary else 0,
+            "found": summary.found if summary else len(records),
+            "data": str(self.out / "results.parquet"),
+            "tables": str(self.out / "tables.md"),
+            "memory": kept,
+            "figures": self._draw(store, rows),
+            "results": [table_json(table) for table in tables],
+        }
 
     def _remembered(self, store: Store) -> str:
         """What all trials of `full` have added to their memories, in their order, as one file; "" for nothing.
@@ -256,15 +301,24 @@ class ContactBench:
         """Fig. 5 of every task that was run both with and without a contact strategy."""
         from coral.view.contact.ablation import draw_ablation
 
-        folders = {(spec.world, spec.variant, spec.advisor, spec.seed, str(dict(spec.overrides)["world"])):
-                   store.run_folder(spec) for spec in store.specs()}
-        keys = dict.fromkeys((str(row["world"]), str(row["evaluation_world"]), str(row["advisor"])) for row in rows
-                             if row["status"] == "done" and row["variant"] in NAMES)
+        folders = {
+            (spec.world, spec.variant, spec.advisor, spec.seed, str(dict(spec.overrides)["world"])): store.run_folder(
+                spec
+            )
+            for spec in store.specs()
+        }
+        keys = dict.fromkeys(
+            (str(row["world"]), str(row["evaluation_world"]), str(row["advisor"]))
+            for row in rows
+            if row["status"] == "done" and row["variant"] in NAMES
+        )
         drawn = []
         for number, (task, place, advisor) in enumerate(keys):
             trials = chosen(rows, task, place, advisor)
-            runs = {NAMES[variant]: [folders[task, variant, advisor, int(row["seed"]), place] for row in own]
-                    for variant, own in trials.items()}
+            runs = {
+                NAMES[variant]: [folders[task, variant, advisor, int(row["seed"]), place] for row in own]
+                for variant, own in trials.items()
+            }
             if len(runs) < 2 or not all(runs.values()):
                 continue
             path = self.out / f"ablation-{Path(task).stem}{f'-{number}' if number else ''}.png"
@@ -274,8 +328,21 @@ class ContactBench:
 
     def _command(self) -> str:
         """The command that makes this campaign, without what does not change its results."""
-        words = ["coral", "contact", "bench", "--variants", self.variants, "--tasks", self.tasks,
-                 "--worlds", self.worlds, "--seeds", self.seeds, "--advisors", self.advisors]
+        words = [
+            "coral",
+            "contact",
+            "bench",
+            "--variants",
+            self.variants,
+            "--tasks",
+            self.tasks,
+            "--worlds",
+            self.worlds,
+            "--seeds",
+            self.seeds,
+            "--advisors",
+            self.advisors,
+        ]
         words += ["--policies", self.policies] if self.policies else []
         words += ["--poses", self.poses] if self.poses is not None else []
         words += ["--tracker", self.tracker] if self.tracker is not None else []

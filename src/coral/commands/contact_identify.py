@@ -65,8 +65,12 @@ class ContactIdentify:
     def __call__(self) -> Mapping[str, Any]:
         """Touch and correct."""
         check_world(self.world)
-        for flag, value in (("--mass", self.mass), ("--friction", self.friction),
-                            ("--believed-mass", self.believed_mass), ("--believed-friction", self.believed_friction)):
+        for flag, value in (
+            ("--mass", self.mass),
+            ("--friction", self.friction),
+            ("--believed-mass", self.believed_mass),
+            ("--believed-friction", self.believed_friction),
+        ):
             if not 0.01 <= value <= 20:
                 raise InputError(flag, "", value, "a number from 0.01 to 20")
         if self.seed < 0:
@@ -82,28 +86,48 @@ class ContactIdentify:
         last = believed[-1] if believed else self._first
         if self.figure is not None:
             self._draw(believed, self.figure)
-        return {"object": name, "by": by, "mass_kg": self.mass, "friction": self.friction, **found,
-                "mass_error": round(last.mass_kg / self.mass - 1, 4),
-                "friction_error": round(last.friction / self.friction - 1, 4),
-                "figure": None if self.figure is None else str(self.figure)}
+        return {
+            "object": name,
+            "by": by,
+            "mass_kg": self.mass,
+            "friction": self.friction,
+            **found,
+            "mass_error": round(last.mass_kg / self.mass - 1, 4),
+            "friction_error": round(last.friction / self.friction - 1, 4),
+            "figure": None if self.figure is None else str(self.figure),
+        }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Every correction, and what is left of the error."""
-        lines = [f"{index}. {'accepted' if row['accepted'] else 'refused '}  "
-                 f"{'at {t:.1f} s, '.format(**row) if 't' in row else ''}{row['text']}"
-                 for index, row in enumerate(result["corrections"], start=1)]
+        lines = [
+            f"{index}. {'accepted' if row['accepted'] else 'refused '}  "
+            f"{'at {t:.1f} s, '.format(**row) if 't' in row else ''}{row['text']}"
+            for index, row in enumerate(result["corrections"], start=1)
+        ]
         if "end_reason" in result:
             lines.append(f"the episode: {result['end_reason']} after {result['sim_time_s']:.1f} s")
-        return "\n".join([*lines, f"left over: mass {100 * result['mass_error']:+.0f} %, friction "
-                          f"{100 * result['friction_error']:+.0f} % of {self.mass:g} kg and {self.friction:g}"])
+        return "\n".join(
+            [
+                *lines,
+                f"left over: mass {100 * result['mass_error']:+.0f} %, friction "
+                f"{100 * result['friction_error']:+.0f} % of {self.mass:g} kg and {self.friction:g}",
+            ]
+        )
 
     @property
     def _first(self) -> Physical:
         return Physical(self.believed_mass, self.believed_friction)
 
     def _pushes(self, drawn: Drawn, name: str) -> dict[str, Any]:
-        fits = probe(drawn, name, Physical(self.mass, self.friction), self._first, self.cfg,
-                     np.random.default_rng([self.seed, 4]), self.world)
+        fits = probe(
+            drawn,
+            name,
+            Physical(self.mass, self.friction),
+            self._first,
+            self.cfg,
+            np.random.default_rng([self.seed, 4]),
+            self.world,
+        )
         try:
             return {"corrections": [_row(fit) for fit in fits]}
         except WorldFault as fault:
@@ -112,20 +136,42 @@ class ContactIdentify:
     def _episode(self, drawn: Drawn, name: str) -> dict[str, Any]:
         cfg = EpisodeCfg()
         identify = replace(cfg.think.identify, by="balance")
-        cfg = replace(cfg, think=replace(cfg.think, correct_every_s=self.every, identify=identify),
-                      record=replace(cfg.record, report=False))
+        cfg = replace(
+            cfg,
+            think=replace(cfg.think, correct_every_s=self.every, identify=identify),
+            record=replace(cfg.record, report=False),
+        )
         cfg = with_poses(with_samples(cfg, self.samples), self.poses)
         progress = EpisodeProgress(quiet=self.quiet)
         with tempfile.TemporaryDirectory() as aside:
             try:
-                found = probe_episode(drawn, name, Physical(self.mass, self.friction), self._first, cfg,
-                                      self.out or Path(aside) / "run", self.world, progress)
+                found = probe_episode(
+                    drawn,
+                    name,
+                    Physical(self.mass, self.friction),
+                    self._first,
+                    cfg,
+                    self.out or Path(aside) / "run",
+                    self.world,
+                    progress,
+                )
             finally:
                 progress.close()
-        return {"corrections": [
-            {"t": event["t"], "accepted": event["accepted"], "believed": event["after"],
-             "error_before": event["errors"][0], "error_after": event["errors"][1], "text": event["text"]}
-            for event in found.corrections], "end_reason": found.end_reason, "sim_time_s": found.sim_time_s}
+        return {
+            "corrections": [
+                {
+                    "t": event["t"],
+                    "accepted": event["accepted"],
+                    "believed": event["after"],
+                    "error_before": event["errors"][0],
+                    "error_after": event["errors"][1],
+                    "text": event["text"],
+                }
+                for event in found.corrections
+            ],
+            "end_reason": found.end_reason,
+            "sim_time_s": found.sim_time_s,
+        }
 
     def _draw(self, believed: list[Physical], path: Path) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -134,8 +180,13 @@ class ContactIdentify:
         figure = Figure(figsize=(7, 2.8), layout="constrained")
         FigureCanvasAgg(figure)
         for axes, key, first, true, unit in zip(
-                figure.subplots(1, 2), ("mass_kg", "friction"), (self.believed_mass, self.believed_friction),
-                (self.mass, self.friction), ("mass (kg)", "friction"), strict=True):
+            figure.subplots(1, 2),
+            ("mass_kg", "friction"),
+            (self.believed_mass, self.believed_friction),
+            (self.mass, self.friction),
+            ("mass (kg)", "friction"),
+            strict=True,
+        ):
             values = [first, *(getattr(one, key) for one in believed)]
             axes.fill_between([0, len(values) - 1], 0.85 * true, 1.15 * true, color="0.9", label="15 %")
             axes.axhline(true, color="0.4", linewidth=1, label="true")
@@ -150,8 +201,16 @@ class ContactIdentify:
 
 def _row(fit: Fit) -> dict[str, Any]:
     held = fit.after if fit.accepted else fit.before
-    return {"accepted": fit.accepted, "believed": [held.mass_kg, held.friction],
-            "mass_kg": round(fit.after.mass_kg, 5), "friction": round(fit.after.friction, 4),
-            "mass_sd": round(fit.mass_sd, 3), "friction_sd": round(fit.friction_sd, 3),
-            "product_sd": round(fit.product_sd, 3), "error_before": round(fit.error_before, 4),
-            "error_after": round(fit.error_after, 4), "windows": fit.windows, "text": fit.words()}
+    return {
+        "accepted": fit.accepted,
+        "believed": [held.mass_kg, held.friction],
+        "mass_kg": round(fit.after.mass_kg, 5),
+        "friction": round(fit.after.friction, 4),
+        "mass_sd": round(fit.mass_sd, 3),
+        "friction_sd": round(fit.friction_sd, 3),
+        "product_sd": round(fit.product_sd, 3),
+        "error_before": round(fit.error_before, 4),
+        "error_after": round(fit.error_after, 4),
+        "windows": fit.windows,
+        "text": fit.words(),
+    }

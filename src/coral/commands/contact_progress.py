@@ -31,8 +31,14 @@ class EpisodeProgress:
 
     def __init__(self, *, quiet: bool = False) -> None:
         self._bar = Progress(
-            TextColumn("[bold]{task.description}"), BarColumn(bar_width=24), TextColumn("{task.fields[status]}"),
-            console=Console(stderr=True), transient=False, disable=quiet, refresh_per_second=5)
+            TextColumn("[bold]{task.description}"),
+            BarColumn(bar_width=24),
+            TextColumn("{task.fields[status]}"),
+            console=Console(stderr=True),
+            transient=False,
+            disable=quiet,
+            refresh_per_second=5,
+        )
         self._task = self._bar.add_task("", total=1.0, status="")
         self._started = time.monotonic()
         self._bar.start()
@@ -42,9 +48,13 @@ class EpisodeProgress:
         factor = episode.t / max(time.monotonic() - self._started, 1e-3)
         holding = episode.judge.holding
         self._bar.update(
-            self._task, description=episode.drawn.task.name, completed=episode.t, total=episode.time_limit_s,
+            self._task,
+            description=episode.drawn.task.name,
+            completed=episode.t,
+            total=episode.time_limit_s,
             status=f"{episode.t:5.1f} s simulated · {episode.stage} · {sum(holding)} of {len(holding)} conditions · "
-                   f"{factor:.2f}x real time")
+            f"{factor:.2f}x real time",
+        )
 
     def stop_requested(self) -> str:
         """A progress bar never stops an episode."""

@@ -95,36 +95,65 @@ class ContactRun:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
         check_variant(self.variant)
         if self.policy is not None and self.variant != type(self).variant:
-            raise InputError("--policy", "", f"also --variant {self.variant}",
-                             "one of the two: a policy has no variant")
+            raise InputError(
+                "--policy", "", f"also --variant {self.variant}", "one of the two: a policy has no variant"
+            )
         check_world(self.world)
         model = checked(self.model, "--model")
         make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=model)
         if self.advisor != type(self).advisor and (self.policy is not None or self.variant in ALONE):
             which = "--policy" if self.policy else f"--variant {self.variant}"
-            raise InputError("--advisor", "", f"{self.advisor} with {which}",
-                             "a variant that asks an advisor, such as --variant full")
+            raise InputError(
+                "--advisor",
+                "",
+                f"{self.advisor} with {which}",
+                "a variant that asks an advisor, such as --variant full",
+            )
         task = load_task(self.task)
         drawn = draw(task, self.seed, self.task)
         if self.believe is not None and (self.policy is not None or self.variant in (*ALONE, "unified")):
-            raise InputError("--believe", "", f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
-                             "a variant that asks for masses and frictions, such as full")
+            raise InputError(
+                "--believe",
+                "",
+                f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
+                "a variant that asks for masses and frictions, such as full",
+            )
         if self.memory is not None and (self.policy is not None or self.variant not in REMEMBERING):
-            raise InputError("--memory", "", f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
-                             f"a variant that remembers, such as full ({', '.join(REMEMBERING)})")
+            raise InputError(
+                "--memory",
+                "",
+                f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
+                f"a variant that remembers, such as full ({', '.join(REMEMBERING)})",
+            )
         cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
         cfg = checked(cfg, "--cfg")
         if self.tracker is not None and (self.policy is not None or self.variant == "no-tracking"):
-            raise InputError("--tracker", "", f"also {'--policy' if self.policy else '--variant no-tracking'}",
-                             "a variant that tracks the objects")
+            raise InputError(
+                "--tracker",
+                "",
+                f"also {'--policy' if self.policy else '--variant no-tracking'}",
+                "a variant that tracks the objects",
+            )
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.policy is not None:
             return self._driven(self.policy, drawn, cfg)
         folder = self.out or new_run_folder(Path("runs"), task.name)
-        mind = make_mind(self.variant, task, Asking(
-            advisor=self.advisor, seed=self.seed, world=self.world, memory=self.memory, folder=folder, inbox=self.inbox,
-            think=within(cfg.controller, cfg.think), believe=believe, model=model))
+        mind = make_mind(
+            self.variant,
+            task,
+            Asking(
+                advisor=self.advisor,
+                seed=self.seed,
+                world=self.world,
+                memory=self.memory,
+                folder=folder,
+                inbox=self.inbox,
+                think=within(cfg.controller, cfg.think),
+                believe=believe,
+                model=model,
+            ),
+        )
         advisor = "none" if self.variant in ALONE else self.advisor
         episode = Episode(drawn, self.world, mind, cfg, folder, variant=self.variant, advisor=advisor)
         progress = EpisodeProgress(quiet=self.quiet)
@@ -156,7 +185,8 @@ class ContactRun:
             f"{result['wall_time_s']:.0f} s; {_count(result)} of {result['plan_ms_median']:.0f} ms, "
             f"{result['path_length_m']:.2f} m of path, "
             f"at most {result['peak_hand_force_n']:.0f} N on an object",
-            f"run folder: {result['run']}"]
+            f"run folder: {result['run']}",
+        ]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
         return "\n".join(lines)
 

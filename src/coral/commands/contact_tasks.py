@@ -43,16 +43,31 @@ class ContactTasks:
 def described(task: Task) -> dict[str, Any]:
     """A task as plain values, ranges as [low, high]."""
     return {
-        "name": task.name, "title": task.title, "instruction": task.instruction, "time_limit_s": task.time_limit_s,
-        "objects": [{
-            "name": item.name, "label": item.label, "parts": [part.shape for part in item.parts],
-            "mass_kg": list(item.mass_kg), "friction": list(item.friction),
-            "scale": [list(axis) for axis in item.scale], "x_m": list(item.x), "y_m": list(item.y),
-            "yaw_deg": list(item.yaw_deg), "points": sorted(item.points),
-        } for item in task.objects],
-        "fixtures": [item.name for item in task.fixtures], "places": {name: list(p) for name, p in task.places.items()},
-        "numbers": dict(task.numbers), "hold_s": task.success.hold_s,
-        "success": [condition.model_dump(mode="json", exclude_none=True) for condition in task.success.conditions]}
+        "name": task.name,
+        "title": task.title,
+        "instruction": task.instruction,
+        "time_limit_s": task.time_limit_s,
+        "objects": [
+            {
+                "name": item.name,
+                "label": item.label,
+                "parts": [part.shape for part in item.parts],
+                "mass_kg": list(item.mass_kg),
+                "friction": list(item.friction),
+                "scale": [list(axis) for axis in item.scale],
+                "x_m": list(item.x),
+                "y_m": list(item.y),
+                "yaw_deg": list(item.yaw_deg),
+                "points": sorted(item.points),
+            }
+            for item in task.objects
+        ],
+        "fixtures": [item.name for item in task.fixtures],
+        "places": {name: list(p) for name, p in task.places.items()},
+        "numbers": dict(task.numbers),
+        "hold_s": task.success.hold_s,
+        "success": [condition.model_dump(mode="json", exclude_none=True) for condition in task.success.conditions],
+    }
 
 
 def _in_full(task: Mapping[str, Any]) -> str:
@@ -60,8 +75,13 @@ def _in_full(task: Mapping[str, Any]) -> str:
     for item in task["objects"]:
         label = f" ({item['label']})" if item["label"] else ""
         lines.append(f"  {item['name']}{label}: {' + '.join(item['parts'])}")
-        for key, name, unit in (("mass_kg", "mass", " kg"), ("friction", "friction", ""), ("x_m", "x", " m"),
-                                ("y_m", "y", " m"), ("yaw_deg", "heading", "°")):
+        for key, name, unit in (
+            ("mass_kg", "mass", " kg"),
+            ("friction", "friction", ""),
+            ("x_m", "x", " m"),
+            ("y_m", "y", " m"),
+            ("yaw_deg", "heading", "°"),
+        ):
             lines.append(f"    {name:<10}{_range(item[key])}{unit}")
         if item["scale"] != [[1.0, 1.0]] * 3:
             lines.append(f"    {'scale':<10}{', '.join(map(_range, item['scale']))} (x, y, z)")

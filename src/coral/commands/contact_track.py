@@ -59,8 +59,11 @@ class ContactTrack:
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "0 or more")
         cfg = AccuracyCfg(
-            camera=CameraCfg(width=self.width, height=round(self.width * 0.75)), period_s=1.0 / self.rate_hz,
-            noise=DepthNoise() if self.noise else None, colours="best" if choice.wants_colours else "none")
+            camera=CameraCfg(width=self.width, height=round(self.width * 0.75)),
+            period_s=1.0 / self.rate_hz,
+            noise=DepthNoise() if self.noise else None,
+            colours="best" if choice.wants_colours else "none",
+        )
         choice.check()
 
         def make(model: ObjectModel) -> PoseTracker:
@@ -68,31 +71,53 @@ class ContactTrack:
 
         trials = [draw(load_task(name), self.seed) for name in self.tasks or shipped_tasks()]
         tracked = [dataclasses.asdict(row) for trial in trials for row in measure(trial, make, cfg)]
-        lost = [dataclasses.asdict(lose(trial, make, cfg, how))
-                for trial in trials if self.losses for how in ("out of view", "covered")]
-        return {"tracker": self.tracker, "seed": self.seed, "width": self.width, "noise": self.noise,
-                "tracked": tracked, "lost": lost}
+        lost = [
+            dataclasses.asdict(lose(trial, make, cfg, how))
+            for trial in trials
+            if self.losses
+            for how in ("out of view", "covered")
+        ]
+        return {
+            "tracker": self.tracker,
+            "seed": self.seed,
+            "width": self.width,
+            "noise": self.noise,
+            "tracked": tracked,
+            "lost": lost,
+        }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Two tables."""
-        lines = ["Errors modulo symmetry, but for ADD, over all pictures: median and what 95 % stay below.", "",
-                 f"{'task':<16} {'object':<10} {'seen':>5} {'mm':>5} {'95 %':>6} {'deg':>5} {'95 %':>6} {'ADD':>6} "
-                 f"{'ADD-S':>6} {'MSSD':>6} {'lost':>5} {'ms':>6} {'95 %':>6} {'fresh':>6} {'s':>5}"]
+        lines = [
+            "Errors modulo symmetry, but for ADD, over all pictures: median and what 95 % stay below.",
+            "",
+            f"{'task':<16} {'object':<10} {'seen':>5} {'mm':>5} {'95 %':>6} {'deg':>5} {'95 %':>6} {'ADD':>6} "
+            f"{'ADD-S':>6} {'MSSD':>6} {'lost':>5} {'ms':>6} {'95 %':>6} {'fresh':>6} {'s':>5}",
+        ]
         for r in result["tracked"]:
             lines.append(
                 f"{r['task']:<16} {r['object']:<10} {r['least_visible']:>5.0%} {r['mm']:>5.1f} {r['mm_95']:>6.1f} "
                 f"{r['deg']:>5.1f} {r['deg_95']:>6.1f} {r['add_mm']:>6.1f} {r['add_s_mm']:>6.1f} "
                 f"{r['mssd_mm']:>6.1f} {r['lost']:>5} {r['update_ms']:>6.1f} {r['update_ms_95']:>6.1f} "
-                f"{r['registered']:>3}/{r['registrations']} {r['registration_s']:>5.2f}")
-        lines += ["", "seen: least share of the object; ADD, ADD-S, MSSD: medians, mm; fresh: fresh starts within 5 mm "
-                  "and 5 deg, and their time"]
+                f"{r['registered']:>3}/{r['registrations']} {r['registration_s']:>5.2f}"
+            )
+        lines += [
+            "",
+            "seen: least share of the object; ADD, ADD-S, MSSD: medians, mm; fresh: fresh starts within 5 mm "
+            "and 5 deg, and their time",
+        ]
         if result["lost"]:
-            lines += ["", f"{'task':<16} {'object':<10} {'how':<12} {'noticed':>8} {'reported':>9} {'recovered':>10} "
-                      f"{'mm':>5} {'deg':>5} {'slowest s':>10}  reason"]
+            lines += [
+                "",
+                f"{'task':<16} {'object':<10} {'how':<12} {'noticed':>8} {'reported':>9} {'recovered':>10} "
+                f"{'mm':>5} {'deg':>5} {'slowest s':>10}  reason",
+            ]
             for r in result["lost"]:
                 noticed = f"{r['noticed_frames']}" if r["noticed_frames"] else "never"
                 recovered = f"{r['recovered_frames']}" if r["recovered_frames"] else "never"
-                lines.append(f"{r['task']:<16} {r['object']:<10} {r['how']:<12} {noticed:>8} {r['reported']:>9.0%} "
-                             f"{recovered:>10} {r['mm']:>5.1f} {r['deg']:>5.1f} {r['slowest_s']:>10.2f}  {r['reason']}")
+                lines.append(
+                    f"{r['task']:<16} {r['object']:<10} {r['how']:<12} {noticed:>8} {r['reported']:>9.0%} "
+                    f"{recovered:>10} {r['mm']:>5.1f} {r['deg']:>5.1f} {r['slowest_s']:>10.2f}  {r['reason']}"
+                )
             lines += ["", "noticed, recovered: after so many pictures; reported: share of the second without it"]
         return "\n".join(lines)

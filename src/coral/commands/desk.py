@@ -47,8 +47,12 @@ class Desk:
                 pass
             finally:
                 signal.signal(signal.SIGTERM, before)
-            return {"inbox": str(self.inbox), "host": self.host, "port": server.access.port,
-                    "answered": server.answered}
+            return {
+                "inbox": str(self.inbox),
+                "host": self.host,
+                "port": server.access.port,
+                "answered": server.answered,
+            }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """How many answers went through."""

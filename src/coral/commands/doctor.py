@@ -13,8 +13,25 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-CORE = ("numpy", "numba", "opencv-python-headless", "pydantic", "pydantic-ai-slim", "httpx2", "tyro", "rich", "PyYAML",
-        "Jinja2", "viser", "matplotlib", "imageio-ffmpeg", "pyarrow", "mujoco", "websockets", "msgspec")
+CORE = (
+    "numpy",
+    "numba",
+    "opencv-python-headless",
+    "pydantic",
+    "pydantic-ai-slim",
+    "httpx2",
+    "tyro",
+    "rich",
+    "PyYAML",
+    "Jinja2",
+    "viser",
+    "matplotlib",
+    "imageio-ffmpeg",
+    "pyarrow",
+    "mujoco",
+    "websockets",
+    "msgspec",
+)
 EXTRAS = {
     "contact": ("robosuite", "contact tasks on the Panda"),
     "memory": ("wordllama", "meanings of task descriptions, for the experience memory"),
@@ -47,17 +64,24 @@ class Doctor:
             "temporary folder": os.access(tempfile.gettempdir(), os.W_OK),
         }
         return {
-            "ok": all(checks.values()), "checks": checks, "python": platform.python_version(), "packages": packages,
-            "cores": os.cpu_count(), "browser": shutil.which("chromium") or shutil.which("google-chrome"),
+            "ok": all(checks.values()),
+            "checks": checks,
+            "python": platform.python_version(),
+            "packages": packages,
+            "cores": os.cpu_count(),
+            "browser": shutil.which("chromium") or shutil.which("google-chrome"),
             "extras": {name: importlib.util.find_spec(module) is not None for name, (module, _) in EXTRAS.items()},
-            "keys": {key: key in os.environ for key in KEYS}}
+            "keys": {key: key in os.environ for key in KEYS},
+        }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """A line each."""
         lines = [f"{'ok     ' if good else 'MISSING'}  {name}" for name, good in result["checks"].items()]
         lines += [f"MISSING  package {name}" for name, found in result["packages"].items() if not found]
-        lines += [f"{'extra  ' if there else 'without'}  {name}: {EXTRAS[name][1]}"
-                  for name, there in result["extras"].items()]
+        lines += [
+            f"{'extra  ' if there else 'without'}  {name}: {EXTRAS[name][1]}"
+            for name, there in result["extras"].items()
+        ]
         keys = [key for key, there in result["keys"].items() if there]
         lines.append(f"model keys in the environment: {', '.join(keys) or 'none (the heuristic advisor needs none)'}")
         lines.append("ready" if result["ok"] else "not ready: run make setup")

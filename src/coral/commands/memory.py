@@ -27,15 +27,28 @@ def _existing(file: str) -> Memory:
     """
     memory = Memory(file, embedder=HashedWords())
     if not memory.store.exists():
-        raise InputError(file, "", "no such file" if isinstance(memory.store, SqliteStore) else "no such memory",
-                         "what coral contact run --memory has made")
+        raise InputError(
+            file,
+            "",
+            "no such file" if isinstance(memory.store, SqliteStore) else "no such memory",
+            "what coral contact run --memory has made",
+        )
     return memory
 
 
 def _row(stored: Stored) -> dict[str, Any]:
     held = stored.experience
-    return {"seed": None, **held.provenance, "id": stored.id, "created": stored.created, "task": held.task,
-            "instruction": held.instruction, "stages": held.plan.names, "used": stored.used, "helped": stored.helped}
+    return {
+        "seed": None,
+        **held.provenance,
+        "id": stored.id,
+        "created": stored.created,
+        "task": held.task,
+        "instruction": held.instruction,
+        "stages": held.plan.names,
+        "used": stored.used,
+        "helped": stored.helped,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,8 +66,11 @@ class MemoryList:
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """One line each."""
-        rows = [f"{row['id']:>4}  {row['task']:<18} {row['world']!s:<6} seed {row['seed']!s:<5} used {row['used']}, "
-                f"helped {row['helped']}  {', '.join(row['stages'])}" for row in result["experiences"]]
+        rows = [
+            f"{row['id']:>4}  {row['task']:<18} {row['world']!s:<6} seed {row['seed']!s:<5} used {row['used']}, "
+            f"helped {row['helped']}  {', '.join(row['stages'])}"
+            for row in result["experiences"]
+        ]
         return "\n".join(rows) or f"{result['file']}: nothing is remembered"
 
 
@@ -72,8 +88,11 @@ class MemoryShow:
     def __call__(self) -> Mapping[str, Any]:
         """Read it."""
         stored = _existing(self.file).get(self.id)
-        return {**_row(stored), "experience": stored.experience.model_dump(mode="json"),
-                "programs": stored.experience.plan.text()}
+        return {
+            **_row(stored),
+            "experience": stored.experience.model_dump(mode="json"),
+            "programs": stored.experience.plan.text(),
+        }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Its record, then its programs."""

@@ -15,8 +15,14 @@ class MissionProgress:
 
     def __init__(self, *, quiet: bool = False) -> None:
         self._bar = Progress(
-            TextColumn("[bold]{task.description}"), BarColumn(bar_width=24), TextColumn("{task.fields[status]}"),
-            console=Console(stderr=True), transient=False, disable=quiet, refresh_per_second=5)
+            TextColumn("[bold]{task.description}"),
+            BarColumn(bar_width=24),
+            TextColumn("{task.fields[status]}"),
+            console=Console(stderr=True),
+            transient=False,
+            disable=quiet,
+            refresh_per_second=5,
+        )
         self._task = self._bar.add_task("", total=1.0, status="")
         self._started = time.monotonic()
         self._bar.start()
@@ -27,9 +33,13 @@ class MissionProgress:
             return
         factor = mission.t / max(time.monotonic() - self._started, 1e-3)
         self._bar.update(
-            self._task, description=f"{mission.world.name}", completed=mission.t, total=mission.cfg.time_limit_s,
+            self._task,
+            description=f"{mission.world.name}",
+            completed=mission.t,
+            total=mission.cfg.time_limit_s,
             status=f"{mission.t:5.0f} s simulated · coverage {100 * mission.coverage:3.0f} % · "
-                   f"{mission.collisions} collisions · {mission.calls} advisor calls · {factor:.0f}x real time")
+            f"{mission.collisions} collisions · {mission.calls} advisor calls · {factor:.0f}x real time",
+        )
 
     def stop_requested(self) -> str:
         """A progress bar never stops a mission."""

@@ -50,8 +50,16 @@ class ReefEpisode:
         cfg, world = mission_of(spec, self.cfg, self.worlds[spec.world])
         advisor = "heuristic" if spec.advisor == NO_ADVISOR else spec.advisor
         sees = not advisor.endswith("heuristic")
-        return run_episode(world, cfg, folder, variant=spec.variant, advisor=advisor, seed=spec.seed,
-                           model=self.model, draw=question_pictures if sees else None)
+        return run_episode(
+            world,
+            cfg,
+            folder,
+            variant=spec.variant,
+            advisor=advisor,
+            seed=spec.seed,
+            model=self.model,
+            draw=question_pictures if sees else None,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,10 +133,13 @@ class ReefBench:
     def describe(self, result: Mapping[str, Any]) -> str:
         """The tables, and where everything is."""
         failed = f"; {result['failed']} failed (see {self.out / 'failures'}; --retry-failed runs them again)"
-        return "\n".join([
-            (self.out / "tables.md").read_text(encoding="utf-8"),
-            f"{many(result['done'], 'mission')}{failed if result['failed'] else ''}",
-            *(f"{name}: {result[name]}" for name in ("data", "tables", "figure", "sweep") if result[name])])
+        return "\n".join(
+            [
+                (self.out / "tables.md").read_text(encoding="utf-8"),
+                f"{many(result['done'], 'mission')}{failed if result['failed'] else ''}",
+                *(f"{name}: {result[name]}" for name in ("data", "tables", "figure", "sweep") if result[name]),
+            ]
+        )
 
     def _worlds(self) -> dict[str, ReefWorld]:
         names = shipped_worlds() if self.worlds == "all" else parse_names(self.worlds, "--worlds")
@@ -142,8 +153,15 @@ class ReefBench:
             if advisor.split(":")[-1] == "desk":
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
             make_advisor(advisor, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors")
-        specs = grid("reef", variants=variants, worlds=tuple(worlds), seeds=parse_seeds(self.seeds), advisors=advisors,
-                     alone=alone, overrides=parse_sweeps(self.sweep))
+        specs = grid(
+            "reef",
+            variants=variants,
+            worlds=tuple(worlds),
+            seeds=parse_seeds(self.seeds),
+            advisors=advisors,
+            alone=alone,
+            overrides=parse_sweeps(self.sweep),
+        )
         for spec in {(spec.variant, spec.overrides): spec for spec in specs}.values():
             mission_of(spec, self.cfg, worlds[spec.world])  # a bad value is told now, not by every worker
         return specs
@@ -152,15 +170,25 @@ class ReefBench:
         """What must be the same for every mission of a table, as digests."""
         cfg = {"mission": to_mapping(self.cfg), "model": to_mapping(self.model)}
         cfg["mission"].pop("record")
-        return {"code version": f"{code_version()}", "configuration": digest(cfg),
-                **{f"world {name}": digest(world.model_dump(mode="json")) for name, world in worlds.items()}}
+        return {
+            "code version": f"{code_version()}",
+            "configuration": digest(cfg),
+            **{f"world {name}": digest(world.model_dump(mode="json")) for name, world in worlds.items()},
+        }
 
     def _run(self, store: Store, specs: Sequence[Spec], worlds: Mapping[str, ReefWorld]) -> Summary:
         episode = ReefEpisode(self.cfg, self.model, worlds)
         executor = make_executor(self.executor, self.jobs, self.address)
         try:
-            return run_campaign(store, specs, episode, executor, retry_failed=self.retry_failed, mix=self.mix,
-                                progress=CampaignProgress(quiet=self.quiet))
+            return run_campaign(
+                store,
+                specs,
+                episode,
+                executor,
+                retry_failed=self.retry_failed,
+                mix=self.mix,
+                progress=CampaignProgress(quiet=self.quiet),
+            )
         except KeyboardInterrupt:
             print(f"stopped; the same command goes on from here ({self.out})", file=sys.stderr)
             raise
@@ -177,12 +205,19 @@ class ReefBench:
         for form in ("md", "tex", "html"):
             write_whole(self.out / f"tables.{form}", document(tables, form, "Reef survey").encode())
         done = [record for record in records if record["status"] == "done"]
-        return {"out": str(self.out), "episodes": len(store.specs()), "done": len(done),
-                "failed": len(records) - len(done), "ran": summary.finished + summary.failed if summary else 0,
-                "found": summary.found if summary else len(records), "data": str(self.out / "results.parquet"),
-                "tables": str(self.out / "tables.md"), "figure": self._draw(store, done),
-                "sweep": self._draw_sweep(rows),
-                "results": [table_json(table) for table in tables]}
+        return {
+            "out": str(self.out),
+            "episodes": len(store.specs()),
+            "done": len(done),
+            "failed": len(records) - len(done),
+            "ran": summary.finished + summary.failed if summary else 0,
+            "found": summary.found if summary else len(records),
+            "data": str(self.out / "results.parquet"),
+            "tables": str(self.out / "tables.md"),
+            "figure": self._draw(store, done),
+            "sweep": self._draw_sweep(rows),
+            "results": [table_json(table) for table in tables],
+        }
 
     def _draw(self, store: Store, done: Sequence[Mapping[str, Any]]) -> str:
         """Overlay of the first seed and advisor in every world: the paper's three variants, or the first four."""
@@ -199,8 +234,12 @@ class ReefBench:
         runs: dict[str, dict[str, Path]] = {}
         for variant in variants:
             for spec in specs:
-                if (spec.variant, spec.seed) == (variant, seed) and spec.advisor in (advisor, NO_ADVISOR) \
-                        and spec.overrides == overrides and store.run_folder(spec).is_dir():
+                if (
+                    (spec.variant, spec.seed) == (variant, seed)
+                    and spec.advisor in (advisor, NO_ADVISOR)
+                    and spec.overrides == overrides
+                    and store.run_folder(spec).is_dir()
+                ):
                     runs.setdefault(Path(spec.world).stem, {})[variant] = store.run_folder(spec)
         if not runs:
             return ""
@@ -225,8 +264,19 @@ class ReefBench:
 
     def _command(self) -> str:
         """The command that makes this campaign, without what does not change its results."""
-        words = ["coral", "reef", "bench", "--variants", self.variants, "--worlds", self.worlds, "--seeds", self.seeds,
-                 "--advisors", self.advisors]
+        words = [
+            "coral",
+            "reef",
+            "bench",
+            "--variants",
+            self.variants,
+            "--worlds",
+            self.worlds,
+            "--seeds",
+            self.seeds,
+            "--advisors",
+            self.advisors,
+        ]
         words += [word for text in self.sweep for word in ("--sweep", text)]
         words += config_words(self.cfg, MissionCfg(), self.config)
         words += config_words(self.model, ModelCfg(), None, "model")

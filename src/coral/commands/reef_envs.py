@@ -27,10 +27,19 @@ class ReefEnvs:
     def __call__(self) -> Mapping[str, Any]:
         """Describe, and draw."""
         worlds = [load_world(name) for name in self.worlds or shipped_worlds()]
-        described = [{
-            "name": w.name, "topology": w.topology, "size_m": list(w.size_m), "clusters": len(w.clusters),
-            "oysters": sum(len(c.oysters) for c in w.clusters), "obstacles": len(w.obstacles),
-            "current_m_s": round((w.current.x_m_s**2 + w.current.y_m_s**2) ** 0.5, 3), "seed": w.seed} for w in worlds]
+        described = [
+            {
+                "name": w.name,
+                "topology": w.topology,
+                "size_m": list(w.size_m),
+                "clusters": len(w.clusters),
+                "oysters": sum(len(c.oysters) for c in w.clusters),
+                "obstacles": len(w.obstacles),
+                "current_m_s": round((w.current.x_m_s**2 + w.current.y_m_s**2) ** 0.5, 3),
+                "seed": w.seed,
+            }
+            for w in worlds
+        ]
         result: dict[str, Any] = {"worlds": described}
         if self.preview is not None:
             from coral.view.preview import preview, preview_sheet
@@ -49,8 +58,10 @@ class ReefEnvs:
         lines = ["name  topology  size (m)   clusters  oysters  obstacles  current (m/s)"]
         for w in result["worlds"]:
             size = f"{w['size_m'][0]:g} x {w['size_m'][1]:g}"
-            lines.append(f"{w['name']:<5} {w['topology']:<9} {size:<10} {w['clusters']:>8}  {w['oysters']:>7}  "
-                         f"{w['obstacles']:>9}  {w['current_m_s']:>13.2f}")
+            lines.append(
+                f"{w['name']:<5} {w['topology']:<9} {size:<10} {w['clusters']:>8}  {w['oysters']:>7}  "
+                f"{w['obstacles']:>9}  {w['current_m_s']:>13.2f}"
+            )
         if "sheet" in result:
             lines.append(f"previews: {result['sheet']}")
         return "\n".join(lines)

@@ -52,8 +52,10 @@ class ReefGenerate:
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """One line."""
-        return (f"{result['world']}: {many(result['clusters'], 'cluster')}, {many(result['obstacles'], 'obstacle')}; "
-                f"run it with: coral reef run {result['world']}")
+        return (
+            f"{result['world']}: {many(result['clusters'], 'cluster')}, {many(result['obstacles'], 'obstacle')}; "
+            f"run it with: coral reef run {result['world']}"
+        )
 
 
 @contextmanager

@@ -100,11 +100,22 @@ class ReefRun:
         folder = self.out or new_run_folder(Path("runs"), world.name)
         rng = np.random.default_rng([self.seed, 7])
         inbox = self.inbox or folder / "inbox"
-        advisor = make_advisor(self.advisor, rules=REEF_RULES, rng=rng, inbox=inbox,
-                               cfg=dataclasses.replace(checked(self.model, "--model"),
-                                                       facts=self.model.facts or self.facts))
-        mission = Mission(world, cfg, advisor, folder, seed=self.seed, variant=self.variant,
-                          draw=question_pictures if cfg.record.pictures else None)
+        advisor = make_advisor(
+            self.advisor,
+            rules=REEF_RULES,
+            rng=rng,
+            inbox=inbox,
+            cfg=dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts),
+        )
+        mission = Mission(
+            world,
+            cfg,
+            advisor,
+            folder,
+            seed=self.seed,
+            variant=self.variant,
+            draw=question_pictures if cfg.record.pictures else None,
+        )
         progress = MissionProgress(quiet=self.quiet)
         about = {"world": world.name, "variant": self.variant, "seed": self.seed, "run": str(folder)}
         if asks_people and not self.quiet:
@@ -112,9 +123,11 @@ class ReefRun:
         try:
             with mission_notice(inbox, **about) if asks_people else nullcontext(lambda outcome: None) as finished:
                 result = mission.run([progress, *watching(mission)])
-                finished(f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
-                         f"{many(result['collisions'], 'collision')}, {result['sim_time_s']:.0f} s simulated; "
-                         f"{result['end_reason']}")
+                finished(
+                    f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
+                    f"{many(result['collisions'], 'collision')}, {result['sim_time_s']:.0f} s simulated; "
+                    f"{result['end_reason']}"
+                )
         finally:
             progress.close()
         return {**result, "run": str(folder), **render(folder, cfg)}
@@ -134,6 +147,7 @@ class ReefRun:
             raise InputError("--live-speed", "", self.live_speed, "a number from 0 on")
         pace = Pace(self.live_speed)
         with LivePage(self.live_port, MissionControls(pace), label="CORAL mission", flag="--live-port") as page:
+
             def watched(mission: Mission) -> list[Observer]:
                 print(f"watch the mission at {page.url}", file=sys.stderr, flush=True)
                 return [LiveMission(mission, page, pace)]
@@ -148,7 +162,8 @@ class ReefRun:
             f"{many(result['advisor_calls'], 'advisor call')} ({many(result['requeries'], 're-query', 're-queries')}), "
             f"{result['sim_time_s']:.0f} s simulated in "
             f"{result['wall_time_s']:.0f} s; ended: {result['end_reason']}",
-            f"run folder: {result['run']}"]
+            f"run folder: {result['run']}",
+        ]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
         return "\n".join(lines)
 

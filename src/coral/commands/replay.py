@@ -57,8 +57,12 @@ class Replay:
                 pass
             finally:
                 signal.signal(signal.SIGTERM, before)
-            return {"run": str(self.run), "url": page.url, "duration_s": recording.duration_s,
-                    "complete": recording.run.complete}
+            return {
+                "run": str(self.run),
+                "url": page.url,
+                "duration_s": recording.duration_s,
+                "complete": recording.run.complete,
+            }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """What was shown."""

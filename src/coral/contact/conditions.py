@@ -80,11 +80,16 @@ class Lifted(_Condition):
 
     def watch(self, drawn: Drawn) -> Watch:
         """See `_Condition.watch`."""
+
         def holds(truth: Truth) -> bool:
             held_up = {"hand", "left", "right"}
-            others = [pair for pair in truth.contacts if self.object in (pair.first, pair.second)
-                      and not held_up & {pair.first, pair.second}]
+            others = [
+                pair
+                for pair in truth.contacts
+                if self.object in (pair.first, pair.second) and not held_up & {pair.first, pair.second}
+            ]
             return drawn.lowest_point(self.object, truth.objects[self.object]) >= self.height_m and not others
+
         return holds
 
 
@@ -132,6 +137,7 @@ class At(_Condition):
             body = truth.objects[self.object]
             place = body.position if self.point is None else drawn.point(self.object, self.point, body)
             return bool(np.linalg.norm((place - goal)[kept]) <= self.tolerance_m)
+
         return holds
 
 
@@ -155,6 +161,7 @@ class Inside(_Condition):
         def holds(truth: Truth) -> bool:
             place = truth.objects[self.object].position
             return bool((low <= place).all() and (place <= high).all())
+
         return holds
 
 
@@ -166,8 +173,10 @@ class Resting(_Condition):
 
     def watch(self, drawn: Drawn) -> Watch:
         """See `_Condition.watch`."""
+
         def holds(truth: Truth) -> bool:
             return _touching(truth, self.object, self.thing) and _slow(truth.objects[self.object])
+
         return holds
 
 
@@ -190,6 +199,7 @@ class Flipped(_Condition):
         def holds(truth: Truth) -> bool:
             turned = _degrees(before, rotate(truth.objects[self.object].quaternion, AXES[self.axis]))
             return abs(turned - self.degrees) <= self.tolerance_deg
+
         return holds
 
 
@@ -239,6 +249,7 @@ class TouchedWhileTurning(_Condition):
             if touching or touched_before:
                 against += further
             return touched >= self.for_s - 1e-9 and against >= (high - low) / 3
+
         return holds
 
 
@@ -282,6 +293,7 @@ class SteadyForce(_Condition):
                     counted += span
                     within += span * (abs(mean - self.newtons) <= self.tolerance * self.newtons)
             return counted >= self.for_s - 1e-9 and within >= self.fraction * counted - 1e-9
+
         return holds
 
 
@@ -308,7 +320,16 @@ class Undisturbed(_Condition):
 
 
 Condition = Annotated[
-    Lifted | Grasped | Released | At | Inside | Resting | Flipped | Upright | TouchedWhileTurning | SteadyForce
+    Lifted
+    | Grasped
+    | Released
+    | At
+    | Inside
+    | Resting
+    | Flipped
+    | Upright
+    | TouchedWhileTurning
+    | SteadyForce
     | Undisturbed,
     Field(discriminator="kind"),
 ]

@@ -45,8 +45,9 @@ Schema = Mapping[str, Quantity]
 
 HAND: Schema = {
     "ee_pos": Quantity(3, "m", "point midway between the two fingertips"),
-    "ee_quat": Quantity(4, "", "orientation of the hand; its z axis points out of the palm, its y axis along the "
-                               "fingers' opening"),
+    "ee_quat": Quantity(
+        4, "", "orientation of the hand; its z axis points out of the palm, its y axis along the fingers' opening"
+    ),
     "ee_vel": Quantity(3, "m/s", "velocity of ee_pos"),
     "ee_angvel": Quantity(3, "rad/s", "angular velocity of the hand, world axes"),
     "gripper_opening": Quantity(0, "m", "distance between the finger pads, 0 to 0.08"),
@@ -55,13 +56,15 @@ HAND: Schema = {
     "ee_torque": Quantity(3, "N m", "torque that everything touched exerts on the hand about ee_pos, world axes"),
     "time": Quantity(0, "s", "time since the episode began"),
     "current_step": Quantity(0, "", "control steps since the episode began"),
-    "last_action": Quantity(7, "", "what is commanded over this step: hand velocity (m/s), angular velocity (rad/s), "
-                                   "opening speed (m/s)"),
+    "last_action": Quantity(
+        7, "", "what is commanded over this step: hand velocity (m/s), angular velocity (rad/s), opening speed (m/s)"
+    ),
 }
 
 
-def object_quantities(name: str, points: Iterable[str] = (), fixtures: Iterable[str] = (), others: Iterable[str] = ()
-                      ) -> dict[str, Quantity]:
+def object_quantities(
+    name: str, points: Iterable[str] = (), fixtures: Iterable[str] = (), others: Iterable[str] = ()
+) -> dict[str, Quantity]:
     """The quantities of one movable object.
 
     Args:
@@ -92,11 +95,14 @@ def object_quantities(name: str, points: Iterable[str] = (), fixtures: Iterable[
     return found
 
 
-def scenery_quantities(fixtures: Iterable[str] = (), places: Iterable[str] = (), numbers: Iterable[str] = ()
-                       ) -> dict[str, Quantity]:
+def scenery_quantities(
+    fixtures: Iterable[str] = (), places: Iterable[str] = (), numbers: Iterable[str] = ()
+) -> dict[str, Quantity]:
     """The quantities of what stays where it is: the table, fixtures, and places and numbers of the task file."""
-    found = {"table_min": Quantity(3, "m", "corner of the table with the smallest coordinates", constant=True),
-             "table_max": Quantity(3, "m", "corner of the table with the largest coordinates", constant=True)}
+    found = {
+        "table_min": Quantity(3, "m", "corner of the table with the smallest coordinates", constant=True),
+        "table_max": Quantity(3, "m", "corner of the table with the largest coordinates", constant=True),
+    }
     for name in fixtures:
         found[f"{name}_pos"] = Quantity(3, "m", f"centre of the {name}", constant=True)
         found[f"{name}_size"] = Quantity(3, "m", f"full extents of the {name}", constant=True)

@@ -66,8 +66,12 @@ class ControllerCfg:
     def __post_init__(self) -> None:
         """The corners make a box."""
         if any(low >= high for low, high in zip(self.workspace_low_m, self.workspace_high_m, strict=True)):
-            raise InputError("--cfg", "controller.workspace_low_m", list(self.workspace_low_m),
-                             f"numbers below those of workspace_high_m, {list(self.workspace_high_m)}")
+            raise InputError(
+                "--cfg",
+                "controller.workspace_low_m",
+                list(self.workspace_low_m),
+                f"numbers below those of workspace_high_m, {list(self.workspace_high_m)}",
+            )
 
 
 @dataclass(frozen=True)
@@ -121,8 +125,9 @@ class Controller:
 
     def restart(self, now: Observation) -> None:
         """Forget the plan: stay where the hand is."""
-        self._target = HandTarget(now.tool.position.copy(), now.tool.quaternion.copy(), now.opening_m,
-                                  self.world.cfg.hand.stiffness_n_m)
+        self._target = HandTarget(
+            now.tool.position.copy(), now.tool.quaternion.copy(), now.opening_m, self.world.cfg.hand.stiffness_n_m
+        )
         self.mppi.knots[:] = np.concatenate([now.tool.position, np.zeros(3), [now.opening_m]])
 
     def plan(self, now: Observation, stage: Stage, step: int) -> Plan:
@@ -157,8 +162,10 @@ class Controller:
         propose = None
         if guides and self.cfg.guided > 0:
             present = self.world.present(now, step)
-            aims = [(guide, guide.points(present), guide.quaternion(present) if guide.quaternion else None)
-                    for guide in guides]
+            aims = [
+                (guide, guide.points(present), guide.quaternion(present) if guide.quaternion else None)
+                for guide in guides
+            ]
             propose = lambda sampled: self._towards(sampled, start, aims)  # noqa: E731
         update = self.mppi.improve(evaluate, propose, lambda knots: self._bound(knots, start))
         context, sane, terms, _ = rehearsed[0]
@@ -174,8 +181,10 @@ class Controller:
             expected_force=np.tensordot(weights[counted], context.ee_force[counted], axes=1),
             expected_torque=np.tensordot(weights[counted], context.ee_torque[counted], axes=1),
             update=update,
-            terms={name: float(weights[counted] @ self._total({name: term}, context.shape)[counted])
-                   for name, term in terms.items()},
+            terms={
+                name: float(weights[counted] @ self._total({name: term}, context.shape)[counted])
+                for name, term in terms.items()
+            },
             now=context.first(),
             diverged=int((~sane).sum()),
         )
@@ -218,8 +227,9 @@ class Controller:
         first = 0 if cfg.mppi.spline == "hold" else 1
         knots[:, :first] = before[:, None]
         for k in range(first, knots.shape[1]):
-            for part, speed in zip((slice(0, 3), slice(3, 6), slice(6, 7)),
-                                   (cfg.speed_m_s, cfg.turn_rad_s, cfg.opening_m_s), strict=True):
+            for part, speed in zip(
+                (slice(0, 3), slice(3, 6), slice(6, 7)), (cfg.speed_m_s, cfg.turn_rad_s, cfg.opening_m_s), strict=True
+            ):
                 move = knots[:, k, part] - before[:, part]
                 share = np.minimum(1.0, speed * span / np.maximum(np.linalg.norm(move, axis=-1, keepdims=True), 1e-9))
                 knots[:, k, part] = before[:, part] + move * share
@@ -243,8 +253,10 @@ class Controller:
         chosen = range(len(sampled) - int(self.cfg.guided * len(sampled)), len(sampled))
         times = np.linspace(0.0, 1.0, sampled.shape[1])
         noises = 0.5 * (sampled - self.mppi.knots)
-        turns = [None if quaternion is None else to_rotvec(multiply(conjugate(start.quaternion), quaternion))
-                 for _, _, quaternion in aims]
+        turns = [
+            None if quaternion is None else to_rotvec(multiply(conjugate(start.quaternion), quaternion))
+            for _, _, quaternion in aims
+        ]
         for row in chosen:
             aim = int(self._rng.integers(len(aims)))
             (guide, points, _), turn, noise = aims[aim], turns[aim], noises[row]

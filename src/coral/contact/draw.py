@@ -127,8 +127,12 @@ def draw(task: Task, seed: int, where: str = "") -> Drawn:
         clash = _clash(drawn)
         if clash is None:
             return drawn
-    raise InputError(where, "objects", f"{clash} in each other's place",
-                     "ranges of x, y and yaw_deg with room for all beside each other")
+    raise InputError(
+        where,
+        "objects",
+        f"{clash} in each other's place",
+        "ranges of x, y and yaw_deg with room for all beside each other",
+    )
 
 
 def _draw_object(item: Movable, rng: np.random.Generator) -> DrawnObject:
@@ -144,17 +148,23 @@ def _check_heights(drawn: Drawn, where: str) -> None:
     for index, item in enumerate(drawn.task.objects):
         lowest = drawn.lowest_point(item.name, drawn.objects[item.name].pose)
         if item.z is not None and lowest < -SUNK_M:
-            raise InputError(where, f"objects[{index}].z", f"{item.z:g}, which is {-lowest:.3g} m deep in the table",
-                             "a height at which it lies on the table or above")
+            raise InputError(
+                where,
+                f"objects[{index}].z",
+                f"{item.z:g}, which is {-lowest:.3g} m deep in the table",
+                "a height at which it lies on the table or above",
+            )
 
 
 def _clash(drawn: Drawn, gap_m: float = 0.01) -> str | None:
     """Two objects whose upright bounding boxes come too near, or an object that stands in a fixture."""
-    placed = {name: drawn.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
-              for name, item in drawn.objects.items()}
+    placed = {
+        name: drawn.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
+        for name, item in drawn.objects.items()
+    }
     names = list(placed)
     for k, name in enumerate(names):
-        for other in names[k + 1:]:
+        for other in names[k + 1 :]:
             if not _separated(placed[name], placed[other], np.eye(3), gap_m):
                 return f"{name} and {other}"
         for fixture in drawn.task.fixtures:

@@ -57,8 +57,17 @@ class Episode:
         advisor: For the record.
     """
 
-    def __init__(self, drawn: Drawn, world: str, mind: Mind, cfg: EpisodeCfg, folder: Path, *, variant: str,
-                 advisor: str = "none") -> None:
+    def __init__(
+        self,
+        drawn: Drawn,
+        world: str,
+        mind: Mind,
+        cfg: EpisodeCfg,
+        folder: Path,
+        *,
+        variant: str,
+        advisor: str = "none",
+    ) -> None:
         self.drawn, self.mind, self.cfg = drawn, mind, cfg
         self.variant, self.advisor = variant, advisor
         self.time_limit_s = drawn.task.time_limit_s
@@ -74,8 +83,9 @@ class Episode:
         if mind.guesses:
             self.world = self.guessed = GuessedWorld(self.world, drawn)
         elif cfg.poses == "tracked":
-            self.world = self.tracked = TrackedWorld(self.world, drawn, cfg.tracked,
-                                                     np.random.default_rng([drawn.seed, 4]))
+            self.world = self.tracked = TrackedWorld(
+                self.world, drawn, cfg.tracked, np.random.default_rng([drawn.seed, 4])
+            )
         # All that can be refused has been looked at: only now is a folder made.
         objects = [item.name for item in drawn.task.objects]
         self.writer = RunWriter(folder, columns(objects))
@@ -158,12 +168,20 @@ class Episode:
                 self._follow(other)
             return None
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
-        self.emit("plan", stage=stage.name, cost=_number(plan.cost), ess=round(plan.update.effective_samples, 2),
-                  diverged=plan.diverged, ok=plan.update.ok,
-                  terms={name: _number(value) for name, value in plan.terms.items()},
-                  aim=numbers(plan.targets[-1].position, 4))
-        if not all(np.isfinite([*target.position, *target.quaternion, target.opening_m]).all()
-                   for target in plan.targets[:self.cfg.replan_steps]):
+        self.emit(
+            "plan",
+            stage=stage.name,
+            cost=_number(plan.cost),
+            ess=round(plan.update.effective_samples, 2),
+            diverged=plan.diverged,
+            ok=plan.update.ok,
+            terms={name: _number(value) for name, value in plan.terms.items()},
+            aim=numbers(plan.targets[-1].position, 4),
+        )
+        if not all(
+            np.isfinite([*target.position, *target.quaternion, target.opening_m]).all()
+            for target in plan.targets[: self.cfg.replan_steps]
+        ):
             self.end_reason, self.detail = "no-plan", "the plan holds something that is no number"
             return None
         self._without_plan = 0 if plan.update.ok else self._without_plan + 1
@@ -203,8 +221,14 @@ class Episode:
         self.step += 1
         self.t = self.now.time_s
         if target is planned:
-            self.reactive.observe(plan.expected_position[k], plan.expected_force[k], self.now, k,
-                                  plan.expected_quaternion[k], plan.expected_torque[k])
+            self.reactive.observe(
+                plan.expected_position[k],
+                plan.expected_force[k],
+                self.now,
+                k,
+                plan.expected_quaternion[k],
+                plan.expected_torque[k],
+            )
         else:
             self.reactive.reset()  # the plan expected something else of this step
         self._tell_tracks()
@@ -231,13 +255,19 @@ class Episode:
         if self.guessed is not None:
             self.now = self.guessed.settle(self.mind.locate(self.drawn, self.now), self.now)
         self._tell_tracks()
-        self.planner = PlanningWorld(self.drawn, prior(self.drawn), self.now, cfg.planning,
-                                     np.random.default_rng([self.drawn.seed, 6]))
+        self.planner = PlanningWorld(
+            self.drawn, prior(self.drawn), self.now, cfg.planning, np.random.default_rng([self.drawn.seed, 6])
+        )
         self.controller = Controller(self.planner, cfg.controller, np.random.default_rng([self.drawn.seed, 1]))
-        self.reactive = Reactive(cfg.reactive, cfg.planning.step_s, np.asarray(cfg.controller.workspace_low_m),
-                                 np.asarray(cfg.controller.workspace_high_m))
-        first = HandTarget(self.now.tool.position, self.now.tool.quaternion, self.now.opening_m,
-                           cfg.planning.hand.stiffness_n_m)
+        self.reactive = Reactive(
+            cfg.reactive,
+            cfg.planning.step_s,
+            np.asarray(cfg.controller.workspace_low_m),
+            np.asarray(cfg.controller.workspace_high_m),
+        )
+        first = HandTarget(
+            self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, cfg.planning.hand.stiffness_n_m
+        )
         truth = self.world.truth()
         self.recorder.row(0, self.now, truth, first, 0, self._off(truth))
         self.recorder.state(0, self.t, self.world)
@@ -246,20 +276,38 @@ class Episode:
 
     def _write_head(self) -> None:
         self.writer.yaml("task.yaml", self.drawn.task.model_dump(mode="json"))
-        self.writer.yaml("config.yaml", {
-            "system": "contact", "task": self.drawn.task.name, "world": self.world.name, "advisor": self.advisor,
-            "variant": self.variant, "seed": self.drawn.seed, "episode": to_mapping(self.cfg),
-            "provenance": provenance()})
+        self.writer.yaml(
+            "config.yaml",
+            {
+                "system": "contact",
+                "task": self.drawn.task.name,
+                "world": self.world.name,
+                "advisor": self.advisor,
+                "variant": self.variant,
+                "seed": self.drawn.seed,
+                "episode": to_mapping(self.cfg),
+                "provenance": provenance(),
+            },
+        )
 
     def _say_start(self) -> None:
         task = self.drawn.task
-        self.emit("start", task=task.name, instruction=task.instruction, world=self.world.name, variant=self.variant,
-                  advisor=self.advisor, seed=self.drawn.seed,
-                  poses=self.cfg.poses if self.guessed is None else "guessed",
-                  **({} if self.tracked is None else {"tracker": self.tracked.tracker}),
-                  time_limit_s=task.time_limit_s,
-                  trial={name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
-                         for name, item in self.drawn.objects.items()})
+        self.emit(
+            "start",
+            task=task.name,
+            instruction=task.instruction,
+            world=self.world.name,
+            variant=self.variant,
+            advisor=self.advisor,
+            seed=self.drawn.seed,
+            poses=self.cfg.poses if self.guessed is None else "guessed",
+            **({} if self.tracked is None else {"tracker": self.tracked.tracker}),
+            time_limit_s=task.time_limit_s,
+            trial={
+                name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
+                for name, item in self.drawn.objects.items()
+            },
+        )
 
     def _tell_tracks(self) -> None:
         """Report objects that were lost or found again."""
@@ -275,8 +323,12 @@ class Episode:
         """Begin a strategy."""
         self.progress = Progress(strategy)
         self.reactive.reset()
-        self.emit("strategy", name=strategy.name, stages=[stage.name for stage in strategy.stages],
-                  beliefs=[{name: _physical(held) for name, held in one.items()} for one in self.planner.beliefs])
+        self.emit(
+            "strategy",
+            name=strategy.name,
+            stages=[stage.name for stage in strategy.stages],
+            beliefs=[{name: _physical(held) for name, held in one.items()} for one in self.planner.beliefs],
+        )
         self.emit("stage", before=None, stage=self.stage, index=0)
 
     def _end(self) -> None:
@@ -288,8 +340,14 @@ class Episode:
         account = self.mind.account
         self.recorder.state(self.step, self.t, self.world, last=True)
         self.recorder.close(self.step)
-        self.emit("end", reason=self.end_reason or "failed", detail=self.detail, advisor_calls=account.advisor_calls,
-                  repairs=account.repairs, memory_hit=account.memory_hit)
+        self.emit(
+            "end",
+            reason=self.end_reason or "failed",
+            detail=self.detail,
+            advisor_calls=account.advisor_calls,
+            repairs=account.repairs,
+            memory_hit=account.memory_hit,
+        )
         self.writer.close()
         self.world.close()
         if hasattr(self, "planner"):
@@ -297,10 +355,12 @@ class Episode:
 
     def _finish(self) -> dict[str, Any]:
         plans = np.array(self.plan_ms) if self.plan_ms else np.zeros(1)
-        timing = {"wall_time_s": round(self._wall, 3),
-                  "realtime_factor": round(self.t / self._wall, 3) if self._wall else 0.0,
-                  "plan_ms_median": round(float(np.median(plans)), 3),
-                  "plan_ms_p99": round(float(np.percentile(plans, 99)), 3)}
+        timing = {
+            "wall_time_s": round(self._wall, 3),
+            "realtime_factor": round(self.t / self._wall, 3) if self._wall else 0.0,
+            "plan_ms_median": round(float(np.median(plans)), 3),
+            "plan_ms_p99": round(float(np.percentile(plans, 99)), 3),
+        }
         metrics = compute_metrics(self.writer.folder)
         self.writer.json("metrics.json", metrics)
         self.writer.json("timing.json", timing)
@@ -310,8 +370,9 @@ class Episode:
 def known(drawn: Drawn, now: Observation) -> Drawn:
     """The trial as the robot knows it at first: seen poses, and masses and frictions in the middle of their ranges."""
     held = believing(drawn, prior(drawn))
-    return dataclasses.replace(held, objects={
-        name: dataclasses.replace(item, pose=now.objects[name]) for name, item in held.objects.items()})
+    return dataclasses.replace(
+        held, objects={name: dataclasses.replace(item, pose=now.objects[name]) for name, item in held.objects.items()}
+    )
 
 
 def _number(value: float) -> float | None:

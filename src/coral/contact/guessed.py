@@ -64,8 +64,9 @@ class GuessedWorld:
         """How far the guesses are from the truth; for the record."""
         found = {}
         for name in now.objects:
-            seen, true = (pose(rotation_of(body.quaternion), body.position)
-                          for body in (now.objects[name], truth.objects[name]))
+            seen, true = (
+                pose(rotation_of(body.quaternion), body.position) for body in (now.objects[name], truth.objects[name])
+            )
             shift, turn = self._shapes[name].symmetry.difference(seen, true)
             found[name] = Seen(float(shift), float(turn), False)
         return found

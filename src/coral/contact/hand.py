@@ -61,17 +61,48 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
     hand.add_site(name="tool", size=[0.005, 0.005, 0.005], group=5)
     rubber = {"priority": FINGER_PRIORITY, "friction": [FINGER_FRICTION, TORSION, ROLLING], "condim": condim}
     box = mujoco.mjtGeom.mjGEOM_BOX
-    hand.add_geom(name="palm", type=box, size=[0.0315, 0.102, 0.033], pos=[0, 0, -0.0704], mass=0,
-                  friction=[0.5, TORSION, ROLLING], priority=FINGER_PRIORITY, condim=3, rgba=[0.9, 0.9, 0.92, 1])
+    hand.add_geom(
+        name="palm",
+        type=box,
+        size=[0.0315, 0.102, 0.033],
+        pos=[0, 0, -0.0704],
+        mass=0,
+        friction=[0.5, TORSION, ROLLING],
+        priority=FINGER_PRIORITY,
+        condim=3,
+        rgba=[0.9, 0.9, 0.92, 1],
+    )
     if wrist:
-        hand.add_geom(name="wrist", type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=[0.05, 0.05, 0], pos=[0, 0, -0.2], mass=0,
-                      friction=[0.5, TORSION, ROLLING], priority=FINGER_PRIORITY, condim=3, rgba=[0.85, 0.85, 0.88, 1])
+        hand.add_geom(
+            name="wrist",
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            size=[0.05, 0.05, 0],
+            pos=[0, 0, -0.2],
+            mass=0,
+            friction=[0.5, TORSION, ROLLING],
+            priority=FINGER_PRIORITY,
+            condim=3,
+            rgba=[0.85, 0.85, 0.88, 1],
+        )
     for name, side in (("left", 1.0), ("right", -1.0)):
         finger = hand.add_body(name=name, gravcomp=1)
-        finger.add_joint(name=f"{name}_slide", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, side, 0],
-                         range=[0, MAX_OPENING_M / 2], limited=True, damping=15)
-        finger.add_geom(name=f"{name}_finger", type=box, size=[0.010, 0.006, 0.026], pos=[0, side * 0.006, -0.018],
-                        mass=FINGER_KG, rgba=[0.25, 0.27, 0.3, 1], **rubber)
+        finger.add_joint(
+            name=f"{name}_slide",
+            type=mujoco.mjtJoint.mjJNT_SLIDE,
+            axis=[0, side, 0],
+            range=[0, MAX_OPENING_M / 2],
+            limited=True,
+            damping=15,
+        )
+        finger.add_geom(
+            name=f"{name}_finger",
+            type=box,
+            size=[0.010, 0.006, 0.026],
+            pos=[0, side * 0.006, -0.018],
+            mass=FINGER_KG,
+            rgba=[0.25, 0.27, 0.3, 1],
+            **rubber,
+        )
         spring = spec.add_actuator(name=name, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=f"{name}_slide")
         spring.gainprm[0] = cfg.finger_stiffness_n_m
         spring.biastype = mujoco.mjtBias.mjBIAS_AFFINE
@@ -79,8 +110,9 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
         spring.forcerange = [-cfg.finger_force_n, cfg.finger_force_n]
         spring.forcelimited = True
     for axis in range(6):
-        pull = spec.add_actuator(name=f"pull_{axis}", trntype=mujoco.mjtTrn.mjTRN_SITE, target="tool", refsite="target",
-                                 gear=np.eye(6)[axis])
+        pull = spec.add_actuator(
+            name=f"pull_{axis}", trntype=mujoco.mjtTrn.mjTRN_SITE, target="tool", refsite="target", gear=np.eye(6)[axis]
+        )
         pull.biastype = mujoco.mjtBias.mjBIAS_AFFINE
         limit = cfg.force_limit_n if axis < 3 else cfg.torque_limit_n_m
         pull.forcerange, pull.forcelimited = [-limit, limit], True

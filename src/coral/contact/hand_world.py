@@ -85,8 +85,13 @@ class HandWorld:
     def truth(self) -> Truth:
         """See `EvaluationWorld.truth`."""
         observed = self._observe()
-        return Truth(observed.time_s, observed.tool, observed.opening_m, observed.objects,
-                     merged_contacts(self.model, self.data, part_of))
+        return Truth(
+            observed.time_s,
+            observed.tool,
+            observed.opening_m,
+            observed.objects,
+            merged_contacts(self.model, self.data, part_of),
+        )
 
     def close(self) -> None:
         """See `EvaluationWorld.close`."""

@@ -32,8 +32,12 @@ class Judge:
         # An object's own origin may lie anywhere, as at its foot.
         hulls = {name: drawn.corners(name) for name in drawn.objects}
         self._middle = {name: (found.min(axis=0) + found.max(axis=0)) / 2 for name, found in hulls.items()}
-        self._solid = {item.name: corners(item.model_copy(update={"parts": item.parts[:1]}),
-                                          drawn.objects[item.name].scale).mean(axis=0) for item in drawn.task.objects}
+        self._solid = {
+            item.name: corners(item.model_copy(update={"parts": item.parts[:1]}), drawn.objects[item.name].scale).mean(
+                axis=0
+            )
+            for item in drawn.task.objects
+        }
         """A point that is surely inside of each object."""
         self._before: dict[str, Array] = {}
         self._since: float | None = None

@@ -42,8 +42,8 @@ DEFINITIONS = {
     "pose_error_mm": "Median distance (mm) of tracked poses from the truth, modulo symmetry. Nothing is decided by it.",
     "pose_error_deg": "Median of their angles (degrees), likewise.",
     "poses": "Where objects' poses came from: the simulator (ground-truth), a camera (tracked), one look at a picture "
-             "(guessed), or nowhere (pictures).",
-    "tracker": "What tracked them: model, the embedded tracker, or foundationpose, a server's; \"\" where nothing did.",
+    "(guessed), or nowhere (pictures).",
+    "tracker": 'What tracked them: model, the embedded tracker, or foundationpose, a server\'s; "" where nothing did.',
 }
 
 
@@ -116,21 +116,35 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         if force > 0:
             impulse, touching = impulse + force * (t - before), touching + t - before
     return {
-        "success": end.get("reason") == "success", "end_reason": str(end.get("reason", "killed")),
-        "sim_time_s": round(t, 3), "steps": step, "plans": plans, "policy_calls": asked, "stages": stages,
+        "success": end.get("reason") == "success",
+        "end_reason": str(end.get("reason", "killed")),
+        "sim_time_s": round(t, 3),
+        "steps": step,
+        "plans": plans,
+        "policy_calls": asked,
+        "stages": stages,
         "strategy": strategy,
-        "advisor_calls": int(end.get("advisor_calls", 0)), "repairs": int(end.get("repairs", 0)),
-        "memory_hit": bool(end.get("memory_hit", False)), "path_length_m": round(path, 4),
-        "peak_hand_force_n": round(peak, 2), "mean_hand_force_n": round(impulse / touching, 2) if touching else None,
-        "contact_time_s": round(touching, 3), "contacts": contacts,
-        "first_touch_s": touched, "plan_cost": round(fmean(costs), 4) if costs else None,
+        "advisor_calls": int(end.get("advisor_calls", 0)),
+        "repairs": int(end.get("repairs", 0)),
+        "memory_hit": bool(end.get("memory_hit", False)),
+        "path_length_m": round(path, 4),
+        "peak_hand_force_n": round(peak, 2),
+        "mean_hand_force_n": round(impulse / touching, 2) if touching else None,
+        "contact_time_s": round(touching, 3),
+        "contacts": contacts,
+        "first_touch_s": touched,
+        "plan_cost": round(fmean(costs), 4) if costs else None,
         "plan_cost_jump": round(fmean(jumps), 4) if jumps else None,
-        "effective_samples": round(effective / plans, 2) if plans else None, "diverged_rehearsals": diverged,
-        "track_lost": lost, "track_recovered": recovered, "track_lost_s": round(missed, 3),
+        "effective_samples": round(effective / plans, 2) if plans else None,
+        "diverged_rehearsals": diverged,
+        "track_lost": lost,
+        "track_recovered": recovered,
+        "track_lost_s": round(missed, 3),
         "pose_error_mm": round(1e3 * median(off_m), 2) if off_m else None,
         "pose_error_deg": round(math.degrees(median(off_rad)), 2) if off_rad else None,
         "poses": poses,
-        "tracker": str(start.get("tracker", "model" if poses == "tracked" else ""))}  # older runs had no other
+        "tracker": str(start.get("tracker", "model" if poses == "tracked" else "")),
+    }  # older runs had no other
 
 
 def _tracked(row: Mapping[str, str], ending: str) -> list[float]:

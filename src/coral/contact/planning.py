@@ -94,8 +94,14 @@ class PlanningWorld:
         rng: Draws the other beliefs around a single one, where `uncertainty` asks for them.
     """
 
-    def __init__(self, drawn: Drawn, beliefs: Mapping[str, Physical] | Sequence[Mapping[str, Physical]],
-                 start: Observation, cfg: PlanningCfg, rng: np.random.Generator | None = None) -> None:
+    def __init__(
+        self,
+        drawn: Drawn,
+        beliefs: Mapping[str, Physical] | Sequence[Mapping[str, Physical]],
+        start: Observation,
+        cfg: PlanningCfg,
+        rng: np.random.Generator | None = None,
+    ) -> None:
         self.cfg = cfg
         self._rng = rng or np.random.default_rng(0)
         self._drawn, self._start = drawn, start
@@ -111,7 +117,8 @@ class PlanningWorld:
     def believe(self, beliefs: Mapping[str, Physical] | Sequence[Mapping[str, Physical]]) -> None:
         """Rebuild the models with new masses and frictions."""
         self.beliefs: list[Mapping[str, Physical]] = (
-            around(beliefs, self.cfg.uncertainty, self._rng) if isinstance(beliefs, Mapping) else list(beliefs))
+            around(beliefs, self.cfg.uncertainty, self._rng) if isinstance(beliefs, Mapping) else list(beliefs)
+        )
         self.models = self._build(endless=False)
         self._endless: list[mujoco.MjModel] = []
         self._fixed: dict[int, Mapping[str, Callable[[], Array]]] = {}
@@ -119,8 +126,10 @@ class PlanningWorld:
         self._last: tuple[Observation, Array] | None = None
 
     def _build(self, endless: bool) -> list[mujoco.MjModel]:
-        models = [build_model(believing(self._drawn, one), self.cfg.hand, self.cfg.physics_dt_s, endless)
-                  for one in self.beliefs]
+        models = [
+            build_model(believing(self._drawn, one), self.cfg.hand, self.cfg.physics_dt_s, endless)
+            for one in self.beliefs
+        ]
         if SLEEP and len(self._names) > 1 and self.cfg.rest_m_s > 0:
             for model in models:
                 model.opt.enableflags |= SLEEP
@@ -160,16 +169,24 @@ class PlanningWorld:
         control[..., 0] = control[..., 1] = controls.opening[..., None] / 2
         control[..., -7:-4] = controls.position[:, :, None]
         control[..., -4:] = controls.quaternion[:, :, None]
-        rolled = self._rollouts.run([Start.at(model, initial) for model in chosen],
-                                    control.reshape(total, horizon * self._substeps, -1), CONTROL, self._substeps,
-                                    partial(_without_divergence, self._index.speeds, initial, self.cfg.step_s))
+        rolled = self._rollouts.run(
+            [Start.at(model, initial) for model in chosen],
+            control.reshape(total, horizon * self._substeps, -1),
+            CONTROL,
+            self._substeps,
+            partial(_without_divergence, self._index.speeds, initial, self.cfg.step_s),
+        )
         values = self._values(rolled.states, rolled.sensors, controls, now, step)
         return Context(values, (total, horizon)), rolled.sane
 
     def present(self, now: Observation, step: int = 0) -> Context:
         """The measured state as a batch of one; contacts as the first belief has them after a step of keeping still."""
-        still = Controls(now.tool.position[None, None], now.tool.quaternion[None, None],
-                         np.full((1, 1), now.opening_m), self.cfg.hand.stiffness_n_m)
+        still = Controls(
+            now.tool.position[None, None],
+            now.tool.quaternion[None, None],
+            np.full((1, 1), now.opening_m),
+            self.cfg.hand.stiffness_n_m,
+        )
         context, _ = self.rollout(now, still, step)
         return context.first() if len(self.models) > 1 else context
 
@@ -177,8 +194,10 @@ class PlanningWorld:
         """Whether nothing comes near an edge of the table for a while."""
         table = self._drawn.task.table
         half, center = np.asarray(table.size)[:2] / 2 - self.cfg.inland_m, np.asarray(table.center)
-        points = [now.tool.position[None], *(body.position + rotate(body.quaternion, self._corners[name])
-                                             for name, body in now.objects.items())]
+        points = [
+            now.tool.position[None],
+            *(body.position + rotate(body.quaternion, self._corners[name]) for name, body in now.objects.items()),
+        ]
         return all(bool((np.abs(each[:, :2] - center) < half).all()) for each in points)
 
     def _initial(self, now: Observation) -> Array:
@@ -195,10 +214,11 @@ class PlanningWorld:
         self._last = now, state
         return state
 
-    def _values(self, states: Array, sensors: Array, controls: Controls, now: Observation, step: int
-                ) -> Mapping[str, Array]:
+    def _values(
+        self, states: Array, sensors: Array, controls: Controls, now: Observation, step: int
+    ) -> Mapping[str, Array]:
         index, horizon = self._index, states.shape[1]
-        qpos, qvel = states[..., 1:1 + index.nq], states[..., 1 + index.nq:1 + index.nq + index.nv]
+        qpos, qvel = states[..., 1 : 1 + index.nq], states[..., 1 + index.nq : 1 + index.nq + index.nv]
 
         def sensed(name: str, part: slice = slice(None)) -> Array:
             return np.asarray(sensors[..., index.sensor[name]][..., part])
@@ -208,11 +228,11 @@ class PlanningWorld:
 
         def placed(name: str, local: Array) -> Array:
             start = index.pose[name].start
-            return np.asarray(qpos[..., start:start + 3] + rotate(qpos[..., start + 3:start + 7], local))
+            return np.asarray(qpos[..., start : start + 3] + rotate(qpos[..., start + 3 : start + 7], local))
 
         def spin(name: str) -> Array:
             start = index.pose[name].start  # a free joint's angular velocity is held in the body's own axes
-            return rotate(qpos[..., start + 3:start + 7], qvel[..., index.speed[name]][..., 3:])
+            return rotate(qpos[..., start + 3 : start + 7], qvel[..., index.speed[name]][..., 3:])
 
         def wrung() -> Array:
             lever = sensed("hand_anything", PLACE) - sensed("ee_pos")
@@ -264,20 +284,20 @@ def _itself(value: Array) -> Array:
 def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation) -> None:
     """Write a measured state into a model that has the floating hand."""
     start = int(model.joint("hand_x").qposadr[0])
-    data.qpos[start:start + 3] = now.tool.position
-    data.qpos[start + 3:start + 7] = now.tool.quaternion
+    data.qpos[start : start + 3] = now.tool.position
+    data.qpos[start + 3 : start + 7] = now.tool.quaternion
     dof = int(model.joint("hand_x").dofadr[0])
-    data.qvel[dof:dof + 3] = now.tool.velocity
-    data.qvel[dof + 3:dof + 6] = _own_axes(now.tool)
+    data.qvel[dof : dof + 3] = now.tool.velocity
+    data.qvel[dof + 3 : dof + 6] = _own_axes(now.tool)
     for side in ("left", "right"):
         data.qpos[int(model.joint(f"{side}_slide").qposadr[0])] = now.opening_m / 2
     for name, body in now.objects.items():
         joint = model.joint(f"{name}_free")
         place, speed = int(joint.qposadr[0]), int(joint.dofadr[0])
-        data.qpos[place:place + 3] = body.position
-        data.qpos[place + 3:place + 7] = body.quaternion
-        data.qvel[speed:speed + 3] = body.velocity
-        data.qvel[speed + 3:speed + 6] = _own_axes(body)
+        data.qpos[place : place + 3] = body.position
+        data.qpos[place + 3 : place + 7] = body.quaternion
+        data.qvel[speed : speed + 3] = body.velocity
+        data.qvel[speed + 3 : speed + 6] = _own_axes(body)
 
 
 def _shift_fingers(model: mujoco.MjModel, data: mujoco.MjData, most_m: float = 0.015) -> None:
@@ -306,14 +326,18 @@ def _own_axes(body: Body) -> Array:
     return rotate(body.quaternion * np.array([1.0, -1, -1, -1]), body.angular_velocity)
 
 
-def _without_divergence(speeds: NDArray[np.int_], initial: Array, step_s: float, states: Array, sensors: Array
-                        ) -> NDArray[np.bool_]:
+def _without_divergence(
+    speeds: NDArray[np.int_], initial: Array, step_s: float, states: Array, sensors: Array
+) -> NDArray[np.bool_]:
     """Which rollouts hold, Shape=(K,); the others' states are repeated from the last sane one, in place."""
     # MuJoCo resets a state that has diverged and its rollout then stands still: only its clock tells.
     clock = initial[0] + step_s * np.arange(1.0, states.shape[1] + 1)
-    if (np.isfinite(states.sum()) and np.isfinite(sensors.sum())
-            and np.abs(states[..., 0] - clock).max() < 0.1 * step_s
-            and max(float(np.abs(states[..., k]).max()) for k in speeds) <= SANE_SPEED_M_S):
+    if (
+        np.isfinite(states.sum())
+        and np.isfinite(sensors.sum())
+        and np.abs(states[..., 0] - clock).max() < 0.1 * step_s
+        and max(float(np.abs(states[..., k]).max()) for k in speeds) <= SANE_SPEED_M_S
+    ):
         return np.ones(len(states), dtype=bool)  # as a rule nothing is wrong: that is told faster
     bad: NDArray[np.bool_] = ~(np.abs(states[..., 0] - clock) < 0.1 * step_s)
     bad |= ~np.isfinite(states).all(axis=-1) | ~np.isfinite(sensors).all(axis=-1)

@@ -65,14 +65,18 @@ def pair(name: str, other: str) -> str:
 
 
 def _add_sensors(spec: mujoco.MjSpec, drawn: Drawn) -> None:
-    for name, kind in (("ee_pos", mujoco.mjtSensor.mjSENS_FRAMEPOS), ("ee_quat", mujoco.mjtSensor.mjSENS_FRAMEQUAT),
-                       ("ee_vel", mujoco.mjtSensor.mjSENS_FRAMELINVEL),
-                       ("ee_angvel", mujoco.mjtSensor.mjSENS_FRAMEANGVEL)):
+    for name, kind in (
+        ("ee_pos", mujoco.mjtSensor.mjSENS_FRAMEPOS),
+        ("ee_quat", mujoco.mjtSensor.mjSENS_FRAMEQUAT),
+        ("ee_vel", mujoco.mjtSensor.mjSENS_FRAMELINVEL),
+        ("ee_angvel", mujoco.mjtSensor.mjSENS_FRAMEANGVEL),
+    ):
         spec.add_sensor(name=name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="tool")
     subtree, geom, body = mujoco.mjtObj.mjOBJ_XBODY, mujoco.mjtObj.mjOBJ_GEOM, mujoco.mjtObj.mjOBJ_BODY
 
-    def contact(name: str, first: tuple[mujoco.mjtObj, str], second: tuple[mujoco.mjtObj, str] | None, data: int
-                ) -> None:
+    def contact(
+        name: str, first: tuple[mujoco.mjtObj, str], second: tuple[mujoco.mjtObj, str] | None, data: int
+    ) -> None:
         sensor = spec.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_CONTACT, objtype=first[0], objname=first[1])
         if second is not None:
             sensor.reftype, sensor.refname = second

@@ -35,8 +35,16 @@ class Found:
     sim_time_s: float
 
 
-def probe_episode(drawn: Drawn, name: str, truth: Physical, first: Physical, cfg: EpisodeCfg, folder: Path,
-                  world: str = "panda", observer: Observer | None = None) -> Found:
+def probe_episode(
+    drawn: Drawn,
+    name: str,
+    truth: Physical,
+    first: Physical,
+    cfg: EpisodeCfg,
+    folder: Path,
+    world: str = "panda",
+    observer: Observer | None = None,
+) -> Found:
     """Do a task and correct what is believed meanwhile.
 
     Args:
@@ -50,11 +58,17 @@ def probe_episode(drawn: Drawn, name: str, truth: Physical, first: Physical, cfg
         observer: Watches the episode.
     """
     real = believing(drawn, {**{key: item.physical for key, item in drawn.objects.items()}, name: truth})
-    mind = make_mind("full", drawn.task, Asking(
-        seed=drawn.seed, world=world, folder=folder, think=within(cfg.controller, cfg.think), believe={name: first}))
+    mind = make_mind(
+        "full",
+        drawn.task,
+        Asking(
+            seed=drawn.seed, world=world, folder=folder, think=within(cfg.controller, cfg.think), believe={name: first}
+        ),
+    )
     episode = Episode(real, world, mind, cfg, folder, variant="full", advisor="heuristic")
     result = episode.run([] if observer is None else [observer])
     events = (json.loads(line) for line in (folder / "events.jsonl").read_text(encoding="utf-8").splitlines())
-    told = tuple(event for event in events
-                 if event["event"] == "correction" and event["object"] == name and "after" in event)
+    told = tuple(
+        event for event in events if event["event"] == "correction" and event["object"] == name and "after" in event
+    )
     return Found(told, str(result["end_reason"]), float(result["sim_time_s"]))

@@ -15,8 +15,9 @@ from coral.contact.world import Observation
 Array = NDArray[np.float64]
 
 
-def constants(drawn: Drawn, start: Observation, beliefs: Sequence[Mapping[str, Physical]], total: int
-              ) -> dict[str, Array]:
+def constants(
+    drawn: Drawn, start: Observation, beliefs: Sequence[Mapping[str, Physical]], total: int
+) -> dict[str, Array]:
     """What does not change in a rollout: sizes, beliefs, first poses, places and numbers of the task."""
     task = drawn.task
     found: dict[str, Array] = {}

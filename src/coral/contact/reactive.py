@@ -71,8 +71,15 @@ class Reactive:
         self.force_error, self.torque_error = np.zeros(3), np.zeros(3)
         self._before, self._since = np.zeros(6), np.zeros(6)
 
-    def observe(self, expected_position: Array, expected_force: Array, now: Observation, k: int = 0,
-                expected_quaternion: Array | None = None, expected_torque: Array | None = None) -> None:
+    def observe(
+        self,
+        expected_position: Array,
+        expected_force: Array,
+        now: Observation,
+        k: int = 0,
+        expected_quaternion: Array | None = None,
+        expected_torque: Array | None = None,
+    ) -> None:
         """Compare what a control step brought with what the plan that it was taken from expected of it.
 
         Args:
@@ -86,15 +93,17 @@ class Reactive:
         if k == 0:
             self._before = self._before + self._since
         self._before = self._keep * self._before
-        turned = (np.zeros(3) if expected_quaternion is None
-                  else to_rotvec(multiply(expected_quaternion, conjugate(now.tool.quaternion))))
+        turned = (
+            np.zeros(3)
+            if expected_quaternion is None
+            else to_rotvec(multiply(expected_quaternion, conjugate(now.tool.quaternion)))
+        )
         self._since = np.concatenate([expected_position - now.tool.position, turned])
         self.position_error, self.turn_error = np.split(self._before + self._since, 2)
         # A force is not integrated by the world as a velocity is: its mean error counts, not its sum.
         self.force_error = self._keep * self.force_error + (1.0 - self._keep) * (expected_force - now.wrench[:3])
         if expected_torque is not None:
-            self.torque_error = (self._keep * self.torque_error
-                                 + (1.0 - self._keep) * (expected_torque - now.wrench[3:]))
+            self.torque_error = self._keep * self.torque_error + (1.0 - self._keep) * (expected_torque - now.wrench[3:])
 
     def command(self, target: HandTarget, now: Observation) -> HandTarget:
         """What is sent to the hand: the planned target, fed back and within the limits."""

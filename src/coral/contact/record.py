@@ -42,11 +42,26 @@ def columns(objects: Sequence[str]) -> tuple[str, ...]:
     its pose, the hand's net force on it, and in its own frame the mean point of that touch, empty where there is none;
     last how far its tracked pose is off (m, rad; modulo symmetry) and whether it is lost, empty where none is tracked.
     """
-    found = ["step", "t", *POSE, "opening", *(f"cmd_{name}" for name in (*POSE, "opening", "stiffness")),
-             "fx", "fy", "fz", "tx", "ty", "tz", "stage"]
+    found = [
+        "step",
+        "t",
+        *POSE,
+        "opening",
+        *(f"cmd_{name}" for name in (*POSE, "opening", "stiffness")),
+        "fx",
+        "fy",
+        "fz",
+        "tx",
+        "ty",
+        "tz",
+        "stage",
+    ]
     for name in objects:
-        found += [*(f"{name}_{part}" for part in POSE), f"{name}_hand_force",
-                  *(f"{name}_touch_{axis}" for axis in "xyz")]
+        found += [
+            *(f"{name}_{part}" for part in POSE),
+            f"{name}_hand_force",
+            *(f"{name}_touch_{axis}" for axis in "xyz"),
+        ]
     for name in objects:
         found += [f"{name}_{part}" for part in ("off_m", "off_rad", "lost")]
     return tuple(found)
@@ -67,12 +82,28 @@ class EpisodeRecorder:
         self._due = 0.0
         self._contacts = Contacts()
 
-    def row(self, step: int, now: Observation, truth: Truth, command: HandTarget, stage: int,
-            seen: Mapping[str, Seen] | None = None) -> None:
+    def row(
+        self,
+        step: int,
+        now: Observation,
+        truth: Truth,
+        command: HandTarget,
+        stage: int,
+        seen: Mapping[str, Seen] | None = None,
+    ) -> None:
         """One control step."""
         values: list[float | str] = [
-            step, now.time_s, *_pose(now.tool), now.opening_m, *command.position, *command.quaternion,
-            command.opening_m, command.stiffness, *now.wrench, stage]
+            step,
+            now.time_s,
+            *_pose(now.tool),
+            now.opening_m,
+            *command.position,
+            *command.quaternion,
+            command.opening_m,
+            command.stiffness,
+            *now.wrench,
+            stage,
+        ]
         for name in self._objects:
             values += [*_pose(truth.objects[name]), hand_force(truth, name) or 0.0, *_touch_point(truth, name)]
         for name in self._objects:
@@ -151,13 +182,23 @@ class Contacts:
 
 
 def _begun(contact: Contact, newtons: float) -> dict[str, Any]:
-    return {"first": contact.first, "second": contact.second, "force_n": round(newtons, 3),
-            "point": numbers(contact.point, 4)}
+    return {
+        "first": contact.first,
+        "second": contact.second,
+        "force_n": round(newtons, 3),
+        "point": numbers(contact.point, 4),
+    }
 
 
 def _ended(pair: tuple[str, str], touch: _Touch) -> dict[str, Any]:
-    return {"first": pair[0], "second": pair[1], "begun_s": round(touch.begun_s, 4), "ended_s": round(touch.seen_s, 4),
-            "peak_n": round(touch.peak_n, 3), "mean_n": round(touch.total / max(touch.count, 1), 3)}
+    return {
+        "first": pair[0],
+        "second": pair[1],
+        "begun_s": round(touch.begun_s, 4),
+        "ended_s": round(touch.seen_s, 4),
+        "peak_n": round(touch.peak_n, 3),
+        "mean_n": round(touch.total / max(touch.count, 1), 3),
+    }
 
 
 def numbers(values: Array, digits: int) -> list[float]:

@@ -61,10 +61,10 @@ class Start:
             mujoco.mj_step(model, data)
         state = state.copy()
         sleeping = data.tree_asleep[model.dof_treeid] >= 0
-        state[1 + model.nq:1 + model.nq + model.nv][sleeping] = 0.0
+        state[1 + model.nq : 1 + model.nq + model.nv][sleeping] = 0.0
         for joint in np.flatnonzero(sleeping[model.jnt_dofadr]):  # to the last bit: a sleeper that was moved wakes up
             place = slice(int(model.jnt_qposadr[joint]), int(model.jnt_qposadr[joint]) + 7)
-            state[1:1 + model.nq][place] = data.qpos[place]
+            state[1 : 1 + model.nq][place] = data.qpos[place]
         return cls(model, state, data)
 
 
@@ -130,8 +130,11 @@ class Rollouts:
         total, steps = control.shape[:2]
         each = [start for start in starts for _ in range(total // len(starts))]
         initial = np.array([start.state for start in each])
-        found = Rolled(_by_columns(total, steps // every, initial.shape[1]),
-                       _by_columns(total, steps // every, starts[0].model.nsensordata), np.empty(total, dtype=bool))
+        found = Rolled(
+            _by_columns(total, steps // every, initial.shape[1]),
+            _by_columns(total, steps // every, starts[0].model.nsensordata),
+            np.empty(total, dtype=bool),
+        )
         parts = _parts(total, self._threads)
         todo = iter(parts)
 
@@ -143,9 +146,17 @@ class Rollouts:
                     if each[rows.start].data is not None:
                         mujoco.mj_copyData(data, each[rows.start].model, each[rows.start].data)
                     here = slice(rows.start - part.start, rows.stop - part.start)
-                    self._rollout.rollout([start.model for start in each[rows]], [data], initial[rows], control[rows],
-                                          control_spec=spec, skip_checks=True, nstep=steps, state=states[here],
-                                          sensordata=sensors[here])
+                    self._rollout.rollout(
+                        [start.model for start in each[rows]],
+                        [data],
+                        initial[rows],
+                        control[rows],
+                        control_spec=spec,
+                        skip_checks=True,
+                        nstep=steps,
+                        state=states[here],
+                        sensordata=sensors[here],
+                    )
                 kept = slice(part.stop - part.start), slice(every - 1, None, every)
                 found.states[part], found.sensors[part] = states[kept], sensors[kept]
                 found.sane[part] = mend(found.states[part], found.sensors[part])

@@ -23,8 +23,12 @@ FINGER_FRICTION = 1.0
 """Rubber pads: between finger and object the pads' friction holds."""
 TORSION, ROLLING = 0.005, 0.0001
 
-_GEOMS = {"box": mujoco.mjtGeom.mjGEOM_BOX, "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
-          "sphere": mujoco.mjtGeom.mjGEOM_SPHERE, "mesh": mujoco.mjtGeom.mjGEOM_MESH}
+_GEOMS = {
+    "box": mujoco.mjtGeom.mjGEOM_BOX,
+    "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
+    "mesh": mujoco.mjtGeom.mjGEOM_MESH,
+}
 
 
 def add_scene(spec: mujoco.MjSpec, drawn: Drawn, condim: int = 4) -> None:
@@ -41,13 +45,23 @@ def add_scene(spec: mujoco.MjSpec, drawn: Drawn, condim: int = 4) -> None:
     task = drawn.task
     table = task.table
     spec.worldbody.add_geom(
-        name="table", type=mujoco.mjtGeom.mjGEOM_BOX, size=np.asarray(table.size) / 2,
-        pos=[*table.center, -table.size[2] / 2], friction=[0.5, TORSION, ROLLING], rgba=[0.82, 0.78, 0.72, 1])
+        name="table",
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=np.asarray(table.size) / 2,
+        pos=[*table.center, -table.size[2] / 2],
+        friction=[0.5, TORSION, ROLLING],
+        rgba=[0.82, 0.78, 0.72, 1],
+    )
     for fixture in task.fixtures:
         spec.worldbody.add_geom(
-            name=fixture.name, type=mujoco.mjtGeom.mjGEOM_BOX, size=np.asarray(fixture.size) / 2, pos=fixture.position,
-            quat=from_rotvec([0, 0, np.radians(fixture.yaw_deg)]), friction=[fixture.friction, TORSION, ROLLING],
-            rgba=[*fixture.color, 1])
+            name=fixture.name,
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=np.asarray(fixture.size) / 2,
+            pos=fixture.position,
+            quat=from_rotvec([0, 0, np.radians(fixture.yaw_deg)]),
+            friction=[fixture.friction, TORSION, ROLLING],
+            rgba=[*fixture.color, 1],
+        )
     for item in task.objects:
         _add_object(spec, item, drawn.objects[item.name], condim)
 
@@ -59,9 +73,16 @@ def _add_object(spec: mujoco.MjSpec, item: Movable, found: DrawnObject, condim: 
     for index, (part, share) in enumerate(zip(item.parts, volumes / volumes.sum(), strict=True)):
         size = part_size(part, found.scale)
         geom = body.add_geom(
-            name=f"{item.name}/{index}", type=_GEOMS[part.shape], pos=np.asarray(part.position) * found.scale,
-            quat=from_rpy_deg(part.rpy_deg), mass=found.physical.mass_kg * share, condim=condim,
-            priority=OBJECT_PRIORITY, friction=[found.physical.friction, TORSION, ROLLING], rgba=[*item.color, 1])
+            name=f"{item.name}/{index}",
+            type=_GEOMS[part.shape],
+            pos=np.asarray(part.position) * found.scale,
+            quat=from_rpy_deg(part.rpy_deg),
+            mass=found.physical.mass_kg * share,
+            condim=condim,
+            priority=OBJECT_PRIORITY,
+            friction=[found.physical.friction, TORSION, ROLLING],
+            rgba=[*item.color, 1],
+        )
         if part.shape == "box":
             geom.size = size / 2
         elif part.shape == "cylinder":
@@ -88,8 +109,10 @@ def believing(drawn: Drawn, beliefs: Mapping[str, Physical]) -> Drawn:
 
 def prior(drawn: Drawn) -> dict[str, Physical]:
     """The middle of the task file's ranges: what is known of masses and frictions before anything is asked or felt."""
-    return {item.name: Physical(mass_kg=float(np.mean(item.mass_kg)), friction=float(np.mean(item.friction)))
-            for item in drawn.task.objects}
+    return {
+        item.name: Physical(mass_kg=float(np.mean(item.mass_kg)), friction=float(np.mean(item.friction)))
+        for item in drawn.task.objects
+    }
 
 
 def contact_pairs(drawn: Drawn) -> Iterable[tuple[str, str]]:

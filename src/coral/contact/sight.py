@@ -50,12 +50,27 @@ def eyes(world: EvaluationWorld, drawn: Drawn, tracked: TrackedCfg, cfg: SightCf
         if not isinstance(model, mujoco.MjModel) or not isinstance(data, mujoco.MjData):
             return None
         if not camera:
-            lens = CameraCfg(width=cfg.width, height=cfg.height, vfov_deg=tracked.camera.vfov_deg,
-                             near_m=tracked.camera.near_m, far_m=tracked.camera.far_m)
+            lens = CameraCfg(
+                width=cfg.width,
+                height=cfg.height,
+                vfov_deg=tracked.camera.vfov_deg,
+                near_m=tracked.camera.near_m,
+                far_m=tracked.camera.far_m,
+            )
             noise = DepthNoise(tracked.depth_noise) if tracked.noise else None
-            camera.append(RayCamera(model, lens, look_at(*viewpoint(drawn, tracked)), instances(model, drawn),
-                                    noise=noise, colours="shaded", hidden=covered(model, drawn)))
+            camera.append(
+                RayCamera(
+                    model,
+                    lens,
+                    look_at(*viewpoint(drawn, tracked)),
+                    instances(model, drawn),
+                    noise=noise,
+                    colours="shaded",
+                    hidden=covered(model, drawn),
+                )
+            )
         return camera[0].take(data, rng)
+
     return look
 
 

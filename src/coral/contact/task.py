@@ -201,11 +201,13 @@ def load_task(name_or_path: str | Path) -> Task:
 
 def _with_files(task: Task, folder: Path) -> Task:
     """The task with the paths of meshes made absolute."""
+
     def placed(part: Shape) -> Shape:
         return part if part.file is None else part.model_copy(update={"file": str((folder / part.file).resolve())})
 
-    objects = tuple(item.model_copy(update={"parts": tuple(placed(part) for part in item.parts)})
-                    for item in task.objects)
+    objects = tuple(
+        item.model_copy(update={"parts": tuple(placed(part) for part in item.parts)}) for item in task.objects
+    )
     return task.model_copy(update={"objects": objects})
 
 

@@ -13,9 +13,33 @@ from coral.errors import InputError
 if TYPE_CHECKING:
     from coral.contact.task import Movable, Task
 
-RESERVED = frozenset({"table", "hand", "left", "right", "robot", "target", "world", "palm", "wrist", "tool", "ee",
-                      "gripper", "left_finger", "right_finger", "cmd", "self", "event", "step", "t", "source",
-                      "attempts", "refused", "failure"})
+RESERVED = frozenset(
+    {
+        "table",
+        "hand",
+        "left",
+        "right",
+        "robot",
+        "target",
+        "world",
+        "palm",
+        "wrist",
+        "tool",
+        "ee",
+        "gripper",
+        "left_finger",
+        "right_finger",
+        "cmd",
+        "self",
+        "event",
+        "step",
+        "t",
+        "source",
+        "attempts",
+        "refused",
+        "failure",
+    }
+)
 """Names that the models, the costs and the record give to the robot, to what it stands on and to what happens."""
 SMALLEST_M, LARGEST_M = 0.001, 5
 """Edges of a mesh."""
@@ -34,8 +58,12 @@ def check_task(task: Task, where: str) -> None:
         _check_place(task, item, where, f"objects[{index}]")
         _check_meshes(item, where, f"objects[{index}]")
     if task.success.hold_s > task.time_limit_s:
-        raise InputError(where, "success.hold_s", f"{task.success.hold_s:g} s",
-                         f"no more than the time limit, {task.time_limit_s:g} s")
+        raise InputError(
+            where,
+            "success.hold_s",
+            f"{task.success.hold_s:g} s",
+            f"no more than the time limit, {task.time_limit_s:g} s",
+        )
     for index, condition in enumerate(task.success.conditions):
         condition.check(task, where, f"success.conditions[{index}]")
 
@@ -57,8 +85,12 @@ def _check_names(task: Task, where: str) -> None:
         keys = object_quantities(item.name, item.points, task.things, [name for name in others if name != item.name])
         found += [(key, f"objects[{index}].name") for key in keys]
         if len(keys) < len(object_quantities(item.name)) + len(item.points) + len(task.things) + len(others) - 1:
-            raise InputError(where, f"objects[{index}].points", ", ".join(item.points),
-                             "points named unlike init and what an object has by itself")
+            raise InputError(
+                where,
+                f"objects[{index}].points",
+                ", ".join(item.points),
+                "points named unlike init and what an object has by itself",
+            )
     found += [(f"{name}_pos", f"places.{name}") for name in task.places]
     found += [(name, f"numbers.{name}") for name in task.numbers]
     count = Counter(key for key, _ in found)
@@ -92,5 +124,9 @@ def _check_meshes(item: Movable, where: str, field: str) -> None:
         extents = vertices.max(axis=0) - vertices.min(axis=0)
         if not (extents >= SMALLEST_M).all() or not (extents <= LARGEST_M).all():
             found = " x ".join(f"{extent:.3g}" for extent in extents)
-            raise InputError(where, f"{field}.parts[{index}].size", f"factors that make the mesh {found} m large",
-                             f"edges from {SMALLEST_M} to {LARGEST_M} m")
+            raise InputError(
+                where,
+                f"{field}.parts[{index}].size",
+                f"factors that make the mesh {found} m large",
+                f"edges from {SMALLEST_M} to {LARGEST_M} m",
+            )

@@ -95,8 +95,9 @@ class TrackedWorld:
 
     poses = "tracked"
 
-    def __init__(self, world: EvaluationWorld, drawn: Drawn, cfg: TrackedCfg, rng: np.random.Generator,
-                 eye: Eye | None = None) -> None:
+    def __init__(
+        self, world: EvaluationWorld, drawn: Drawn, cfg: TrackedCfg, rng: np.random.Generator, eye: Eye | None = None
+    ) -> None:
         self._world, self._drawn, self.cfg, self._rng = world, drawn, cfg, rng
         self.name, self.control_period_s = world.name, world.control_period_s
         model, data = getattr(world, "model", None), getattr(world, "data", None)
@@ -155,17 +156,30 @@ class TrackedWorld:
         tool = _transform(now.tool)
         self._deliver(now.time_s)
         for name, one in self._objects.items():
-            held = gripped(self._shapes[name], inverse(tool) @ one.at(tool, now.time_s), now.opening_m,
-                           target.opening_m, one.held, self.cfg.grip)
+            held = gripped(
+                self._shapes[name],
+                inverse(tool) @ one.at(tool, now.time_s),
+                now.opening_m,
+                target.opening_m,
+                one.held,
+                self.cfg.grip,
+            )
             one.hold(held, tool, now.time_s)
         if now.time_s >= self._due_s - 1e-9:
             self._due_s += self.cfg.period_s
             frame = self._take(now)
             if frame is not None:
                 with _named():
-                    self._late.append((now.time_s, tool, {
-                        name: one.tracker.track(frame, frame.mask(name), one.at(tool, now.time_s))
-                        for name, one in self._objects.items()}))
+                    self._late.append(
+                        (
+                            now.time_s,
+                            tool,
+                            {
+                                name: one.tracker.track(frame, frame.mask(name), one.at(tool, now.time_s))
+                                for name, one in self._objects.items()
+                            },
+                        )
+                    )
                 if self.cfg.latency_s == 0.0:
                     self._deliver(now.time_s)
         return self._seen(now)

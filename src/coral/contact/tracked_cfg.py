@@ -108,5 +108,12 @@ def viewpoint(drawn: Drawn, cfg: TrackedCfg) -> tuple[Place, Place]:
 def make_camera(model: mujoco.MjModel, drawn: Drawn, cfg: TrackedCfg) -> RayCamera:
     """The camera of an episode, its noise and its colours as configured."""
     noise = DepthNoise(cfg.depth_noise) if cfg.noise else None
-    return RayCamera(model, cfg.camera, look_at(*viewpoint(drawn, cfg)), instances(model, drawn), groups=_DRAWN,
-                     noise=noise, colours=cfg.colours if cfg.choice().wants_colours else "none")
+    return RayCamera(
+        model,
+        cfg.camera,
+        look_at(*viewpoint(drawn, cfg)),
+        instances(model, drawn),
+        groups=_DRAWN,
+        noise=noise,
+        colours=cfg.colours if cfg.choice().wants_colours else "none",
+    )

@@ -20,8 +20,18 @@ from coral.contact.variants import REMEMBERING, Asking, contact_model, make_mind
 from coral.errors import RunError
 
 
-def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant: str, advisor: str, seed: int,
-              memory: Mapping[str, Any] | None = None, model: ModelCfg | None = None) -> dict[str, Any]:
+def run_trial(
+    task: Task,
+    cfg: EpisodeCfg,
+    folder: Path,
+    *,
+    world: str,
+    variant: str,
+    advisor: str,
+    seed: int,
+    memory: Mapping[str, Any] | None = None,
+    model: ModelCfg | None = None,
+) -> dict[str, Any]:
     """Run an episode; the same arguments give the same episode as `coral contact run`.
 
     Args:
@@ -47,9 +57,19 @@ def run_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, variant:
     with tempfile.TemporaryDirectory() as aside:
         own = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None
         known = own.load(memory, "memory") if own is not None and memory is not None else 0
-        mind = make_mind(variant, task, Asking(
-            advisor=advisor, seed=seed, world=world, folder=folder, think=within(cfg.controller, cfg.think),
-            memory=None if own is None else own.where, model=model or contact_model()))
+        mind = make_mind(
+            variant,
+            task,
+            Asking(
+                advisor=advisor,
+                seed=seed,
+                world=world,
+                folder=folder,
+                think=within(cfg.controller, cfg.think),
+                memory=None if own is None else own.where,
+                model=model or contact_model(),
+            ),
+        )
         episode = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor)
         result = episode.run()
         if own is not None:

@@ -10,8 +10,9 @@ import numpy as np
 from coral.contact.world import Contact
 
 
-def merged_contacts(model: mujoco.MjModel, data: mujoco.MjData, part_of: Callable[[mujoco.MjModel, int], str]
-                    ) -> tuple[Contact, ...]:
+def merged_contacts(
+    model: mujoco.MjModel, data: mujoco.MjData, part_of: Callable[[mujoco.MjModel, int], str]
+) -> tuple[Contact, ...]:
     """Net force and mean point of every touching pair; touch between parts of the same name is left out."""
     found: dict[tuple[str, str], list[np.ndarray]] = {}
     wrench = np.zeros(6)

@@ -27,8 +27,9 @@ class UncertaintyCfg:
     friction: NonNegative = 0.2
 
 
-def around(belief: Mapping[str, Physical], cfg: UncertaintyCfg,
-           rng: np.random.Generator) -> list[Mapping[str, Physical]]:
+def around(
+    belief: Mapping[str, Physical], cfg: UncertaintyCfg, rng: np.random.Generator
+) -> list[Mapping[str, Physical]]:
     """The belief, and others that are drawn around it: every mass and friction by itself, log-normal.
 
     Args:
@@ -36,7 +37,9 @@ def around(belief: Mapping[str, Physical], cfg: UncertaintyCfg,
         cfg: How many, how far.
         rng: Draws them.
     """
+
     def other(one: Physical) -> Physical:
         mass, friction = np.exp(rng.normal(scale=[cfg.mass, cfg.friction]))
         return Physical(one.mass_kg * float(mass), one.friction * float(friction))
+
     return [belief, *({name: other(one) for name, one in belief.items()} for _ in range(cfg.sets - 1))]

@@ -65,28 +65,59 @@ DESK_S = 86_400.0
 """A person at the desk may take a day, unless the configuration says otherwise."""
 
 
-def _thinking(variant: str, *, remember: bool = True, strategy: bool = True, regions: bool = True, refine: bool = True,
-              unified: bool = False, tracking: bool = True) -> Make:
+def _thinking(
+    variant: str,
+    *,
+    remember: bool = True,
+    strategy: bool = True,
+    regions: bool = True,
+    refine: bool = True,
+    unified: bool = False,
+    tracking: bool = True,
+) -> Make:
     """A variant that asks, with what is switched off in it."""
+
     def make(task: Task, asking: Asking) -> Mind:
         memory = Memory(asking.memory) if asking.memory is not None and remember else None
-        think = dataclasses.replace(asking.think, strategy=strategy and asking.think.strategy,
-                                    regions=regions and strategy and asking.think.regions,
-                                    refine=refine and asking.think.refine, unified=unified or asking.think.unified,
-                                    tracking=tracking and asking.think.tracking)
-        advisor = make_advisor(asking.advisor, rules=RULES, rng=np.random.default_rng([asking.seed, 2]),
-                               inbox=asking.inbox, cfg=asking.model, spoil=SPOILT)
+        think = dataclasses.replace(
+            asking.think,
+            strategy=strategy and asking.think.strategy,
+            regions=regions and strategy and asking.think.regions,
+            refine=refine and asking.think.refine,
+            unified=unified or asking.think.unified,
+            tracking=tracking and asking.think.tracking,
+        )
+        advisor = make_advisor(
+            asking.advisor,
+            rules=RULES,
+            rng=np.random.default_rng([asking.seed, 2]),
+            inbox=asking.inbox,
+            cfg=asking.model,
+            spoil=SPOILT,
+        )
         # What rules compose needs no confinement; what a model writes gets it, and so does what is remembered.
         worker = CostWorker()
         load = in_process if rules_alone(asking.advisor) else worker.load
         budget = asking.think.budget
         if asking.advisor.rsplit(":", 1)[-1] == "desk" and budget == ThinkCfg().budget:
             budget = dataclasses.replace(budget, deadline_s=DESK_S)
-        return Thinker(Asker(advisor, budget, _logging(asking.folder)), think,
-                       np.random.default_rng([asking.seed, 3]), memory, load,
-                       {"world": asking.world, "seed": asking.seed, "variant": variant, "advisor": asking.advisor,
-                        "run": "" if asking.folder is None else asking.folder.name}, asking.believe,
-                       worker)
+        return Thinker(
+            Asker(advisor, budget, _logging(asking.folder)),
+            think,
+            np.random.default_rng([asking.seed, 3]),
+            memory,
+            load,
+            {
+                "world": asking.world,
+                "seed": asking.seed,
+                "variant": variant,
+                "advisor": asking.advisor,
+                "run": "" if asking.folder is None else asking.folder.name,
+            },
+            asking.believe,
+            worker,
+        )
+
     return make
 
 
@@ -100,6 +131,7 @@ def _logging(folder: Path | None) -> Callable[[Attempt], None] | None:
         if not recorders:
             recorders.append(AttemptRecorder(folder))
         recorders[0](attempt)
+
     return log
 
 

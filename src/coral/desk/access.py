@@ -82,8 +82,12 @@ def choose_token(host: str, token: str) -> str:
     """
     if token:
         if not TOKEN.fullmatch(token):
-            raise InputError("--token", "", f"a token of {len(token)} characters",
-                             "12 or more letters, digits, - or _, or no token to have one made")
+            raise InputError(
+                "--token",
+                "",
+                f"a token of {len(token)} characters",
+                "12 or more letters, digits, - or _, or no token to have one made",
+            )
         return token
     return "" if is_loopback(host) else secrets.token_urlsafe(24)
 

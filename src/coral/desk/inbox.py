@@ -112,8 +112,12 @@ class Inbox:
                 continue
             if notice.get("state") == "running" and not _asker_lives(notice):
                 notice["state"] = "stopped"
-            notices.append({key: notice.get(key) for key in
-                            ("state", "outcome", "world", "advisor", "variant", "seed", "run", "started_at")})
+            notices.append(
+                {
+                    key: notice.get(key)
+                    for key in ("state", "outcome", "world", "advisor", "variant", "seed", "run", "started_at")
+                }
+            )
         return sorted(notices, key=lambda notice: _number(notice["started_at"]) or 0.0)
 
     def question(self, question_id: str) -> Mapping[str, Any]:
@@ -193,8 +197,7 @@ class Inbox:
     def _ids(self) -> list[str]:
         try:
             with os.scandir(self.folder) as listing:
-                return [item.name for item in listing
-                        if ID.fullmatch(item.name) and item.is_dir(follow_symlinks=False)]
+                return [item.name for item in listing if ID.fullmatch(item.name) and item.is_dir(follow_symlinks=False)]
         except OSError:
             return []
 
@@ -226,9 +229,14 @@ class Inbox:
             state = "abandoned"
         by = _document(folder / "operator.json") or {}
         entry = Entry(
-            id=question_id, kind=str(question.get("kind", "")), state=state, asked_at=_number(question.get("asked_at")),
-            attempt=len(rejections) if isinstance(rejections, list) else 0, operator=str(by.get("operator", "")),
-            answer=_shown(folder / "answer.json") if answered else None)
+            id=question_id,
+            kind=str(question.get("kind", "")),
+            state=state,
+            asked_at=_number(question.get("asked_at")),
+            attempt=len(rejections) if isinstance(rejections, list) else 0,
+            operator=str(by.get("operator", "")),
+            answer=_shown(folder / "answer.json") if answered else None,
+        )
         key = json.dumps(asker, sort_keys=True)
         # Who answered is noted a moment after the answer; after that moment nothing about the question changes.
         if closed is not None and (by or state == "withdrawn" or time.time() - _modified(folder / "closed.json") > 5.0):

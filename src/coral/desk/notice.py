@@ -24,8 +24,14 @@ def mission_notice(inbox: Path, **about: Any) -> Iterator[Callable[[str], None]]
         about: What to tell of the mission, such as its world and its run folder; JSON values.
     """
     host, pid = socket.gethostname(), os.getpid()
-    notice: dict[str, Any] = {**about, "host": host, "pid": pid, "state": "running", "outcome": "",
-                              "started_at": round(time.time(), 3)}
+    notice: dict[str, Any] = {
+        **about,
+        "host": host,
+        "pid": pid,
+        "state": "running",
+        "outcome": "",
+        "started_at": round(time.time(), 3),
+    }
     path = inbox / f"mission-{host}-{pid}.json"
 
     def finished(outcome: str) -> None:

@@ -19,8 +19,15 @@ MAX_STEPS = 200
 
 Path = tuple[str | int, ...]
 
-_NAMES = {"object": "an object", "array": "a list", "string": "text", "integer": "a whole number", "number": "a number",
-          "boolean": "true or false", "null": "null"}
+_NAMES = {
+    "object": "an object",
+    "array": "a list",
+    "string": "text",
+    "integer": "a whole number",
+    "number": "a number",
+    "boolean": "true or false",
+    "null": "null",
+}
 
 
 @dataclass(frozen=True)
@@ -129,8 +136,9 @@ def _text(value: str, schema: Mapping[str, Any], path: Path) -> Iterator[Fault]:
             yield Fault(path, f"must match {schema['pattern']}, which {_short(value)} does not")
 
 
-def _list(value: list[Any], schema: Mapping[str, Any], root: Mapping[str, Any], path: Path,
-          depth: int) -> Iterator[Fault]:
+def _list(
+    value: list[Any], schema: Mapping[str, Any], root: Mapping[str, Any], path: Path, depth: int
+) -> Iterator[Fault]:
     if len(value) < schema.get("minItems", 0):
         yield Fault(path, f"must have {schema['minItems']} entries or more, not {len(value)}")
     if len(value) > schema.get("maxItems", math.inf):
@@ -141,8 +149,9 @@ def _list(value: list[Any], schema: Mapping[str, Any], root: Mapping[str, Any], 
         yield from _check(item, of, root, (*path, position), depth + 1)
 
 
-def _object(value: dict[str, Any], schema: Mapping[str, Any], root: Mapping[str, Any], path: Path,
-            depth: int) -> Iterator[Fault]:
+def _object(
+    value: dict[str, Any], schema: Mapping[str, Any], root: Mapping[str, Any], path: Path, depth: int
+) -> Iterator[Fault]:
     properties = schema.get("properties", {})
     for name in schema.get("required", ()):
         if name not in value:

@@ -38,13 +38,16 @@ PAGE = (Path(__file__).parent / "page.html").read_text(encoding="utf-8")
 
 def _content_policy(page: str) -> str:
     """Content-Security-Policy under which a page runs its own style and script, and loads nothing from elsewhere."""
+
     def digest(tag: str) -> str:
         match = re.search(rf"<{tag}>(.*?)</{tag}>", page, re.DOTALL)
         assert match is not None
         return base64.b64encode(hashlib.sha256(match[1].encode()).digest()).decode()
 
-    return (f"default-src 'none'; script-src 'sha256-{digest('script')}'; style-src 'sha256-{digest('style')}'; "
-            "img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'")
+    return (
+        f"default-src 'none'; script-src 'sha256-{digest('script')}'; style-src 'sha256-{digest('style')}'; "
+        "img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    )
 
 
 CONTENT_POLICY = _content_policy(PAGE)
@@ -55,8 +58,9 @@ class DeskServer(ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, inbox: Inbox, host: str = "127.0.0.1", port: int = 8765, token: str = "",
-                 watch_period_s: float = 0.2) -> None:
+    def __init__(
+        self, inbox: Inbox, host: str = "127.0.0.1", port: int = 8765, token: str = "", watch_period_s: float = 0.2
+    ) -> None:
         """Bind to an address.
 
         Args:
@@ -77,8 +81,12 @@ class DeskServer(ThreadingHTTPServer):
             super().__init__((host, port), _Handler)
         except OSError as error:
             if error.errno == errno.EADDRINUSE:
-                raise InputError("--port", "", f"port {port} in use on {host}",
-                                 "a free port (another desk may be open), or 0 for any") from None
+                raise InputError(
+                    "--port",
+                    "",
+                    f"port {port} in use on {host}",
+                    "a free port (another desk may be open), or 0 for any",
+                ) from None
             if error.errno == errno.EACCES:
                 raise InputError("--port", "", f"port {port}, which needs special rights", "1024 or above") from None
             raise InputError("--host", "", f"{host!r} ({error.strerror})", "an address of this machine") from None
@@ -160,8 +168,9 @@ class _Handler(BaseHTTPRequestHandler):
         if not self._admitted():
             return
         if not self.server.access.from_our_page(self._headers):
-            self._refuse(HTTPStatus.FORBIDDEN, "Answers are taken from the desk's own page, or with the header "
-                                               "X-Coral-Desk: 1.")
+            self._refuse(
+                HTTPStatus.FORBIDDEN, "Answers are taken from the desk's own page, or with the header X-Coral-Desk: 1."
+            )
             return
         parts = self._parts
         if parts[:2] != ["api", "questions"] or parts[3:] != ["answer"]:
@@ -183,9 +192,15 @@ class _Handler(BaseHTTPRequestHandler):
         except NotOpen as why:
             self._refuse(HTTPStatus.CONFLICT, str(why))
         except Unfit as why:
-            self._json(HTTPStatus.UNPROCESSABLE_ENTITY, {
-                "error": "The answer does not fit the question.",
-                "faults": [{"path": fault.path, "place": fault.place, "reason": fault.reason} for fault in why.faults]})
+            self._json(
+                HTTPStatus.UNPROCESSABLE_ENTITY,
+                {
+                    "error": "The answer does not fit the question.",
+                    "faults": [
+                        {"path": fault.path, "place": fault.place, "reason": fault.reason} for fault in why.faults
+                    ],
+                },
+            )
         except OSError as error:
             self._refuse(HTTPStatus.INTERNAL_SERVER_ERROR, f"The inbox cannot be written: {error.strerror}.")
         else:
@@ -227,12 +242,18 @@ class _Handler(BaseHTTPRequestHandler):
                 self._refuse(HTTPStatus.FORBIDDEN, "This token is not the desk's.")
                 return False
             # The token leaves the address bar, so that it is not shared with a screenshot.
-            self._send(HTTPStatus.SEE_OTHER, b"", "text/plain", {
-                "Location": "/", "Set-Cookie": f"{access.cookie}={access.token}; Path=/; HttpOnly; SameSite=Strict"})
+            self._send(
+                HTTPStatus.SEE_OTHER,
+                b"",
+                "text/plain",
+                {"Location": "/", "Set-Cookie": f"{access.cookie}={access.token}; Path=/; HttpOnly; SameSite=Strict"},
+            )
             return False
         if not access.has_token(self._headers):
-            self._refuse(HTTPStatus.UNAUTHORIZED, "Open the desk with the address that was printed when it started: it "
-                                                  "ends in ?token=...")
+            self._refuse(
+                HTTPStatus.UNAUTHORIZED,
+                "Open the desk with the address that was printed when it started: it ends in ?token=...",
+            )
             return False
         return True
 
@@ -278,8 +299,9 @@ class _Handler(BaseHTTPRequestHandler):
     def _refuse(self, status: HTTPStatus, reason: str) -> None:
         self._json(status, {"error": reason})
 
-    def _send(self, status: HTTPStatus, content: bytes, content_type: str,
-              more: Mapping[str, str] | None = None) -> None:
+    def _send(
+        self, status: HTTPStatus, content: bytes, content_type: str, more: Mapping[str, str] | None = None
+    ) -> None:
         self.send_response(status)
         self._common(content_type)
         self.send_header("Content-Length", str(len(content)))
@@ -291,10 +313,15 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def _common(self, content_type: str) -> None:
-        for name, value in (("Content-Type", content_type), ("Cache-Control", "no-store"),
-                            ("Content-Security-Policy", CONTENT_POLICY), ("X-Content-Type-Options", "nosniff"),
-                            ("Referrer-Policy", "no-referrer"), ("X-Frame-Options", "DENY"),
-                            ("Cross-Origin-Resource-Policy", "same-origin")):
+        for name, value in (
+            ("Content-Type", content_type),
+            ("Cache-Control", "no-store"),
+            ("Content-Security-Policy", CONTENT_POLICY),
+            ("X-Content-Type-Options", "nosniff"),
+            ("Referrer-Policy", "no-referrer"),
+            ("X-Frame-Options", "DENY"),
+            ("Cross-Origin-Resource-Policy", "same-origin"),
+        ):
             self.send_header(name, value)
 
     def log_message(self, format: str, *args: Any) -> None:

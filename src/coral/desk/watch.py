@@ -44,8 +44,10 @@ class Watch:
     def look(self) -> None:
         """Read the inbox now."""
         with self._reading:
-            state = {"questions": [entry_json(entry) for entry in self._inbox.entries()[-RECENT:]],
-                     "missions": self._inbox.missions()[-8:]}
+            state = {
+                "questions": [entry_json(entry) for entry in self._inbox.entries()[-RECENT:]],
+                "missions": self._inbox.missions()[-8:],
+            }
             text = plain_json(state)
             if text != self._text:
                 with self._changed:

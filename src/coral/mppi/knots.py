@@ -87,8 +87,12 @@ class KnotMppi:
         noise[0] = 0.0
         return np.asarray(self.knots + noise)
 
-    def improve(self, evaluate: Evaluate, proposals: Callable[[Array], Array] | None = None,
-                bound: Callable[[Array], Array] = lambda knots: knots) -> Update:
+    def improve(
+        self,
+        evaluate: Evaluate,
+        proposals: Callable[[Array], Array] | None = None,
+        bound: Callable[[Array], Array] = lambda knots: knots,
+    ) -> Update:
         """One plan: sample, evaluate, average, `iterations` times over.
 
         Args:

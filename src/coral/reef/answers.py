@@ -29,8 +29,13 @@ Index = Annotated[int, BeforeValidator(_no_bool)]
 Reason = Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(_shorten)]
 
 _MOVE = re.compile(r"(forward|backward|back|left|right)\w*(?:\s+by)?\s+(\d+(?:\.\d+)?)", re.IGNORECASE)
-_SIGN = {"forward": ("forward_m", 1), "backward": ("forward_m", -1), "back": ("forward_m", -1), "left": ("left_m", 1),
-         "right": ("left_m", -1)}
+_SIGN = {
+    "forward": ("forward_m", 1),
+    "backward": ("forward_m", -1),
+    "back": ("forward_m", -1),
+    "left": ("left_m", 1),
+    "right": ("left_m", -1),
+}
 
 
 class CentroidChoice(BaseModel):
@@ -57,7 +62,7 @@ class WaypointChoice(BaseModel):
         """Accept the paper's own form too: {"Move forward 4 meters, move right 1 meter": "reason"} (Prompt A)."""
         if not isinstance(value, dict) or len(value) != 1:
             return value
-        (sentence, reason), = value.items()
+        ((sentence, reason),) = value.items()
         moves = _MOVE.findall(sentence) if isinstance(sentence, str) else []
         if not moves:
             return value

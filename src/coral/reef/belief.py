@@ -92,8 +92,11 @@ class Belief:
 
     def unvisited(self) -> list[Track]:
         """Clusters still to be visited; those whose goals failed too often, or that others go to, are left out."""
-        return [t for t in self.tracks if not t.visited and self.failures(t.x, t.y) < self.cfg.max_attempts
-                and not self.taken(t.x, t.y, t.index)]
+        return [
+            t
+            for t in self.tracks
+            if not t.visited and self.failures(t.x, t.y) < self.cfg.max_attempts and not self.taken(t.x, t.y, t.index)
+        ]
 
     def ahead(self, forward_m: float) -> list[Track]:
         """Unvisited clusters with a forward projection of at least `forward_m`."""

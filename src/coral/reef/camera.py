@@ -110,8 +110,21 @@ class Camera:
         shape = (cfg.height, cfg.width)
         frame = Frame(np.empty(shape, np.float32), np.empty(shape, np.uint8), np.empty(shape, np.int32))
         camera_kernels.render(
-            transform, scene.seabed_z, cfg.near_m, cfg.range_m, self._p, self._q, self._reach, scene.kind,
-            scene.center, scene.half, scene.rotation, self._radius, scene.label,
-            frame.depth, frame.labels, frame.instances,
+            transform,
+            scene.seabed_z,
+            cfg.near_m,
+            cfg.range_m,
+            self._p,
+            self._q,
+            self._reach,
+            scene.kind,
+            scene.center,
+            scene.half,
+            scene.rotation,
+            self._radius,
+            scene.label,
+            frame.depth,
+            frame.labels,
+            frame.instances,
         )
         return frame

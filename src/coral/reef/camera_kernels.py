@@ -114,8 +114,14 @@ def render(
 
 @njit(cache=True, error_model="numpy")
 def _seabed(
-    turn: NDArray[np.float64], drop: float, near: float, p: NDArray[np.float64], q: NDArray[np.float64],
-    reach: NDArray[np.float32], depth: NDArray[np.float32], ids: NDArray[np.int32],
+    turn: NDArray[np.float64],
+    drop: float,
+    near: float,
+    p: NDArray[np.float64],
+    q: NDArray[np.float64],
+    reach: NDArray[np.float32],
+    depth: NDArray[np.float32],
+    ids: NDArray[np.int32],
 ) -> None:
     """Plane at `drop` (m, negative when below the camera), seen from above only; starts the z-buffer."""
     for v in range(q.size):
@@ -132,8 +138,17 @@ def _seabed(
 
 @njit(cache=True, error_model="numpy")
 def _ellipsoid(
-    i: int, o: NDArray[np.float64], m: NDArray[np.float64], near: float, p: NDArray[np.float64],
-    q: NDArray[np.float64], fx: float, fy: float, cx: float, cy: float, depth: NDArray[np.float32],
+    i: int,
+    o: NDArray[np.float64],
+    m: NDArray[np.float64],
+    near: float,
+    p: NDArray[np.float64],
+    q: NDArray[np.float64],
+    fx: float,
+    fy: float,
+    cx: float,
+    cy: float,
+    depth: NDArray[np.float32],
     ids: NDArray[np.int32],
 ) -> None:
     """Unit ball: |o + t d'|^2 = 1. The silhouette, |d'|^2 = |o x d'|^2, is a conic; it bounds rows and columns."""
@@ -197,8 +212,19 @@ def _ellipsoid(
 
 @njit(cache=True, error_model="numpy")
 def _window(
-    x: float, y: float, z: float, m: NDArray[np.float64], half: NDArray[np.float64], near: float, fx: float,
-    fy: float, cx: float, cy: float, width: int, height: int, window: NDArray[np.int64],
+    x: float,
+    y: float,
+    z: float,
+    m: NDArray[np.float64],
+    half: NDArray[np.float64],
+    near: float,
+    fx: float,
+    fy: float,
+    cx: float,
+    cy: float,
+    width: int,
+    height: int,
+    window: NDArray[np.int64],
 ) -> None:
     """Pixels that the part of an oriented box in front of the near plane can reach: [u0, u1) x [v0, v1)."""
     corner = np.empty((8, 3))
@@ -231,8 +257,15 @@ def _window(
 
 @njit(cache=True, error_model="numpy")
 def _box(
-    i: int, o: NDArray[np.float64], m: NDArray[np.float64], near: float, p: NDArray[np.float64],
-    q: NDArray[np.float64], window: NDArray[np.int64], depth: NDArray[np.float32], ids: NDArray[np.int32],
+    i: int,
+    o: NDArray[np.float64],
+    m: NDArray[np.float64],
+    near: float,
+    p: NDArray[np.float64],
+    q: NDArray[np.float64],
+    window: NDArray[np.int64],
+    depth: NDArray[np.float32],
+    ids: NDArray[np.int32],
 ) -> None:
     """Cube |x|, |y|, |z| <= 1: the last slab entered and the first one left."""
     o0, o1, o2 = o[0], o[1], o[2]
@@ -262,8 +295,15 @@ def _box(
 
 @njit(cache=True, error_model="numpy")
 def _cylinder(
-    i: int, o: NDArray[np.float64], m: NDArray[np.float64], near: float, p: NDArray[np.float64],
-    q: NDArray[np.float64], window: NDArray[np.int64], depth: NDArray[np.float32], ids: NDArray[np.int32],
+    i: int,
+    o: NDArray[np.float64],
+    m: NDArray[np.float64],
+    near: float,
+    p: NDArray[np.float64],
+    q: NDArray[np.float64],
+    window: NDArray[np.int64],
+    depth: NDArray[np.float32],
+    ids: NDArray[np.int32],
 ) -> None:
     """Cylinder x^2 + y^2 <= 1, |z| <= 1: the round side as a quadratic, the caps as a slab."""
     o0, o1, o2 = o[0], o[1], o[2]

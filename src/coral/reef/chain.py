@@ -65,15 +65,19 @@ def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[
         return []
     width = max(1, round(cfg.closing_m / cell_m)) | 1
     y0, x0 = max(ys[0] - width, 0), max(xs[0] - width, 0)
-    patch = target[y0:ys[-1] + width + 1, x0:xs[-1] + width + 1].astype(np.uint8)
+    patch = target[y0 : ys[-1] + width + 1, x0 : xs[-1] + width + 1].astype(np.uint8)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
     closed = cv2.morphologyEx(patch, cv2.MORPH_CLOSE, kernel)
     count, _, stats, centroids = cv2.connectedComponentsWithStats(closed, connectivity=8)
     return [
-        Component(x=float((centroids[k, 0] + x0 + 0.5) * cell_m), y=float((centroids[k, 1] + y0 + 0.5) * cell_m),
-                  area_px=int(stats[k, cv2.CC_STAT_AREA]),
-                  length_m=float(max(stats[k, cv2.CC_STAT_WIDTH], stats[k, cv2.CC_STAT_HEIGHT]) * cell_m))
-        for k in range(1, count) if stats[k, cv2.CC_STAT_AREA] >= cfg.min_area_px
+        Component(
+            x=float((centroids[k, 0] + x0 + 0.5) * cell_m),
+            y=float((centroids[k, 1] + y0 + 0.5) * cell_m),
+            area_px=int(stats[k, cv2.CC_STAT_AREA]),
+            length_m=float(max(stats[k, cv2.CC_STAT_WIDTH], stats[k, cv2.CC_STAT_HEIGHT]) * cell_m),
+        )
+        for k in range(1, count)
+        if stats[k, cv2.CC_STAT_AREA] >= cfg.min_area_px
     ]
 
 
@@ -126,7 +130,8 @@ class CentroidTracker:
         """Match components to tracks, closest pairs first, each at most once; start and drop tracks."""
         cfg, tracks = self.cfg, self.tracks
         pairs = sorted(
-            (float(np.hypot(c.x - t.x, c.y - t.y)), i, j) for i, c in enumerate(found) for j, t in enumerate(tracks))
+            (float(np.hypot(c.x - t.x, c.y - t.y)), i, j) for i, c in enumerate(found) for j, t in enumerate(tracks)
+        )
         match: dict[int, int] = {}
         for gap, i, j in pairs:
             if gap <= cfg.merge_distance_m and i not in match and j not in match.values():
@@ -134,22 +139,32 @@ class CentroidTracker:
         kept: dict[int, Track] = {}
         for i, j in match.items():
             c, t, a = found[i], tracks[j], cfg.alpha_new
-            kept[j] = replace(t, x=(1 - a) * t.x + a * c.x, y=(1 - a) * t.y + a * c.y, area_px=c.area_px,
-                              length_m=c.length_m, unmatched=0)
+            kept[j] = replace(
+                t,
+                x=(1 - a) * t.x + a * c.x,
+                y=(1 - a) * t.y + a * c.y,
+                area_px=c.area_px,
+                length_m=c.length_m,
+                unmatched=0,
+            )
         for j, t in enumerate(tracks):
             if j not in kept and t.unmatched + 1 < cfg.drop_after:
                 kept[j] = replace(t, unmatched=t.unmatched + 1)
         survivors = [kept[j] for j in sorted(kept)]
         free = (n for n in range(len(survivors) + len(found) + 1) if n not in {t.index for t in survivors})
-        survivors += [Track(index=next(free), x=c.x, y=c.y, area_px=c.area_px, length_m=c.length_m)
-                      for i, c in enumerate(found) if i not in match]
+        survivors += [
+            Track(index=next(free), x=c.x, y=c.y, area_px=c.area_px, length_m=c.length_m)
+            for i, c in enumerate(found)
+            if i not in match
+        ]
         self.tracks = survivors
         return survivors
 
     def mark_visited(self, x: float, y: float, radius_m: float) -> None:
         """Remember the tracks that the vehicle has come within `radius_m` of."""
         self.tracks = [
-            t if t.visited or np.hypot(t.x - x, t.y - y) > radius_m else replace(t, visited=True) for t in self.tracks]
+            t if t.visited or np.hypot(t.x - x, t.y - y) > radius_m else replace(t, visited=True) for t in self.tracks
+        ]
 
     def chain(self) -> list[Track]:
         """The tracks in chain order, starting from the end that holds the lowest label."""

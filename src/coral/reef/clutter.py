@@ -116,8 +116,11 @@ class Clutter:
             self._circles.append((x, y, radius))
             # A little of a rock is sunk in, so that it does not stand on a point.
             z = half[2] if shape in ("box", "cylinder") else 0.9 * half[2]
-            self.placed.append(Obstacle(shape=shape, x=mm(x), y=mm(y), z=mm(z), size=half,
-                                        yaw=mm(self._rng.uniform(-math.pi, math.pi))))
+            self.placed.append(
+                Obstacle(
+                    shape=shape, x=mm(x), y=mm(y), z=mm(z), size=half, yaw=mm(self._rng.uniform(-math.pi, math.pi))
+                )
+            )
         return len(self.placed) == before + count
 
     def _fits(self, x: float, y: float, radius: float) -> bool:

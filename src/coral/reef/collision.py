@@ -56,12 +56,22 @@ class ContactCounter:
         if room > len(self._fresh):
             self._fresh, self._point = np.zeros(room, np.int64), np.zeros(room, np.int64)
         fresh = collision_kernels.contacts_along(
-            track, self._radius, self._release, f.kind, f.center, f.half, f.yaw, self._touching, self._fresh,
+            track,
+            self._radius,
+            self._release,
+            f.kind,
+            f.center,
+            f.half,
+            f.yaw,
+            self._touching,
+            self._fresh,
             self._point,
         )
         self.count += fresh
-        return [(float(track[self._point[k], 0]), float(track[self._point[k], 1]), int(self._fresh[k]))
-                for k in range(fresh)]
+        return [
+            (float(track[self._point[k], 0]), float(track[self._point[k], 1]), int(self._fresh[k]))
+            for k in range(fresh)
+        ]
 
     def update(self, x: float, y: float) -> tuple[int, ...]:
         """Move the disc's centre to a world point (m).
@@ -71,8 +81,16 @@ class ContactCounter:
         """
         f = self._footprints
         fresh = collision_kernels.contacts(
-            float(x), float(y), self._radius, self._release, f.kind, f.center, f.half, f.yaw,
-            self._touching, self._fresh,
+            float(x),
+            float(y),
+            self._radius,
+            self._release,
+            f.kind,
+            f.center,
+            f.half,
+            f.yaw,
+            self._touching,
+            self._fresh,
         )
         self.count += fresh
         return tuple(int(k) for k in self._fresh[:fresh])

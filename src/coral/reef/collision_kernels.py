@@ -57,7 +57,12 @@ def rectangle_distance(x: float, y: float, a: float, b: float) -> float:
 
 @njit(cache=True)
 def outline_distance(
-    x: float, y: float, k: int, kind: NDArray[np.int8], center: NDArray[np.float64], half: NDArray[np.float64],
+    x: float,
+    y: float,
+    k: int,
+    kind: NDArray[np.int8],
+    center: NDArray[np.float64],
+    half: NDArray[np.float64],
     yaw: NDArray[np.float64],
 ) -> float:
     """Signed distance (m) from a world point to outline k, negative inside."""
@@ -71,7 +76,11 @@ def outline_distance(
 
 @njit(cache=True)
 def clearance(
-    x: float, y: float, kind: NDArray[np.int8], center: NDArray[np.float64], half: NDArray[np.float64],
+    x: float,
+    y: float,
+    kind: NDArray[np.int8],
+    center: NDArray[np.float64],
+    half: NDArray[np.float64],
     yaw: NDArray[np.float64],
 ) -> tuple[float, int]:
     """Signed distance (m) from a world point to the nearest outline, and its index; (inf, -1) when there is none.
@@ -100,8 +109,16 @@ def clearance(
 
 @njit(cache=True)
 def contacts(
-    x: float, y: float, radius: float, release: float, kind: NDArray[np.int8], center: NDArray[np.float64],
-    half: NDArray[np.float64], yaw: NDArray[np.float64], touching: NDArray[np.bool_], fresh: NDArray[np.int64],
+    x: float,
+    y: float,
+    radius: float,
+    release: float,
+    kind: NDArray[np.int8],
+    center: NDArray[np.float64],
+    half: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+    touching: NDArray[np.bool_],
+    fresh: NDArray[np.int64],
 ) -> int:
     """Update which outlines a disc touches; returns how many it has begun to touch, their indices in `fresh`.
 
@@ -136,8 +153,15 @@ def contacts(
 
 @njit(cache=True)
 def contacts_along(
-    track: NDArray[np.float64], radius: float, release: float, kind: NDArray[np.int8], center: NDArray[np.float64],
-    half: NDArray[np.float64], yaw: NDArray[np.float64], touching: NDArray[np.bool_], fresh: NDArray[np.int64],
+    track: NDArray[np.float64],
+    radius: float,
+    release: float,
+    kind: NDArray[np.int8],
+    center: NDArray[np.float64],
+    half: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+    touching: NDArray[np.bool_],
+    fresh: NDArray[np.int64],
     point: NDArray[np.int64],
 ) -> int:
     """`contacts` of every point of a track; returns how many there were.

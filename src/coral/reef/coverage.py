@@ -74,9 +74,19 @@ class CoverageMeter:
         """Mark what is seen from a true pose."""
         cfg, hiders = self.cfg, self._hiders
         coverage_kernels.observe(
-            (float(pose.x), float(pose.y), float(pose.theta)), math.radians(cfg.hfov_deg) / 2, cfg.range_m,
-            self._cells, self._start, self._circle, self._order, self._left,
-            hiders.kind, hiders.center, hiders.half, hiders.yaw, self._scratch,
+            (float(pose.x), float(pose.y), float(pose.theta)),
+            math.radians(cfg.hfov_deg) / 2,
+            cfg.range_m,
+            self._cells,
+            self._start,
+            self._circle,
+            self._order,
+            self._left,
+            hiders.kind,
+            hiders.center,
+            hiders.half,
+            hiders.yaw,
+            self._scratch,
         )
 
     @property
@@ -135,8 +145,9 @@ def rasterise(outlines: Footprints, cell_m: float, closing_m: float) -> NDArray[
 
 
 def _distance(footprints: Footprints, x: float, y: float) -> float:
-    return float(collision_kernels.clearance(x, y, footprints.kind, footprints.center, footprints.half,
-                                             footprints.yaw)[0])
+    return float(
+        collision_kernels.clearance(x, y, footprints.kind, footprints.center, footprints.half, footprints.yaw)[0]
+    )
 
 
 def _circle(cells: NDArray[np.float64]) -> tuple[float, float, float]:

@@ -97,8 +97,16 @@ def planar_rk4(s: Array, asked: Array, current: Array, lag_s: float, h: float, m
 
 @njit(cache=True)
 def velocity_loop(
-    s: Array, memory: Array, v_cmd: float, omega_cmd: float, rate: float, yaw_rate: float, period: float, gain: float,
-    model: Planar, asked: Array,
+    s: Array,
+    memory: Array,
+    v_cmd: float,
+    omega_cmd: float,
+    rate: float,
+    yaw_rate: float,
+    period: float,
+    gain: float,
+    model: Planar,
+    asked: Array,
 ) -> None:
     """One period of the velocity loop: the wrench to ask for, and the disturbance learnt on the way.
 
@@ -149,8 +157,19 @@ def planar_step(s: Array, asked: Array, current: Array, lag_s: float, h: float, 
 
 @njit(cache=True)
 def planar_drive(
-    s: Array, memory: Array, v_cmd: float, omega_cmd: float, rate: float, yaw_rate: float, period: float, gain: float,
-    model: Planar, current: Array, lag_s: float, h: float, trace: Array,
+    s: Array,
+    memory: Array,
+    v_cmd: float,
+    omega_cmd: float,
+    rate: float,
+    yaw_rate: float,
+    period: float,
+    gain: float,
+    model: Planar,
+    current: Array,
+    lag_s: float,
+    h: float,
+    trace: Array,
 ) -> None:
     """Velocity loop and motion over a whole control tick, nothing in the way.
 

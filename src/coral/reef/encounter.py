@@ -17,8 +17,9 @@ class Encounters:
         self._between, self._release = 2.0 * radius_m, release_m
         self._touching: set[tuple[int, int]] = set()
 
-    def follow(self, robot: int, track: NDArray[np.float64],
-               positions: Sequence[tuple[float, float]]) -> list[tuple[float, float, int]]:
+    def follow(
+        self, robot: int, track: NDArray[np.float64], positions: Sequence[tuple[float, float]]
+    ) -> list[tuple[float, float, int]]:
         """Move one robot along a track, Shape=(N, 2), metres, past the others where they are.
 
         Args:

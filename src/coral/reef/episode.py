@@ -23,8 +23,17 @@ from coral.reef.world import ReefWorld
 Draw = Callable[[Belief], tuple[Picture, ...]]
 
 
-def run_episode(world: ReefWorld, cfg: MissionCfg, folder: Path, *, variant: str, advisor: str, seed: int,
-                model: ModelCfg | None = None, draw: Draw | None = None) -> dict[str, Any]:
+def run_episode(
+    world: ReefWorld,
+    cfg: MissionCfg,
+    folder: Path,
+    *,
+    variant: str,
+    advisor: str,
+    seed: int,
+    model: ModelCfg | None = None,
+    draw: Draw | None = None,
+) -> dict[str, Any]:
     """Run a mission; the same arguments give the same mission as `coral reef run`.
 
     Args:

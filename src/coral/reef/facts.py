@@ -18,8 +18,14 @@ from coral.reef.verify import Surroundings, VerifyCfg, reference
 MAX_FRONTIERS = 40
 
 
-def describe(belief: Belief, left: Survey, around: Surroundings, cfg: VerifyCfg,
-             options: Sequence[dict[str, float]] | None, places: Sequence[Place] = ()) -> dict[str, Any]:
+def describe(
+    belief: Belief,
+    left: Survey,
+    around: Surroundings,
+    cfg: VerifyCfg,
+    options: Sequence[dict[str, float]] | None,
+    places: Sequence[Place] = (),
+) -> dict[str, Any]:
     """Facts of a question, in plain JSON; points in the robot frame (m forward, m left).
 
     Args:
@@ -57,32 +63,53 @@ def describe(belief: Belief, left: Survey, around: Surroundings, cfg: VerifyCfg,
 
 def waypoint_options(belief: Belief, left: Survey, step_m: int, separation_m: float) -> list[dict[str, float]]:
     """Whole-metre steps that lead to reachable water (paper III-C.2), with their way and what they would show."""
-    steps = [(f, s) for f in range(-step_m, step_m + 1) for s in range(-step_m, step_m + 1)
-             if math.hypot(f, s) >= separation_m]
+    steps = [
+        (f, s)
+        for f in range(-step_m, step_m + 1)
+        for s in range(-step_m, step_m + 1)
+        if math.hypot(f, s) >= separation_m
+    ]
     points = np.array([to_world(belief.pose, f, s) for f, s in steps])
     paths = left.paths_m(points[:, 0], points[:, 1])
-    return [{"forward_m": f, "left_m": s, "path_m": round(float(path), 2),
-             "unexplored": _unexplored(belief, left, x, y)}
-            for (f, s), (x, y), path in zip(steps, points, paths, strict=True)
-            if math.isfinite(path) and belief.map.contains(x, y) and not belief.taken(x, y)]
+    return [
+        {"forward_m": f, "left_m": s, "path_m": round(float(path), 2), "unexplored": _unexplored(belief, left, x, y)}
+        for (f, s), (x, y), path in zip(steps, points, paths, strict=True)
+        if math.isfinite(path) and belief.map.contains(x, y) and not belief.taken(x, y)
+    ]
 
 
 def _centroids(belief: Belief, left: Survey) -> list[dict[str, Any]]:
     trail, cell_m = belief.trajectory, belief.map.cfg.cell_m
     described = []
     for position, t in enumerate(belief.tracker.chain()):
-        described.append({
-            "index": t.index, **_place(belief, t.x, t.y), "path_m": _finite(left.path_m(t.x, t.y)),
-            "visited": t.visited, **({"taken": belief.taken(t.x, t.y, t.index)} if belief.others else {}),
-            "chain_position": position, "failed_attempts": belief.failures(t.x, t.y),
-            "area_m2": round(t.area_px * cell_m**2, 2), "unexplored": _unexplored(belief, left, t.x, t.y),
-            "trajectory_m": _finite(float(np.min(np.hypot(trail[:, 0] - t.x, trail[:, 1] - t.y))))})
+        described.append(
+            {
+                "index": t.index,
+                **_place(belief, t.x, t.y),
+                "path_m": _finite(left.path_m(t.x, t.y)),
+                "visited": t.visited,
+                **({"taken": belief.taken(t.x, t.y, t.index)} if belief.others else {}),
+                "chain_position": position,
+                "failed_attempts": belief.failures(t.x, t.y),
+                "area_m2": round(t.area_px * cell_m**2, 2),
+                "unexplored": _unexplored(belief, left, t.x, t.y),
+                "trajectory_m": _finite(float(np.min(np.hypot(trail[:, 0] - t.x, trail[:, 1] - t.y)))),
+            }
+        )
     return described
 
 
 def _frontiers(belief: Belief, left: Survey) -> list[dict[str, Any]]:
-    return [{**_place(belief, f.x, f.y), "path_m": round(f.path_m, 2), "length_m": round(f.length_m, 2),
-             "unexplored": round(f.unexplored, 3), "reef_m": _finite(f.reef_m)} for f in left.frontiers[:MAX_FRONTIERS]]
+    return [
+        {
+            **_place(belief, f.x, f.y),
+            "path_m": round(f.path_m, 2),
+            "length_m": round(f.length_m, 2),
+            "unexplored": round(f.unexplored, 3),
+            "reef_m": _finite(f.reef_m),
+        }
+        for f in left.frontiers[:MAX_FRONTIERS]
+    ]
 
 
 def _arrival(belief: Belief) -> dict[str, float]:

@@ -63,18 +63,30 @@ def generate(cfg: GeneratorCfg, name: str = "") -> ReefWorld:
     start = lines[0][0]
     heading = math.atan2(*(lines[0][1] - start)[::-1])
     clusters = tuple(_cluster(f"c{k}", bed, cfg, rng) for k, bed in enumerate(_beds(cfg, lines, rng)))
-    clutter = Clutter(Room(
-        size_m=cfg.size_m, start=(start[0], start[1], heading), points=samples(lines),
-        oysters=np.array([(o.x, o.y, max(o.radii)) for group in clusters for o in group.oysters])), cfg.passage_m, rng)
+    clutter = Clutter(
+        Room(
+            size_m=cfg.size_m,
+            start=(start[0], start[1], heading),
+            points=samples(lines),
+            oysters=np.array([(o.x, o.y, max(o.radii)) for group in clusters for o in group.oysters]),
+        ),
+        cfg.passage_m,
+        rng,
+    )
     clutter.field(cfg.dense_obstacles, cfg.dense_radius_m, "dense_obstacles")
     clutter.along(cfg.obstacles, cfg.dense_radius_m, "obstacles")
     direction, speed = rng.uniform(-math.pi, math.pi), rng.uniform(0.0, cfg.current_max_m_s)
     world = ReefWorld(
-        name=name, topology="custom" if cfg.spine else cfg.topology,
-        size_m=cfg.size_m, start=Start(x=mm(start[0]), y=mm(start[1]), theta=mm(heading)),
+        name=name,
+        topology="custom" if cfg.spine else cfg.topology,
+        size_m=cfg.size_m,
+        start=Start(x=mm(start[0]), y=mm(start[1]), theta=mm(heading)),
         current=Current(x_m_s=mm(speed * math.cos(direction)), y_m_s=mm(speed * math.sin(direction))),
-        clusters=clusters, obstacles=tuple(clutter.placed), seed=cfg.seed,
-        spine=tuple(tuple((mm(x), mm(y)) for x, y in line) for line in lines))
+        clusters=clusters,
+        obstacles=tuple(clutter.placed),
+        seed=cfg.seed,
+        spine=tuple(tuple((mm(x), mm(y)) for x, y in line) for line in lines),
+    )
     check_world(world, "generator")
     return world
 
@@ -121,15 +133,29 @@ def _beds(cfg: GeneratorCfg, lines: Sequence[Line], rng: np.random.Generator) ->
         raise InputError("generator", "spine", "no room for a cluster", f"a first line longer than {lead:.1f} m")
     places, away = _places(cfg, lines, cfg.clusters, lead)
     if away.min() < _APART_M:
-        fit = next((n for n in range(cfg.clusters - 1, len(lines) - 1, -1)
-                    if _places(cfg, lines, n, lead)[1].min() >= _APART_M), 0)
-        raise InputError("generator", "clusters", cfg.clusters,
-                         f"at most {fit} on this spine, {_APART_M:g} m between neighbours")
+        fit = next(
+            (
+                n
+                for n in range(cfg.clusters - 1, len(lines) - 1, -1)
+                if _places(cfg, lines, n, lead)[1].min() >= _APART_M
+            ),
+            0,
+        )
+        raise InputError(
+            "generator", "clusters", cfg.clusters, f"at most {fit} on this spine, {_APART_M:g} m between neighbours"
+        )
     beds = []
     for (x, y, yaw), nearest in zip(places, away, strict=True):
         length = rng.uniform(0.75, 1.0) * min(1.35, (nearest - 1.3) / 2)
-        beds.append(_Bed(x=x + rng.uniform(-0.15, 0.15), y=y + rng.uniform(-0.15, 0.15),
-                         yaw=yaw + rng.uniform(-0.3, 0.3), length=length, width=length * rng.uniform(0.5, 0.8)))
+        beds.append(
+            _Bed(
+                x=x + rng.uniform(-0.15, 0.15),
+                y=y + rng.uniform(-0.15, 0.15),
+                yaw=yaw + rng.uniform(-0.3, 0.3),
+                length=length,
+                width=length * rng.uniform(0.5, 0.8),
+            )
+        )
     return beds
 
 
@@ -200,6 +226,8 @@ SHIPPED: dict[str, GeneratorCfg] = {
 def shipped(name: str) -> tuple[ReefWorld, str]:
     """One of the ten environments, made anew, and the comment at the head of its file."""
     cfg = SHIPPED[name]
-    comment = (f"{name}: {cfg.topology}-shaped reef. World frame ENU, z up; metres and radians.\n"
-               f"Made by: {command_line(cfg, f'{name}.yaml')}")
+    comment = (
+        f"{name}: {cfg.topology}-shaped reef. World frame ENU, z up; metres and radians.\n"
+        f"Made by: {command_line(cfg, f'{name}.yaml')}"
+    )
     return generate(cfg, name), comment

@@ -44,8 +44,10 @@ def choose_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCho
         return CentroidChoice(selected_centroid_index=None, reason="No cluster is on the map.")
     ahead = [c for c in open_ if c["forward_m"] >= 1.0]
     best = min(ahead or open_, key=lambda c: _centroid_cost(facts, c))
-    why = (f"Cluster {best['index']} is not visited, lies {best['forward_m']:.1f} m ahead and {best['left_m']:+.1f} m "
-           f"to the left, {100 * best['unexplored']:.0f} % of its surroundings are unexplored.")
+    why = (
+        f"Cluster {best['index']} is not visited, lies {best['forward_m']:.1f} m ahead and {best['left_m']:+.1f} m "
+        f"to the left, {100 * best['unexplored']:.0f} % of its surroundings are unexplored."
+    )
     if not ahead:
         why += " Nothing is left ahead, so the robot turns back for it."
     return CentroidChoice(selected_centroid_index=best["index"], reason=why)
@@ -58,12 +60,16 @@ def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCho
     if not options:
         return WaypointChoice(forward_m=0, left_m=0, reason="No waypoint can be reached.")
     aims = [(_frontier_cost(facts, f), f, "unexplored water") for f in facts["frontiers"]]
-    aims += [(_centroid_cost(facts, c), c, f"cluster {c['index']}") for c in facts["centroids"]
-             if not c["visited"] and not c.get("taken") and c["path_m"] is not None]
+    aims += [
+        (_centroid_cost(facts, c), c, f"cluster {c['index']}")
+        for c in facts["centroids"]
+        if not c["visited"] and not c.get("taken") and c["path_m"] is not None
+    ]
     if not aims:
         best = max(options, key=lambda o: (o["unexplored"], -o["path_m"]))
-        return WaypointChoice(forward_m=best["forward_m"], left_m=best["left_m"],
-                              reason="Most unexplored water in reach.")
+        return WaypointChoice(
+            forward_m=best["forward_m"], left_m=best["left_m"], reason="Most unexplored water in reach."
+        )
     _, aim, name = min(aims, key=lambda a: a[0])
 
     def detour(o: Fact) -> float:
@@ -73,8 +79,10 @@ def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCho
     far = [o for o in options if _from_arrival(facts, o)[0] >= NEAR_M] or options
     best = min([o for o in far if facts["dead_end"] or _leads_on(facts, o)] or far, key=detour)
     return WaypointChoice(
-        forward_m=best["forward_m"], left_m=best["left_m"],
-        reason=f"Towards {name}, {aim['path_m']:.1f} m away at a bearing of {aim['bearing_deg']:+.0f}°.")
+        forward_m=best["forward_m"],
+        left_m=best["left_m"],
+        reason=f"Towards {name}, {aim['path_m']:.1f} m away at a bearing of {aim['bearing_deg']:+.0f}°.",
+    )
 
 
 def _leads_on(facts: Fact, point: Fact) -> bool:

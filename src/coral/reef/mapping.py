@@ -77,17 +77,49 @@ class OccupancyMap:
         """Fuse one camera picture taken at `pose` (the robot's own estimate)."""
         cfg = self.cfg
         self._pictures += 1
-        project(frame.depth, frame.labels, self._rays, self._lever, (pose.x, pose.y, pose.theta), cfg.cell_m,
-                cfg.range_m, cfg.obstacle_range_m, self._targets, self._obstacles, self._ground, self._counted,
-                self._pictures, self._reach)
-        changed = classify(self._targets, self._obstacles, self._ground, cfg.target_hits, cfg.obstacle_hits,
-                           cfg.target_ratio, cfg.obstacle_ratio, self.target, self.obstacle,
-                           self._window(pose, cfg.range_m))
+        project(
+            frame.depth,
+            frame.labels,
+            self._rays,
+            self._lever,
+            (pose.x, pose.y, pose.theta),
+            cfg.cell_m,
+            cfg.range_m,
+            cfg.obstacle_range_m,
+            self._targets,
+            self._obstacles,
+            self._ground,
+            self._counted,
+            self._pictures,
+            self._reach,
+        )
+        changed = classify(
+            self._targets,
+            self._obstacles,
+            self._ground,
+            cfg.target_hits,
+            cfg.obstacle_hits,
+            cfg.target_ratio,
+            cfg.obstacle_ratio,
+            self.target,
+            self.obstacle,
+            self._window(pose, cfg.range_m),
+        )
         self.version += changed > 0
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         origin = (pose.x + c * self._lever[0] - s * self._lever[1], pose.y + s * self._lever[0] + c * self._lever[1])
-        explore(self.explored, self.obstacle, origin, pose.theta, self._hfov, cfg.n_rays, cfg.range_m, cfg.cell_m,
-                math.tan(self._hfov / 2), self._reach)
+        explore(
+            self.explored,
+            self.obstacle,
+            origin,
+            pose.theta,
+            self._hfov,
+            cfg.n_rays,
+            cfg.range_m,
+            cfg.cell_m,
+            math.tan(self._hfov / 2),
+            self._reach,
+        )
 
     def cells(self) -> NDArray[np.uint8]:
         """Class of every cell. Shape=(NY, NX), values UNEXPLORED, FREE, OBSTACLE, TARGET."""

@@ -14,17 +14,17 @@ from coral.runs import trajectory_name
 
 DEFINITIONS = {
     "coverage": "Share of the true oyster clusters of which at least 60 % of the area was inside the 120° field of "
-                "view, within sensing range and not hidden by an obstacle, at some moment of the mission (paper IV-E).",
+    "view, within sensing range and not hidden by an obstacle, at some moment of the mission (paper IV-E).",
     "clusters_covered": "The number of those clusters.",
     "clusters_total": "The number of true clusters in the world.",
     "collisions": "Contacts of the 0.3 m robot disc with a true obstacle, checked at every integration step, counted "
-                  "once per contact (paper IV-E).",
+    "once per contact (paper IV-E).",
     "advisor_calls": "Questions put to the advisor, re-queries after a rejection included (paper: VLM invocations).",
     "requeries": "Those of the calls that repeated a question after a rejected, malformed or missing answer.",
     "rejections": "Answers refused by a verifier.",
     "fallbacks": "Decisions that were not reached within their budget, so that the fallback policy chose.",
     "deviations": "Adopted waypoints that violate the backward or off-trend predicates (Eqs. 4-8) without an "
-                  "exemption (paper IV-E).",
+    "exemption (paper IV-E).",
     "steps": "Control ticks of 0.1 s.",
     "sim_time_s": "Simulated mission time (s): steps x 0.1 s; the controller never idles, so the paper's T_idle is 0.",
     "coverage_time_s": "Simulated time (s) at which the last cluster of this run was covered.",
@@ -36,13 +36,24 @@ DEFINITIONS = {
     "path_replans": "Reference paths planned anew because the vehicle had left the old one.",
     "end_reason": "Why the mission ended.",
     "robots": "The number of robots; every count and the distance are sums over them, coverage is of what any of "
-              "them has seen.",
+    "them has seen.",
     "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
     "min_separation_m": "Smallest true distance between the discs of two robots (m).",
 }
 
-OF_EACH = ("collisions", "advisor_calls", "requeries", "rejections", "fallbacks", "deviations", "distance_m",
-           "mean_speed_m_s", "min_clearance_m", "planner_failures", "path_replans")
+OF_EACH = (
+    "collisions",
+    "advisor_calls",
+    "requeries",
+    "rejections",
+    "fallbacks",
+    "deviations",
+    "distance_m",
+    "mean_speed_m_s",
+    "min_clearance_m",
+    "planner_failures",
+    "path_replans",
+)
 """What `per_robot` lists for every robot of several."""
 
 
@@ -64,8 +75,9 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
 
 def covered_at(folder: Path) -> list[float]:
     """Simulated times (s) at which clusters were covered, ascending: coverage time against any count (IV-E)."""
-    return sorted(float(event["t"]) for event in _events(folder / "events.jsonl")
-                  if event["event"] == "cluster_covered")
+    return sorted(
+        float(event["t"]) for event in _events(folder / "events.jsonl") if event["event"] == "cluster_covered"
+    )
 
 
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
@@ -99,15 +111,26 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         clearance = min(clearance, float(row["clearance"]))
         covered, coverage = int(float(row["clusters_covered"])), float(row["coverage"])
     return {
-        "coverage": coverage, "clusters_covered": covered, "clusters_total": clusters_total,
-        "collisions": counts["collision"] + counts["robot_collision"], "advisor_calls": counts["question"],
-        "requeries": requeries, "rejections": rejections, "fallbacks": counts["fallback"],
-        "deviations": deviations, "steps": steps, "sim_time_s": round(t, 3),
+        "coverage": coverage,
+        "clusters_covered": covered,
+        "clusters_total": clusters_total,
+        "collisions": counts["collision"] + counts["robot_collision"],
+        "advisor_calls": counts["question"],
+        "requeries": requeries,
+        "rejections": rejections,
+        "fallbacks": counts["fallback"],
+        "deviations": deviations,
+        "steps": steps,
+        "sim_time_s": round(t, 3),
         "coverage_time_s": round(covered_at, 3),
         "steps_per_percent": round(steps / (100.0 * coverage), 3) if coverage else None,
-        "distance_m": round(distance, 3), "mean_speed_m_s": round(distance / t, 4) if t else 0.0,
+        "distance_m": round(distance, 3),
+        "mean_speed_m_s": round(distance / t, 4) if t else 0.0,
         "min_clearance_m": round(clearance, 4) if math.isfinite(clearance) else None,
-        "planner_failures": counts["planner_failure"], "path_replans": replans, "end_reason": end}
+        "planner_failures": counts["planner_failure"],
+        "path_replans": replans,
+        "end_reason": end,
+    }
 
 
 def fleet_metrics(events: Sequence[Mapping[str, Any]], tables: Sequence[Sequence[Mapping[str, str]]]) -> dict[str, Any]:
@@ -117,22 +140,30 @@ def fleet_metrics(events: Sequence[Mapping[str, Any]], tables: Sequence[Sequence
         events: Of all robots, in order; what concerns one of them names it. A contact of two counts for either.
         tables: Rows of every robot's trajectory, in order of time.
     """
-    each = [metrics_of([e for e in events if k in (e.get("robot", 0), e.get("other"))], rows)
-            for k, rows in enumerate(tables)]
+    each = [
+        metrics_of([e for e in events if k in (e.get("robot", 0), e.get("other"))], rows)
+        for k, rows in enumerate(tables)
+    ]
     start = next((e for e in events if e["event"] == "start"), {})
     paths = [[(float(row["x"]), float(row["y"])) for row in rows] for rows in tables]
-    between = [math.dist(a, b) for k, path in enumerate(paths) for other in paths[k + 1:]
-               for a, b in zip(path, other, strict=False)]
+    between = [
+        math.dist(a, b)
+        for k, path in enumerate(paths)
+        for other in paths[k + 1 :]
+        for a, b in zip(path, other, strict=False)
+    ]
     distance = sum(one["distance_m"] for one in each)
     clearances = [one["min_clearance_m"] for one in each if one["min_clearance_m"] is not None]
     total = metrics_of(events, tables[0])
     total |= {
         "distance_m": round(distance, 3),
         "mean_speed_m_s": round(sum(one["mean_speed_m_s"] for one in each) / len(each), 4),
-        "min_clearance_m": min(clearances, default=None), "robots": len(tables),
+        "min_clearance_m": min(clearances, default=None),
+        "robots": len(tables),
         "robot_collisions": sum(e["event"] == "robot_collision" for e in events),
         "min_separation_m": round(min(between) - 2.0 * float(start.get("hull_radius_m", 0.3)), 4) if between else None,
-        "per_robot": [{"robot": k, **{key: one[key] for key in OF_EACH}} for k, one in enumerate(each)]}
+        "per_robot": [{"robot": k, **{key: one[key] for key in OF_EACH}} for k, one in enumerate(each)],
+    }
     return total
 
 

@@ -85,8 +85,17 @@ class Observer(Protocol):
 class Mission:
     """Couples the simulated reef with the pilots of its robots, one by default, and writes what happens."""
 
-    def __init__(self, world: ReefWorld, cfg: MissionCfg, advisor: Advisor, folder: Path, *, seed: int = 0,
-                 variant: str = "full", draw: Callable[[Belief], tuple[Picture, ...]] | None = None) -> None:
+    def __init__(
+        self,
+        world: ReefWorld,
+        cfg: MissionCfg,
+        advisor: Advisor,
+        folder: Path,
+        *,
+        seed: int = 0,
+        variant: str = "full",
+        draw: Callable[[Belief], tuple[Picture, ...]] | None = None,
+    ) -> None:
         # Three streams a robot: those of the first are the same however many follow.
         streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3 * cfg.robots)]
         if cfg.decider != "advisor":
@@ -97,16 +106,29 @@ class Mission:
         """Wall time of every robot's own computation at every tick."""
         self.tick_ms: list[float] = []
         first = ReefSimulator(world, cfg.simulator, streams[0])
-        starts = starts_beside(first.pose, cfg.robots, first.scene.footprints(), world.size_m,
-                               cfg.simulator.vehicle.hull_radius_m) if cfg.robots > 1 else [first.pose]
-        simulators = [first, *(ReefSimulator(world, cfg.simulator, streams[3 * k], start=starts[k], first=first)
-                               for k in range(1, cfg.robots))]
+        starts = (
+            starts_beside(
+                first.pose, cfg.robots, first.scene.footprints(), world.size_m, cfg.simulator.vehicle.hull_radius_m
+            )
+            if cfg.robots > 1
+            else [first.pose]
+        )
+        simulators = [
+            first,
+            *(
+                ReefSimulator(world, cfg.simulator, streams[3 * k], start=starts[k], first=first)
+                for k in range(1, cfg.robots)
+            ),
+        ]
         belief = Belief(OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map), cfg.belief)
         beliefs = [belief, *(belief.companion() for _ in starts[1:])]
         latency = _latency(advisor, cfg.latency)
         drivers: list[LocalPlanner] = [
-            PdController(vehicle=cfg.simulator.vehicle) if cfg.driver == "pd"
-            else DdpMppi(cfg.controller, cfg.simulator.vehicle, streams[3 * k + 1]) for k in range(cfg.robots)]
+            PdController(vehicle=cfg.simulator.vehicle)
+            if cfg.driver == "pd"
+            else DdpMppi(cfg.controller, cfg.simulator.vehicle, streams[3 * k + 1])
+            for k in range(cfg.robots)
+        ]
         # All that can be refused has been looked at: only now is a folder made.
         self.writer = RunWriter(folder, COLUMNS, cfg.robots)
         self.attempts = AttemptRecorder(folder)
@@ -118,13 +140,26 @@ class Mission:
         numbers: Iterator[int] = itertools.count()
 
         def pilot(robot: Robot) -> Pilot:
-            planner = HighLevelPlanner(robot.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()),
-                                       cfg.planner)
-            return Pilot(robot.belief, planner, robot.driver, advisor, RuleAdvisor(REEF_RULES), robot.clock,
-                         robot.emit, self.attempts, cfg.pilot, numbers)
+            planner = HighLevelPlanner(
+                robot.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()), cfg.planner
+            )
+            return Pilot(
+                robot.belief,
+                planner,
+                robot.driver,
+                advisor,
+                RuleAdvisor(REEF_RULES),
+                robot.clock,
+                robot.emit,
+                self.attempts,
+                cfg.pilot,
+                numbers,
+            )
 
-        self.robots = [Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1)
-                       for k, parts in enumerate(zip(simulators, beliefs, drivers, clocks, strict=True))]
+        self.robots = [
+            Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1)
+            for k, parts in enumerate(zip(simulators, beliefs, drivers, clocks, strict=True))
+        ]
         lead = self.robots[0]
         self.simulator, self.belief, self.driver, self.pilot = lead.simulator, lead.belief, lead.driver, lead.pilot
         """Those of the first robot."""
@@ -191,8 +226,9 @@ class Mission:
         self.t = round(self.step * dt, 9)
         for robot in robots:
             robot.act(dt, [other.position for other in robots if other is not robot])
-            for x, y, other in self.encounters.follow(robot.number, robot.simulator.track,
-                                                      [each.position for each in robots]):
+            for x, y, other in self.encounters.follow(
+                robot.number, robot.simulator.track, [each.position for each in robots]
+            ):
                 robot.emit("robot_collision", x=round(x, 3), y=round(y, 3), other=other)
         self._cover()
         for robot in robots:
@@ -221,9 +257,20 @@ class Mission:
     def _row(self, robot: Robot) -> None:
         sensed, simulator, goal, plan = robot.sensed, robot.simulator, robot.belief.goal, robot.pilot.plan
         assert sensed is not None
-        self.writer.row(self.step, self.t, *(float(v) for v in simulator.vehicle.state[:6]), *sensed.pose,
-                        *robot.command, goal[0] if goal else "", goal[1] if goal else "", simulator.clearance_m,
-                        int(plan.ok) if plan else 1, self.coverage, len(self._covered), robot=robot.number)
+        self.writer.row(
+            self.step,
+            self.t,
+            *(float(v) for v in simulator.vehicle.state[:6]),
+            *sensed.pose,
+            *robot.command,
+            goal[0] if goal else "",
+            goal[1] if goal else "",
+            simulator.clearance_m,
+            int(plan.ok) if plan else 1,
+            self.coverage,
+            len(self._covered),
+            robot=robot.number,
+        )
 
     @property
     def coverage(self) -> float:
@@ -232,11 +279,27 @@ class Mission:
 
     def _begin(self) -> None:
         save_world(self.world, self.writer.folder / "world.yaml")
-        self.writer.yaml("config.yaml", {
-            "system": "reef", "world": self.world.name, "advisor": self.advisor.name, "variant": self.variant,
-            "seed": self.seed, "mission": to_mapping(self.cfg), "provenance": provenance()})
-        self.emit("start", world=self.world.name, advisor=self.advisor.name, variant=self.variant, seed=self.seed,
-                  clusters_total=len(self.world.clusters), **self._fleet())
+        self.writer.yaml(
+            "config.yaml",
+            {
+                "system": "reef",
+                "world": self.world.name,
+                "advisor": self.advisor.name,
+                "variant": self.variant,
+                "seed": self.seed,
+                "mission": to_mapping(self.cfg),
+                "provenance": provenance(),
+            },
+        )
+        self.emit(
+            "start",
+            world=self.world.name,
+            advisor=self.advisor.name,
+            variant=self.variant,
+            seed=self.seed,
+            clusters_total=len(self.world.clusters),
+            **self._fleet(),
+        )
         self._cover()
 
     def _fleet(self) -> dict[str, Any]:
@@ -248,17 +311,24 @@ class Mission:
     def _finish(self) -> dict[str, Any]:
         control = np.array(self.control_ms) if self.control_ms else np.zeros(1)
         ticks = np.array(self.tick_ms) if self.tick_ms else np.zeros(1)
-        timing = {"wall_time_s": round(self._wall, 3),
-                  "realtime_factor": round(self.t / self._wall, 2) if self._wall else 0.0,
-                  "control_ms_median": round(float(np.median(control)), 3),
-                  "control_ms_p99": round(float(np.percentile(control, 99)), 3),
-                  "tick_ms_median": round(float(np.median(ticks)), 3),
-                  "tick_ms_p99": round(float(np.percentile(ticks, 99)), 3)}
+        timing = {
+            "wall_time_s": round(self._wall, 3),
+            "realtime_factor": round(self.t / self._wall, 2) if self._wall else 0.0,
+            "control_ms_median": round(float(np.median(control)), 3),
+            "control_ms_p99": round(float(np.percentile(control, 99)), 3),
+            "tick_ms_median": round(float(np.median(ticks)), 3),
+            "tick_ms_p99": round(float(np.percentile(ticks, 99)), 3),
+        }
         metrics = compute_metrics(self.writer.folder)
         self.writer.json("metrics.json", metrics)
         histogram, edges = np.histogram(control, bins=np.linspace(0.0, max(10.0, math.ceil(control.max())), 41))
-        self.writer.json("timing.json", {**timing, "control_ms_histogram": {
-            "counts": histogram.tolist(), "edges": [round(float(e), 4) for e in edges]}})
+        self.writer.json(
+            "timing.json",
+            {
+                **timing,
+                "control_ms_histogram": {"counts": histogram.tolist(), "edges": [round(float(e), 4) for e in edges]},
+            },
+        )
         return {**metrics, **timing}
 
 

@@ -40,8 +40,9 @@ NOTHING_LEFT = "nothing left to explore"
 class LocalPlanner(Protocol):
     """Drives towards a goal: DDP-MPPI, or a baseline in its place."""
 
-    def plan(self, state: VehicleState, cost_field: CostField, distance_map: NDArray[np.float32], *,
-             cell_m: float = 0.05) -> Plan:
+    def plan(
+        self, state: VehicleState, cost_field: CostField, distance_map: NDArray[np.float32], *, cell_m: float = 0.05
+    ) -> Plan:
         """Command for the next tick, from the cost-to-go and the distances (m) to known obstacles."""
         ...
 
@@ -71,9 +72,19 @@ class PilotCfg:
 class Pilot:
     """Belief in, command out; the advisor is consulted on the side and never waited for."""
 
-    def __init__(self, belief: Belief, planner: HighLevelPlanner, driver: LocalPlanner, advisor: Advisor,
-                 fallback: Advisor, clock: SimulatedClock | WallClock, emit: Emit, log: Callable[[Attempt], None],
-                 cfg: PilotCfg | None = None, numbers: Iterator[int] | None = None) -> None:
+    def __init__(
+        self,
+        belief: Belief,
+        planner: HighLevelPlanner,
+        driver: LocalPlanner,
+        advisor: Advisor,
+        fallback: Advisor,
+        clock: SimulatedClock | WallClock,
+        emit: Emit,
+        log: Callable[[Attempt], None],
+        cfg: PilotCfg | None = None,
+        numbers: Iterator[int] | None = None,
+    ) -> None:
         """`numbers` gives each decision its number; robots that share a log share them too."""
         self.cfg = cfg or PilotCfg()
         self.belief, self.planner, self.driver = belief, planner, driver
@@ -104,8 +115,16 @@ class Pilot:
         self.belief.update(frame, pose)
         if self.belief.goal is None:
             self.belief.goal = to_world(pose, self.cfg.initial_m, 0.0)
-            self._emit("goal", x=self.belief.goal[0], y=self.belief.goal[1], source="initial", decision=None,
-                       index=None, reason="initial waypoint", violates=False)
+            self._emit(
+                "goal",
+                x=self.belief.goal[0],
+                y=self.belief.goal[1],
+                source="initial",
+                decision=None,
+                index=None,
+                reason="initial waypoint",
+                violates=False,
+            )
         self.clock.advance(t) if isinstance(self.clock, SimulatedClock) else self.clock.advance()
         self._collect()
         self._watch(t, math.hypot(velocity[0], velocity[1]))
@@ -147,8 +166,17 @@ class Pilot:
         self.end_reason = ""
         self.trigger.asked(t)
         self._attempts, self._decision = 0, next(self._numbers)
-        self._task = self.clock.start(consult(self.advisor, self._observe, self.planner.verify, self.cfg.budget,
-                                              self.clock, self._attempted, self._decision))
+        self._task = self.clock.start(
+            consult(
+                self.advisor,
+                self._observe,
+                self.planner.verify,
+                self.cfg.budget,
+                self.clock,
+                self._attempted,
+                self._decision,
+            )
+        )
         self._collect()
 
     def _observe(self, rejections: Any) -> Question[Any] | None:
@@ -158,18 +186,32 @@ class Pilot:
         if self.planner.mode != self._mode:
             self._mode = self.planner.mode
             self._emit("mode", mode=self._mode)
-        self._emit("question", decision=self._decision, attempt=self._attempts, mode=self._mode,
-                   pictures=[p.digest for p in question.pictures],
-                   centroids=[{"index": k.index, "x": round(k.x, 3), "y": round(k.y, 3), "visited": k.visited}
-                              for k in self.belief.tracker.chain()])
+        self._emit(
+            "question",
+            decision=self._decision,
+            attempt=self._attempts,
+            mode=self._mode,
+            pictures=[p.digest for p in question.pictures],
+            centroids=[
+                {"index": k.index, "x": round(k.x, 3), "y": round(k.y, 3), "visited": k.visited}
+                for k in self.belief.tracker.chain()
+            ],
+        )
         self._attempts += 1
         return question
 
     def _attempted(self, attempt: Attempt) -> None:
         refusal = attempt.rejection
-        self._emit("verdict", decision=attempt.decision, attempt=attempt.attempt, verdict=attempt.verdict,
-                   code=refusal.code if refusal else "", reason=refusal.reason if refusal else "",
-                   answer=attempt.answer, asked_at=round(attempt.asked_at_s, 3))
+        self._emit(
+            "verdict",
+            decision=attempt.decision,
+            attempt=attempt.attempt,
+            verdict=attempt.verdict,
+            code=refusal.code if refusal else "",
+            reason=refusal.reason if refusal else "",
+            answer=attempt.answer,
+            asked_at=round(attempt.asked_at_s, 3),
+        )
         self.last_attempt = attempt
         self._log(attempt)
 
@@ -183,8 +225,9 @@ class Pilot:
         elif outcome.failure and outcome.failure != "withdrawn":
             self._fall_back(outcome)
         elif outcome.answer is not None and outcome.question is not None:
-            self._adopt(self.planner.locate(outcome.question, outcome.answer), "advisor",
-                        getattr(outcome.answer, "reason", ""))
+            self._adopt(
+                self.planner.locate(outcome.question, outcome.answer), "advisor", getattr(outcome.answer, "reason", "")
+            )
         self._decided = True
         self._acting_until = self.clock.now() + self.cfg.action_s
 
@@ -212,8 +255,16 @@ class Pilot:
             return  # the cluster merged into another between two ticks; the trigger asks again
         violates = self.planner.adopt(goal)
         self.trigger.new_goal()
-        self._emit("goal", x=round(goal.x, 3), y=round(goal.y, 3), source=source, decision=self._decision,
-                   index=goal.index, reason=reason, violates=violates)
+        self._emit(
+            "goal",
+            x=round(goal.x, 3),
+            y=round(goal.y, 3),
+            source=source,
+            decision=self._decision,
+            index=goal.index,
+            reason=reason,
+            violates=violates,
+        )
 
     def _route(self, t: float) -> None:
         """Keep the cost-to-go and the reference path up to date; notice when the path was left."""
@@ -222,8 +273,9 @@ class Pilot:
         new_goal = not self._field_key or self._field_key[0] != goal
         key = (goal, belief.map.version)
         if new_goal or (key != self._field_key and t - self._field_at >= self.cfg.field_period_s - 1e-9):
-            self.field = CostField.compute(belief.map.distance(), goal, start=belief.pose[:2],
-                                           cell_m=belief.map.cfg.cell_m, cfg=self.cfg.fields)
+            self.field = CostField.compute(
+                belief.map.distance(), goal, start=belief.pose[:2], cell_m=belief.map.cfg.cell_m, cfg=self.cfg.fields
+            )
             self._field_key, self._field_at = key, t
             if new_goal:
                 monitor.follow(self.field.path_from(belief.pose.x, belief.pose.y), new_goal=True)

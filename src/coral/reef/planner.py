@@ -56,8 +56,9 @@ class Goal:
 class HighLevelPlanner:
     """Turns the belief into questions and answers into verified goals."""
 
-    def __init__(self, belief: Belief, fields: CostFieldCfg, prompts: Prompts, draw: Draw,
-                 cfg: PlannerCfg | None = None) -> None:
+    def __init__(
+        self, belief: Belief, fields: CostFieldCfg, prompts: Prompts, draw: Draw, cfg: PlannerCfg | None = None
+    ) -> None:
         self.belief, self.fields, self.prompts, self.draw = belief, fields, prompts, draw
         self.cfg = cfg or PlannerCfg()
         self.survey: Survey | None = None
@@ -76,12 +77,21 @@ class HighLevelPlanner:
         self.mode = self._mode(left, bool(reachable))
         places = places_left(self.belief, left, self.fields, cfg.topology)
         facts = describe(self.belief, left, self._surroundings(left), cfg.verify, self._steps(left), places)
-        context = {"facts": facts, "rejections": [r.reason for r in rejections], "step_m": cfg.step_m,
-                   "others": len(self.belief.others)}
+        context = {
+            "facts": facts,
+            "rejections": [r.reason for r in rejections],
+            "step_m": cfg.step_m,
+            "others": len(self.belief.others),
+        }
         prompt, version = self.prompts(KIND[self.mode], context)
-        return Question(kind=KIND[self.mode], prompt=prompt, prompt_version=version, facts=facts,
-                        answer_type=CentroidChoice if self.mode == "centroid" else WaypointChoice,
-                        pictures=self.draw(self.belief))
+        return Question(
+            kind=KIND[self.mode],
+            prompt=prompt,
+            prompt_version=version,
+            facts=facts,
+            answer_type=CentroidChoice if self.mode == "centroid" else WaypointChoice,
+            pictures=self.draw(self.belief),
+        )
 
     def _mode(self, left: Survey, reachable: bool) -> Mode:
         """Autonomous mode switching (paper III-C.3)."""
@@ -95,14 +105,19 @@ class HighLevelPlanner:
             track = next((t for t in self.belief.tracks if t.index == answer.selected_centroid_index), None)
             if track is None:
                 labels = ", ".join(str(t.index) for t in sorted(self.belief.tracks, key=lambda t: t.index))
-                return Rejection(code="no-such-centroid", details={"index": answer.selected_centroid_index},
-                                 reason=f"There is no orange dot {answer.selected_centroid_index} on the map. "
-                                        f"The labels on the map are: {labels or 'none'}.")
+                return Rejection(
+                    code="no-such-centroid",
+                    details={"index": answer.selected_centroid_index},
+                    reason=f"There is no orange dot {answer.selected_centroid_index} on the map. "
+                    f"The labels on the map are: {labels or 'none'}.",
+                )
             return Goal(x=track.x, y=track.y, index=track.index)
         asked_at = question.facts["robot"]
         c, s = math.cos(asked_at["theta"]), math.sin(asked_at["theta"])
-        return Goal(x=asked_at["x"] + c * answer.forward_m - s * answer.left_m,
-                    y=asked_at["y"] + s * answer.forward_m + c * answer.left_m)
+        return Goal(
+            x=asked_at["x"] + c * answer.forward_m - s * answer.left_m,
+            y=asked_at["y"] + s * answer.forward_m + c * answer.left_m,
+        )
 
     def verify(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> Rejection | None:
         """Check an answer against the map as it is now, at response time (paper III-D)."""
@@ -112,8 +127,11 @@ class HighLevelPlanner:
         refusal = self._refuse(goal)
         if refusal is None:
             return None
-        extra = {"index": goal.index} if isinstance(answer, CentroidChoice) else {
-            "forward_m": answer.forward_m, "left_m": answer.left_m}
+        extra = (
+            {"index": goal.index}
+            if isinstance(answer, CentroidChoice)
+            else {"forward_m": answer.forward_m, "left_m": answer.left_m}
+        )
         return Rejection(code=refusal.code, reason=refusal.reason, details={**refusal.details, **extra})
 
     def _refuse(self, goal: Goal) -> Rejection | None:
@@ -122,19 +140,33 @@ class HighLevelPlanner:
         if not belief.map.contains(goal.x, goal.y):
             return Rejection(code="outside", reason="The chosen point lies outside the survey area.")
         if not math.isfinite(left.path_m(goal.x, goal.y)):
-            return Rejection(code="blocked", reason="The chosen point lies inside an obstacle, or obstacles cut it "
-                                                    "off. Choose a point in open water.")
+            return Rejection(
+                code="blocked",
+                reason="The chosen point lies inside an obstacle, or obstacles cut it "
+                "off. Choose a point in open water.",
+            )
         if not separated((goal.x, goal.y), (belief.pose.x, belief.pose.y), cfg.separation_m):
-            return Rejection(code="too-close", reason=f"The chosen point is within {cfg.separation_m:g} m of the "
-                                                      "robot. Choose one that makes progress.")
+            return Rejection(
+                code="too-close",
+                reason=f"The chosen point is within {cfg.separation_m:g} m of the "
+                "robot. Choose one that makes progress.",
+            )
         if belief.taken(goal.x, goal.y, goal.index):
             # No matter of Eqs. 4-8: robots do not go to one place in the ablation without verification either.
-            return Rejection(code="taken", reason="Another robot is going there already. Choose a point that no "
-                                                  "other robot is going to.")
+            return Rejection(
+                code="taken",
+                reason="Another robot is going there already. Choose a point that no other robot is going to.",
+            )
         if goal.index is not None and next(t.visited for t in belief.tracks if t.index == goal.index):
-            return Rejection(code="visited", reason=f"Orange dot {goal.index} has been visited already: the yellow "
-                                                    "trajectory passes it. Choose one that has not.") \
-                if cfg.verify.enabled else None
+            return (
+                Rejection(
+                    code="visited",
+                    reason=f"Orange dot {goal.index} has been visited already: the yellow "
+                    "trajectory passes it. Choose one that has not.",
+                )
+                if cfg.verify.enabled
+                else None
+            )
         if not cfg.verify.enabled:
             return None
         around = self._surroundings(left)
@@ -147,15 +179,22 @@ class HighLevelPlanner:
         chosen = next((p for p in places if p.index is not None and p.index == goal.index), None)
         if chosen is None or chosen.regret_m <= limit:
             return None
-        better = [p for p in places if p.index is not None and p.regret_m < chosen.regret_m - limit
-                  and verify_waypoint((p.x, p.y), around, self.cfg.verify) is None]
+        better = [
+            p
+            for p in places
+            if p.index is not None
+            and p.regret_m < chosen.regret_m - limit
+            and verify_waypoint((p.x, p.y), around, self.cfg.verify) is None
+        ]
         if not better:
             return None
         best = min(better, key=lambda p: p.regret_m)
         return Rejection(
-            code="loop-back", details={"regret_m": round(chosen.regret_m, 1), "better": best.index},
+            code="loop-back",
+            details={"regret_m": round(chosen.regret_m, 1), "better": best.index},
             reason=f"Orange dot {goal.index} leads back into known water: going there first makes the way past all "
-                   f"that is left {chosen.regret_m - best.regret_m:.0f} m longer than starting with dot {best.index}.")
+            f"that is left {chosen.regret_m - best.regret_m:.0f} m longer than starting with dot {best.index}.",
+        )
 
     def adopt(self, goal: Goal) -> bool:
         """Make a goal the active one; True if it violates Eqs. 4-8 and no exemption applies (a "deviation")."""
@@ -167,9 +206,13 @@ class HighLevelPlanner:
     def _surroundings(self, left: Survey) -> Surroundings:
         """What the verifiers judge by now. Where nothing that is left would pass, turning round is allowed."""
         belief, cfg = self.belief, self.cfg.verify
-        around = Surroundings(pose=belief.pose, previous=belief.goal, dead_end=False,
-                              ahead=[(t.x, t.y) for t in belief.ahead(cfg.forward_m)],
-                              chain=[(t.x, t.y) for t in belief.tracks])
+        around = Surroundings(
+            pose=belief.pose,
+            previous=belief.goal,
+            dead_end=False,
+            ahead=[(t.x, t.y) for t in belief.ahead(cfg.forward_m)],
+            chain=[(t.x, t.y) for t in belief.tracks],
+        )
         aims = [(t.x, t.y) for t in belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
         if self.mode == "waypoint":
             aims += [to_world(belief.pose, o["forward_m"], o["left_m"]) for o in self._steps(left) or ()]

@@ -73,8 +73,12 @@ class FreeSpace:
         return np.clip((points / self.cell_m).astype(np.int64), 0, top)
 
 
-def free_space(size_m: tuple[float, float], outlines: Sequence[NDArray[np.float64]], start: tuple[float, float],
-               radius_m: float = HULL_RADIUS_M + MARGIN_M) -> FreeSpace:
+def free_space(
+    size_m: tuple[float, float],
+    outlines: Sequence[NDArray[np.float64]],
+    start: tuple[float, float],
+    radius_m: float = HULL_RADIUS_M + MARGIN_M,
+) -> FreeSpace:
     """Flood the free space from the start; obstacles block whatever their height.
 
     Args:

@@ -13,8 +13,27 @@ from coral.config import Positive
 from coral.reef.geometry import Frame
 from coral.runs import RunWriter
 
-COLUMNS = ("step", "t", "x", "y", "theta", "u", "v", "r", "est_x", "est_y", "est_theta", "v_cmd", "omega_cmd",
-           "goal_x", "goal_y", "clearance", "planner_ok", "coverage", "clusters_covered")
+COLUMNS = (
+    "step",
+    "t",
+    "x",
+    "y",
+    "theta",
+    "u",
+    "v",
+    "r",
+    "est_x",
+    "est_y",
+    "est_theta",
+    "v_cmd",
+    "omega_cmd",
+    "goal_x",
+    "goal_y",
+    "clearance",
+    "planner_ok",
+    "coverage",
+    "clusters_covered",
+)
 """trajectory.csv: SI units, world frame for poses, body frame for velocities; goal empty when there is none."""
 
 

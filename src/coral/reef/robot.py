@@ -20,8 +20,17 @@ Build = Callable[["Robot"], Pilot]
 class Robot:
     """Couples one vehicle with its pilot; what happens to it is told to `emit`."""
 
-    def __init__(self, number: int, simulator: ReefSimulator, belief: Belief, driver: LocalPlanner,
-                 clock: SimulatedClock, emit: Callable[..., None], build: Build, alone: bool) -> None:
+    def __init__(
+        self,
+        number: int,
+        simulator: ReefSimulator,
+        belief: Belief,
+        driver: LocalPlanner,
+        clock: SimulatedClock,
+        emit: Callable[..., None],
+        build: Build,
+        alone: bool,
+    ) -> None:
         self.number, self.simulator, self.belief, self.driver, self.clock = number, simulator, belief, driver, clock
         self._emit, self._alone = emit, alone
         self.sensed: Sensed | None = None
@@ -55,9 +64,14 @@ class Robot:
         about, plan, belief = self.pilot, self.pilot.plan, self.belief
         busy = not about.end_reason
         path, times = (np.empty((0, 2)), np.empty(0)) if plan is None else (plan.path[:, :2], plan.times)
-        return Neighbour(pose=self.sensed.pose, radius_m=self.simulator.cfg.vehicle.hull_radius_m,
-                         goal=belief.goal if busy else None, index=belief.goal_index if busy else None,
-                         path=path, times=times)
+        return Neighbour(
+            pose=self.sensed.pose,
+            radius_m=self.simulator.cfg.vehicle.hull_radius_m,
+            goal=belief.goal if busy else None,
+            index=belief.goal_index if busy else None,
+            path=path,
+            times=times,
+        )
 
     @property
     def position(self) -> tuple[float, float]:

@@ -46,8 +46,15 @@ class Sensed:
 class ReefSimulator:
     """Truth about one mission."""
 
-    def __init__(self, world: ReefWorld, cfg: SimulatorCfg, rng: np.random.Generator, *, start: Pose | None = None,
-                 first: ReefSimulator | None = None) -> None:
+    def __init__(
+        self,
+        world: ReefWorld,
+        cfg: SimulatorCfg,
+        rng: np.random.Generator,
+        *,
+        start: Pose | None = None,
+        first: ReefSimulator | None = None,
+    ) -> None:
         """Put a vehicle into a world.
 
         Args:
@@ -103,8 +110,9 @@ class ReefSimulator:
         z, roll, pitch = self.vehicle.attitude
         return z - self.world.seabed.z_m, roll, pitch
 
-    def act(self, command: tuple[float, float], dt: float,
-            others: Sequence[tuple[float, float]] = ()) -> list[tuple[float, float, int]]:
+    def act(
+        self, command: tuple[float, float], dt: float, others: Sequence[tuple[float, float]] = ()
+    ) -> list[tuple[float, float, int]]:
         """Drive for `dt` seconds; returns new contacts with obstacles as (x, y, obstacle index).
 
         The hulls of other robots, at the positions `others` (m), stop the vehicle like obstacles.

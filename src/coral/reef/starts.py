@@ -17,8 +17,9 @@ TURNS_DEG = (90.0, -90.0, 180.0, 135.0, -135.0, 45.0, -45.0)
 RINGS_M = (APART_M, 1.5, 1.8, 2.4, 3.0, 3.6)
 
 
-def starts_beside(first: Pose, count: int, footprints: Footprints, size_m: tuple[float, float],
-                  radius_m: float) -> list[Pose]:
+def starts_beside(
+    first: Pose, count: int, footprints: Footprints, size_m: tuple[float, float], radius_m: float
+) -> list[Pose]:
     """Start poses of `count` robots, the first one's included; all look the same way.
 
     Each lies in sight of the first, at least `APART_M` from every other and a hull's radius clear of obstacles and
@@ -27,6 +28,7 @@ def starts_beside(first: Pose, count: int, footprints: Footprints, size_m: tuple
     Raises:
         InputError: There is no room for so many.
     """
+
     def free(x: float, y: float, room_m: float) -> bool:
         inside = min(x, y, size_m[0] - x, size_m[1] - y) >= room_m
         return inside and clearance(footprints, x, y) >= room_m
@@ -46,6 +48,7 @@ def starts_beside(first: Pose, count: int, footprints: Footprints, size_m: tuple
         if apart and free(x, y, 2.0 * radius_m) and in_sight(x, y):
             placed.append(Pose(x, y, first.theta))
     if len(placed) < count:
-        raise InputError("--robots", "", count, f"at most {len(placed)}: there is no more room beside the start of "
-                                                "this world")
+        raise InputError(
+            "--robots", "", count, f"at most {len(placed)}: there is no more room beside the start of this world"
+        )
     return placed

@@ -87,8 +87,12 @@ def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: Surve
     field = CostField.compute(belief.map.distance(), (pose.x, pose.y), cell_m=belief.map.cfg.cell_m, cfg=field_cfg)
     left = Survey(frontiers=(), field=field, dead_end=False, gain_radius_m=cfg.gain_radius_m)
     frontiers = _frontiers(belief, left, cfg)
-    near_ahead = any(abs(f.bearing) <= math.radians(cfg.ahead_deg) and f.path_m <= cfg.ahead_m
-                     and (f.reef_m <= cfg.reef_reach_m or not belief.tracks) for f in frontiers)
+    near_ahead = any(
+        abs(f.bearing) <= math.radians(cfg.ahead_deg)
+        and f.path_m <= cfg.ahead_m
+        and (f.reef_m <= cfg.reef_reach_m or not belief.tracks)
+        for f in frontiers
+    )
     dead_end = not near_ahead and not belief.ahead(forward_m)
     return replace(left, frontiers=tuple(frontiers), dead_end=dead_end)
 
@@ -128,11 +132,17 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
         if belief.failures(x, y) >= belief.cfg.max_attempts or belief.taken(x, y):
             continue
         forward, to_left = to_robot(belief.pose, x, y)
-        found.append(Frontier(
-            x=x, y=y, length_m=float(members.size * cell_m), path_m=float(path[best]),
-            bearing=math.atan2(to_left, forward),
-            unexplored=belief.map.unexplored_share(x, y, cfg.gain_radius_m),
-            reef_m=float(np.min(np.hypot(reef[:, 0] - x, reef[:, 1] - y))) if len(reef) else math.inf))
+        found.append(
+            Frontier(
+                x=x,
+                y=y,
+                length_m=float(members.size * cell_m),
+                path_m=float(path[best]),
+                bearing=math.atan2(to_left, forward),
+                unexplored=belief.map.unexplored_share(x, y, cfg.gain_radius_m),
+                reef_m=float(np.min(np.hypot(reef[:, 0] - x, reef[:, 1] - y))) if len(reef) else math.inf,
+            )
+        )
     return sorted(found, key=lambda f: f.path_m)
 
 

@@ -19,8 +19,12 @@ FASTEST_M_S = 1.0
 _NOISE = "simulator.noise."
 SHORT: dict[str, Mapping[str, float]] = {
     "visibility": {f"{_NOISE}visibility_m": 1.0},
-    "mask_errors": {f"{_NOISE}oyster_missed": 1.0, f"{_NOISE}obstacle_missed": 1.0,
-                    f"{_NOISE}oyster_false": 0.1, f"{_NOISE}obstacle_false": 0.1},
+    "mask_errors": {
+        f"{_NOISE}oyster_missed": 1.0,
+        f"{_NOISE}obstacle_missed": 1.0,
+        f"{_NOISE}oyster_false": 0.1,
+        f"{_NOISE}obstacle_false": 0.1,
+    },
     "depth_noise": {f"{_NOISE}depth_sigma": 1.0},
     "pose_drift": {f"{_NOISE}drift_xy": 1.0, f"{_NOISE}drift_theta": 0.1},
 }

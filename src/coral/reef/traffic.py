@@ -37,8 +37,9 @@ class Traffic:
         self.cfg = cfg or TrafficCfg()
         self._own: NDArray[np.float32] = np.empty((0, 0), np.float32)
 
-    def stamped(self, distance: NDArray[np.float32], cell_m: float, pose: Pose,
-                others: Sequence[Neighbour]) -> NDArray[np.float32]:
+    def stamped(
+        self, distance: NDArray[np.float32], cell_m: float, pose: Pose, others: Sequence[Neighbour]
+    ) -> NDArray[np.float32]:
         """Distances to obstacles and to the water that the others are about to use.
 
         Every robot keeps clear of what the others have reserved and reserves what it plans, one after the other, so
@@ -57,8 +58,9 @@ class Traffic:
             self._own = np.empty_like(distance)
         np.copyto(self._own, distance)
         for other in others:
-            lower_to_path(self._own, cell_m, self.reserved(other, pose), other.radius_m + self.cfg.gap_m,
-                          self.cfg.reach_m)
+            lower_to_path(
+                self._own, cell_m, self.reserved(other, pose), other.radius_m + self.cfg.gap_m, self.cfg.reach_m
+            )
         return self._own
 
     def held(self, command: tuple[float, float], pose: Pose, others: Sequence[Neighbour]) -> tuple[float, float]:
@@ -90,8 +92,9 @@ class Traffic:
         return line[: max(1, int(too_near[0]))] if too_near.size else line
 
 
-def lower_to_path(distance: NDArray[np.float32], cell_m: float, line: NDArray[np.float64], radius_m: float,
-                  reach_m: float) -> None:
+def lower_to_path(
+    distance: NDArray[np.float32], cell_m: float, line: NDArray[np.float64], radius_m: float, reach_m: float
+) -> None:
     """Lower distances, in place, to those from a band about a line; nothing changes beyond `reach_m` of the band.
 
     Args:

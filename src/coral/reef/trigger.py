@@ -77,8 +77,9 @@ class SmartTrigger:
         self._history.clear()
         self._slow_since = None
 
-    def update(self, t: float, x: float, y: float, speed: float, target: tuple[float, float] | None,
-               pending: bool) -> Firing | None:
+    def update(
+        self, t: float, x: float, y: float, speed: float, target: tuple[float, float] | None, pending: bool
+    ) -> Firing | None:
         """Evaluate Eq. 12 at time `t` (s) for the robot at (x, y) moving at `speed` (m/s).
 
         Args:

@@ -127,19 +127,25 @@ def violation(p: Point, around: Surroundings, cfg: VerifyCfg) -> Rejection | Non
     details = {"x": round(p[0], 3), "y": round(p[1], 3), "bearing_deg": round(bearing, 1)}
     if behind_robot(p, around.pose, cfg):
         return Rejection(
-            code="behind-robot", details=details,
+            code="behind-robot",
+            details=details,
             reason=f"The chosen point is behind the robot: {where}, and more than {cfg.theta_back_deg:.0f}° off the "
-                   f"heading is not allowed while there is something ahead. Choose a point in front of the robot.")
+            f"heading is not allowed while there is something ahead. Choose a point in front of the robot.",
+        )
     if behind_previous(p, around.pose, around.previous, cfg):
         return Rejection(
-            code="behind-previous", details=details,
+            code="behind-previous",
+            details=details,
             reason=f"The chosen point leads back: {where}, on the robot's side of the previous target. Choose a "
-                   f"point beyond the previous target or to its side.")
+            f"point beyond the previous target or to its side.",
+        )
     angle = deviated(p, around, cfg)
     if angle is not None:
         side = "left" if angle > 0 else "right"
         return Rejection(
-            code="deviation", details={**details, "deviation_deg": round(math.degrees(angle), 1)},
+            code="deviation",
+            details={**details, "deviation_deg": round(math.degrees(angle), 1)},
             reason=f"The chosen point deviates to the {side} of the chain's trend by {abs(math.degrees(angle)):.0f}° "
-                   f"(at most {cfg.theta_dev_deg:.0f}° allowed): {where}. Choose a point that follows the chain.")
+            f"(at most {cfg.theta_dev_deg:.0f}° allowed): {where}. Choose a point that follows the chain.",
+        )
     return None

@@ -18,8 +18,20 @@ from coral.faults import input_error, shown
 from coral.reef.world_check import check_world
 from coral.reef.world_yaml import read_mapping, to_text
 
-__all__ = ["Cluster", "Current", "Obstacle", "Oyster", "ReefWorld", "Seabed", "Start", "check_world", "load_world",
-           "save_world", "shipped_worlds", "world_schema"]
+__all__ = [
+    "Cluster",
+    "Current",
+    "Obstacle",
+    "Oyster",
+    "ReefWorld",
+    "Seabed",
+    "Start",
+    "check_world",
+    "load_world",
+    "save_world",
+    "shipped_worlds",
+    "world_schema",
+]
 
 WORLDS_DIR = Path(__file__).parent / "worlds"
 FORMAT: Literal["coral-reef/1"] = "coral-reef/1"
@@ -130,8 +142,9 @@ def load_world(name: str | Path) -> ReefWorld:
     text, known = str(name), shipped_worlds()
     path = WORLDS_DIR / f"{text}.yaml" if text in known else Path(text)
     if path.suffix not in (".yaml", ".yml", ".json") and not os.path.exists(path):
-        raise InputError("world", "", shown(text),
-                         f"a YAML file or one of {', '.join(known)}{nearest(text.lower(), known)}")
+        raise InputError(
+            "world", "", shown(text), f"a YAML file or one of {', '.join(known)}{nearest(text.lower(), known)}"
+        )
     content = read_mapping(path)
     try:
         world = ReefWorld.model_validate(content)

@@ -39,8 +39,12 @@ def check_world(world: ReefWorld, where: str) -> None:
             found = f"({start.x:g}, {start.y:g}), {'inside' if gap < 0 else f'{gap:.2f} m from'} obstacles[{i}]"
             raise InputError(where, "start", found, f"a place at least {HULL_RADIUS_M:g} m from every obstacle")
     for i in unreachable_clusters(world):
-        raise InputError(where, f"clusters[{i}]", f"cluster {world.clusters[i].name!r} out of the robot's reach",
-                         f"a passage wider than {2 * HULL_RADIUS_M:g} m from the start to within {VIEW_M:g} m of it")
+        raise InputError(
+            where,
+            f"clusters[{i}]",
+            f"cluster {world.clusters[i].name!r} out of the robot's reach",
+            f"a passage wider than {2 * HULL_RADIUS_M:g} m from the start to within {VIEW_M:g} m of it",
+        )
 
 
 def _check_size(world: ReefWorld, where: str) -> None:
@@ -53,8 +57,12 @@ def _check_size(world: ReefWorld, where: str) -> None:
     names = [cluster.name for cluster in world.clusters]
     for i, name in enumerate(names):
         if name in names[:i]:
-            raise InputError(where, f"clusters[{i}].name", f"{name!r}, as clusters[{names.index(name)}]",
-                             "a different name for every cluster")
+            raise InputError(
+                where,
+                f"clusters[{i}].name",
+                f"{name!r}, as clusters[{names.index(name)}]",
+                "a different name for every cluster",
+            )
 
 
 def _check_places(world: ReefWorld, where: str) -> None:
@@ -65,13 +73,18 @@ def _check_places(world: ReefWorld, where: str) -> None:
             field = f"clusters[{i}].oysters[{j}]"
             _inside(world, where, field, oyster.x, oyster.y)
             if not floor - max(oyster.radii) < oyster.z <= floor + HIGHEST_OYSTER_M:
-                raise InputError(where, f"{field}.z", f"{oyster.z:g}",
-                                 f"a height on the seabed, {floor:g} to {floor + HIGHEST_OYSTER_M:g} m")
+                raise InputError(
+                    where,
+                    f"{field}.z",
+                    f"{oyster.z:g}",
+                    f"a height on the seabed, {floor:g} to {floor + HIGHEST_OYSTER_M:g} m",
+                )
     for i, obstacle in enumerate(world.obstacles):
         _inside(world, where, f"obstacles[{i}]", obstacle.x, obstacle.y)
         if obstacle.z + obstacle.size[2] <= floor:
-            raise InputError(where, f"obstacles[{i}].z", f"{obstacle.z:g}, all of it below the seabed",
-                             f"a top above {floor:g} m")
+            raise InputError(
+                where, f"obstacles[{i}].z", f"{obstacle.z:g}, all of it below the seabed", f"a top above {floor:g} m"
+            )
 
 
 def _inside(world: ReefWorld, where: str, field: str, x: float, y: float) -> None:

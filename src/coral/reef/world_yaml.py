@@ -79,8 +79,18 @@ def to_text(world: Mapping[str, Any], header: Sequence[str] = ()) -> str:
 
 def _flow(value: Any) -> str:
     """YAML flow style on one line, floats to a thousandth."""
-    return yaml.dump(_rounded(value), Dumper=_DUMPER, default_flow_style=True, sort_keys=False, allow_unicode=True,
-                     width=1_000_000).removesuffix("...\n").strip()
+    return (
+        yaml.dump(
+            _rounded(value),
+            Dumper=_DUMPER,
+            default_flow_style=True,
+            sort_keys=False,
+            allow_unicode=True,
+            width=1_000_000,
+        )
+        .removesuffix("...\n")
+        .strip()
+    )
 
 
 def _rounded(value: Any) -> Any:

@@ -35,8 +35,9 @@ def depth_levels(depth: NDArray[np.float32]) -> NDArray[np.uint8]:
     return np.where(seen, levels, 255).astype(np.uint8)
 
 
-def camera_picture(frame: Frame, kind: Literal["segmentation", "depth"] = "segmentation",
-                   size: tuple[int, int] = (640, 480)) -> Image:
+def camera_picture(
+    frame: Frame, kind: Literal["segmentation", "depth"] = "segmentation", size: tuple[int, int] = (640, 480)
+) -> Image:
     """Front camera as a picture. Shape=(size[1], size[0], 3) RGB.
 
     Args:
@@ -57,9 +58,9 @@ def _metre_scale(rgb: Image) -> None:
     height, width = rgb.shape[:2]
     unit = max(8, height // 40)
     length, x, y = width // 2, width // 4, height - 3 * unit
-    rgb[y - unit // 2 - unit // 3:, x - 2 * unit:x + length + 5 * unit] = (250, 250, 250)
+    rgb[y - unit // 2 - unit // 3 :, x - 2 * unit : x + length + 5 * unit] = (250, 250, 250)
     ramp = DEPTH_PALETTE[np.linspace(0, 254, length).astype(np.uint8)]
-    rgb[y - unit // 2:y + unit // 2, x:x + length] = ramp
+    rgb[y - unit // 2 : y + unit // 2, x : x + length] = ramp
     for metres in range(0, int(DEPTH_MAX_M) + 1, 2):
         column = x + length * metres / DEPTH_MAX_M
         name = f"{metres} m" if metres == int(DEPTH_MAX_M) else str(metres)

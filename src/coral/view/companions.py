@@ -46,8 +46,9 @@ def draw_companions(view: MapPicture, companions: tuple[Companion, ...]) -> None
             cv2.circle(view.rgb, (x, y), 11, one.color, 3, cv2.LINE_AA)
         if one.pose is not None:
             at = view.to_pixels(np.array(one.pose[:2]))
-            draw_arrow(view.rgb, at, at + 40 * np.array([math.cos(one.pose.theta), -math.sin(one.pose.theta)]),
-                       one.color)
+            draw_arrow(
+                view.rgb, at, at + 40 * np.array([math.cos(one.pose.theta), -math.sin(one.pose.theta)]), one.color
+            )
             draw_dot(view.rgb, at, 8.0, one.color)
 
 
@@ -56,7 +57,7 @@ def draw_key(view: MapPicture, companions: tuple[Companion, ...]) -> None:
     entries = [(YELLOW, "robot 0"), *((one.color, f"robot {k}") for k, one in enumerate(companions, 1))]
     width = max(text_size(name, 14, 600)[0] for _, name in entries) + 40
     left = view.rgb.shape[1] - width
-    box = view.rgb[4:12 + 20 * len(entries), left:-4]
+    box = view.rgb[4 : 12 + 20 * len(entries), left:-4]
     box[:] = np.rint(0.15 * box + 0.85 * 255).astype(np.uint8)
     for row, (color, name) in enumerate(entries):
         y = 18.0 + 20 * row

@@ -42,13 +42,23 @@ class Try:
             return "no centroid" if index is None else f"centroid {index}"
         if {"forward_m", "left_m"} <= set(self.answer):
             forward, left = self.answer["forward_m"], self.answer["left_m"]
-            moves = [f"{abs(metres)} m {where}" for metres, where in (
-                (forward, "ahead" if forward > 0 else "back"), (left, "left" if left > 0 else "right")) if metres]
+            moves = [
+                f"{abs(metres)} m {where}"
+                for metres, where in (
+                    (forward, "ahead" if forward > 0 else "back"),
+                    (left, "left" if left > 0 else "right"),
+                )
+                if metres
+            ]
             return ", ".join(moves) or "stay here"
-        parts = [f"{key.replace('_', ' ')} {value}" for key, value in self.answer.items()
-                 if key not in ("reason", "reasoning") and not isinstance(value, dict | list)]
-        return ", ".join(parts) or {"malformed": "not a valid answer", "open": "no answer yet"}.get(self.verdict,
-                                                                                                    "no answer")
+        parts = [
+            f"{key.replace('_', ' ')} {value}"
+            for key, value in self.answer.items()
+            if key not in ("reason", "reasoning") and not isinstance(value, dict | list)
+        ]
+        return ", ".join(parts) or {"malformed": "not a valid answer", "open": "no answer yet"}.get(
+            self.verdict, "no answer"
+        )
 
     @property
     def why(self) -> str:
@@ -107,8 +117,9 @@ def decisions(run: RunFolder) -> list[Decision]:
     fallbacks = run.select("fallback")
     found: list[Decision] = []
     for key, asked in questions.items():
-        tries = tuple(_try(q, verdicts.get((key, q.get("attempt"))), logged.get((key, q.get("attempt")), {}))
-                      for q in asked)
+        tries = tuple(
+            _try(q, verdicts.get((key, q.get("attempt"))), logged.get((key, q.get("attempt")), {})) for q in asked
+        )
         t, robot = float(asked[0]["t"]), int(asked[0].get("robot") or 0)
         there = run.robot(robot) if robot <= len(run.fleet) else run
         times, xs, ys = (there.column(name) for name in ("t", "x", "y"))
@@ -117,16 +128,23 @@ def decisions(run: RunFolder) -> list[Decision]:
         ended = max(float(q["t"]) for q in asked)
         after = next((e for e in fallbacks if e.get("decision", key) == key and float(e["t"]) >= ended), None)
         failed = tries[-1].verdict != "accepted"
-        found.append(Decision(
-            number=int(key) if isinstance(key, int) else len(found), t=t, cause=causes.get(key, ""),
-            mode=str(asked[-1].get("mode", "")), tries=tries,
-            centroids=tuple(c for c in asked[-1].get("centroids") or () if {"index", "x", "y"} <= set(c)),
-            x=float(xs[nearest]) if nearest >= 0 else float("nan"),
-            y=float(ys[nearest]) if nearest >= 0 else float("nan"),
-            goal=(float(goal["x"]), float(goal["y"])) if goal and _has(goal, "x", "y") else None,
-            source=str(goal.get("source", "")) if goal else "", reason=str(goal.get("reason") or "") if goal else "",
-            fallback=f"{after.get('policy', '')} ({after.get('failure', '')})" if after and failed else "",
-            robot=robot))
+        found.append(
+            Decision(
+                number=int(key) if isinstance(key, int) else len(found),
+                t=t,
+                cause=causes.get(key, ""),
+                mode=str(asked[-1].get("mode", "")),
+                tries=tries,
+                centroids=tuple(c for c in asked[-1].get("centroids") or () if {"index", "x", "y"} <= set(c)),
+                x=float(xs[nearest]) if nearest >= 0 else float("nan"),
+                y=float(ys[nearest]) if nearest >= 0 else float("nan"),
+                goal=(float(goal["x"]), float(goal["y"])) if goal and _has(goal, "x", "y") else None,
+                source=str(goal.get("source", "")) if goal else "",
+                reason=str(goal.get("reason") or "") if goal else "",
+                fallback=f"{after.get('policy', '')} ({after.get('failure', '')})" if after and failed else "",
+                robot=robot,
+            )
+        )
     return found
 
 
@@ -137,16 +155,19 @@ def _has(record: Record, *names: str) -> bool:
 def _try(question: Record, verdict: Record | None, logged: Record) -> Try:
     verdict = verdict or {}
     names = [str(caption[0]) for caption in logged.get("captions") or () if caption]
-    names += ["map", "segmentation", "depth"][len(names):]
+    names += ["map", "segmentation", "depth"][len(names) :]
     digests = [str(digest) for digest in question.get("pictures") or ()]
     pictures = tuple((names[k] if k < len(names) else f"picture {k + 1}", d) for k, d in enumerate(digests))
     answer = verdict.get("answer") or logged.get("answer") or {}
     at = verdict.get("asked_at")
     return Try(
-        attempt=int(question.get("attempt") or 0), asked_at_s=float(at if at is not None else question["t"]),
+        attempt=int(question.get("attempt") or 0),
+        asked_at_s=float(at if at is not None else question["t"]),
         answered_at_s=float(verdict["t"]) if "t" in verdict else logged.get("answered_at_s"),
         verdict=str(verdict.get("verdict") or logged.get("verdict") or "open"),
         code=str(verdict.get("code") or logged.get("code") or ""),
         reason=str(verdict.get("reason") or logged.get("reason") or ""),
-        answer=answer if isinstance(answer, dict) else {"answer": answer}, raw=str(logged.get("raw") or ""),
-        pictures=pictures)
+        answer=answer if isinstance(answer, dict) else {"answer": answer},
+        raw=str(logged.get("raw") or ""),
+        pictures=pictures,
+    )

@@ -23,8 +23,10 @@ def coverage_chart(run: RunFolder) -> str:
     y = Span(0.0, 1.0, bottom, top)
     body = []
     for share in (0.0, 0.25, 0.5, 0.75, 1.0):
-        body += [line(axis.start_px, y(share), axis.end_px, y(share), "grid"),
-                 text(LEFT - 8, y(share) + 4, f"{share:.0%}", "tick", "end")]
+        body += [
+            line(axis.start_px, y(share), axis.end_px, y(share), "grid"),
+            text(LEFT - 8, y(share) + 4, f"{share:.0%}", "tick", "end"),
+        ]
     times, coverage = run.column("t"), run.column("coverage")
     if len(times):
         t = np.concatenate([[0.0], times])
@@ -43,10 +45,17 @@ def coverage_chart(run: RunFolder) -> str:
             row = next((k for k, end in enumerate(used) if x > end + 4), 0)
             name = str(event.get("name", ""))
             used[row] = x + 7.0 * len(name) + 10
-            body += [f'<circle cx="{x:.1f}" cy="{level:.1f}" r="4.5" class="dot good"><title>'
-                     f'{escape(name)} covered at {clock(at)}</title></circle>',
-                     text(min(x + 8, axis.end_px - 20), level + 16 + 14 * row if level < 150 else level - 8 - 13 * row,
-                          name, "mark", "start")]
+            body += [
+                f'<circle cx="{x:.1f}" cy="{level:.1f}" r="4.5" class="dot good"><title>'
+                f"{escape(name)} covered at {clock(at)}</title></circle>",
+                text(
+                    min(x + 8, axis.end_px - 20),
+                    level + 16 + 14 * row if level < 150 else level - 8 - 13 * row,
+                    name,
+                    "mark",
+                    "start",
+                ),
+            ]
     body.append(text(LEFT - 68, (top + bottom) / 2, "clusters", "name rot"))
     return chart(224, body, axis, label="Coverage over time", top=top, bottom=bottom)
 
@@ -59,15 +68,22 @@ def speed_chart(run: RunFolder) -> str:
     highest = max([0.2] + [float(np.nanmax(a)) for a in (speed, command) if len(a) and np.isfinite(a).any()])
     top, bottom = 24.0, 150.0
     y = Span(0.0, math.ceil(highest * 10 + 0.2) / 10, bottom, top)
-    body = [part for value in y.ticks(4)
-            for part in (line(axis.start_px, y(value), axis.end_px, y(value), "grid"),
-                         text(LEFT - 8, y(value) + 4, f"{value:g}", "tick", "end"))]
+    body = [
+        part
+        for value in y.ticks(4)
+        for part in (
+            line(axis.start_px, y(value), axis.end_px, y(value), "grid"),
+            text(LEFT - 8, y(value) + 4, f"{value:g}", "tick", "end"),
+        )
+    ]
     for values, cls in ((command, "curve faint"), (speed, "curve main")):
         times, kept = thin(t, values)
         body.append(path([axis(float(a)) for a in times], [y(float(b)) for b in np.clip(kept, 0, y.high)], cls))
-    body += [text(LEFT - 68, (top + bottom) / 2, "speed, m/s", "name rot"),
-             text(axis.end_px, top - 8, "actual", "key main", "end"),
-             text(axis.end_px - 54, top - 8, "commanded", "key faint", "end")]
+    body += [
+        text(LEFT - 68, (top + bottom) / 2, "speed, m/s", "name rot"),
+        text(axis.end_px, top - 8, "actual", "key main", "end"),
+        text(axis.end_px - 54, top - 8, "commanded", "key faint", "end"),
+    ]
     return chart(176, body, axis, label="Speed over time", top=top, bottom=bottom)
 
 
@@ -78,28 +94,44 @@ def clearance_chart(run: RunFolder) -> str:
     top, bottom = 24.0, 180.0
     lowest = float(np.nanmin(clearance)) if np.isfinite(clearance).any() else 0.0
     y = Span(min(0.0, math.floor(lowest * 10) / 10), 2.0, bottom, top)
-    body = [f'<rect x="{LEFT}" y="{y(ROBOT_RADIUS_M):.1f}" width="{axis.end_px - LEFT:.1f}" '
-            f'height="{y(0) - y(ROBOT_RADIUS_M):.1f}" class="band"/>']
-    body += [part for value in (0.0, 0.5, 1.0, 1.5, 2.0)
-             for part in (line(axis.start_px, y(value), axis.end_px, y(value), "grid"),
-                          text(LEFT - 8, y(value) + 4, f"{value:g}" + ("+" if value == 2 else ""), "tick", "end"))]
+    body = [
+        f'<rect x="{LEFT}" y="{y(ROBOT_RADIUS_M):.1f}" width="{axis.end_px - LEFT:.1f}" '
+        f'height="{y(0) - y(ROBOT_RADIUS_M):.1f}" class="band"/>'
+    ]
+    body += [
+        part
+        for value in (0.0, 0.5, 1.0, 1.5, 2.0)
+        for part in (
+            line(axis.start_px, y(value), axis.end_px, y(value), "grid"),
+            text(LEFT - 8, y(value) + 4, f"{value:g}" + ("+" if value == 2 else ""), "tick", "end"),
+        )
+    ]
     times, kept = thin(t, np.minimum(clearance, 2.0))
-    body += [path([axis(float(a)) for a in times], [y(float(b)) for b in kept], "curve main"),
-             line(axis.start_px, y(0.0), axis.end_px, y(0.0), "limit"),
-             text(LEFT - 68, (top + bottom) / 2, "clearance, m", "name rot")]
+    body += [
+        path([axis(float(a)) for a in times], [y(float(b)) for b in kept], "curve main"),
+        line(axis.start_px, y(0.0), axis.end_px, y(0.0), "limit"),
+        text(LEFT - 68, (top + bottom) / 2, "clearance, m", "name rot"),
+    ]
     if np.isfinite(clearance).any():
         k = int(np.nanargmin(clearance))
         x, low = axis(float(t[k])), y(min(2.0, lowest))
-        body += [f'<circle cx="{x:.1f}" cy="{low:.1f}" r="4.5" class="dot main"/>',
-                 text(axis.end_px, top - 9, f"closest pass {lowest:.2f} m at {clock(float(t[k]))}", "key main", "end")]
+        body += [
+            f'<circle cx="{x:.1f}" cy="{low:.1f}" r="4.5" class="dot main"/>',
+            text(axis.end_px, top - 9, f"closest pass {lowest:.2f} m at {clock(float(t[k]))}", "key main", "end"),
+        ]
     for event in (e for e in run.select("collision") if not e.get("robot")):
         x = axis(float(event["t"]))
         body.append(f'<path d="M{x - 5:.1f},{y(0) - 5:.1f}l10,10m0,-10l-10,10" class="cross"/>')
     return chart(208, body, axis, label="Clearance over time", top=top, bottom=bottom)
 
 
-LANES = (("first", "first question"), ("distance", "near the goal"), ("stuck", "stuck"), ("failure", "planner failed"),
-         ("deviation", "off the path"))
+LANES = (
+    ("first", "first question"),
+    ("distance", "near the goal"),
+    ("stuck", "stuck"),
+    ("failure", "planner failed"),
+    ("deviation", "off the path"),
+)
 
 
 def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
@@ -113,9 +145,14 @@ def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
     top, pitch = 12.0, 28.0
     bottom = top + pitch * len(rows)
     middle = {name: top + pitch * (k + 0.5) for k, name in enumerate(rows)}
-    body = [part for name in rows
-            for part in (line(axis.start_px, middle[name], axis.end_px, middle[name], "lane"),
-                         text(LEFT - 8, middle[name] + 4, name, "tick", "end"))]
+    body = [
+        part
+        for name in rows
+        for part in (
+            line(axis.start_px, middle[name], axis.end_px, middle[name], "lane"),
+            text(LEFT - 8, middle[name] + 4, name, "tick", "end"),
+        )
+    ]
     for cause, name in lanes:
         held: dict[str, list[float]] = {}
         for event in triggers:
@@ -124,33 +161,48 @@ def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
         for why, times in held.items():
             for start, end in _stretches(times):
                 x, width = axis(start), max(3.0, axis(end) - axis(start))
-                body.append(f'<rect x="{x:.1f}" y="{middle[name] - 4:.1f}" width="{width:.1f}" height="8" '
-                            f'class="held {escape(why)}"><title>{clock(start)}–{clock(end)}: held back '
-                            f'({escape(HELD.get(why, why))})</title></rect>')
+                body.append(
+                    f'<rect x="{x:.1f}" y="{middle[name] - 4:.1f}" width="{width:.1f}" height="8" '
+                    f'class="held {escape(why)}"><title>{clock(start)}–{clock(end)}: held back '
+                    f"({escape(HELD.get(why, why))})</title></rect>"
+                )
         for event in triggers:
             if event.get("cause") == cause and event.get("fired"):
-                body.append(f'<circle cx="{axis(float(event["t"])):.1f}" cy="{middle[name]:.1f}" r="5.5" '
-                            f'class="fired"><title>{clock(float(event["t"]))}: asked ({escape(name)})</title></circle>')
+                body.append(
+                    f'<circle cx="{axis(float(event["t"])):.1f}" cy="{middle[name]:.1f}" r="5.5" '
+                    f'class="fired"><title>{clock(float(event["t"]))}: asked ({escape(name)})</title></circle>'
+                )
     for decision in made:
         for one in decision.tries:
             end = one.answered_at_s if one.answered_at_s is not None else run.duration_s
             x, width = axis(one.asked_at_s), max(2.0, axis(end) - axis(one.asked_at_s) - 1)
-            body.append(f'<rect x="{x:.1f}" y="{middle["advisor thinking"] - 8:.1f}" width="{width:.1f}" height="16" '
-                        f'rx="2" class="ask {escape(one.verdict)}" data-decision="{decision.number}"><title>decision '
-                        f'{decision.number}, {escape(one.verdict)} {escape(one.code)}</title></rect>')
+            body.append(
+                f'<rect x="{x:.1f}" y="{middle["advisor thinking"] - 8:.1f}" width="{width:.1f}" height="16" '
+                f'rx="2" class="ask {escape(one.verdict)}" data-decision="{decision.number}"><title>decision '
+                f"{decision.number}, {escape(one.verdict)} {escape(one.code)}</title></rect>"
+            )
     body += _mode_bars([e for e in run.select("mode") if not e.get("robot")], axis, run.duration_s, middle["mode"])
     for event in run.select("collision", "robot_collision", "planner_failure", "fallback", "monitor"):
         x, y0, kind = axis(float(event["t"])), middle["incidents"], str(event["event"])
-        body.append(f'<rect x="{x - 2:.1f}" y="{y0 - 8:.1f}" width="4" height="16" class="incident {kind}"><title>'
-                    f'{clock(float(event["t"]))}: {INCIDENTS[kind]}</title></rect>')
+        body.append(
+            f'<rect x="{x - 2:.1f}" y="{y0 - 8:.1f}" width="4" height="16" class="incident {kind}"><title>'
+            f"{clock(float(event['t']))}: {INCIDENTS[kind]}</title></rect>"
+        )
     return chart(bottom + 26, body, axis, label="Triggers and decisions over time", top=top, bottom=bottom)
 
 
-HELD = {"pending": "a question was already open", "cooldown": "asked too recently",
-        "separation": "the new goal would be too near the old one"}
-INCIDENTS = {"collision": "collision", "robot_collision": "two robots touched",
-             "planner_failure": "no safe motion found, robot brakes",
-             "fallback": "fallback policy chose the goal", "monitor": "left the planned path, planned anew"}
+HELD = {
+    "pending": "a question was already open",
+    "cooldown": "asked too recently",
+    "separation": "the new goal would be too near the old one",
+}
+INCIDENTS = {
+    "collision": "collision",
+    "robot_collision": "two robots touched",
+    "planner_failure": "no safe motion found, robot brakes",
+    "fallback": "fallback policy chose the goal",
+    "monitor": "left the planned path, planned anew",
+}
 
 
 def _stretches(times: Sequence[float], gap: float = 0.35) -> list[tuple[float, float]]:
@@ -170,8 +222,10 @@ def _mode_bars(modes: Sequence[Record], axis: Span, end_s: float, y: float) -> l
         start = float(event["t"])
         end = float(modes[k + 1]["t"]) if k + 1 < len(modes) else end_s
         mode, x, width = str(event.get("mode", "")), axis(start), axis(end) - axis(start)
-        bars.append(f'<rect x="{x:.1f}" y="{y - 8:.1f}" width="{max(1.0, width):.1f}" height="16" '
-                    f'class="mode {escape(mode)}"><title>{clock(start)}–{clock(end)}: {escape(mode)}</title></rect>')
+        bars.append(
+            f'<rect x="{x:.1f}" y="{y - 8:.1f}" width="{max(1.0, width):.1f}" height="16" '
+            f'class="mode {escape(mode)}"><title>{clock(start)}–{clock(end)}: {escape(mode)}</title></rect>'
+        )
         if width > 8.0 * len(mode):
             bars.append(text(x + 6, y + 4, mode, "inbar", "start"))
     return bars
@@ -191,25 +245,43 @@ def control_histogram(timing: Record) -> str:
     top, bottom = 12.0, 150.0
     decades = max(1, math.ceil(math.log10(max(counts) + 1)))
     y = Span(-0.3, decades, bottom, top)
-    body = [part for k in range(decades + 1)
-            for part in (line(LEFT, y(k), WIDTH - RIGHT, y(k), "grid"),
-                         text(LEFT - 8, y(k) + 4, f"{10 ** k:,}", "tick", "end"))]
+    body = [
+        part
+        for k in range(decades + 1)
+        for part in (
+            line(LEFT, y(k), WIDTH - RIGHT, y(k), "grid"),
+            text(LEFT - 8, y(k) + 4, f"{10**k:,}", "tick", "end"),
+        )
+    ]
     for k, count in enumerate(counts[:last]):
         if count:
             height = bottom - y(math.log10(count))
-            body.append(f'<rect x="{x(edges[k]) + .5:.1f}" y="{bottom - height:.1f}" '
-                        f'width="{max(1.0, x(edges[k + 1]) - x(edges[k]) - 1):.1f}" height="{height:.1f}" class="bar">'
-                        f'<title>{edges[k]:.2f}–{edges[k + 1]:.2f} ms: {count} ticks</title></rect>')
+            body.append(
+                f'<rect x="{x(edges[k]) + 0.5:.1f}" y="{bottom - height:.1f}" '
+                f'width="{max(1.0, x(edges[k + 1]) - x(edges[k]) - 1):.1f}" height="{height:.1f}" class="bar">'
+                f"<title>{edges[k]:.2f}–{edges[k + 1]:.2f} ms: {count} ticks</title></rect>"
+            )
     for key, name in (("control_ms_median", "median"), ("control_ms_p99", "99th percentile")):
         value = timing.get(key)
         if isinstance(value, int | float) and value <= x.high:
             right = x(value) > WIDTH - 200
-            body += [line(x(value), top, x(value), bottom, "limit main"),
-                     text(x(value) + (-6 if right else 6), top + 10 + (14 if key.endswith("p99") else 0),
-                          f"{name} {value:.2f} ms", "mark", "end" if right else "start")]
+            body += [
+                line(x(value), top, x(value), bottom, "limit main"),
+                text(
+                    x(value) + (-6 if right else 6),
+                    top + 10 + (14 if key.endswith("p99") else 0),
+                    f"{name} {value:.2f} ms",
+                    "mark",
+                    "end" if right else "start",
+                ),
+            ]
     body += [text(x(v), bottom + 18, f"{v:g}", "tick") for v in x.ticks(10)]
-    body += [text(WIDTH - RIGHT, bottom + 34, "milliseconds per control tick", "tick", "end"),
-             text(LEFT - 68, (top + bottom) / 2, "ticks", "name rot"),
-             line(LEFT, bottom, WIDTH - RIGHT, bottom, "axis")]
-    return (f'<svg viewBox="0 0 {WIDTH:.0f} 190" class="chart" role="img" aria-label="Control time histogram">'
-            f'{"".join(body)}</svg>')
+    body += [
+        text(WIDTH - RIGHT, bottom + 34, "milliseconds per control tick", "tick", "end"),
+        text(LEFT - 68, (top + bottom) / 2, "ticks", "name rot"),
+        line(LEFT, bottom, WIDTH - RIGHT, bottom, "axis"),
+    ]
+    return (
+        f'<svg viewBox="0 0 {WIDTH:.0f} 190" class="chart" role="img" aria-label="Control time histogram">'
+        f"{''.join(body)}</svg>"
+    )

@@ -61,7 +61,7 @@ def draw_scale_bar(view: MapPicture) -> None:
     x, y = 12.0, height - 13.0
     text = f"{metres:g} m"
     w = text_size(text, 14, 600)[0]
-    box = rgb[height - 27:height - 2, 4:round(x + length) + w + 18]
+    box = rgb[height - 27 : height - 2, 4 : round(x + length) + w + 18]
     box[:] = np.rint(0.15 * box + 0.85 * 255).astype(np.uint8)
     draw_line(rgb, np.array([(x, y), (x + length, y)]), INK, 3)
     for end in (x, x + length):
@@ -95,8 +95,12 @@ LEGEND_PX = 620
 
 def draw_legend(rgb: Image, left: int, top: int, goal: bool) -> None:
     """Two lines that explain the colours, in place, from (left, top) px; `goal` says whether one is drawn."""
-    squares = [(CELL_COLORS[0], "unexplored"), (CELL_COLORS[1], "explored"), (CELL_COLORS[2], "obstacle"),
-               (CELL_COLORS[3], "oysters")]
+    squares = [
+        (CELL_COLORS[0], "unexplored"),
+        (CELL_COLORS[1], "explored"),
+        (CELL_COLORS[2], "obstacle"),
+        (CELL_COLORS[3], "oysters"),
+    ]
     x, y = float(left), top + 12.0
     for color, name in squares:
         box = np.array([(x, y - 7), (x + 14, y - 7), (x + 14, y + 7), (x, y + 7)])

@@ -45,18 +45,33 @@ class MapSvg:
         last = self.run.frame_steps[-1] if self.run.frame_steps else None
         cells = self.run.frame(last, "map") if last is not None else None
         href = map_uri(cells) if cells is not None else ""
-        return "".join((
-            f'<svg id="map" viewBox="0 0 {self.width:.0f} {self.height:.0f}" class="map" role="img" '
-            f'aria-label="Map of the survey" data-scale="{self.scale:.6f}" data-x0="{left:.3f}" '
-            f'data-y0="{top + h:.3f}"><defs><clipPath id="inside"><rect x="{left:.1f}" y="{top:.1f}" width="{w:.1f}" '
-            f'height="{h:.1f}"/></clipPath></defs>',
-            f'<rect x="{left:.1f}" y="{top:.1f}" width="{w:.1f}" height="{h:.1f}" class="sea"/>',
-            f'<image id="cells" x="{left:.1f}" y="{top:.1f}" width="{w:.1f}" height="{h:.1f}" '
-            f'preserveAspectRatio="none" href="{href}"/>' if href else "",
-            '<g clip-path="url(#inside)">', self._truth(), self._path(), self._centroids(made), self._links(made),
-            '<g id="goalmark" class="goal" visibility="hidden"><circle r="11"/>'
-            '<path d="M-16,0h9M7,0h9M0,-16v9M0,7v9"/></g>',
-            self._decisions(made), self._collisions(), self._others(), self._robot(), "</g>", self._axes(), "</svg>"))
+        return "".join(
+            (
+                f'<svg id="map" viewBox="0 0 {self.width:.0f} {self.height:.0f}" class="map" role="img" '
+                f'aria-label="Map of the survey" data-scale="{self.scale:.6f}" data-x0="{left:.3f}" '
+                f'data-y0="{top + h:.3f}"><defs><clipPath id="inside"><rect x="{left:.1f}" y="{top:.1f}" '
+                f'width="{w:.1f}" height="{h:.1f}"/></clipPath></defs>',
+                f'<rect x="{left:.1f}" y="{top:.1f}" width="{w:.1f}" height="{h:.1f}" class="sea"/>',
+                f'<image id="cells" x="{left:.1f}" y="{top:.1f}" width="{w:.1f}" height="{h:.1f}" '
+                f'preserveAspectRatio="none" href="{href}"/>'
+                if href
+                else "",
+                '<g clip-path="url(#inside)">',
+                self._truth(),
+                self._path(),
+                self._centroids(made),
+                self._links(made),
+                '<g id="goalmark" class="goal" visibility="hidden"><circle r="11"/>'
+                '<path d="M-16,0h9M7,0h9M0,-16v9M0,7v9"/></g>',
+                self._decisions(made),
+                self._collisions(),
+                self._others(),
+                self._robot(),
+                "</g>",
+                self._axes(),
+                "</svg>",
+            )
+        )
 
     def _truth(self) -> str:
         covered = {str(e.get("name")): float(e["t"]) for e in self.run.select("cluster_covered")}
@@ -73,8 +88,10 @@ class MapSvg:
             name = str(cluster.get("name", ""))
             state = "covered" if name in covered else "missed"
             said = f"covered at {clock(covered[name])}" if name in covered else "missed"
-            parts.append(f'<path d="{self._closed(hull)}" class="cluster {state}"><title>true cluster '
-                         f'{escape(name)}: {said}</title></path>')
+            parts.append(
+                f'<path d="{self._closed(hull)}" class="cluster {state}"><title>true cluster '
+                f"{escape(name)}: {said}</title></path>"
+            )
             low = hull[int(np.argmin(hull[:, 1]))]
             x, y = self.at(float(hull[:, 0].mean()), float(low[1]))
             mark = "✓" if name in covered else "✗ missed"
@@ -87,10 +104,19 @@ class MapSvg:
     def _path(self) -> str:
         x, y = track(self.run)
         d = self._line(x, y)
-        others = "".join(f'<path id="track-{k}" d="{self._line(*track(self.run.robot(k)))}" class="track" '
-                         f'style="stroke:{color_of(k)}"/>' for k in range(1, len(self.run.fleet) + 1))
-        return (f'<g id="layer-path">{others}<path id="track-edge" d="{d}" class="track edge"/>'
-                f'<path id="track" d="{d}" class="track"/></g>') if len(x) > 1 else '<g id="layer-path"></g>'
+        others = "".join(
+            f'<path id="track-{k}" d="{self._line(*track(self.run.robot(k)))}" class="track" '
+            f'style="stroke:{color_of(k)}"/>'
+            for k in range(1, len(self.run.fleet) + 1)
+        )
+        return (
+            (
+                f'<g id="layer-path">{others}<path id="track-edge" d="{d}" class="track edge"/>'
+                f'<path id="track" d="{d}" class="track"/></g>'
+            )
+            if len(x) > 1
+            else '<g id="layer-path"></g>'
+        )
 
     def _line(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> str:
         spots = ("{:.1f},{:.1f}".format(*self.at(float(a), float(b))) for a, b in zip(x, y, strict=True))
@@ -102,15 +128,22 @@ class MapSvg:
         chain = " ".join(f"{x:.1f},{y:.1f}" for x, y in spots)
         dots = "".join(
             f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" class="centroid{" visited" if c.get("visited") else ""}"/>'
-            f'{text(x + 10, y - 7, str(c["index"]), "centroidname", "start")}'
-            for (x, y), c in zip(spots, last, strict=True))
+            f"{text(x + 10, y - 7, str(c['index']), 'centroidname', 'start')}"
+            for (x, y), c in zip(spots, last, strict=True)
+        )
         return f'<g id="layer-centroids"><polyline points="{chain}" class="chain"/>{dots}</g>'
 
     def _links(self, made: Sequence[Decision]) -> str:
         links = [(d, self.at(d.x, d.y), self.at(*d.goal)) for d in made if d.goal and math.isfinite(d.x)]
-        return '<g id="layer-links">' + "".join(
-            f'<line x1="{a[0]:.1f}" y1="{a[1]:.1f}" x2="{b[0]:.1f}" y2="{b[1]:.1f}" class="link" '
-            f'data-decision="{d.number}"/>' for d, a, b in links) + "</g>"
+        return (
+            '<g id="layer-links">'
+            + "".join(
+                f'<line x1="{a[0]:.1f}" y1="{a[1]:.1f}" x2="{b[0]:.1f}" y2="{b[1]:.1f}" class="link" '
+                f'data-decision="{d.number}"/>'
+                for d, a, b in links
+            )
+            + "</g>"
+        )
 
     def _decisions(self, made: Sequence[Decision]) -> str:
         """Numbered markers where the robot was when it asked, moved apart where they would hide each other."""
@@ -135,7 +168,8 @@ class MapSvg:
             parts.append(
                 f'<g class="decision {state}" data-decision="{d.number}" tabindex="0" role="button">{lead}'
                 f'<circle cx="{x:.1f}" cy="{y:.1f}" r="9.5"/>{text(x, y + 3.8, str(d.number), "")}'
-                f"<title>decision {d.number} at {clock(d.t)}: {escape(d.tries[-1].said)}</title></g>")
+                f"<title>decision {d.number} at {clock(d.t)}: {escape(d.tries[-1].said)}</title></g>"
+            )
         return f'<g id="layer-decisions">{"".join(parts)}</g>'
 
     def _collisions(self) -> str:
@@ -143,8 +177,10 @@ class MapSvg:
         for event in self.run.select("collision", "robot_collision"):
             if isinstance(event.get("x"), int | float) and isinstance(event.get("y"), int | float):
                 x, y = self.at(float(event["x"]), float(event["y"]))
-                parts.append(f'<path d="M{x - 7:.1f},{y - 7:.1f}l14,14m0,-14l-14,14" class="cross"><title>collision at '
-                             f'{clock(float(event["t"]))}</title></path>')
+                parts.append(
+                    f'<path d="M{x - 7:.1f},{y - 7:.1f}l14,14m0,-14l-14,14" class="cross"><title>collision at '
+                    f"{clock(float(event['t']))}</title></path>"
+                )
         return f'<g id="layer-collisions">{"".join(parts)}</g>'
 
     def _robot(self) -> str:
@@ -153,11 +189,13 @@ class MapSvg:
             return ""
         x, y = self.at(float(xs[-1]), float(ys[-1]))
         turn = -math.degrees(float(thetas[-1])) if math.isfinite(thetas[-1]) else 0.0
-        return (f'<g id="robot" transform="translate({x:.1f},{y:.1f}) rotate({turn:.1f})">'
-                f'<circle r="{0.3 * self.scale:.1f}" class="hull"/>'
-                '<path d="M0,0L0,-22" class="leftward"/><path d="M-4,-21L0,-30L4,-21Z" class="leftward tip"/>'
-                '<path d="M0,0L28,0" class="forward"/><path d="M27,-5L38,0L27,5Z" class="forward tip"/>'
-                '<circle r="6.5" class="body"/></g>')
+        return (
+            f'<g id="robot" transform="translate({x:.1f},{y:.1f}) rotate({turn:.1f})">'
+            f'<circle r="{0.3 * self.scale:.1f}" class="hull"/>'
+            '<path d="M0,0L0,-22" class="leftward"/><path d="M-4,-21L0,-30L4,-21Z" class="leftward tip"/>'
+            '<path d="M0,0L28,0" class="forward"/><path d="M27,-5L38,0L27,5Z" class="forward tip"/>'
+            '<circle r="6.5" class="body"/></g>'
+        )
 
     def _others(self) -> str:
         parts = []
@@ -166,20 +204,23 @@ class MapSvg:
             if len(xs):
                 x, y = self.at(float(xs[-1]), float(ys[-1]))
                 paint = f'style="fill:{color_of(k)};stroke:{color_of(k)}"'
-                parts.append(f'<g id="robot-{k}" transform="translate({x:.1f},{y:.1f}) rotate('
-                             f'{-math.degrees(float(thetas[-1])):.1f})"><title>robot {k}</title>'
-                             f'<circle r="{0.3 * self.scale:.1f}" class="hull" {paint} fill-opacity="0.13"/>'
-                             f'<path d="M0,0L28,0" class="forward" {paint}/>'
-                             f'<path d="M27,-5L38,0L27,5Z" class="forward tip" {paint}/>'
-                             f'<circle r="6.5" class="body" style="fill:{color_of(k)}"/></g>')
+                parts.append(
+                    f'<g id="robot-{k}" transform="translate({x:.1f},{y:.1f}) rotate('
+                    f'{-math.degrees(float(thetas[-1])):.1f})"><title>robot {k}</title>'
+                    f'<circle r="{0.3 * self.scale:.1f}" class="hull" {paint} fill-opacity="0.13"/>'
+                    f'<path d="M0,0L28,0" class="forward" {paint}/>'
+                    f'<path d="M27,-5L38,0L27,5Z" class="forward tip" {paint}/>'
+                    f'<circle r="6.5" class="body" style="fill:{color_of(k)}"/></g>'
+                )
         return "".join(parts)
 
     def _axes(self) -> str:
         left, bottom = self.at(0.0, 0.0)
         right, top = self.at(*self.size_m)
         step = nice_step(max(self.size_m), 8)
-        parts = [f'<rect x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" height="{bottom - top:.1f}" '
-                 'class="frame"/>']
+        parts = [
+            f'<rect x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" height="{bottom - top:.1f}" class="frame"/>'
+        ]
         for k in range(int(self.size_m[0] / step + 1e-9) + 1):
             x = self.at(k * step, 0.0)[0]
             parts += [line(x, bottom, x, bottom + 4, "axis"), text(x, bottom + 17, f"{k * step:g}", "tick")]
@@ -187,8 +228,10 @@ class MapSvg:
             y = self.at(0.0, k * step)[1]
             parts += [line(left - 4, y, left, y, "axis"), text(left - 7, y + 4, f"{k * step:g}", "tick", "end")]
         parts.append(text((left + right) / 2, bottom + 28, "east, m", "tick"))
-        parts.append(f'<text transform="translate(11,{(top + bottom) / 2:.1f}) rotate(-90)" text-anchor="middle" '
-                     'class="tick">north, m</text>')
+        parts.append(
+            f'<text transform="translate(11,{(top + bottom) / 2:.1f}) rotate(-90)" text-anchor="middle" '
+            'class="tick">north, m</text>'
+        )
         return "".join(parts)
 
 

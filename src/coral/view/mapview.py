@@ -37,6 +37,7 @@ __all__ = ["CELL_COLORS", "MapPicture", "MapScene", "MapViewCfg", "camera_pictur
 Box = tuple[float, float, float, float]
 _CELL_WORDS = np.ascontiguousarray(np.pad(CELL_COLORS, ((0, 0), (0, 1)))).view(np.uint32)[:, 0]
 
+
 @dataclass(frozen=True, kw_only=True)
 class MapScene:
     """What a map picture shows; world frame ENU, metres.
@@ -116,7 +117,7 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     width = max(inner_w + left + right, LEGEND_PX if cfg.legend and cfg.size_px >= LEGEND_PX else 0)
     rgb = np.full((inner_h + bottom + top + legend_px, width, 3), 255, np.uint8)
     view = MapPicture(rgb, scale, left - scale * x0, top + inner_h + scale * y0, window)
-    inner = rgb[top:top + inner_h, left:left + inner_w]
+    inner = rgb[top : top + inner_h, left : left + inner_w]
     inner[:] = _ground(scene, window, inner_w, inner_h)
     # Overlays are clipped to the map by drawing into its slice.
     inside = MapPicture(inner, scale, -scale * x0, inner_h + scale * y0, window)
@@ -157,8 +158,12 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
     x0, x1 = _span(x0, x1, side, whole[0], whole[2])
     y0, y1 = _span(y0, y1, side, whole[1], whole[3])
     snap = scene.cell_m
-    return (ox + snap * math.floor((x0 - ox) / snap + 1e-6), oy + snap * math.floor((y0 - oy) / snap + 1e-6),
-            ox + snap * math.ceil((x1 - ox) / snap - 1e-6), oy + snap * math.ceil((y1 - oy) / snap - 1e-6))
+    return (
+        ox + snap * math.floor((x0 - ox) / snap + 1e-6),
+        oy + snap * math.floor((y0 - oy) / snap + 1e-6),
+        ox + snap * math.ceil((x1 - ox) / snap - 1e-6),
+        oy + snap * math.ceil((y1 - oy) / snap - 1e-6),
+    )
 
 
 def _span(low: float, high: float, least: float, floor: float, ceiling: float) -> tuple[float, float]:
@@ -176,8 +181,8 @@ def _ground(scene: MapScene, window: tuple[float, float, float, float], width: i
     c1, r1 = round((window[2] - ox) / scene.cell_m), round((window[3] - oy) / scene.cell_m)
     cells = np.zeros((max(1, r1 - r0), max(1, c1 - c0)), np.uint8)
     rows, columns = scene.cells.shape
-    have = scene.cells[max(r0, 0):min(r1, rows), max(c0, 0):min(c1, columns)]
-    cells[max(-r0, 0):max(-r0, 0) + have.shape[0], max(-c0, 0):max(-c0, 0) + have.shape[1]] = have
+    have = scene.cells[max(r0, 0) : min(r1, rows), max(c0, 0) : min(c1, columns)]
+    cells[max(-r0, 0) : max(-r0, 0) + have.shape[0], max(-c0, 0) : max(-c0, 0) + have.shape[1]] = have
     zoom = min(width / cells.shape[1], height / cells.shape[0])
     if zoom >= 2:  # whole-number enlargement first keeps the edges of cells crisp; interpolation smooths the rest
         cells = np.repeat(np.repeat(cells, int(zoom), axis=0), int(zoom), axis=1)
@@ -262,7 +267,9 @@ def _labels(rgb: Image, dots: NDArray[np.float64], names: Sequence[str], robot: 
             continue
         reach_x, reach_y = 9 + w / 2, 6 + h / 2
         best, cost = (x, y), math.inf
-        for rank, (dx, dy) in enumerate(((.9, -.7), (-.9, -.7), (.9, .7), (-.9, .7), (0, -1), (1, 0), (-1, 0), (0, 1))):
+        for rank, (dx, dy) in enumerate(
+            ((0.9, -0.7), (-0.9, -0.7), (0.9, 0.7), (-0.9, 0.7), (0, -1), (1, 0), (-1, 0), (0, 1))
+        ):
             cx = min(max(x + dx * reach_x, w / 2), width - w / 2)
             cy = min(max(y + dy * reach_y, h / 2), height - h / 2)
             box = (cx - w / 2, cy - h / 2 + 2, cx + w / 2, cy + h / 2 - 2)

@@ -47,8 +47,15 @@ def palette_png(classes: Image, palette: NDArray[np.uint8]) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     header = struct.pack(">IIBBBBB", width, height, depth, 3, 0, 0, 0)
-    return b"".join((b"\x89PNG\r\n\x1a\n", chunk(b"IHDR", header), chunk(b"PLTE", palette.astype(np.uint8).tobytes()),
-                     chunk(b"IDAT", zlib.compress(raw, 6)), chunk(b"IEND", b"")))
+    return b"".join(
+        (
+            b"\x89PNG\r\n\x1a\n",
+            chunk(b"IHDR", header),
+            chunk(b"PLTE", palette.astype(np.uint8).tobytes()),
+            chunk(b"IDAT", zlib.compress(raw, 6)),
+            chunk(b"IEND", b""),
+        )
+    )
 
 
 @lru_cache(maxsize=1)
@@ -81,8 +88,18 @@ def text_size(text: str, size: int, weight: int = 500, halo: int = 0) -> tuple[i
     return width, height
 
 
-def draw_text(image: Image, text: str, x: float, y: float, *, size: int = 14, color: RGB = (40, 44, 52),
-              weight: int = 500, halo: int = 0, anchor: str = "lm") -> None:
+def draw_text(
+    image: Image,
+    text: str,
+    x: float,
+    y: float,
+    *,
+    size: int = 14,
+    color: RGB = (40, 44, 52),
+    weight: int = 500,
+    halo: int = 0,
+    anchor: str = "lm",
+) -> None:
     """Write text in place, moved where necessary so that it stays inside the picture.
 
     Args:
@@ -101,8 +118,11 @@ def draw_text(image: Image, text: str, x: float, y: float, *, size: int = 14, co
     left = round(x - {"l": 0.0, "m": 0.5, "r": 1.0}[anchor[0]] * w)
     top = round(y - {"t": 0.0, "m": 0.5, "b": 1.0}[anchor[1]] * h)
     left, top = max(0, min(left, image.shape[1] - w)), max(0, min(top, image.shape[0] - h))
-    patch = image[top:top + h, left:left + w]
-    letters, spread = letters[:patch.shape[0], :patch.shape[1], None], spread[:patch.shape[0], :patch.shape[1], None]
+    patch = image[top : top + h, left : left + w]
+    letters, spread = (
+        letters[: patch.shape[0], : patch.shape[1], None],
+        spread[: patch.shape[0], : patch.shape[1], None],
+    )
     mixed: NDArray[np.float32] = patch * (1 - spread) + 255 * spread if halo else patch.astype(np.float32)
     patch[:] = np.rint(mixed * (1 - letters) + np.array(color, np.float32) * letters).astype(np.uint8)
 
@@ -122,8 +142,14 @@ def draw_line(image: Image, points: NDArray[np.float64], color: RGB, width: int 
     cv2.polylines(image, line, False, color, width, cv2.LINE_AA, _SUBPIXEL)
 
 
-def draw_dot(image: Image, center: NDArray[np.float64], radius: float, color: RGB, edge: RGB = (255, 255, 255),
-             edge_width: float = 2.0) -> None:
+def draw_dot(
+    image: Image,
+    center: NDArray[np.float64],
+    radius: float,
+    color: RGB,
+    edge: RGB = (255, 255, 255),
+    edge_width: float = 2.0,
+) -> None:
     """Filled disc in place with an edge; `center` (x, y) px."""
     x, y = (int(value) for value in fixed_point(center).reshape(2))
     scale = 1 << _SUBPIXEL

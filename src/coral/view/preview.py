@@ -12,7 +12,14 @@ import numpy as np
 from coral.reef.world import Obstacle, ReefWorld
 
 SEABED, OYSTER, ROCK, SPINE, START, FLOW, INK = (
-    "#f1ead8", "#2f9e4f", "#2b2b2b", "#8fb3c9", "#d1342b", "#1f5fb0", "#26302a")
+    "#f1ead8",
+    "#2f9e4f",
+    "#2b2b2b",
+    "#8fb3c9",
+    "#d1342b",
+    "#1f5fb0",
+    "#26302a",
+)
 
 
 def preview(world: ReefWorld, path: Path) -> Path:
@@ -25,16 +32,26 @@ def preview(world: ReefWorld, path: Path) -> Path:
     _draw(axes, world, size=13)
     width, height = world.size_m
     oysters = sum(len(cluster.oysters) for cluster in world.clusters)
-    axes.set_title(f"{world.name}: {width:g} × {height:g} m, {len(world.clusters)} clusters, {oysters} oysters, "
-                   f"{len(world.obstacles)} obstacles", fontsize=12)
+    axes.set_title(
+        f"{world.name}: {width:g} × {height:g} m, {len(world.clusters)} clusters, {oysters} oysters, "
+        f"{len(world.obstacles)} obstacles",
+        fontsize=12,
+    )
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
     axes.set_xlim(-0.2, width + 0.2)
     axes.set_ylim(-0.2, height + 0.2)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(nbins=8, integer=True, steps=[1, 2, 5, 10]))
-    figure.legend(handles=_legend(), loc="outside lower center", ncols=5, frameon=False, fontsize=9.5,
-                  handletextpad=0.4, columnspacing=1.4)
+    figure.legend(
+        handles=_legend(),
+        loc="outside lower center",
+        ncols=5,
+        frameon=False,
+        fontsize=9.5,
+        handletextpad=0.4,
+        columnspacing=1.4,
+    )
     figure.savefig(path, format="png")
     return path
 
@@ -46,8 +63,11 @@ def preview_sheet(worlds: Sequence[ReefWorld], path: Path, columns: int = 5) -> 
 
     rows = math.ceil(len(worlds) / columns)
     widest, highest = (max(world.size_m[axis] for world in worlds) for axis in (0, 1))
-    figure = Figure(figsize=(3.5 * columns, (3.5 * highest / widest + 0.35) * rows + 0.35), dpi=110,
-                    layout=ConstrainedLayoutEngine(h_pad=0.1))
+    figure = Figure(
+        figsize=(3.5 * columns, (3.5 * highest / widest + 0.35) * rows + 0.35),
+        dpi=110,
+        layout=ConstrainedLayoutEngine(h_pad=0.1),
+    )
     for k, axes in enumerate(np.atleast_1d(figure.subplots(rows, columns)).ravel()):
         axes.set_axis_off()
         if k >= len(worlds):
@@ -72,26 +92,54 @@ def _draw(axes: Any, world: ReefWorld, *, size: float) -> None:
     axes.add_patch(Rectangle((0, 0), width, height, facecolor=SEABED, edgecolor="#8a8a8a", linewidth=0.8))
     for line in world.spine:
         axes.plot(*np.array(line).T, color=SPINE, linewidth=1.2, linestyle=(0, (4, 3)), zorder=1)
-    oysters = [Ellipse((o.x, o.y), 2 * o.radii[0], 2 * o.radii[1], angle=math.degrees(o.rpy[2]))
-               for cluster in world.clusters for o in cluster.oysters]
+    oysters = [
+        Ellipse((o.x, o.y), 2 * o.radii[0], 2 * o.radii[1], angle=math.degrees(o.rpy[2]))
+        for cluster in world.clusters
+        for o in cluster.oysters
+    ]
     axes.add_collection(PatchCollection(oysters, facecolor=OYSTER, edgecolor="none", zorder=2))
-    axes.add_collection(PatchCollection([_outline(o) for o in world.obstacles], facecolor=ROCK, edgecolor="none",
-                                        zorder=3))
+    axes.add_collection(
+        PatchCollection([_outline(o) for o in world.obstacles], facecolor=ROCK, edgecolor="none", zorder=3)
+    )
     for k, cluster in enumerate(world.clusters):
         x = float(np.mean([o.x for o in cluster.oysters]))
         y = float(np.mean([o.y for o in cluster.oysters]))
-        axes.text(x, y, str(k), color=INK, fontsize=size, fontweight="bold", ha="center", va="center_baseline",
-                  path_effects=halo, zorder=5)
+        axes.text(
+            x,
+            y,
+            str(k),
+            color=INK,
+            fontsize=size,
+            fontweight="bold",
+            ha="center",
+            va="center_baseline",
+            path_effects=halo,
+            zorder=5,
+        )
     s = world.start
     axes.add_patch(Ellipse((s.x, s.y), 0.6, 0.6, facecolor=START, edgecolor="white", linewidth=0.8, zorder=6))
-    axes.annotate("", (s.x + 1.4 * math.cos(s.theta), s.y + 1.4 * math.sin(s.theta)), (s.x, s.y), zorder=6,
-                  arrowprops={"arrowstyle": "-|>", "color": START, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0})
+    axes.annotate(
+        "",
+        (s.x + 1.4 * math.cos(s.theta), s.y + 1.4 * math.sin(s.theta)),
+        (s.x, s.y),
+        zorder=6,
+        arrowprops={"arrowstyle": "-|>", "color": START, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0},
+    )
     _draw_current(axes, world, size)
     bar = 5.0 if min(world.size_m) >= 12.0 else 1.0
     axes.plot([0.6, 0.6 + bar], [0.6, 0.6], color="white", linewidth=6, zorder=6, solid_capstyle="butt")
     axes.plot([0.6, 0.6 + bar], [0.6, 0.6], color=INK, linewidth=3, zorder=6, solid_capstyle="butt")
-    axes.text(0.6 + bar / 2, 0.9, f"{bar:g} m", ha="center", va="bottom", fontsize=size - 2, color=INK,
-              path_effects=halo, zorder=6)
+    axes.text(
+        0.6 + bar / 2,
+        0.9,
+        f"{bar:g} m",
+        ha="center",
+        va="bottom",
+        fontsize=size - 2,
+        color=INK,
+        path_effects=halo,
+        zorder=6,
+    )
     axes.set_aspect("equal")
 
 
@@ -111,10 +159,24 @@ def _draw_current(axes: Any, world: ReefWorld, size: float) -> None:
     reach = 0.75
     axes.add_patch(Circle((x, y), 1.0, facecolor="white", edgecolor=FLOW, linewidth=0.8, alpha=0.85, zorder=6))
     dx, dy = reach * vx / speed, reach * vy / speed
-    axes.annotate("", (x + dx, y + dy), (x - dx, y - dy), zorder=7,
-                  arrowprops={"arrowstyle": "-|>", "color": FLOW, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0})
-    axes.text(x, y + 1.2, f"{100 * speed:.1f} cm/s", ha="center", va="bottom", fontsize=size - 2, color=FLOW,
-              path_effects=[withStroke(linewidth=2.6, foreground="white")], zorder=7)
+    axes.annotate(
+        "",
+        (x + dx, y + dy),
+        (x - dx, y - dy),
+        zorder=7,
+        arrowprops={"arrowstyle": "-|>", "color": FLOW, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0},
+    )
+    axes.text(
+        x,
+        y + 1.2,
+        f"{100 * speed:.1f} cm/s",
+        ha="center",
+        va="bottom",
+        fontsize=size - 2,
+        color=FLOW,
+        path_effects=[withStroke(linewidth=2.6, foreground="white")],
+        zorder=7,
+    )
 
 
 def _legend() -> list[Any]:
@@ -123,8 +185,13 @@ def _legend() -> list[Any]:
     def mark(color: str, marker: str, label: str) -> Line2D:
         return Line2D([], [], color=color, marker=marker, linestyle="none", markersize=8, label=label)
 
-    return [mark(OYSTER, "o", "oysters (cluster number)"), mark(ROCK, "s", "obstacles"), mark(START, "o", "start"),
-            mark(FLOW, "$→$", "current"), Line2D([], [], color=SPINE, linestyle="--", label="line of growth")]
+    return [
+        mark(OYSTER, "o", "oysters (cluster number)"),
+        mark(ROCK, "s", "obstacles"),
+        mark(START, "o", "start"),
+        mark(FLOW, "$→$", "current"),
+        Line2D([], [], color=SPINE, linestyle="--", label="line of growth"),
+    ]
 
 
 def _outline(obstacle: Obstacle) -> Any:

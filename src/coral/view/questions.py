@@ -15,23 +15,38 @@ def map_scene(belief: Belief) -> MapScene:
     """The robot's own map, chain, trajectory and goal as a scene to draw."""
     chain = belief.tracker.chain()
     return MapScene(
-        cells=belief.map.cells(), cell_m=belief.map.cfg.cell_m, pose=belief.pose, trajectory=belief.trajectory,
-        centroids=np.array([[t.x, t.y] for t in chain]).reshape(-1, 2), indices=[t.index for t in chain],
-        visited=[t.visited for t in chain], goal=belief.goal,
-        others=tuple(Companion(pose=other.pose, goal=other.goal) for other in belief.others))
+        cells=belief.map.cells(),
+        cell_m=belief.map.cfg.cell_m,
+        pose=belief.pose,
+        trajectory=belief.trajectory,
+        centroids=np.array([[t.x, t.y] for t in chain]).reshape(-1, 2),
+        indices=[t.index for t in chain],
+        visited=[t.visited for t in chain],
+        goal=belief.goal,
+        others=tuple(Companion(pose=other.pose, goal=other.goal) for other in belief.others),
+    )
 
 
 def question_pictures(belief: Belief) -> tuple[Picture, ...]:
     """Map, segmentation and depth, as PNG."""
     drawn = draw_map(map_scene(belief))
-    pictures = [Picture(name="map", png=png(drawn.rgb),
-                        caption="occupancy map with the centroid chain, the robot and its trajectory",
-                        pixel_from_world=((drawn.scale, 0.0, drawn.left_px), (0.0, -drawn.scale, drawn.bottom_px)))]
+    pictures = [
+        Picture(
+            name="map",
+            png=png(drawn.rgb),
+            caption="occupancy map with the centroid chain, the robot and its trajectory",
+            pixel_from_world=((drawn.scale, 0.0, drawn.left_px), (0.0, -drawn.scale, drawn.bottom_px)),
+        )
+    ]
     if belief.frame is not None:
         pictures += [
-            Picture(name="segmentation", png=png(camera_picture(belief.frame, "segmentation")),
-                    caption="front camera, segmented"),
-            Picture(name="depth", png=png(camera_picture(belief.frame, "depth")),
-                    caption="front camera, depth in metres"),
+            Picture(
+                name="segmentation",
+                png=png(camera_picture(belief.frame, "segmentation")),
+                caption="front camera, segmented",
+            ),
+            Picture(
+                name="depth", png=png(camera_picture(belief.frame, "depth")), caption="front camera, depth in metres"
+            ),
         ]
     return tuple(pictures)

@@ -78,26 +78,48 @@ def render_report(run: RunFolder) -> str:
     pictures = _pictures(run, made)
     metrics = _metrics(run)
     drawing = MapSvg(run, _size(run))
-    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(TEMPLATES), autoescape=True, trim_blocks=True,
-                                     lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
     environment.filters["clock"] = clock
     page = environment.get_template("report.html.j2")
     start: Record = (run.select("start") or [{}])[0]
     collisions = len(run.select("collision", "robot_collision"))
     return page.render(
-        run=run, name=str(start.get("world") or run.config.get("world") or run.path.name),
-        topology=str(run.world.get("topology", "")), size=_size(run), metrics=metrics, headline=_headline(run, metrics),
-        tiles=_tiles(metrics), map=Markup(drawing.draw(made)), decisions=made,
+        run=run,
+        name=str(start.get("world") or run.config.get("world") or run.path.name),
+        topology=str(run.world.get("topology", "")),
+        size=_size(run),
+        metrics=metrics,
+        headline=_headline(run, metrics),
+        tiles=_tiles(metrics),
+        map=Markup(drawing.draw(made)),
+        decisions=made,
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, made)],
-        histogram=Markup(control_histogram(run.timing)), pictures=pictures,
-        rows=[(_title(key), _show(key, value), DEFINITIONS.get(key, "")) for key, value in metrics.items()
-              if key != "per_robot"],
-        each=_each(metrics), robots=[color_of(k) for k in range(1, len(run.fleet) + 1)],
-        truth=_truth_counts(run), collisions=collisions, provenance=_provenance(run, start),
+        histogram=Markup(control_histogram(run.timing)),
+        pictures=pictures,
+        rows=[
+            (_title(key), _show(key, value), DEFINITIONS.get(key, ""))
+            for key, value in metrics.items()
+            if key != "per_robot"
+        ],
+        each=_each(metrics),
+        robots=[color_of(k) for k in range(1, len(run.fleet) + 1)],
+        truth=_truth_counts(run),
+        collisions=collisions,
+        provenance=_provenance(run, start),
         config=yaml.safe_dump(dict(run.config), sort_keys=False, allow_unicode=True) if run.config else "",
-        data=Markup(_script_data(run, made, pictures)), held=HELD, has_frames=bool(run.frame_steps),
-        video=(run.path / "mission.mp4").is_file(), script=Markup((TEMPLATES / "report.js").read_text("utf-8")),
-        style=Markup((TEMPLATES / "report.css").read_text("utf-8")))
+        data=Markup(_script_data(run, made, pictures)),
+        held=HELD,
+        has_frames=bool(run.frame_steps),
+        video=(run.path / "mission.mp4").is_file(),
+        script=Markup((TEMPLATES / "report.js").read_text("utf-8")),
+        style=Markup((TEMPLATES / "report.css").read_text("utf-8")),
+    )
 
 
 def _metrics(run: RunFolder) -> Mapping[str, Any]:
@@ -137,8 +159,10 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     minutes, seconds = divmod(int(float(metrics.get("sim_time_s", 0.0))), 60)
     distance = float(metrics.get("distance_m", 0.0))
     who, whose = (f"the {metrics['robots']} robots", "their") if metrics.get("robots") else ("the robot", "its")
-    return (f"In {minutes} min {seconds} s {who} {verb} {found} oyster clusters over {distance:.0f} m of survey, "
-            f"{safe}, putting {asked} to {whose} advisor.")
+    return (
+        f"In {minutes} min {seconds} s {who} {verb} {found} oyster clusters over {distance:.0f} m of survey, "
+        f"{safe}, putting {asked} to {whose} advisor."
+    )
 
 
 def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
@@ -149,16 +173,32 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     collisions = int(metrics.get("collisions", 0))
     closest = metrics.get("min_clearance_m")
     return [
-        (f"{float(metrics.get('coverage', 0)):.0%}", f"{covered} of {total} clusters", "coverage",
-         "good" if total and covered == total else ""),
-        (str(collisions), f"closest pass {closest:.2f} m" if isinstance(closest, int | float) else "", "collisions",
-         "bad" if collisions else "good"),
+        (
+            f"{float(metrics.get('coverage', 0)):.0%}",
+            f"{covered} of {total} clusters",
+            "coverage",
+            "good" if total and covered == total else "",
+        ),
+        (
+            str(collisions),
+            f"closest pass {closest:.2f} m" if isinstance(closest, int | float) else "",
+            "collisions",
+            "bad" if collisions else "good",
+        ),
         (clock(float(metrics.get("sim_time_s", 0))), "minutes, simulated", "survey time", ""),
         (f"{float(metrics.get('distance_m', 0)):.0f} m", "along the path", "distance", ""),
-        (str(metrics.get("advisor_calls", 0)), f"{metrics.get('requeries', 0)} of them re-queries", "advisor calls",
-         ""),
-        (str(metrics.get("deviations", 0)), "off the reef's trend", "deviations",
-         "bad" if metrics.get("deviations") else ""),
+        (
+            str(metrics.get("advisor_calls", 0)),
+            f"{metrics.get('requeries', 0)} of them re-queries",
+            "advisor calls",
+            "",
+        ),
+        (
+            str(metrics.get("deviations", 0)),
+            "off the reef's trend",
+            "deviations",
+            "bad" if metrics.get("deviations") else "",
+        ),
     ]
 
 
@@ -193,15 +233,24 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
         return []
     first = " of robot 0" if run.fleet else ""
     return [
-        ("Coverage", "Share of the true oyster clusters of which at least 60 % has been seen; each mark is one.",
-         coverage_chart(run)),
-        ("Decisions and triggers",
-         "Dots: the advisor was asked. Thin bars: a trigger was held back. Wide bars: the advisor thinking, coloured "
-         "by verdict; the controller goes on meanwhile.", event_chart(run, made)),
+        (
+            "Coverage",
+            "Share of the true oyster clusters of which at least 60 % has been seen; each mark is one.",
+            coverage_chart(run),
+        ),
+        (
+            "Decisions and triggers",
+            "Dots: the advisor was asked. Thin bars: a trigger was held back. Wide bars: the advisor thinking, "
+            "coloured by verdict; the controller goes on meanwhile.",
+            event_chart(run, made),
+        ),
         (f"Speed{first}", "Speed over ground and the controller's command.", speed_chart(run)),
-        (f"Clearance{first}", "True distance between the robot's hull (a 0.3 m disc) and the nearest obstacle. "
-         "Shaded: nearer than the hull's own radius; at 0 m (red line) it touches.",
-         clearance_chart(run)),
+        (
+            f"Clearance{first}",
+            "True distance between the robot's hull (a 0.3 m disc) and the nearest obstacle. "
+            "Shaded: nearer than the hull's own radius; at 0 m (red line) it touches.",
+            clearance_chart(run),
+        ),
     ]
 
 
@@ -215,11 +264,13 @@ def _truth_counts(run: RunFolder) -> tuple[int, int]:
 
 def _provenance(run: RunFolder, start: Record) -> list[tuple[str, str]]:
     origin = run.config.get("provenance")
-    facts: list[tuple[str, object]] = [(key, start.get(key, run.config.get(key))) for key in
-                                       ("world", "advisor", "variant", "seed")]
+    facts: list[tuple[str, object]] = [
+        (key, start.get(key, run.config.get(key))) for key in ("world", "advisor", "variant", "seed")
+    ]
     facts += list(origin.items()) if isinstance(origin, dict) else []
-    facts += [(key, run.timing.get(key)) for key in ("wall_time_s", "realtime_factor", "control_ms_median",
-                                                     "control_ms_p99")]
+    facts += [
+        (key, run.timing.get(key)) for key in ("wall_time_s", "realtime_factor", "control_ms_median", "control_ms_p99")
+    ]
     return [(key.replace("_", " "), str(value)) for key, value in facts if value not in (None, "")]
 
 
@@ -253,17 +304,36 @@ def _script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str
         return [round(float(v), digits) if math.isfinite(v) else None for v in values[keep]]
 
     data = {
-        "t": column(t, 2), "x": column(run.column("x"), 3), "y": column(run.column("y"), 3),
-        "a": column(run.column("theta"), 3), "s": column(speed, 3), "c": column(run.column("clearance"), 2),
-        "k": column(run.column("coverage"), 4), "gx": column(run.column("goal_x"), 2),
-        "gy": column(run.column("goal_y"), 2), "end": round(run.duration_s, 2), "plot": [LEFT, WIDTH - RIGHT, WIDTH],
+        "t": column(t, 2),
+        "x": column(run.column("x"), 3),
+        "y": column(run.column("y"), 3),
+        "a": column(run.column("theta"), 3),
+        "s": column(speed, 3),
+        "c": column(run.column("clearance"), 2),
+        "k": column(run.column("coverage"), 4),
+        "gx": column(run.column("goal_x"), 2),
+        "gy": column(run.column("goal_y"), 2),
+        "end": round(run.duration_s, 2),
+        "plot": [LEFT, WIDTH - RIGHT, WIDTH],
         **({"o": [_motion(run.robot(k), keep) for k in range(1, len(run.fleet) + 1)]} if run.fleet else {}),
-        "frames": _frames(run), "pictures": dict(pictures),
-        "decisions": [{"n": d.number, "t": d.t, "end": d.end_s, "mode": d.mode, "cause": d.cause, "tries": len(d.tries),
-                       "said": d.tries[-1].said, **({"r": d.robot} if run.fleet else {}),
-                       "verdict": d.outcome, "why": d.tries[-1].why[:600],
-                       "c": [[c["index"], c["x"], c["y"], bool(c.get("visited"))] for c in d.centroids]}
-                      for d in made],
+        "frames": _frames(run),
+        "pictures": dict(pictures),
+        "decisions": [
+            {
+                "n": d.number,
+                "t": d.t,
+                "end": d.end_s,
+                "mode": d.mode,
+                "cause": d.cause,
+                "tries": len(d.tries),
+                "said": d.tries[-1].said,
+                **({"r": d.robot} if run.fleet else {}),
+                "verdict": d.outcome,
+                "why": d.tries[-1].why[:600],
+                "c": [[c["index"], c["x"], c["y"], bool(c.get("visited"))] for c in d.centroids],
+            }
+            for d in made
+        ],
     }
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
@@ -272,8 +342,10 @@ def _motion(run: RunFolder, keep: Any) -> dict[str, list[float]]:
     """Another robot at the samples `keep`; it stands at its last one where it has fewer. Empty without any."""
     length = len(run.column("t"))
     at = np.minimum(keep, length - 1) if length else np.zeros(0, int)
-    return {key: np.nan_to_num(run.column(name)[at]).round(3).tolist() for key, name in
-            (("x", "x"), ("y", "y"), ("a", "theta"))}
+    return {
+        key: np.nan_to_num(run.column(name)[at]).round(3).tolist()
+        for key, name in (("x", "x"), ("y", "y"), ("a", "theta"))
+    }
 
 
 def _frames(run: RunFolder) -> list[dict[str, Any]]:
@@ -317,6 +389,7 @@ def _snapshot(run: RunFolder, step: int) -> dict[str, str]:
         # Coarser depth steps compress to a third; the pure "nothing" colour keeps its own entry.
         if key == "dep":
             classes = np.where(values == 0, 255, classes).astype(np.uint8)
-        found[key] = "data:image/png;base64," + b64encode(palette_png(np.minimum(classes, len(palette) - 1), palette)
-                                                          ).decode()
+        found[key] = (
+            "data:image/png;base64," + b64encode(palette_png(np.minimum(classes, len(palette) - 1), palette)).decode()
+        )
     return found

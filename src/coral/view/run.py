@@ -112,14 +112,18 @@ class RunFolder:
             path=folder,
             events=whole,
             trajectory=_table(folder / "trajectory.csv", notes),
-            attempts=() if task and not (folder / "attempts.jsonl").is_file()
+            attempts=()
+            if task and not (folder / "attempts.jsonl").is_file()
             else _lines(folder / "attempts.jsonl", notes),
             metrics=_document(folder / "metrics.json", json.loads, notes),
             timing=_document(folder / "timing.json", json.loads, notes),
             config=_document(folder / "config.yaml", _yaml, notes),
             world=_document(folder / ("task.yaml" if task else "world.yaml"), _yaml, notes),
-            frame_steps=tuple(sorted(int(file.name[:-8]) for file in (folder / "frames").glob("*_map.png")
-                                     if file.name[:-8].isdigit())),
+            frame_steps=tuple(
+                sorted(
+                    int(file.name[:-8]) for file in (folder / "frames").glob("*_map.png") if file.name[:-8].isdigit()
+                )
+            ),
             notes=tuple(notes),
             fleet=tuple(tables),
         )

@@ -52,11 +52,17 @@ def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[
     if cells is None:
         cells = np.zeros((round(float(size[1]) / cell_m), round(float(size[0]) / cell_m)), np.uint8)
     return MapScene(
-        cells=cells, cell_m=cell_m, pose=pose, trajectory=track,
+        cells=cells,
+        cell_m=cell_m,
+        pose=pose,
+        trajectory=track,
         centroids=np.array([(float(c["x"]), float(c["y"])) for c in offered], np.float64).reshape(-1, 2),
-        indices=[int(c["index"]) for c in offered], visited=[bool(c.get("visited")) for c in offered],
-        goal=goal, others=tuple(_companion(run, number, t) for number in range(1, len(run.fleet) + 1)),
-        named=bool(run.fleet))
+        indices=[int(c["index"]) for c in offered],
+        visited=[bool(c.get("visited")) for c in offered],
+        goal=goal,
+        others=tuple(_companion(run, number, t) for number in range(1, len(run.fleet) + 1)),
+        named=bool(run.fleet),
+    )
 
 
 def _whereabouts(run: RunFolder, t: float) -> tuple[Pose | None, NDArray[np.float64], tuple[float, float] | None]:
@@ -68,8 +74,11 @@ def _whereabouts(run: RunFolder, t: float) -> tuple[Pose | None, NDArray[np.floa
     if pose is not None:
         track = np.vstack([track, [pose[:2]]])
     goal = (run.column("goal_x")[k - 1], run.column("goal_y")[k - 1]) if k else (np.nan, np.nan)
-    return (pose, track[np.isfinite(track).all(axis=1)],
-            (float(goal[0]), float(goal[1])) if np.isfinite(goal).all() else None)
+    return (
+        pose,
+        track[np.isfinite(track).all(axis=1)],
+        (float(goal[0]), float(goal[1])) if np.isfinite(goal).all() else None,
+    )
 
 
 def _companion(run: RunFolder, number: int, t: float) -> Companion:

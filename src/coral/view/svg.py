@@ -82,8 +82,9 @@ def path(xs: Sequence[float] | Floats, ys: Sequence[float] | Floats, cls: str, *
     return f'<path d="{"".join(parts)}" class="{cls}"/>' if parts else ""
 
 
-def chart(height: float, body: Sequence[str], axis: Span, *, label: str, top: float, bottom: float,
-          show_times: bool = True) -> str:
+def chart(
+    height: float, body: Sequence[str], axis: Span, *, label: str, top: float, bottom: float, show_times: bool = True
+) -> str:
     """Wrap drawn parts into an SVG with a time axis and the cursor that follows the time slider.
 
     Args:
@@ -98,9 +99,11 @@ def chart(height: float, body: Sequence[str], axis: Span, *, label: str, top: fl
     grid = [line(axis(t), top, axis(t), bottom, "grid") for t in time_ticks(axis)]
     times = [text(axis(t), bottom + 18, clock(t), "tick") for t in time_ticks(axis)] if show_times else []
     cursor = line(axis.end_px, top, axis.end_px, bottom, "cursor")
-    return (f'<svg viewBox="0 0 {WIDTH:.0f} {height:.0f}" class="chart timed" role="img" aria-label="{escape(label)}">'
-            f'{"".join(grid)}{"".join(body)}{line(axis.start_px, bottom, axis.end_px, bottom, "axis")}'
-            f'{"".join(times)}{cursor}</svg>')
+    return (
+        f'<svg viewBox="0 0 {WIDTH:.0f} {height:.0f}" class="chart timed" role="img" aria-label="{escape(label)}">'
+        f"{''.join(grid)}{''.join(body)}{line(axis.start_px, bottom, axis.end_px, bottom, 'axis')}"
+        f"{''.join(times)}{cursor}</svg>"
+    )
 
 
 def thin(times: Floats, values: Floats, points: int = 900) -> tuple[Floats, Floats]:

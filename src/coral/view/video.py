@@ -45,9 +45,16 @@ def write_video(run_folder: str | Path) -> Path:
     import imageio_ffmpeg
 
     film = imageio_ffmpeg.write_frames(
-        str(partial), (WIDTH, HEIGHT), fps=FPS, codec="libx264", macro_block_size=8, quality=None,
+        str(partial),
+        (WIDTH, HEIGHT),
+        fps=FPS,
+        codec="libx264",
+        macro_block_size=8,
+        quality=None,
         pix_fmt_out="yuv420p",
-        output_params=["-crf", "27", "-preset", "veryfast", "-movflags", "+faststart"], ffmpeg_log_level="error")
+        output_params=["-crf", "27", "-preset", "veryfast", "-movflags", "+faststart"],
+        ffmpeg_log_level="error",
+    )
     try:
         film.send(None)
         for picture in pictures(run):
@@ -81,8 +88,8 @@ def pictures(run: RunFolder) -> Iterator[Image]:
         canvas = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
         chart = draw_map(scene_at(run, made, t, cells), view).rgb
         top, left = (HEIGHT - STRIP - chart.shape[0]) // 2, (WIDTH - EYE[0] - chart.shape[1]) // 2
-        canvas[top:top + chart.shape[0], left:left + chart.shape[1]] = chart
-        canvas[:2 * EYE[1], WIDTH - EYE[0]:] = eyes
+        canvas[top : top + chart.shape[0], left : left + chart.shape[1]] = chart
+        canvas[: 2 * EYE[1], WIDTH - EYE[0] :] = eyes
         _strip(canvas, run, made, t, sum(c <= t for c in calls), sum(c <= t for c in collisions))
         yield canvas
 
@@ -101,15 +108,18 @@ def _eyes(run: RunFolder, step: int) -> Image:
 
 
 def _strip(canvas: Image, run: RunFolder, made: Sequence[Decision], t: float, calls: int, collisions: int) -> None:
-    strip = canvas[HEIGHT - STRIP:]
+    strip = canvas[HEIGHT - STRIP :]
     strip[:] = (244, 246, 248)
     strip[:2] = (214, 220, 226)
     times, coverage = run.column("t"), run.column("coverage")
     k = max(0, int(np.searchsorted(times, t + 1e-6)) - 1)
     seen = float(coverage[k]) if len(coverage) and math.isfinite(coverage[k]) else 0.0
-    for x, name, value, color in ((16, "time", clock(t), INK), (116, "coverage", f"{seen:.0%}", TEAL),
-                                  (226, "collisions", str(collisions), RED if collisions else INK),
-                                  (336, "advisor calls", str(calls), INK)):
+    for x, name, value, color in (
+        (16, "time", clock(t), INK),
+        (116, "coverage", f"{seen:.0%}", TEAL),
+        (226, "collisions", str(collisions), RED if collisions else INK),
+        (336, "advisor calls", str(calls), INK),
+    ):
         draw_text(strip, name, x, 18, size=14, color=MUTED, weight=400)
         draw_text(strip, value, x, 46, size=26, color=color, weight=600)
     last = next((d for d in reversed(made) if d.t <= t + 1e-6), None)

@@ -28,8 +28,10 @@ def can():
 
 
 def bin_():
-    sides = [f'pos="{x} {y} 0.05" size="{0.005 if x else 0.08} {0.005 if y else 0.08} 0.05"'
-             for x, y in ((0.075, 0), (-0.075, 0), (0, 0.075), (0, -0.075))]
+    sides = [
+        f'pos="{x} {y} 0.05" size="{0.005 if x else 0.08} {0.005 if y else 0.08} 0.05"'
+        for x, y in ((0.075, 0), (-0.075, 0), (0, 0.075), (0, -0.075))
+    ]
     region = '<site type="box" name="hold_region" pos="0 0 0.05" size="0.06 0.05 0.04"/>'
     return model('pos="0 0 -0.005" quat="2 0 0 0" size="0.08 0.08 0.005"', *sides, site=region)
 
@@ -38,8 +40,11 @@ def states():
     rows = []
     for shift in (0.0, 0.01):
         row = np.zeros(1 + 18 + 13 * 3)
-        slab, tin, box = ([0.1, -0.1, 0.02, 1, 0, 0, 0], [-0.1 + shift, -0.2, 0.1, *FLAT],
-                          [0.0, 0.25, 0.1, 0.7071068, 0, 0, 0.7071068])
+        slab, tin, box = (
+            [0.1, -0.1, 0.02, 1, 0, 0, 0],
+            [-0.1 + shift, -0.2, 0.1, *FLAT],
+            [0.0, 0.25, 0.1, 0.7071068, 0, 0, 0.7071068],
+        )
         row[10:31] = [*slab, *tin, *box]
         rows.append(row)
     return np.array(rows)

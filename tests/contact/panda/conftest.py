@@ -45,8 +45,16 @@ def world(panda: PandaWorld) -> PandaWorld:
 
 @pytest.fixture
 def go(world: PandaWorld) -> Go:
-    def move(position, steps, *, quaternion=DOWN, opening=0.08, stiffness=600.0, force=(0.0, 0.0, 0.0),
-             torque=(0.0, 0.0, 0.0)):
+    def move(
+        position,
+        steps,
+        *,
+        quaternion=DOWN,
+        opening=0.08,
+        stiffness=600.0,
+        force=(0.0, 0.0, 0.0),
+        torque=(0.0, 0.0, 0.0),
+    ):
         target = HandTarget(np.array(position), quaternion, opening, stiffness, np.array(force), np.array(torque))
         for _ in range(steps):
             observed = world.step(target)

@@ -28,8 +28,12 @@ def mug_triangles(handle=True):
         for bend in np.linspace(-np.pi / 2, np.pi / 2, 9):
             out = np.array([np.cos(bend), 0.0, np.sin(bend)])
             middle = np.array([0.038, 0.0, 0.0]) + 0.03 * out
-            rings.append([middle + 0.006 * (np.cos(t) * out + np.sin(t) * np.array([0.0, 1.0, 0.0]))
-                          for t in 2 * np.pi * np.arange(8) / 8])
+            rings.append(
+                [
+                    middle + 0.006 * (np.cos(t) * out + np.sin(t) * np.array([0.0, 1.0, 0.0]))
+                    for t in 2 * np.pi * np.arange(8) / 8
+                ]
+            )
         faces += strips(np.array(rings))
     faces = np.array(faces)
     area = np.linalg.norm(np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]), axis=1)
@@ -56,11 +60,25 @@ def trial():
     def thing(name, part, **more):
         return {"name": name, "parts": [part], "mass_kg": 0.2, "friction": 0.5, **more}
 
-    return draw(Task.model_validate({
-        "format": "coral-contact/1", "name": "test", "title": "Test", "instruction": "Test.", "time_limit_s": 10,
-        "fixtures": [{"name": "wall", "size": [0.04, 0.6, 0.3], "position": [0.32, 0, 0.15]}],
-        "objects": [thing("box", {"shape": "box", "size": [0.12, 0.08, 0.06]}, x=0.0, y=0.05, yaw_deg=20,
-                          symmetry="box"),
-                    thing("can", {"shape": "cylinder", "size": [0.07, 0.07, 0.11]}, x=-0.15, y=-0.1,
-                          symmetry="cylinder")],
-        "success": {"conditions": [{"kind": "lifted", "object": "box", "height_m": 0.1}]}}), seed=0)
+    return draw(
+        Task.model_validate(
+            {
+                "format": "coral-contact/1",
+                "name": "test",
+                "title": "Test",
+                "instruction": "Test.",
+                "time_limit_s": 10,
+                "fixtures": [{"name": "wall", "size": [0.04, 0.6, 0.3], "position": [0.32, 0, 0.15]}],
+                "objects": [
+                    thing(
+                        "box", {"shape": "box", "size": [0.12, 0.08, 0.06]}, x=0.0, y=0.05, yaw_deg=20, symmetry="box"
+                    ),
+                    thing(
+                        "can", {"shape": "cylinder", "size": [0.07, 0.07, 0.11]}, x=-0.15, y=-0.1, symmetry="cylinder"
+                    ),
+                ],
+                "success": {"conditions": [{"kind": "lifted", "object": "box", "height_m": 0.1}]},
+            }
+        ),
+        seed=0,
+    )

@@ -23,8 +23,23 @@ def picture(model, T, background=1.5):
     """Depth and mask of a model alone before a wall, and the drawing's own depth."""
     depth, solid, face = np.empty((120, 160)), np.empty((120, 160), np.int64), np.empty((120, 160), np.int64)
     back, s = inverse(T), model.solids
-    render(np.ascontiguousarray(back[:3, :3]), back[:3, 3].copy(), LENS, 0.02, 20.0, s.kind, s.center, s.rotation,
-           s.size, s.first, s.count, s.triangles, depth, solid, face)
+    render(
+        np.ascontiguousarray(back[:3, :3]),
+        back[:3, 3].copy(),
+        LENS,
+        0.02,
+        20.0,
+        s.kind,
+        s.center,
+        s.rotation,
+        s.size,
+        s.first,
+        s.count,
+        s.triangles,
+        depth,
+        solid,
+        face,
+    )
     return np.where(solid >= 0, depth, background).astype(np.float32), solid >= 0
 
 
@@ -116,11 +131,17 @@ def test_the_tally_against_numpy():
     padded = np.pad(drawn, 1)
     for a in range(3):
         for b in range(3):
-            near |= padded[a:a + 120, b:b + 160]
+            near |= padded[a : a + 120, b : b + 160]
     both, gap = drawn & seen.mask, np.abs(seen.depth - depth) * slope(BOX, guess).clip(0.25)
     behind = drawn & ~seen.mask & (robot | (seen.depth - depth < -0.012))
-    expected = [(both & (gap < 0.012)).sum(), (both & (gap >= 0.012)).sum(), (seen.mask & ~drawn & ~near).sum(),
-                (drawn & ~seen.mask & ~behind & (seen.field > 1.5)).sum(), behind.sum(), drawn.sum()]
+    expected = [
+        (both & (gap < 0.012)).sum(),
+        (both & (gap >= 0.012)).sum(),
+        (seen.mask & ~drawn & ~near).sum(),
+        (drawn & ~seen.mask & ~behind & (seen.field > 1.5)).sum(),
+        behind.sum(),
+        drawn.sum(),
+    ]
     np.testing.assert_array_equal(tally[:6], expected)
     assert min(expected) > 0
     assert tally[RESIDUAL] == pytest.approx((gap / 0.012)[both & (gap < 0.012)].sum(), rel=1e-4)
@@ -175,6 +196,8 @@ def test_orientations_cover_what_the_symmetry_leaves():
         turns = orientations(model, RegistrationCfg())
         assert 8 <= len(turns) <= limit
         group = model.symmetry.members(36)[:, :3, :3]
-        farthest = max(min(np.arccos(np.clip((np.einsum("gij,ij->g", t @ group, r) - 1) / 2, -1, 1)).min()
-                           for t in turns) for r in spread(60))
+        farthest = max(
+            min(np.arccos(np.clip((np.einsum("gij,ij->g", t @ group, r) - 1) / 2, -1, 1)).min() for t in turns)
+            for r in spread(60)
+        )
         assert np.degrees(farthest) < 40

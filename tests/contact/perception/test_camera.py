@@ -109,6 +109,7 @@ def test_colours_are_those_of_the_geoms():
 def test_without_opengl_the_rays_give_the_colours(monkeypatch):
     def fail(*args):
         raise RuntimeError("no display")
+
     monkeypatch.setattr(mujoco, "Renderer", fail)
     camera, data = scene(colours="best")
     assert camera.take(data).rgb is not None
@@ -134,6 +135,7 @@ def test_opengl_is_asked_for_the_camera_s_own_view(monkeypatch):
 
         def close(self):
             pass
+
     monkeypatch.setattr(mujoco, "Renderer", Renderer)
     camera, data = scene(colours="opengl")
     assert camera.take(data).rgb.shape == (120, 160, 3)

@@ -25,8 +25,10 @@ def test_the_embedded_one_gets_its_configuration_and_wants_no_colours(mug_obj):
 
 def test_a_server_s_address_is_in_the_word_or_in_the_configuration(mug_obj):
     with serving() as server:
-        for choice in (choose(f"foundationpose:{server.url}", server=FoundationPoseCfg(track_steps=7)),
-                       choose("foundationpose", server=FoundationPoseCfg(url=server.url, track_steps=7))):
+        for choice in (
+            choose(f"foundationpose:{server.url}", server=FoundationPoseCfg(track_steps=7)),
+            choose("foundationpose", server=FoundationPoseCfg(url=server.url, track_steps=7)),
+        ):
             assert (choice.name, choice.wants_colours) == ("foundationpose", True)
             choice.check()
             tracker = choice.make(from_mesh("mug", mug_obj), None)
@@ -38,9 +40,19 @@ def test_nobody_there_is_one_line():
         choose("foundationpose:http://127.0.0.1:9").check()
 
 
-@pytest.mark.parametrize("word", [
-    "", "models", "model:x", "foundationpose", "foundationpose:", "foundationpose:ws://127.0.0.1:1",
-    "foundationpose:http://x:99999", "Foundationpose:http://x"])
+@pytest.mark.parametrize(
+    "word",
+    [
+        "",
+        "models",
+        "model:x",
+        "foundationpose",
+        "foundationpose:",
+        "foundationpose:ws://127.0.0.1:1",
+        "foundationpose:http://x:99999",
+        "Foundationpose:http://x",
+    ],
+)
 def test_another_word_is_refused_where_it_stands(word):
     with pytest.raises(InputError, match=r"^tracked: by: found"):
         choose(word, where="tracked", field="by")

@@ -31,9 +31,16 @@ def test_the_numbers_are_the_seed_s(capsys):
     assert rows[0]["deg"] < 3
 
 
-@pytest.mark.parametrize(("flags", "named"), [
-    (["--tracker", "magic"], "magic"), (["--width", "8"], "--width"), (["--rate-hz", "0"], "--rate-hz"),
-    (["--seed", "-1"], "--seed"), (["no-such-task"], "no-such-task")])
+@pytest.mark.parametrize(
+    ("flags", "named"),
+    [
+        (["--tracker", "magic"], "magic"),
+        (["--width", "8"], "--width"),
+        (["--rate-hz", "0"], "--rate-hz"),
+        (["--seed", "-1"], "--seed"),
+        (["no-such-task"], "no-such-task"),
+    ],
+)
 def test_bad_flags_are_named(flags, named, capsys):
     assert main(["contact", "track", *flags]) == 2
     assert named in capsys.readouterr().err

@@ -76,11 +76,15 @@ def test_arrays_survive_the_codec():
         np.testing.assert_array_equal(array, arrays[name])
 
 
-@pytest.mark.parametrize(("request_", "complaint"), [
-    ({"vertices": np.zeros((3, 2)), "faces": np.zeros((1, 3)), "symmetry": np.eye(4)[None]}, "vertices"),
-    ({"vertices": np.zeros((3, 3)), "faces": np.full((1, 3), 7), "symmetry": np.eye(4)[None]}, "face"),
-    ({"faces": np.zeros((1, 3))}, "missing: vertices"),
-    ({"vertices": np.full((3, 3), np.nan), "faces": np.zeros((1, 3)), "symmetry": np.eye(4)[None]}, "finite")])
+@pytest.mark.parametrize(
+    ("request_", "complaint"),
+    [
+        ({"vertices": np.zeros((3, 2)), "faces": np.zeros((1, 3)), "symmetry": np.eye(4)[None]}, "vertices"),
+        ({"vertices": np.zeros((3, 3)), "faces": np.full((1, 3), 7), "symmetry": np.eye(4)[None]}, "face"),
+        ({"faces": np.zeros((1, 3))}, "missing: vertices"),
+        ({"vertices": np.full((3, 3), np.nan), "faces": np.zeros((1, 3)), "symmetry": np.eye(4)[None]}, "finite"),
+    ],
+)
 def test_bad_objects_are_refused(request_, complaint):
     with pytest.raises(ValueError, match=complaint):
         Sessions(Oracle).answer("init", request_)
@@ -106,6 +110,7 @@ def test_the_server_s_complaint_reaches_the_user(url, seen, monkeypatch):
 
     def fail(self, **request):
         raise RuntimeError("CUDA out of memory")
+
     monkeypatch.setattr(Oracle, "register", fail)
     with pytest.raises(TrackerFailed, match="CUDA out of memory"):
         tracker.register(frame, frame.mask("box"))
@@ -147,12 +152,22 @@ def test_a_closed_tracker_leaves_nothing_on_the_server(seen):
         tracker.close()  # a second time, and a server that knows nothing of it, are no error
 
 
-@pytest.mark.parametrize("answer", [np.full((4, 4), np.nan), np.eye(3), np.diag([1.0, 1.0, -1.0, 1.0]),
-                                    np.eye(4) + np.array([[0, 0, 0, np.inf]] + [[0] * 4] * 3)])
+@pytest.mark.parametrize(
+    "answer",
+    [
+        np.full((4, 4), np.nan),
+        np.eye(3),
+        np.diag([1.0, 1.0, -1.0, 1.0]),
+        np.eye(4) + np.array([[0, 0, 0, np.inf]] + [[0] * 4] * 3),
+    ],
+)
 def test_what_is_no_pose_is_named(url, seen, monkeypatch, answer):
     model, frame, _ = seen
-    monkeypatch.setattr(Sessions, "answer", lambda self, verb, request: {
-        "session": np.array("a")} if verb == "init" else {"pose": answer})
+    monkeypatch.setattr(
+        Sessions,
+        "answer",
+        lambda self, verb, request: {"session": np.array("a")} if verb == "init" else {"pose": answer},
+    )
     tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url))
     with pytest.raises(TrackerFailed, match="no pose"):
         tracker.register(frame, frame.mask("box"))
@@ -173,10 +188,12 @@ def test_answers_that_lack_what_was_asked_are_named(url, seen, monkeypatch, answ
 def test_a_server_that_falls_silent_is_not_waited_for(seen, sent):
     model, _, _ = seen
     with socket.create_server(("127.0.0.1", 0)) as listener:
+
         def speak():
             line, _ = listener.accept()
             line.sendall(sent)
             lines.append(line)
+
         lines = []
         thread = threading.Thread(target=speak, daemon=True)
         thread.start()
@@ -192,6 +209,7 @@ def test_a_server_that_drips_is_not_waited_for(seen):
     model, _, _ = seen
     stop = threading.Event()
     with socket.create_server(("127.0.0.1", 0)) as listener:
+
         def drip():
             line, _ = listener.accept()
             line.sendall(b"HTTP/1.1 200 OK\r\nContent-Length: 100000000\r\n\r\n")
@@ -200,6 +218,7 @@ def test_a_server_that_drips_is_not_waited_for(seen):
                     line.sendall(b"x")
                 except OSError:
                     return
+
         thread = threading.Thread(target=drip, daemon=True)
         thread.start()
         url = f"http://127.0.0.1:{listener.getsockname()[1]}"

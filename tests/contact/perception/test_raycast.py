@@ -38,8 +38,13 @@ def test_every_shape_as_mujoco_hits_it(eye):
     model = mujoco.MjModel.from_xml_string(SCENE)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    camera = RayCamera(model, CameraCfg(width=120, height=90, near_m=0.001, far_m=1e6), look_at(eye, (0, 0, 0.05)),
-                       {i: f"g{i}" for i in range(model.ngeom)}, colours="shaded")
+    camera = RayCamera(
+        model,
+        CameraCfg(width=120, height=90, near_m=0.001, far_m=1e6),
+        look_at(eye, (0, 0, 0.05)),
+        {i: f"g{i}" for i in range(model.ngeom)},
+        colours="shaded",
+    )
     frame = camera.take(data)
     depth, geom, normal = cast(model, data, camera)
 
@@ -50,8 +55,20 @@ def test_every_shape_as_mujoco_hits_it(eye):
 
     drawn = np.empty((*depth.shape, 3))
     s, T = camera._solids, camera.T_world_camera
-    normals(np.ascontiguousarray(T[:3, :3]), T[:3, 3].copy(), camera.cfg.lens, s.kind, data.geom_xpos,
-            data.geom_xmat.reshape(-1, 3, 3), s.size, s.triangles, camera._depth, camera._solid, camera._face, drawn)
+    normals(
+        np.ascontiguousarray(T[:3, :3]),
+        T[:3, 3].copy(),
+        camera.cfg.lens,
+        s.kind,
+        data.geom_xpos,
+        data.geom_xmat.reshape(-1, 3, 3),
+        s.size,
+        s.triangles,
+        camera._depth,
+        camera._solid,
+        camera._face,
+        drawn,
+    )
     seen = same & (depth > 0)
     assert np.quantile(np.abs((drawn[seen] * normal[seen]).sum(1)), 0.01) > 0.999
 
@@ -59,6 +76,7 @@ def test_every_shape_as_mujoco_hits_it(eye):
 def test_a_height_field_is_refused_by_name():
     model = mujoco.MjModel.from_xml_string(
         '<mujoco><asset><hfield name="h" nrow="2" ncol="2" size="1 1 1 1"/></asset><worldbody>'
-        '<geom name="hill" type="hfield" hfield="h"/></worldbody></mujoco>')
+        '<geom name="hill" type="hfield" hfield="h"/></worldbody></mujoco>'
+    )
     with pytest.raises(InputError, match="hill"):
         from_mujoco(model, np.array([0]))

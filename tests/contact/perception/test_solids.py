@@ -18,11 +18,20 @@ def test_stl_and_obj_hold_the_same_triangles(tmp_path):
     for t in TETRA:
         binary += struct.pack("<12fH", 0, 0, 0, *t.ravel(), 0)
     (tmp_path / "a.stl").write_bytes(binary)
-    text = "solid\n" + "".join("facet normal 0 0 0\nouter loop\n" + "".join(
-        f"vertex {x} {y} {z}\n" for x, y, z in t) + "endloop\nendfacet\n" for t in TETRA) + "endsolid\n"
+    text = (
+        "solid\n"
+        + "".join(
+            "facet normal 0 0 0\nouter loop\n"
+            + "".join(f"vertex {x} {y} {z}\n" for x, y, z in t)
+            + "endloop\nendfacet\n"
+            for t in TETRA
+        )
+        + "endsolid\n"
+    )
     (tmp_path / "b.stl").write_text(text)
     (tmp_path / "c.obj").write_text(
-        "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1/1 2/1 4/1\nf 1 4 3\nf -3 -2 -1\n")
+        "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1/1 2/1 4/1\nf 1 4 3\nf -3 -2 -1\n"
+    )
     for name in ("a.stl", "b.stl", "c.obj"):
         np.testing.assert_allclose(read_mesh(tmp_path / name), TETRA, atol=1e-7)
     assert read_mesh(tmp_path / "a.stl", 0.5).max() == pytest.approx(0.05)
@@ -53,9 +62,15 @@ def test_points_lie_on_the_surface_and_not_inside_another_part():
     np.testing.assert_allclose(model.normals[top], [[0, 0, 1]] * top.sum(), atol=1e-9)
 
 
-@pytest.mark.parametrize(("kind", "size", "area"), [
-    ("sphere", (0.05,), 4 * np.pi * 0.05**2), ("capsule", (0.03, 0.05), 4 * np.pi * 0.03**2 + 2 * np.pi * 0.03 * 0.1),
-    ("cylinder", (0.03, 0.05), 2 * np.pi * 0.03**2 + 2 * np.pi * 0.03 * 0.1), ("box", (0.1, 0.2, 0.3), 8 * 0.11)])
+@pytest.mark.parametrize(
+    ("kind", "size", "area"),
+    [
+        ("sphere", (0.05,), 4 * np.pi * 0.05**2),
+        ("capsule", (0.03, 0.05), 4 * np.pi * 0.03**2 + 2 * np.pi * 0.03 * 0.1),
+        ("cylinder", (0.03, 0.05), 2 * np.pi * 0.03**2 + 2 * np.pi * 0.03 * 0.1),
+        ("box", (0.1, 0.2, 0.3), 8 * 0.11),
+    ],
+)
 def test_surfaces_have_their_area_and_face_outward(kind, size, area):
     t = from_primitives("t", [Part(kind, size)]).triangles
     cross = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
@@ -66,7 +81,8 @@ def test_surfaces_have_their_area_and_face_outward(kind, size, area):
 def test_a_body_s_mesh_keeps_the_file_s_frame(mug_obj):
     scene = mujoco.MjModel.from_xml_string(
         f'<mujoco><asset><mesh name="m" file="{mug_obj}"/></asset><worldbody><body name="mug">'
-        '<geom type="mesh" mesh="m"/></body></worldbody></mujoco>')
+        '<geom type="mesh" mesh="m"/></body></worldbody></mujoco>'
+    )
     np.testing.assert_allclose(from_body(scene, "mug").pivot, from_mesh("mug", mug_obj).pivot, atol=1e-4)
     with pytest.raises(InputError, match="cup"):
         from_body(scene, "cup")

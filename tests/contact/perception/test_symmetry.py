@@ -13,12 +13,17 @@ from coral.errors import InputError
 BOARD = (Part("box", (0.15, 0.1, 0.006)), Part("box", (0.05, 0.045, 0.006), (0.2, 0.0, 0.0)))
 
 
-@pytest.mark.parametrize(("parts", "order", "continuous"), [
-    ([Part("box", (0.05, 0.04, 0.03))], 4, False), ([Part("box", (0.04, 0.04, 0.03))], 8, False),
-    ([Part("box", (0.03, 0.03, 0.03))], 24, False), (BOARD, 2, False),
-    ([Part("cylinder", (0.03, 0.06))], 2, True),
-    ([Part("cylinder", (0.03, 0.06)), Part("cylinder", (0.01, 0.02), (0, 0, 0.07))], 1, True),
-])
+@pytest.mark.parametrize(
+    ("parts", "order", "continuous"),
+    [
+        ([Part("box", (0.05, 0.04, 0.03))], 4, False),
+        ([Part("box", (0.04, 0.04, 0.03))], 8, False),
+        ([Part("box", (0.03, 0.03, 0.03))], 24, False),
+        (BOARD, 2, False),
+        ([Part("cylinder", (0.03, 0.06))], 2, True),
+        ([Part("cylinder", (0.03, 0.06)), Part("cylinder", (0.01, 0.02), (0, 0, 0.07))], 1, True),
+    ],
+)
 def test_the_group_of_a_shape(parts, order, continuous):
     symmetry = from_primitives("thing", parts).symmetry
     assert len(symmetry.rotations) == order
@@ -26,8 +31,10 @@ def test_the_group_of_a_shape(parts, order, continuous):
 
 
 def test_declared_groups_have_their_orders():
-    orders = {kind: len(of_kind(kind, np.array([0.1, 0.1, 0.2])).rotations)
-              for kind in ("none", "box", "square-box", "cube", "cylinder")}
+    orders = {
+        kind: len(of_kind(kind, np.array([0.1, 0.1, 0.2])).rotations)
+        for kind in ("none", "box", "square-box", "cube", "cylinder")
+    }
     assert orders == {"none": 1, "box": 4, "square-box": 8, "cube": 24, "cylinder": 2}
     with pytest.raises(InputError, match="pyramid"):
         of_kind("pyramid", np.ones(3))

@@ -42,8 +42,9 @@ def test_motions_are_smooth_and_stay_above_the_table(trial, kind):
         assert np.linalg.norm(after.objects["box"][:3, 3] - before.objects["box"][:3, 3]) < 0.02
         assert np.trace(before.objects["box"][:3, :3].T @ after.objects["box"][:3, :3]) > 1 + 2 * np.cos(0.12)
         np.testing.assert_array_equal(after.objects["can"], moments[0].objects["can"])
-    lowest = min((trial.corners("box") @ m.objects["box"][:3, :3].T + m.objects["box"][:3, 3])[:, 2].min()
-                 for m in moments)
+    lowest = min(
+        (trial.corners("box") @ m.objects["box"][:3, :3].T + m.objects["box"][:3, 3])[:, 2].min() for m in moments
+    )
     assert lowest > -1e-6
     assert np.linalg.norm(moments[-1].objects["box"] - moments[0].objects["box"]) > 0.1
 
@@ -94,7 +95,7 @@ def test_a_narrow_strip_beside_the_hand_is_called_covered(stage, at_rest, trial)
     mask = frame.mask("box")
     columns = np.flatnonzero(mask.any(0))
     hidden = mask.copy()
-    hidden[:, columns[0]:columns[0] + 3] = False
+    hidden[:, columns[0] : columns[0] + 3] = False
     depth = np.where(hidden, 0.4, frame.depth).astype(np.float32)
     covered = type(frame)(depth, frame.instance, frame.names, frame.lens, frame.T_world_camera)
     estimate = tracker.track(covered, mask & ~hidden)

@@ -61,6 +61,7 @@ def serve():
     def start(answer=still, greeting=()):
         running.append(Server(answer, dict(greeting) if isinstance(greeting, tuple) else greeting))
         return running[-1]
+
     yield start
     for server in running:
         server.close()

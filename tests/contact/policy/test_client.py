@@ -13,6 +13,7 @@ def client():
     def make(url, cfg):
         made.append(PolicyClient(url, cfg))
         return made[-1]
+
     yield make
     for one in made:
         one.close()
@@ -86,15 +87,26 @@ def test_something_else_there_is_unreachable(client, hasty):
         assert failure(client(f"ws://127.0.0.1:{other.getsockname()[1]}", hasty)).code == "unreachable"
 
 
-@pytest.mark.parametrize(("message", "code", "said"), [
-    ("Traceback (most recent call last):\n  File x\nValueError: bad \x1b[31mstate\n\n", "error",
-     "ValueError: bad [31mstate"),
-    (b"\xc1", "bad-message", "no MessagePack"),
-    (b"\x01", "bad-message", "a int where a map"),
-    (b"\x81\xa1a\x84\xc4\x0b__ndarray__\xc3\xc4\x04data\xc4\x08" + bytes(8)
-     + b"\xc4\x05dtype\xa2|O\xc4\x05shape\x91\x01", "bad-message", "dtype '|O'"),
-    (b"\xc6\x00\x10\x00\x00" + bytes(2**20), "too-large", "more than 65536 bytes"),
-])
+@pytest.mark.parametrize(
+    ("message", "code", "said"),
+    [
+        (
+            "Traceback (most recent call last):\n  File x\nValueError: bad \x1b[31mstate\n\n",
+            "error",
+            "ValueError: bad [31mstate",
+        ),
+        (b"\xc1", "bad-message", "no MessagePack"),
+        (b"\x01", "bad-message", "a int where a map"),
+        (
+            b"\x81\xa1a\x84\xc4\x0b__ndarray__\xc3\xc4\x04data\xc4\x08"
+            + bytes(8)
+            + b"\xc4\x05dtype\xa2|O\xc4\x05shape\x91\x01",
+            "bad-message",
+            "dtype '|O'",
+        ),
+        (b"\xc6\x00\x10\x00\x00" + bytes(2**20), "too-large", "more than 65536 bytes"),
+    ],
+)
 def test_an_answer_that_cannot_be_used_is_named_and_not_asked_for_again(serve, client, message, code, said):
     server = serve(lambda k, seen: message)
     error = failure(client(server.url, ClientCfg(connect_s=5, answer_s=5, attempts=3, wait_s=0, most_bytes=65536)))
@@ -114,6 +126,7 @@ def test_a_key_goes_from_the_environment_into_the_header(client, patient, monkey
     def handle(line):
         seen.append(line.request.headers["Authorization"])
         line.send(encode({}))
+
     with websocket_server(handle, "127.0.0.1", 0) as server:
         import threading
 

@@ -24,6 +24,7 @@ def test_the_example_is_a_server_that_the_client_understands(monkeypatch, patien
         running.append(real(handle, host, 0, **more))
         started.set()
         return running[0]
+
     monkeypatch.setattr(websockets.sync.server, "serve", serve)
     thread = threading.Thread(target=exec, args=(example, {}), daemon=True)
     thread.start()
@@ -37,8 +38,9 @@ def test_the_example_is_a_server_that_the_client_understands(monkeypatch, patien
     thread.join()
 
 
-@pytest.mark.parametrize("code", ["unreachable", "silence", "closed", "error", "too-large", "bad-message",
-                                  "bad-actions", "not-finite"])
+@pytest.mark.parametrize(
+    "code", ["unreachable", "silence", "closed", "error", "too-large", "bad-message", "bad-actions", "not-finite"]
+)
 def test_every_failure_is_explained(code):
     assert f"| `policy: {code}` |" in PAGE
 

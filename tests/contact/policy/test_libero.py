@@ -41,8 +41,10 @@ def test_an_action_beyond_one_counts_as_one():
     assert angle_between(wanted.quaternion, DOWN) == pytest.approx(0.5)
 
 
-@pytest.mark.parametrize(("gripper", "last", "moved"), [
-    ("positive", 1.0, -0.002), ("positive", -0.3, 0.002), ("positive", 0.0, 0.0), ("negative", -1.0, -0.002)])
+@pytest.mark.parametrize(
+    ("gripper", "last", "moved"),
+    [("positive", 1.0, -0.002), ("positive", -0.3, 0.002), ("positive", 0.0, 0.0), ("negative", -1.0, -0.002)],
+)
 def test_the_last_number_closes_or_opens(gripper, last, moved):
     cfg = LiberoCfg(gripper=gripper)
     assert opened(0.05, np.array([0, 0, 0, 0, 0, 0, last]), cfg) == pytest.approx(0.05 + moved)
@@ -64,18 +66,21 @@ def test_actions_are_read_as_numbers(dtype):
     assert (found.shape, found.dtype) == ((3, 7), np.float64)
 
 
-@pytest.mark.parametrize(("answer", "code", "said"), [
-    ({}, "bad-actions", "has no actions"),
-    ({"actions": [[0.0] * 7]}, "bad-actions", "a list"),
-    ({"actions": np.ones((3, 7), bool)}, "bad-actions", "bool"),
-    ({"actions": np.zeros(7)}, "bad-actions", "(7,)"),
-    ({"actions": np.zeros((10, 8))}, "bad-actions", "(10, 8)"),
-    ({"actions": np.zeros((0, 7))}, "bad-actions", "(0, 7)"),
-    ({"actions": np.zeros((2, 10, 7))}, "bad-actions", "(2, 10, 7)"),
-    ({"actions": np.zeros((1001, 7))}, "bad-actions", "1001"),
-    ({"actions": np.array([[0, 0, np.nan, 0, 0, 0, 0]])}, "not-finite", "no number"),
-    ({"actions": np.array([[0, 0, 0, 0, 0, 0, np.inf]])}, "not-finite", "no number"),
-])
+@pytest.mark.parametrize(
+    ("answer", "code", "said"),
+    [
+        ({}, "bad-actions", "has no actions"),
+        ({"actions": [[0.0] * 7]}, "bad-actions", "a list"),
+        ({"actions": np.ones((3, 7), bool)}, "bad-actions", "bool"),
+        ({"actions": np.zeros(7)}, "bad-actions", "(7,)"),
+        ({"actions": np.zeros((10, 8))}, "bad-actions", "(10, 8)"),
+        ({"actions": np.zeros((0, 7))}, "bad-actions", "(0, 7)"),
+        ({"actions": np.zeros((2, 10, 7))}, "bad-actions", "(2, 10, 7)"),
+        ({"actions": np.zeros((1001, 7))}, "bad-actions", "1001"),
+        ({"actions": np.array([[0, 0, np.nan, 0, 0, 0, 0]])}, "not-finite", "no number"),
+        ({"actions": np.array([[0, 0, 0, 0, 0, 0, np.inf]])}, "not-finite", "no number"),
+    ],
+)
 def test_what_are_no_actions_is_named(answer, code, said):
     with pytest.raises(PolicyError) as failed:
         actions_of(answer)

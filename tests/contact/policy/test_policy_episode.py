@@ -47,6 +47,7 @@ def episode(tmp_path):
         square = tuple(item.model_copy(update={"yaw_deg": (0.0, 0.0)}) for item in held.objects)
         held = held.model_copy(update={"time_limit_s": seconds, "objects": square})
         return PolicyEpisode(draw(held, seed), "hand", policy, cfg, tmp_path / folder, Address("script", "ws://here:1"))
+
     return make
 
 
@@ -71,6 +72,7 @@ def pick(drawn):
         if len(closing) > 5:
             goal = np.array([0, 0, 0.2 + (box[2] - state[2])])
         return np.tile([*np.clip(goal / 0.05 * 0.7, -1, 1), 0, 0, 0, 1.0 if closing else -1.0], (10, 1))
+
     return answer
 
 
@@ -114,8 +116,9 @@ def test_a_step_moves_the_hand_the_way_it_says(episode):
 def test_wild_actions_stay_within_force_and_workspace(episode, monkeypatch):
     commands = []
     step = HandWorld.step
-    monkeypatch.setattr(HandWorld, "step", lambda world, target: commands.append((target, world._observe().tool))
-                        or step(world, target))
+    monkeypatch.setattr(
+        HandWorld, "step", lambda world, target: commands.append((target, world._observe().tool)) or step(world, target)
+    )
     one = episode(steady(1e6, -1e6, -1e6, 0, 0, 0, 1), seconds=1.5)
     one.run()
     low, high = CFG.controller.workspace_low_m, CFG.controller.workspace_high_m
@@ -140,8 +143,10 @@ def test_a_failure_of_the_policy_ends_the_episode_with_its_name(episode, code):
     assert "policy" in ENDS
 
 
-@pytest.mark.parametrize(("actions", "reason"), [
-    (np.zeros((10, 8)), "policy: bad-actions"), (np.full((10, 7), np.nan), "policy: not-finite")])
+@pytest.mark.parametrize(
+    ("actions", "reason"),
+    [(np.zeros((10, 8)), "policy: bad-actions"), (np.full((10, 7), np.nan), "policy: not-finite")],
+)
 def test_actions_that_are_none_end_the_episode_before_a_step(episode, actions, reason):
     result = episode(Scripted(lambda seen: actions)).run()
     assert (result["end_reason"], result["steps"], result["success"]) == (reason, 0, False)
@@ -200,8 +205,17 @@ def test_the_command_runs_a_served_policy_and_makes_its_report(serve, task, tmp_
     result = json.loads(capsys.readouterr().out)
     assert (result["end_reason"], result["policy_calls"], result["strategy"]) == ("timeout", 2, "pi05")
     assert {path.name for path in folder.iterdir()} == {
-        "config.yaml", "task.yaml", "events.jsonl", "trajectory.csv", "states.csv", "metrics.json", "timing.json",
-        "report.html", "keyframes.png", "seen.png"}
+        "config.yaml",
+        "task.yaml",
+        "events.jsonl",
+        "trajectory.csv",
+        "states.csv",
+        "metrics.json",
+        "timing.json",
+        "report.html",
+        "keyframes.png",
+        "seen.png",
+    }
     config = yaml.safe_load((folder / "config.yaml").read_text())
     assert (config["variant"], config["policy"], config["server"]) == ("pi05", server.url, "{'model': 'fake'}")
     assert main([*words[:-1], str(tmp_path / "other"), *TINY]) == 0
@@ -217,11 +231,14 @@ def test_no_server_is_one_line_and_no_folder(task, tmp_path, capsys):
     assert not (tmp_path / "run").exists()
 
 
-@pytest.mark.parametrize(("words", "said"), [
-    (["--policy", "localhost:8000"], "ws://HOST:PORT"),
-    (["--policy", "expert=ws://localhost:8000"], "a name that no variant has"),
-    (["--policy", "ws://localhost:8000", "--variant", "expert"], "one of the two"),
-])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--policy", "localhost:8000"], "ws://HOST:PORT"),
+        (["--policy", "expert=ws://localhost:8000"], "a name that no variant has"),
+        (["--policy", "ws://localhost:8000", "--variant", "expert"], "one of the two"),
+    ],
+)
 def test_a_bad_policy_flag_is_bad_input(task, words, said, capsys):
     assert main(["contact", "run", task, "--world", "hand", "--quiet", *words]) == 2
     assert said in capsys.readouterr().err

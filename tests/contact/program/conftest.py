@@ -12,10 +12,13 @@ import pytest
 
 from coral.contact.context import HAND, Context, object_quantities
 
-SCHEMA = {**HAND, **object_quantities("board", ["handle"], ["table", "wall"], ["box"]),
-          **object_quantities("box", [], ["table", "wall"], ["board"])}
+SCHEMA = {
+    **HAND,
+    **object_quantities("board", ["handle"], ["table", "wall"], ["box"]),
+    **object_quantities("box", [], ["table", "wall"], ["board"]),
+}
 
-BOARD = textwrap.dedent('''
+BOARD = textwrap.dedent("""
     def state_cost(self):
         # helpers
         def squash(x): return 1.0 / (1.0 + np.exp(-x))
@@ -64,7 +67,7 @@ BOARD = textwrap.dedent('''
             cost += 0.001 * np.linalg.norm(self.last_action) ** 2  # effort
         cost += 0.01 * getattr(self, 'current_step', 0)  # time
         return cost
-''')
+""")
 
 
 def make_states(rng, k=4, h=5):
@@ -112,6 +115,7 @@ def _operate(function, compares):
 
     def backward(a, b):
         return Num(function(raw(b), raw(a)))
+
     return forward, backward
 
 
@@ -151,6 +155,7 @@ def _rowwise(function):
 
     def backward(a, b):
         return Row(map(function, b, a)) if isinstance(b, Row | list | tuple) else Row(function(b, x) for x in a)
+
     return forward, backward
 
 
@@ -170,6 +175,7 @@ def ufunc(name):
         if not any(isinstance(a, Num) for a in args):
             return float(function(*(np.float64(a) for a in args)))
         return Num(function(*(raw(a) for a in args)))
+
     return call
 
 
@@ -195,8 +201,14 @@ def xyzw_difference(a, b):
     if aw * bw + ax * bx + ay * by + az * bz < 0.0:
         bx, by, bz, bw = -bx, -by, -bz, -bw
     cw, cx, cy, cz = aw, -ax, -ay, -az
-    return Row((bw * cx + bx * cw + by * cz - bz * cy, bw * cy - bx * cz + by * cw + bz * cx,
-                bw * cz + bx * cy - by * cx + bz * cw, bw * cw - bx * cx - by * cy - bz * cz))
+    return Row(
+        (
+            bw * cx + bx * cw + by * cz - bz * cy,
+            bw * cy - bx * cz + by * cw + bz * cx,
+            bw * cz + bx * cy - by * cx + bz * cw,
+            bw * cw - bx * cx - by * cy - bz * cz,
+        )
+    )
 
 
 class Self:
@@ -245,18 +257,44 @@ class Bullet:
 
 def exact_modules():
     """`np` and `math` for Num and Row, whose every step is one numpy operation on one entry."""
-    functions = {name: ufunc(name) for name in ("sqrt", "exp", "log", "tanh", "sin", "cos", "arccos", "abs", "maximum",
-                                                "minimum", "arctan2", "square", "sign")}
+    functions = {
+        name: ufunc(name)
+        for name in (
+            "sqrt",
+            "exp",
+            "log",
+            "tanh",
+            "sin",
+            "cos",
+            "arccos",
+            "abs",
+            "maximum",
+            "minimum",
+            "arctan2",
+            "square",
+            "sign",
+        )
+    }
 
     def array(x, dtype=None):
         return Row(x) if isinstance(x, Row | list | tuple) else x
 
     def clip(x, low, high):
         return functions["minimum"](functions["maximum"](x, low), high)
-    numpy = types.SimpleNamespace(**functions, array=array, dot=dot, clip=clip, sum=fold, pi=math.pi,
-                                  where=lambda c, a, b: a if c else b, linalg=types.SimpleNamespace(norm=norm))
-    maths = types.SimpleNamespace(**functions, acos=functions["arccos"], fabs=functions["abs"], pi=math.pi,
-                                  atan2=functions["arctan2"])
+
+    numpy = types.SimpleNamespace(
+        **functions,
+        array=array,
+        dot=dot,
+        clip=clip,
+        sum=fold,
+        pi=math.pi,
+        where=lambda c, a, b: a if c else b,
+        linalg=types.SimpleNamespace(norm=norm),
+    )
+    maths = types.SimpleNamespace(
+        **functions, acos=functions["arccos"], fabs=functions["abs"], pi=math.pi, atan2=functions["arctan2"]
+    )
     return numpy, maths
 
 
@@ -266,16 +304,31 @@ def near(distance, scale):
 
 def quat_matrix(q):
     w, x, y, z = q
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
-REAL = {"norm": np.linalg.norm, "dist": lambda a, b: np.linalg.norm(np.subtract(a, b)), "clip": np.clip,
-        "clip01": lambda x: np.clip(x, 0.0, 1.0), "sigmoid": lambda x: 1 / (1 + np.exp(-x)), "near": near,
-        "exp": np.exp, "sqrt": np.sqrt, "tanh": np.tanh, "dot": np.dot, "cross": np.cross,
-        "quat_angle": lambda a, b: 2 * np.arccos(min(1.0, abs(np.dot(a, b)))),
-        "quat_axis": lambda q, axis: quat_matrix(q)[:, axis], "quat_rotate": lambda q, v: quat_matrix(q) @ v}
+REAL = {
+    "norm": np.linalg.norm,
+    "dist": lambda a, b: np.linalg.norm(np.subtract(a, b)),
+    "clip": np.clip,
+    "clip01": lambda x: np.clip(x, 0.0, 1.0),
+    "sigmoid": lambda x: 1 / (1 + np.exp(-x)),
+    "near": near,
+    "exp": np.exp,
+    "sqrt": np.sqrt,
+    "tanh": np.tanh,
+    "dot": np.dot,
+    "cross": np.cross,
+    "quat_angle": lambda a, b: 2 * np.arccos(min(1.0, abs(np.dot(a, b)))),
+    "quat_axis": lambda q, axis: quat_matrix(q)[:, axis],
+    "quat_rotate": lambda q, v: quat_matrix(q) @ v,
+}
 
 
 def run_per_state(source, state, namespace, number, vector, entry="state_cost"):
@@ -313,18 +366,23 @@ def board():
 @pytest.fixture(scope="session")
 def exactly():
     """Runs a program state by state so that every bit should agree."""
+
     def run(source, state):
         numpy, maths = exact_modules()
         with np.errstate(all="ignore"):
             return run_per_state(source, state, {"np": numpy, "math": maths, "float": lambda x=0.0: x}, Num, Row)
+
     return run
 
 
 @pytest.fixture(scope="session")
 def plainly():
     """Runs a program state by state in Python with numpy itself; sums may round differently."""
+
     def run(source, state, entry="state_cost"):
         with np.errstate(all="ignore"):
-            return run_per_state(source, state, {"np": np, "math": math, **REAL}, np.float64,
-                                 lambda items: np.array(list(items)), entry)
+            return run_per_state(
+                source, state, {"np": np, "math": math, **REAL}, np.float64, lambda items: np.array(list(items)), entry
+            )
+
     return run

@@ -91,15 +91,23 @@ REFUSED = {
     # time
     "while true": body("while True:\n    pass\nreturn 1.0"),
     "huge range": body("return sum(i for i in range(10 ** 12))"),
-    "nested loops": body("s = 0.0\nfor i in range(60):\n    for j in range(60):\n        for k in range(60):\n"
-                         "            s += 1.0\nreturn s"),
+    "nested loops": body(
+        "s = 0.0\nfor i in range(60):\n    for j in range(60):\n        for k in range(60):\n"
+        "            s += 1.0\nreturn s"
+    ),
     "nested comprehension": body("return sum(a * b * c for a in range(60) for b in range(60) for c in range(60))"),
     "recursion": body("def f(x): return f(x)\nreturn f(1)"),
     "mutual recursion": body("def f(x): return g(x)\ndef g(x): return f(x)\nreturn f(1)"),
     "recursive lambda": body("f = lambda g, x: g(g, x)\nreturn f(f, 1)"),
-    "exponential helpers": body("f0 = lambda x: x + x\n" + "\n".join(
-        f"f{i} = lambda x: f{i - 1}(x) + f{i - 1}(x) + f{i - 1}(x) + f{i - 1}(x) + f{i - 1}(x) + f{i - 1}(x) + "
-        f"f{i - 1}(x)" for i in range(1, 7)) + "\nreturn f6(self.time)"),
+    "exponential helpers": body(
+        "f0 = lambda x: x + x\n"
+        + "\n".join(
+            f"f{i} = lambda x: f{i - 1}(x) + f{i - 1}(x) + f{i - 1}(x) + f{i - 1}(x) + f{i - 1}(x) + f{i - 1}(x) + "
+            f"f{i - 1}(x)"
+            for i in range(1, 7)
+        )
+        + "\nreturn f6(self.time)"
+    ),
     "recursion on the state": body("def f(x):\n    return 1.0 if x < 0 else f(x - self.time)\nreturn f(1.0)"),
     "power tower": body("return 9 ** 9 ** 9"),
     "squaring in a loop": body("x = 3\nfor i in range(60):\n    x = x * x\nreturn x"),
@@ -115,16 +123,19 @@ REFUSED = {
     "tuple doubling": body("a = (self.time,)\nfor i in range(60):\n    a = a + a\nreturn a[0]"),
     "dict doubling": body("d = {'a': self.time}\nfor i in range(60):\n    d = {'a': d, 'b': d}\nreturn 1.0"),
     "outer products": body("v = np.ones(500)\nm = np.outer(v, v)\nreturn m[0, 0]"),
-    "many arrays": body("s = self.time\nfor i in range(64):\n    for j in range(64):\n        s = s + self.time * 2.0\n"
-                        "return s"),
+    "many arrays": body(
+        "s = self.time\nfor i in range(64):\n    for j in range(64):\n        s = s + self.time * 2.0\nreturn s"
+    ),
     # the parser
     "many parentheses": body("return " + "(" * 3000 + "1" + ")" * 3000),
     "many minus signs": body("return " + "-" * 9000 + "1"),
     "many nots": body("return " + "not " * 4000 + "1"),
     "many attributes": body("return self" + ".a" * 6000),
     "many ternaries": body("return " + "1 if 1 else " * 1500 + "1"),
-    "deep blocks": "def state_cost(self):\n" + "".join(
-        " " * i + "if 1:\n" for i in range(1, 90)) + " " * 90 + "return 1",
+    "deep blocks": "def state_cost(self):\n"
+    + "".join(" " * i + "if 1:\n" for i in range(1, 90))
+    + " " * 90
+    + "return 1",
     "too long": body("x = 1\n" * 9000 + "return x"),
     "too many nodes": body("return " + "+".join(["1"] * 4000)),
     "zero byte": body("return 1.0\0"),
@@ -181,7 +192,7 @@ HARMLESS = {
     "in place on a quantity": body("v = self.ee_pos\nv *= 0\nreturn v[0] + self.ee_pos[0]"),
     "entry of a copy": body("v = self.ee_pos\nv[0] = 9.0\nreturn v[0] + self.ee_pos[0]"),
     "code in a comment": body("return self.time  # __import__('os').system('id')"),
-    "code in a text": body("'__import__(\"os\").system(\"id\")'\nreturn self.time"),
+    "code in a text": body('\'__import__("os").system("id")\'\nreturn self.time'),
     "long sum": body("return " + "+".join(["self.time"] * 900)),
 }
 
@@ -216,6 +227,9 @@ def test_the_package_runs_no_text_as_python():
         if name.endswith(".py"):
             with open(os.path.join(folder, name)) as file:
                 tree = ast.parse(file.read())
-            called = {node.func.id for node in ast.walk(tree) if isinstance(node, ast.Call) and
-                      isinstance(node.func, ast.Name)}
+            called = {
+                node.func.id
+                for node in ast.walk(tree)
+                if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+            }
             assert not called & {"eval", "exec", "compile", "__import__"}, name

@@ -122,15 +122,46 @@ def outcome(text, schema, state):
 def test_a_damaged_program_ends_in_a_reason_or_a_number(seed, schema, states, board):
     chooser = random.Random(seed)
     text = list(chooser.choice([board, Writer(seed).program()]))
-    pieces = ["(", ")", "[", "]", ":", ".", "self", "**", "not ", "lambda x: ", "\n", "    ", "0", "None", "yield ",
-              "@", "for ", " if ", "{", "}", "*", ", ", "'", "__", "return ", "np.", "=", "-", "1e999",
-              "\x0c", "é", "#"]
+    pieces = [
+        "(",
+        ")",
+        "[",
+        "]",
+        ":",
+        ".",
+        "self",
+        "**",
+        "not ",
+        "lambda x: ",
+        "\n",
+        "    ",
+        "0",
+        "None",
+        "yield ",
+        "@",
+        "for ",
+        " if ",
+        "{",
+        "}",
+        "*",
+        ", ",
+        "'",
+        "__",
+        "return ",
+        "np.",
+        "=",
+        "-",
+        "1e999",
+        "\x0c",
+        "é",
+        "#",
+    ]
     for _ in range(chooser.randint(1, 6)):
         at = chooser.randrange(len(text))
         if chooser.random() < 0.5:
             text[at] = chooser.choice(pieces)
         else:
-            text[at:at + chooser.randrange(30)] = chooser.choice(pieces)
+            text[at : at + chooser.randrange(30)] = chooser.choice(pieces)
     state = states(np.random.default_rng(seed), 2, 3)
     code, terms = outcome("".join(text), schema, state)
     assert code in CODES

@@ -24,8 +24,16 @@ def test_the_terms_add_up_to_the_cost_and_carry_the_names_of_comments(board, sch
     program = CostProgram(board, schema)
     found = program.evaluate(states(np.random.default_rng(3)))
     assert np.array_equal(sum(found.terms.values()), found.cost)
-    assert list(found.terms)[2:] == ["progress", "keep touching", "align", "drift", "rotation", "lift", "effort",
-                                     "time"]
+    assert list(found.terms)[2:] == [
+        "progress",
+        "keep touching",
+        "align",
+        "drift",
+        "rotation",
+        "lift",
+        "effort",
+        "time",
+    ]
     assert program.line(program.term_line("drift")).endswith("# drift")
 
 
@@ -34,8 +42,9 @@ def test_a_batch_of_states_equals_its_single_states(board, schema, states):
     program = CostProgram(board, schema)
     whole = program(state)
     for i in range(3):
-        one = Context({n: state[n][i:i + 1, 1:2] if state[n].shape[:2] != (1, 1) else state[n] for n in state.names()},
-                      (1, 1))
+        one = Context(
+            {n: state[n][i : i + 1, 1:2] if state[n].shape[:2] != (1, 1) else state[n] for n in state.names()}, (1, 1)
+        )
         for name, term in program(one).items():
             assert term[0, 0] == whole[name][i, 1]
 
@@ -43,15 +52,17 @@ def test_a_batch_of_states_equals_its_single_states(board, schema, states):
 def test_a_program_leaves_the_state_as_it_is(schema, states):
     state = states(np.random.default_rng(5))
     before = {name: state[name].copy() for name in state.names()}
-    CostProgram("def state_cost(self):\n    v = self.ee_pos\n    v *= 0.0\n    v[0] = 3.0\n    return v[0] + self.time",
-                schema)(state)
+    CostProgram(
+        "def state_cost(self):\n    v = self.ee_pos\n    v *= 0.0\n    v[0] = 3.0\n    return v[0] + self.time", schema
+    )(state)
     assert all(np.array_equal(before[name], state[name]) for name in before)
 
 
 def test_named_terms_come_as_returned(schema, states):
     state = states(np.random.default_rng(6))
-    terms = CostProgram('def state_cost(self):\n    return {"reach": norm(self.ee_pos), "time": 0.1 * self.time}',
-                        schema)(state)
+    terms = CostProgram(
+        'def state_cost(self):\n    return {"reach": norm(self.ee_pos), "time": 0.1 * self.time}', schema
+    )(state)
     assert list(terms) == ["reach", "time"]
     assert np.array_equal(terms["time"], 0.1 * state["time"])
 
@@ -64,13 +75,16 @@ def test_terms_filled_without_a_return_are_the_cost(schema, states):
 
 def test_a_term_of_one_branch_is_zero_in_the_other(schema, states):
     state = states(np.random.default_rng(8))
-    terms = CostProgram(textwrap.dedent("""
+    terms = CostProgram(
+        textwrap.dedent("""
         def state_cost(self):
             cost = self.time
             if self.board_hand_contact:
                 cost -= 5.0  # touch
             return cost
-    """), schema)(state)
+    """),
+        schema,
+    )(state)
     assert np.array_equal(terms["touch"], np.where(state["board_hand_contact"] != 0, -5.0, 0.0))
 
 
@@ -80,30 +94,33 @@ def test_only_what_is_read_is_asked_for(schema):
     assert program.reads == ["board_angvel", "board_vel", "box_angvel", "box_vel", "ee_pos"]
 
 
-@pytest.mark.parametrize(("body", "code", "line", "words"), [
-    ("return self.bord_pos[0]", "unknown_state", 2, "did you mean 'board_pos'?"),
-    ("return nrom(self.ee_pos)", "unknown_name", 2, "did you mean 'norm'?"),
-    ("return board_pos[0]", "unknown_name", 2, "did you mean self.board_pos?"),
-    ("return np.linalg.det(self.ee_pos)", "unknown_attribute", 2, "it has norm"),
-    ("return p.getJointState(self.panda, 3)[0]", "unknown_attribute", 2, "getLinkState"),
-    ("return self.ee_pos", "wrong_return", 0, "a vector of 3"),
-    ("return self.ee_pos[self.current_step]", "not_fixed", 2, "constant"),
-    ("return self.ee_pos[3]", "wrong_size", 2, "no entry 3"),
-    ("return norm(self.ee_pos - self.ee_quat)", "wrong_size", 2, "a vector of 3 and a vector of 4"),
-    ("cost = 1.0", "no_return", 0, "without a return"),
-    ("if self.time > 0.5:\n        return 1.0", "no_return", 0, "ends"),
-    ("if self.time > 0.5:\n        d = 1.0\n    return d", "unset", 4, "some states only"),
-    ("x = None if self.time > 0.5 else 1.0\n    return x", "mixed", 2, "None"),
-    ("return 1.0 / (self.time * 0.0)", "not_finite", 2, "guard divisions"),
-    ("return math.acos(2.0 + self.time)", "not_finite", 2, "math.acos"),
-    ("return p.getDifferenceQuaternion(self.ee_quat, self.board_ori)[3]", "quaternion_order", 2, "NAME_ori"),
-    ("return quat_angle(self.ee_ori, self.board_quat)", "quaternion_order", 2, "NAME_quat"),
-    ("a = self.ee_pos + 0.0\n    b = a\n    b[0] = 1.0\n    return a[0]", "shared", 4, "copy"),
-    ("return np.clip(self.time, 0.0)[1]", "wrong_type", 2, "no entries"),
-    ("return dist(self.ee_pos)", "wrong_call", 2, "b is missing"),
-    ("if self.ee_pos:\n        return 1.0\n    return 0.0", "wrong_type", 2, "neither true nor false"),
-    ("cost += self.time\n    return cost", "unset", 2, "begin with"),
-])
+@pytest.mark.parametrize(
+    ("body", "code", "line", "words"),
+    [
+        ("return self.bord_pos[0]", "unknown_state", 2, "did you mean 'board_pos'?"),
+        ("return nrom(self.ee_pos)", "unknown_name", 2, "did you mean 'norm'?"),
+        ("return board_pos[0]", "unknown_name", 2, "did you mean self.board_pos?"),
+        ("return np.linalg.det(self.ee_pos)", "unknown_attribute", 2, "it has norm"),
+        ("return p.getJointState(self.panda, 3)[0]", "unknown_attribute", 2, "getLinkState"),
+        ("return self.ee_pos", "wrong_return", 0, "a vector of 3"),
+        ("return self.ee_pos[self.current_step]", "not_fixed", 2, "constant"),
+        ("return self.ee_pos[3]", "wrong_size", 2, "no entry 3"),
+        ("return norm(self.ee_pos - self.ee_quat)", "wrong_size", 2, "a vector of 3 and a vector of 4"),
+        ("cost = 1.0", "no_return", 0, "without a return"),
+        ("if self.time > 0.5:\n        return 1.0", "no_return", 0, "ends"),
+        ("if self.time > 0.5:\n        d = 1.0\n    return d", "unset", 4, "some states only"),
+        ("x = None if self.time > 0.5 else 1.0\n    return x", "mixed", 2, "None"),
+        ("return 1.0 / (self.time * 0.0)", "not_finite", 2, "guard divisions"),
+        ("return math.acos(2.0 + self.time)", "not_finite", 2, "math.acos"),
+        ("return p.getDifferenceQuaternion(self.ee_quat, self.board_ori)[3]", "quaternion_order", 2, "NAME_ori"),
+        ("return quat_angle(self.ee_ori, self.board_quat)", "quaternion_order", 2, "NAME_quat"),
+        ("a = self.ee_pos + 0.0\n    b = a\n    b[0] = 1.0\n    return a[0]", "shared", 4, "copy"),
+        ("return np.clip(self.time, 0.0)[1]", "wrong_type", 2, "no entries"),
+        ("return dist(self.ee_pos)", "wrong_call", 2, "b is missing"),
+        ("if self.ee_pos:\n        return 1.0\n    return 0.0", "wrong_type", 2, "neither true nor false"),
+        ("cost += self.time\n    return cost", "unset", 2, "begin with"),
+    ],
+)
 def test_an_error_names_the_line_and_what_there_is(body, code, line, words, schema, states):
     source = f"def state_cost(self):\n    {body}\n"
     with pytest.raises(CostError) as caught:

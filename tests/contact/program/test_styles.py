@@ -405,8 +405,10 @@ LAYOUTS = {
     "body only": "BODY",
     "body without its first indent": "STRIPPED",
 }
-INNER = ("def state_cost(self):\n    cost = np.linalg.norm(self.ee_pos - self.box_pos)\n    if self.time > 0.5:\n"
-         "        cost += 1.0\n    return cost")
+INNER = (
+    "def state_cost(self):\n    cost = np.linalg.norm(self.ee_pos - self.box_pos)\n    if self.time > 0.5:\n"
+    "        cost += 1.0\n    return cost"
+)
 
 
 def source_of(style):

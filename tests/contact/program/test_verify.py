@@ -91,14 +91,17 @@ def test_the_board_example_passes_on_random_states(board, states, schema):
     assert [fault.code for fault in faults if fault.fatal] == []
 
 
-@pytest.mark.parametrize(("source", "closest", "code", "line", "words"), [
-    ("def state_cost(self):\n    return 3.0", 0.0, "constant", 0, "same for every sampled rollout"),
-    ("def state_cost(self):\n    return 1.0 / (self.time * 0.0)", 0.0, "not_finite", 2, "guard divisions"),
-    ("def state_cost(self):\n    return self.bax_pos[0]", 0.0, "unknown_state", 2, "did you mean 'box_pos'"),
-    (BLOCKED, 0.03, "unreachable", 2, "cannot come below 0.030 m"),
-    (GATE, 0.0, "barrier", 5, "'close' begins only when the hand is near"),
-    (TOUCH, 0.0, "barrier", 4, "'carry' begins when the hand touches the box"),
-])
+@pytest.mark.parametrize(
+    ("source", "closest", "code", "line", "words"),
+    [
+        ("def state_cost(self):\n    return 3.0", 0.0, "constant", 0, "same for every sampled rollout"),
+        ("def state_cost(self):\n    return 1.0 / (self.time * 0.0)", 0.0, "not_finite", 2, "guard divisions"),
+        ("def state_cost(self):\n    return self.bax_pos[0]", 0.0, "unknown_state", 2, "did you mean 'box_pos'"),
+        (BLOCKED, 0.03, "unreachable", 2, "cannot come below 0.030 m"),
+        (GATE, 0.0, "barrier", 5, "'close' begins only when the hand is near"),
+        (TOUCH, 0.0, "barrier", 4, "'carry' begins when the hand touches the box"),
+    ],
+)
 def test_a_bad_cost_gets_its_reason(source, closest, code, line, words, states, schema):
     faults = check(source, states, schema, closest)
     assert [fault.code for fault in faults] == [code]
@@ -128,9 +131,16 @@ class Expert:
         return self.terms
 
 
-@pytest.mark.parametrize(("terms", "code"), [
-    ({}, "shape"), ({"a": np.zeros(3)}, "shape"), ({"a": np.full((20, 12), np.nan)}, "not_finite"),
-    ({"a": np.zeros((7, 12))}, "shape"), ({"a": np.array([["x"]])}, "shape")])
+@pytest.mark.parametrize(
+    ("terms", "code"),
+    [
+        ({}, "shape"),
+        ({"a": np.zeros(3)}, "shape"),
+        ({"a": np.full((20, 12), np.nan)}, "not_finite"),
+        ({"a": np.zeros((7, 12))}, "shape"),
+        ({"a": np.array([["x"]])}, "shape"),
+    ],
+)
 def test_any_cost_is_checked_for_its_shape(terms, code, states, schema):
     faults = verify_cost(Expert(terms), rolled_out(states, schema, np.random.default_rng(0)))
     assert [fault.code for fault in faults] == [code]

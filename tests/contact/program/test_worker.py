@@ -84,8 +84,13 @@ def test_a_cost_that_takes_too_long_takes_only_its_process_down(schema, states):
 @pytest.mark.skipif(not LINUX, reason="memory is limited on Linux here")
 def test_memory_ends_at_the_limit(schema, states):
     state = states(np.random.default_rng(5), 400, 200)
-    keeping = ("def state_cost(self):\n    xs = [" + ", ".join(["self.time * 2.0"] * 60) + "]\n    ys = ["
-               + ", ".join(["self.time * 3.0"] * 60) + "]\n    return sum(xs) + sum(ys)")
+    keeping = (
+        "def state_cost(self):\n    xs = ["
+        + ", ".join(["self.time * 2.0"] * 60)
+        + "]\n    ys = ["
+        + ", ".join(["self.time * 3.0"] * 60)
+        + "]\n    return sum(xs) + sum(ys)"
+    )
     with CostWorker(WorkerCfg(memory_bytes=40 << 20, shared_bytes=1 << 20)) as one:
         cost = one.load(keeping, schema)
         with pytest.raises(CostError) as caught:
@@ -114,13 +119,20 @@ def test_a_quantity_of_the_wrong_shape_is_named(worker, schema, states):
         cost(wrong)
 
 
-@pytest.mark.parametrize("reply", [b'{"terms": ["a"], "lines": {}}', b'[]', b'not json', b'{"terms": 3}',
-                                   b'{"error": ["made up", "x", "y", "z"]}'])
+@pytest.mark.parametrize(
+    "reply",
+    [b'{"terms": ["a"], "lines": {}}', b"[]", b"not json", b'{"terms": 3}', b'{"error": ["made up", "x", "y", "z"]}'],
+)
 def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(reply, schema, states, monkeypatch):
-    honest = "import sys,os,struct\nr = " + repr(reply) + (
-        "\ndef send(b): os.write(1, struct.pack('<I', len(b)) + b)\nsend(b'{\"ready\": true}')\nn = 0\n"
-        "while (h := os.read(0, 4)):\n    os.read(0, struct.unpack('<I', h)[0])\n    n += 1\n"
-        "    send(b'{\"reads\": [], \"source\": \"\"}' if n == 1 else r)\n")
+    honest = (
+        "import sys,os,struct\nr = "
+        + repr(reply)
+        + (
+            "\ndef send(b): os.write(1, struct.pack('<I', len(b)) + b)\nsend(b'{\"ready\": true}')\nn = 0\n"
+            "while (h := os.read(0, 4)):\n    os.read(0, struct.unpack('<I', h)[0])\n    n += 1\n"
+            '    send(b\'{"reads": [], "source": ""}\' if n == 1 else r)\n'
+        )
+    )
     monkeypatch.setattr("coral.contact.program.worker.START", honest)
     with CostWorker() as one:
         cost = one.load("def state_cost(self):\n    return 1.0", schema)
@@ -130,15 +142,29 @@ def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(reply, schem
 
 
 @pytest.mark.skipif(not LINUX or platform.machine() not in MACHINES, reason="the machine has no such filter")
-@pytest.mark.parametrize("code", ["open('/etc/hostname')", "import os; os.fork()", "import socket; socket.socket()",
-                                  "import os; os.execv('/bin/true', ['true'])", "import os; os.kill(1, 0)",
-                                  "import os; os.read(5, 1)", "import os; os.write(2, b'x')",
-                                  "import mmap; mmap.mmap(-1, 4096, prot=mmap.PROT_READ | 4)"])
+@pytest.mark.parametrize(
+    "code",
+    [
+        "open('/etc/hostname')",
+        "import os; os.fork()",
+        "import socket; socket.socket()",
+        "import os; os.execv('/bin/true', ['true'])",
+        "import os; os.kill(1, 0)",
+        "import os; os.read(5, 1)",
+        "import os; os.write(2, b'x')",
+        "import mmap; mmap.mmap(-1, 4096, prot=mmap.PROT_READ | 4)",
+    ],
+)
 def test_the_filter_kills_what_reaches_for_more(code):
-    script = ("import os, socket, mmap\nfrom coral.contact.program.seccomp import install\n"
-              f"install() or os._exit(77)\n{code}")
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False,
-                          env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+    script = (
+        f"import os, socket, mmap\nfrom coral.contact.program.seccomp import install\ninstall() or os._exit(77)\n{code}"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        check=False,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+    )
     if done.returncode == 77:
         pytest.skip("the kernel has no such filter")
     assert done.returncode == -signal.SIGSYS
@@ -146,8 +172,10 @@ def test_the_filter_kills_what_reaches_for_more(code):
 
 @pytest.mark.parametrize("machine", sorted(MACHINES))
 def test_every_jump_of_the_filter_stays_inside(machine):
-    code = [struct.unpack("HBBI", filter_program(MACHINES[machine])[i:i + 8])
-            for i in range(0, len(filter_program(MACHINES[machine])), 8)]
+    code = [
+        struct.unpack("HBBI", filter_program(MACHINES[machine])[i : i + 8])
+        for i in range(0, len(filter_program(MACHINES[machine])), 8)
+    ]
     for i, (kind, met, unmet, _) in enumerate(code):
         if kind & 0x07 == 0x05:
             assert i + 1 + max(met, unmet) < len(code)

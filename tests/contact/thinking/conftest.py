@@ -33,6 +33,7 @@ def scene():
     def make(task, seed=0):
         made.append(Scene(task, seed))
         return made[-1]
+
     yield make
     for one in made:
         one.world.close()

@@ -21,13 +21,23 @@ def history(drawn, truth, press, lift_m=0.0, pace_m_s=0.1, tool_m=0.03, count=40
     board = drawn.objects["board"].pose
     steps = []
     for k in range(count):
+
         def seen(k):
             way = np.array([0.0, pace_m_s * 0.02 * k, lift_m])
             tool = Body(board.position + way + [0.0, -0.1, tool_m], TURNED, np.array([0.0, pace_m_s, 0.0]))
-            force = (np.array([0.0, -truth.friction * (9.81 * truth.mass_kg + press), press]) if not lift_m
-                     else np.array([0.0, 0.0, -9.81 * truth.mass_kg]))
-            return Observation(0.02 * k, tool, 0.03, np.concatenate([force, np.zeros(3)]),
-                               {"board": dataclasses.replace(board, position=board.position + way)})
+            force = (
+                np.array([0.0, -truth.friction * (9.81 * truth.mass_kg + press), press])
+                if not lift_m
+                else np.array([0.0, 0.0, -9.81 * truth.mass_kg])
+            )
+            return Observation(
+                0.02 * k,
+                tool,
+                0.03,
+                np.concatenate([force, np.zeros(3)]),
+                {"board": dataclasses.replace(board, position=board.position + way)},
+            )
+
         before, after = seen(k), seen(k + 1)
         steps.append(Step(before, HandTarget(after.tool.position, TURNED, 0.03, 600.0), after))
     return steps
@@ -40,8 +50,9 @@ def drawn():
 
 @pytest.mark.parametrize("truth", [Physical(0.1, 0.5), Physical(0.3, 0.35)])
 def test_what_is_dragged_and_then_held_up_tells_both(drawn, truth):
-    found = [balances(history(drawn, truth, press, lift), "board", drawn, CFG)
-             for press, lift in ((4.0, 0.0), (0.0, 0.06))]
+    found = [
+        balances(history(drawn, truth, press, lift), "board", drawn, CFG) for press, lift in ((4.0, 0.0), (0.0, 0.06))
+    ]
     both = Balance(found[0].dragged, found[1].held)
     assert min(len(found[0].dragged), len(found[1].held)) > 10
     after, covariance = solve(both, BOUNDS, CFG)

@@ -17,7 +17,8 @@ SIZES = {"mug": (0.08, 0.08, 0.1)}
 
 def answer(**objects):
     return Estimates.model_validate(
-        {name: {"mass_kg": mass, "friction_coeff": friction} for name, (mass, friction) in objects.items()})
+        {name: {"mass_kg": mass, "friction_coeff": friction} for name, (mass, friction) in objects.items()}
+    )
 
 
 def clutter():
@@ -29,14 +30,17 @@ def test_plausible_estimates_pass():
     assert verify_estimates(answer(mug=(0.3, 0.5)), SIZES) is None
 
 
-@pytest.mark.parametrize(("given", "code", "words"), [
-    (answer(), "objects", "missing: mug"),
-    (answer(mug=(0.3, 0.5), cup=(0.3, 0.5)), "objects", "not in the scene: cup"),
-    (answer(mug=(-1.0, 0.5)), "bounds", "mass_kg of mug is -1"),
-    (answer(mug=(0.3, 9.0)), "bounds", "between 0.02 and 2"),
-    (answer(mug=(math.nan, 0.5)), "bounds", "nan"),
-    (answer(mug=(15.0, 0.5)), "density", "kg/m3"),
-])
+@pytest.mark.parametrize(
+    ("given", "code", "words"),
+    [
+        (answer(), "objects", "missing: mug"),
+        (answer(mug=(0.3, 0.5), cup=(0.3, 0.5)), "objects", "not in the scene: cup"),
+        (answer(mug=(-1.0, 0.5)), "bounds", "mass_kg of mug is -1"),
+        (answer(mug=(0.3, 9.0)), "bounds", "between 0.02 and 2"),
+        (answer(mug=(math.nan, 0.5)), "bounds", "nan"),
+        (answer(mug=(15.0, 0.5)), "density", "kg/m3"),
+    ],
+)
 def test_impossible_estimates_are_refused_with_a_reason(given, code, words):
     found = verify_estimates(given, SIZES)
     assert found.code == code
@@ -56,8 +60,11 @@ def test_facts_do_not_hold_the_true_parameters():
     drawn, now = clutter()
     text = json.dumps(scene_facts(drawn, now)) + json.dumps(belief_prompt(scene_facts(drawn, now)))
     for item in drawn.objects.values():
-        assert not any(f"{value:.{digits}f}" in text for digits in (3, 4, 5)
-                       for value in (item.physical.mass_kg, item.physical.friction))
+        assert not any(
+            f"{value:.{digits}f}" in text
+            for digits in (3, 4, 5)
+            for value in (item.physical.mass_kg, item.physical.friction)
+        )
 
 
 def test_steel_is_heavier_than_cardboard():
@@ -85,8 +92,9 @@ def test_a_refused_answer_is_asked_for_again_with_the_reason():
     advisor, heard = Mistaken(), []
     sizes = {name: item["size_m"] for name, item in facts["objects"].items()}
     asker = Asker(advisor, log=heard.append)
-    outcome = asker.ask("physical-parameters", Estimates, facts, belief_prompt(facts),
-                        lambda given: verify_estimates(given, sizes))
+    outcome = asker.ask(
+        "physical-parameters", Estimates, facts, belief_prompt(facts), lambda given: verify_estimates(given, sizes)
+    )
     asker.close()
     assert outcome.answer is not None
     assert [attempt.verdict for attempt in heard] == ["rejected", "accepted"]

@@ -26,11 +26,20 @@ def test_every_shipped_task_gets_a_plan_that_passes_the_checks(scene, task):
 
 
 def new_task(conditions, size=(0.05, 0.05, 0.07), **more):
-    return Task.model_validate({
-        "name": "new", "title": "New", "instruction": "Do it.", "time_limit_s": 20,
-        "objects": [{"name": "brick", "parts": [{"size": list(size)}], "mass_kg": 0.2, "friction": 0.5, "x": 0,
-                     "y": 0}],
-        "places": {"there": [0.1, 0.15, 0.0]}, "success": {"conditions": conditions}, **more})
+    return Task.model_validate(
+        {
+            "name": "new",
+            "title": "New",
+            "instruction": "Do it.",
+            "time_limit_s": 20,
+            "objects": [
+                {"name": "brick", "parts": [{"size": list(size)}], "mass_kg": 0.2, "friction": 0.5, "x": 0, "y": 0}
+            ],
+            "places": {"there": [0.1, 0.15, 0.0]},
+            "success": {"conditions": conditions},
+            **more,
+        }
+    )
 
 
 def names(one):
@@ -38,10 +47,18 @@ def names(one):
 
 
 def test_between_two_objects_the_hand_first_gets_clear_of_the_one_that_it_let_go(scene):
-    goals = [{"kind": "at", "object": name, "place": place, "tolerance_m": 0.03}
-             for name, place in (("brick", "there"), ("stone", "here"))]
-    other = {"name": "stone", "parts": [{"size": [0.04, 0.04, 0.06]}], "mass_kg": 0.2, "friction": 0.5, "x": -0.15,
-             "y": 0}
+    goals = [
+        {"kind": "at", "object": name, "place": place, "tolerance_m": 0.03}
+        for name, place in (("brick", "there"), ("stone", "here"))
+    ]
+    other = {
+        "name": "stone",
+        "parts": [{"size": [0.04, 0.04, 0.06]}],
+        "mass_kg": 0.2,
+        "friction": 0.5,
+        "x": -0.15,
+        "y": 0,
+    }
     task = new_task(goals, places={"there": [0.1, 0.15, 0.0], "here": [0.1, -0.15, 0.0]})
     first = task.objects[0].model_dump()
     one = scene(Task.model_validate({**task.model_dump(), "objects": [first, other]}))
@@ -49,8 +66,14 @@ def test_between_two_objects_the_hand_first_gets_clear_of_the_one_that_it_let_go
     strategy = make_strategy("x", made.plan, None, one.world.schema, one.sizes)
     last = next(stage for stage in strategy.stages if stage.name == "retire")
     at = one.now.objects["brick"].position
-    seen = [last.until(one.world.present(replace(one.now, opening_m=0.08, tool=replace(
-        one.now.tool, position=at + np.array([0, 0, up]))))) for up in (0.01, 0.15)]
+    seen = [
+        last.until(
+            one.world.present(
+                replace(one.now, opening_m=0.08, tool=replace(one.now.tool, position=at + np.array([0, 0, up])))
+            )
+        )
+        for up in (0.01, 0.15)
+    ]
     assert seen == [False, True]
 
 
@@ -63,9 +86,13 @@ def test_the_goal_and_the_size_choose_the_way(scene):
 
 
 def test_a_new_task_with_two_objects_is_done_one_after_the_other(scene):
-    task = new_task([{"kind": "at", "object": name, "place": "there", "tolerance_m": 0.1} for name in ("brick", "cup")],
-                    objects=[{"name": name, "parts": [{"size": [0.04, 0.04, 0.06]}], "mass_kg": 0.2, "friction": 0.5,
-                              "x": 0, "y": y} for name, y in (("brick", 0.0), ("cup", -0.2))])
+    task = new_task(
+        [{"kind": "at", "object": name, "place": "there", "tolerance_m": 0.1} for name in ("brick", "cup")],
+        objects=[
+            {"name": name, "parts": [{"size": [0.04, 0.04, 0.06]}], "mass_kg": 0.2, "friction": 0.5, "x": 0, "y": y}
+            for name, y in (("brick", 0.0), ("cup", -0.2))
+        ],
+    )
     one = scene(task)
     made = compose(one.facts)
     assert "reach" in made.plan.names
@@ -89,19 +116,23 @@ def test_repairs_change_the_plan(scene):
 
 
 def stage(**more):
-    return StageAnswer.model_validate({"name": "a", "code": "def state_cost(self):\n    return norm(self.ee_pos - "
-                                       "self.box_pos)", **more})
+    return StageAnswer.model_validate(
+        {"name": "a", "code": "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)", **more}
+    )
 
 
-@pytest.mark.parametrize(("plan", "code", "words"), [
-    (PlanAnswer(code="x = 1"), "no_return", "return"),
-    (PlanAnswer(code="def state_cost(self):\n    return self.cup_pos[0]"), "unknown_state", "cup_pos"),
-    (PlanAnswer(code="def state_cost(self):\n    return 1.0"), "constant", "same"),
-    (PlanAnswer(stages=[stage(done="1 > 0"), stage()]), "stages", "same name"),
-    (PlanAnswer(stages=[stage(), stage(name="b")]), "stages", "never ends"),
-    (PlanAnswer(stages=[stage(back_to="z", lost="1 > 0")]), "stages", "back_to"),
-    (PlanAnswer(stages=[stage(done="self.nothing > 1"), stage(name="b")]), "unknown_state", "nothing"),
-])
+@pytest.mark.parametrize(
+    ("plan", "code", "words"),
+    [
+        (PlanAnswer(code="x = 1"), "no_return", "return"),
+        (PlanAnswer(code="def state_cost(self):\n    return self.cup_pos[0]"), "unknown_state", "cup_pos"),
+        (PlanAnswer(code="def state_cost(self):\n    return 1.0"), "constant", "same"),
+        (PlanAnswer(stages=[stage(done="1 > 0"), stage()]), "stages", "same name"),
+        (PlanAnswer(stages=[stage(), stage(name="b")]), "stages", "never ends"),
+        (PlanAnswer(stages=[stage(back_to="z", lost="1 > 0")]), "stages", "back_to"),
+        (PlanAnswer(stages=[stage(done="self.nothing > 1"), stage(name="b")]), "unknown_state", "nothing"),
+    ],
+)
 def test_unusable_plans_are_refused_with_a_reason(scene, plan, code, words):
     one = scene("pick-box")
     found = verify_plan(plan, one.world.schema, one.samples)
@@ -184,5 +215,6 @@ def test_of_two_orientations_that_push_alike_the_one_is_taken_that_can_go_on_alo
         held = turn if sign > 0 else multiply(turn, np.array([0.0, 0.0, 0.0, 1.0]))
         now = replace(one.now, tool=replace(one.now.tool, quaternion=held))
         return float(push.cost(one.world.present(now))["square"][0, 0])
+
     assert square(-1.0) < 0.2
     assert square(1.0) > 5.0

@@ -36,8 +36,13 @@ def test_a_cost_of_outcomes_alone_can_be_used_and_says_nothing_of_where_to_touch
 def test_the_rules_answer_so_where_there_is_to_be_no_contact_strategy():
     facts, _, _ = scene("flip-wall")
     asked = {**facts, "contact_strategy": False}
-    assert RULES["cost-function"](asked, ()) == outcome_plan(facts) == RULES["cost-repair"](
-        {**asked, "diagnoses": ["no-progress"]}, ()).model_copy(update={"explanation": outcome_plan(facts).explanation})
+    assert (
+        RULES["cost-function"](asked, ())
+        == outcome_plan(facts)
+        == RULES["cost-repair"]({**asked, "diagnoses": ["no-progress"]}, ()).model_copy(
+            update={"explanation": outcome_plan(facts).explanation}
+        )
+    )
     assert RULES["contact-regions"](asked, ()).root == {}
 
 
@@ -54,8 +59,14 @@ def test_once_the_other_goals_are_met_letting_go_is_cheaper_and_far_away_costs_n
     one = np.ones((1, 1))
 
     def cost(quat, touched, away):
-        state = {**values, "box_quat": quat, "box_wall_contact": one, "box_vel": np.zeros((1, 1, 3)),
-                 "box_hand_contact": touched * one, "ee_pos": values["box_pos"] + np.array([0.0, 0.0, away])}
+        state = {
+            **values,
+            "box_quat": quat,
+            "box_wall_contact": one,
+            "box_vel": np.zeros((1, 1, 3)),
+            "box_hand_contact": touched * one,
+            "ee_pos": values["box_pos"] + np.array([0.0, 0.0, away]),
+        }
         return float(sum(term[0, 0] for term in program(Context(state, (1, 1))).values()))
 
     assert cost(turned, 1, 0.03) > cost(turned, 0, 0.03) + 0.5

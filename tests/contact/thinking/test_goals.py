@@ -14,8 +14,15 @@ from coral.contact.thinking.touch import Scenery
 
 TRAY = [{"name": "tray_floor", "size": [0.14, 0.14, 0.01], "position": [0.1, 0.16, 0.005]}] + [
     {"name": f"tray_side{k}", "size": size, "position": [0.1 + x, 0.16 + y, 0.03]}
-    for k, (x, y, size) in enumerate([(0.07, 0, [0.01, 0.15, 0.06]), (-0.07, 0, [0.01, 0.15, 0.06]),
-                                      (0, 0.07, [0.15, 0.01, 0.06]), (0, -0.07, [0.15, 0.01, 0.06])])]
+    for k, (x, y, size) in enumerate(
+        [
+            (0.07, 0, [0.01, 0.15, 0.06]),
+            (-0.07, 0, [0.01, 0.15, 0.06]),
+            (0, 0.07, [0.15, 0.01, 0.06]),
+            (0, -0.07, [0.15, 0.01, 0.06]),
+        ]
+    )
+]
 INTO_TRAY = {"kind": "inside", "object": "brick", "low": [0.04, 0.1, 0.0], "high": [0.16, 0.22, 0.1]}
 SHELF = [{"name": "shelf", "size": [0.2, 0.15, 0.08], "position": [0.1, 0.2, 0.04]}]
 ONTO_SHELF = {"kind": "resting", "object": "brick", "thing": "shelf"}
@@ -23,11 +30,20 @@ PUT = ["reach", "close", "raise", "carry", "lower", "release", "retire"]
 
 
 def task(*conditions, size=(0.05, 0.05, 0.07), **more):
-    return Task.model_validate({
-        "name": "new", "title": "New", "instruction": "Do it.", "time_limit_s": 20,
-        "objects": [{"name": "brick", "parts": [{"size": list(size)}], "mass_kg": 0.2, "friction": 0.6, "x": 0,
-                     "y": -0.05}],
-        "places": {"there": [0.1, 0.15, 0.0]}, "success": {"conditions": list(conditions)}, **more})
+    return Task.model_validate(
+        {
+            "name": "new",
+            "title": "New",
+            "instruction": "Do it.",
+            "time_limit_s": 20,
+            "objects": [
+                {"name": "brick", "parts": [{"size": list(size)}], "mass_kg": 0.2, "friction": 0.6, "x": 0, "y": -0.05}
+            ],
+            "places": {"there": [0.1, 0.15, 0.0]},
+            "success": {"conditions": list(conditions)},
+            **more,
+        }
+    )
 
 
 def check(one):
@@ -54,12 +70,15 @@ def test_inside_a_region_is_carried_over_its_rim_and_let_go_in_it(scene):
     here = one.now.objects["brick"].position
     aside = float(np.linalg.norm(here[:2] - [0.1, 0.16]))
     assert value(one, plan, "carry", "carry") == pytest.approx(
-        10 * (aside + abs(here[2] - float(raised.done.split("> ")[1]) - 0.03)), rel=1e-2)
+        10 * (aside + abs(here[2] - float(raised.done.split("> ")[1]) - 0.03)), rel=1e-2
+    )
 
 
 def test_several_objects_are_put_side_by_side_into_one_region(scene):
-    objects = [{"name": name, "parts": [{"size": [0.04, 0.04, 0.06]}], "mass_kg": 0.2, "friction": 0.6, "x": 0, "y": y}
-               for name, y in (("brick", -0.05), ("can", -0.15))]
+    objects = [
+        {"name": name, "parts": [{"size": [0.04, 0.04, 0.06]}], "mass_kg": 0.2, "friction": 0.6, "x": 0, "y": y}
+        for name, y in (("brick", -0.05), ("can", -0.15))
+    ]
     wide = {"low": [0.0, 0.1, 0.0], "high": [0.2, 0.22, 0.1]}
     one = scene(task({**INTO_TRAY, **wide}, {**INTO_TRAY, **wide, "object": "can"}, objects=objects))
     codes = [stage.code for stage in check(one).stages if stage.name.startswith("lower")]
@@ -83,8 +102,10 @@ def test_resting_on_something_is_put_on_its_top(scene):
 
 
 def test_one_object_is_stacked_on_another_wherever_that_is(scene):
-    objects = [{"name": name, "parts": [{"size": [0.05, 0.05, 0.06]}], "mass_kg": 0.2, "friction": 0.6, "x": 0, "y": y}
-               for name, y in (("brick", -0.1), ("base", 0.1))]
+    objects = [
+        {"name": name, "parts": [{"size": [0.05, 0.05, 0.06]}], "mass_kg": 0.2, "friction": 0.6, "x": 0, "y": y}
+        for name, y in (("brick", -0.1), ("base", 0.1))
+    ]
     one = scene(task({**ONTO_SHELF, "thing": "base"}, objects=objects))
     plan = check(one)
     carry = next(stage for stage in plan.stages if stage.name == "carry")
@@ -93,25 +114,59 @@ def test_one_object_is_stacked_on_another_wherever_that_is(scene):
     assert float(lower.done.split("< ")[1]) == pytest.approx(0.06 + 0.03 + 0.006, abs=0.002)
 
 
-@pytest.mark.parametrize(("conditions", "size", "fixtures", "words"), [
-    ([INTO_TRAY], (0.12, 0.12, 0.05), TRAY, r"too wide.*inside \[0.04, 0.1, 0.0\] to \[0.16, 0.22, 0.1\]"),
-    ([ONTO_SHELF], (0.12, 0.12, 0.05), SHELF, "too wide.*resting on shelf"),
-    ([{**INTO_TRAY, "low": [0.04, 0.1, 0.2], "high": [0.16, 0.22, 0.3]}], (0.05, 0.05, 0.07), TRAY,
-     "comes to rest at a height of 0.045 m: inside"),
-    ([{**INTO_TRAY, "low": [1.0, 1.0, 0.0], "high": [1.2, 1.2, 0.2]}], (0.05, 0.05, 0.07), [],
-     "nothing is there for the brick to lie on: inside"),
-    ([INTO_TRAY, {"kind": "lifted", "object": "brick", "height_m": 0.1}], (0.05, 0.05, 0.07), TRAY,
-     "can be held, but no rule does besides: inside"),
-    ([{"kind": "flipped", "object": "brick"}, {"kind": "at", "object": "brick", "place": "there", "tolerance_m": 0.1}],
-     (0.05, 0.05, 0.07), [], "can be turned over, but no rule does besides: at there"),
-    ([{"kind": "flipped", "object": "brick", "degrees": 180}], (0.05, 0.05, 0.07), [], "flipped by 180 degrees"),
-    ([{"kind": "touched-while-turning", "object": "brick", "thing": "shelf"}], (0.05, 0.05, 0.07), SHELF,
-     "touched-while-turning by shelf"),
-    ([{"kind": "at", "object": "brick", "place": "there", "tolerance_m": 0.1, "axes": axis} for axis in "xy"],
-     (0.05, 0.05, 0.07), [], "two things of one kind.*at there"),
-    ([{"kind": "resting", "object": "brick"}, {"kind": "upright", "object": "brick"}], (0.05, 0.05, 0.07), [],
-     "no goal asks for anything to be moved: resting on table, upright"),
-])
+@pytest.mark.parametrize(
+    ("conditions", "size", "fixtures", "words"),
+    [
+        ([INTO_TRAY], (0.12, 0.12, 0.05), TRAY, r"too wide.*inside \[0.04, 0.1, 0.0\] to \[0.16, 0.22, 0.1\]"),
+        ([ONTO_SHELF], (0.12, 0.12, 0.05), SHELF, "too wide.*resting on shelf"),
+        (
+            [{**INTO_TRAY, "low": [0.04, 0.1, 0.2], "high": [0.16, 0.22, 0.3]}],
+            (0.05, 0.05, 0.07),
+            TRAY,
+            "comes to rest at a height of 0.045 m: inside",
+        ),
+        (
+            [{**INTO_TRAY, "low": [1.0, 1.0, 0.0], "high": [1.2, 1.2, 0.2]}],
+            (0.05, 0.05, 0.07),
+            [],
+            "nothing is there for the brick to lie on: inside",
+        ),
+        (
+            [INTO_TRAY, {"kind": "lifted", "object": "brick", "height_m": 0.1}],
+            (0.05, 0.05, 0.07),
+            TRAY,
+            "can be held, but no rule does besides: inside",
+        ),
+        (
+            [
+                {"kind": "flipped", "object": "brick"},
+                {"kind": "at", "object": "brick", "place": "there", "tolerance_m": 0.1},
+            ],
+            (0.05, 0.05, 0.07),
+            [],
+            "can be turned over, but no rule does besides: at there",
+        ),
+        ([{"kind": "flipped", "object": "brick", "degrees": 180}], (0.05, 0.05, 0.07), [], "flipped by 180 degrees"),
+        (
+            [{"kind": "touched-while-turning", "object": "brick", "thing": "shelf"}],
+            (0.05, 0.05, 0.07),
+            SHELF,
+            "touched-while-turning by shelf",
+        ),
+        (
+            [{"kind": "at", "object": "brick", "place": "there", "tolerance_m": 0.1, "axes": axis} for axis in "xy"],
+            (0.05, 0.05, 0.07),
+            [],
+            "two things of one kind.*at there",
+        ),
+        (
+            [{"kind": "resting", "object": "brick"}, {"kind": "upright", "object": "brick"}],
+            (0.05, 0.05, 0.07),
+            [],
+            "no goal asks for anything to be moved: resting on table, upright",
+        ),
+    ],
+)
 def test_what_cannot_be_composed_is_said_with_the_goal(scene, conditions, size, fixtures, words):
     one = scene(task(*conditions, size=size, fixtures=fixtures))
     with pytest.raises(NoRule, match=words):
@@ -124,11 +179,14 @@ def test_what_lies_on_a_mat_in_a_plan_for_another_goal_asks_for_nothing_more(sce
     assert [goal["kind"] for goal in wanted(asked, one.facts)] == ["at"]
 
 
-@pytest.mark.parametrize(("condition", "fixtures", "term", "off"), [
-    # the nearest point 2 cm within the region, 15 for each metre
-    (INTO_TRAY, TRAY, "brick inside", 15 * np.hypot(0.06, 0.17)),
-    (ONTO_SHELF, SHELF, "brick on shelf", 10 * (np.hypot(0.1, 0.25) + 0.08)),
-])
+@pytest.mark.parametrize(
+    ("condition", "fixtures", "term", "off"),
+    [
+        # the nearest point 2 cm within the region, 15 for each metre
+        (INTO_TRAY, TRAY, "brick inside", 15 * np.hypot(0.06, 0.17)),
+        (ONTO_SHELF, SHELF, "brick on shelf", 10 * (np.hypot(0.1, 0.25) + 0.08)),
+    ],
+)
 def test_without_a_contact_strategy_the_cost_is_the_way_that_is_left(scene, condition, fixtures, term, off):
     one = scene(task(condition, fixtures=fixtures))
     plan = outcome_plan(one.facts)

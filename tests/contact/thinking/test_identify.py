@@ -34,8 +34,9 @@ def test_a_belief_far_off_is_corrected_by_what_was_felt_and_seen():
 
 def still(scene, force=0.0):
     one = scene("pick-box")
-    felt = type(one.now)(one.now.time_s, one.now.tool, one.now.opening_m, np.array([force, 0, 0, 0, 0, 0]),
-                         one.now.objects)
+    felt = type(one.now)(
+        one.now.time_s, one.now.tool, one.now.opening_m, np.array([force, 0, 0, 0, 0, 0]), one.now.objects
+    )
     return one, Step(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), felt)
 
 
@@ -76,17 +77,29 @@ def test_a_window_that_diverges_under_every_belief_decides_nothing():
 
 def test_rows_for_prompts_carry_the_cost_of_their_own_plan_and_what_was_told(scene):
     one, step = still(scene)
-    steps = [dataclasses.replace(step, before=dataclasses.replace(step.before, time_s=0.1 * k),
-                                 after=dataclasses.replace(step.after, time_s=0.1 * (k + 1))) for k in range(5)]
+    steps = [
+        dataclasses.replace(
+            step,
+            before=dataclasses.replace(step.before, time_s=0.1 * k),
+            after=dataclasses.replace(step.after, time_s=0.1 * (k + 1)),
+        )
+        for k in range(5)
+    ]
     rows = recent(steps, [(0.0, 9.0), (0.2, 7.0), (0.4, 5.0)], "box")
     assert [row["cost"] for row in rows] == [9.0, 9.0, 7.0, 7.0, 5.0]
     assert rows[0]["opening_told_m"] == 0.08
     assert rows[0]["hand_told_to"] == [round(float(v), 4) for v in one.now.tool.position]
 
 
-@pytest.mark.parametrize(("force", "returns", "surprise", "kind"), [
-    (0.0, 0, 0.0, "not-reached"), (3.0, 0, 0.0, "not-moved"), (3.0, 3, 0.0, "slipped"),
-    (3.0, 0, 0.1, "moved-otherwise")])
+@pytest.mark.parametrize(
+    ("force", "returns", "surprise", "kind"),
+    [
+        (0.0, 0, 0.0, "not-reached"),
+        (3.0, 0, 0.0, "not-moved"),
+        (3.0, 3, 0.0, "slipped"),
+        (3.0, 0, 0.1, "moved-otherwise"),
+    ],
+)
 def test_diagnoses(scene, force, returns, surprise, kind):
     _, step = still(scene, force)
     assert diagnose([step] * 10, "box", returns, surprise) == kind

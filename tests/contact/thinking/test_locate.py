@@ -78,8 +78,9 @@ def test_the_rule_speaks_of_the_middle_too(board):
     assert np.linalg.norm(np.array(answer.root["board"].position) - middle(drawn, true)) < 0.03
     assert np.linalg.norm(answer.bodies(facts)["board"].position - true.position) < 0.03
     unseen = {**facts, "objects": {"board": {**facts["objects"]["board"], "pixels": 0, "seen_box_m": None}}}
-    np.testing.assert_allclose(locate(unseen).bodies(unseen)["board"].position[:2],
-                               facts["objects"]["board"]["usual_pose"][:2], atol=1e-4)
+    np.testing.assert_allclose(
+        locate(unseen).bodies(unseen)["board"].position[:2], facts["objects"]["board"]["usual_pose"][:2], atol=1e-4
+    )
 
 
 def test_the_rule_guesses_places_from_the_picture_to_a_few_centimetres(clutter):
@@ -104,9 +105,15 @@ def test_no_measured_depth_and_no_true_pose_is_in_the_prompt(clutter):
     assert "usual" not in shown
 
 
-@pytest.mark.parametrize(("change", "code"), [
-    ({"position": (9.0, 0.0, 0.05)}, "place"), ({"position": (0.0, 0.0, -0.3)}, "place"),
-    ({"quaternion": (0.0, 0.0, 0.0, 0.0)}, "pose"), ({"position": (0.0, float("nan"), 0.0)}, "pose")])
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        ({"position": (9.0, 0.0, 0.05)}, "place"),
+        ({"position": (0.0, 0.0, -0.3)}, "place"),
+        ({"quaternion": (0.0, 0.0, 0.0, 0.0)}, "pose"),
+        ({"position": (0.0, float("nan"), 0.0)}, "pose"),
+    ],
+)
 def test_impossible_poses_are_refused(clutter, change, code):
     _, _, facts = clutter
     right = locate(facts)
@@ -133,8 +140,9 @@ def test_a_guess_is_never_updated(clutter):
 def test_an_episode_without_tracking_asks_for_poses_first_and_says_so(tmp_path):
     task = short_task()
     mind = make_mind("no-tracking", task, Asking(folder=tmp_path / "run"))
-    result = Episode(draw(task, 0), "hand", mind, COARSE, tmp_path / "run", variant="no-tracking",
-                     advisor="heuristic").run()
+    result = Episode(
+        draw(task, 0), "hand", mind, COARSE, tmp_path / "run", variant="no-tracking", advisor="heuristic"
+    ).run()
     assert (result["poses"], result["end_reason"], result["advisor_calls"]) == ("guessed", "timeout", 4)
     assert result["pose_error_mm"] > 1
     kinds = [json.loads(line)["kind"] for line in (tmp_path / "run" / "attempts.jsonl").open()]

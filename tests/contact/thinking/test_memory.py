@@ -20,9 +20,15 @@ from coral.errors import InputError
 def experience(one, **provenance):
     made = compose(one.facts)
     return Experience(
-        task="t", instruction=one.facts["instruction"], goals=one.facts["goals"], numbers=scene_numbers(one.facts),
-        plan=made.plan, regions=made.regions, beliefs={"box": (0.2, 0.5)},
-        provenance={"success": True, "world": "hand", "seed": 0, **provenance})
+        task="t",
+        instruction=one.facts["instruction"],
+        goals=one.facts["goals"],
+        numbers=scene_numbers(one.facts),
+        plan=made.plan,
+        regions=made.regions,
+        beliefs={"box": (0.2, 0.5)},
+        provenance={"success": True, "world": "hand", "seed": 0, **provenance},
+    )
 
 
 @pytest.fixture
@@ -112,7 +118,8 @@ def test_a_remembered_plan_fits_another_size_and_name(scene, memory):
     assert verify_plan(plan, other.world.schema, other.samples) is None
     assert verify_regions(regions, other.facts, plan.names) is None
     assert renamed("self.box_pos + self.boxer_pos + self.box_init_pos", {"box": "can"}) == (
-        "self.can_pos + self.boxer_pos + self.can_init_pos")
+        "self.can_pos + self.boxer_pos + self.can_init_pos"
+    )
 
 
 def test_export_import_and_forget(scene, memory, place):
@@ -151,8 +158,9 @@ while True:
 
 def test_a_killed_writer_loses_nothing_it_has_acknowledged(scene, memory, tmp_path):
     (tmp_path / "one.json").write_text(experience(scene("pick-box")).model_dump_json())
-    with subprocess.Popen([sys.executable, "-c", WRITER, memory.where, str(tmp_path / "one.json")],
-                          stdout=subprocess.PIPE, text=True) as writer:
+    with subprocess.Popen(
+        [sys.executable, "-c", WRITER, memory.where, str(tmp_path / "one.json")], stdout=subprocess.PIPE, text=True
+    ) as writer:
         told = [int(writer.stdout.readline()) for _ in range(20)]
         writer.send_signal(signal.SIGKILL)
         told += [int(line) for line in writer.stdout.read().split("\n")[:-1]]
@@ -160,9 +168,16 @@ def test_a_killed_writer_loses_nothing_it_has_acknowledged(scene, memory, tmp_pa
     assert memory.add(experience(scene("pick-box"))) > max(told)
 
 
-@pytest.mark.parametrize("wrong", [
-    {"goals": [{"kind": "lifted"}]}, {"goals": [{"object": "box"}]}, {"goals": [{"kind": "lifted", "object": ["box"]}]},
-    {"numbers": {"object0.size.0": float("nan")}}, {"numbers": {"object0.size.0": float("inf")}}])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"goals": [{"kind": "lifted"}]},
+        {"goals": [{"object": "box"}]},
+        {"goals": [{"kind": "lifted", "object": ["box"]}]},
+        {"numbers": {"object0.size.0": float("nan")}},
+        {"numbers": {"object0.size.0": float("inf")}},
+    ],
+)
 def test_an_export_that_says_nonsense_is_refused_before_it_is_compared(scene, memory, wrong):
     memory.add(experience(scene("pick-box")))
     content = memory.export()
@@ -174,8 +189,12 @@ def test_an_export_that_says_nonsense_is_refused_before_it_is_compared(scene, me
 def test_a_stored_row_that_says_nonsense_is_passed_over(scene, memory):
     one = scene("pick-box")
     made = json.loads(experience(one).model_dump_json())
-    memory.store.insert("now", json.dumps({**made, "goals": [{"kind": "lifted"}]}), "hashed-words",
-                        memory.embedder.embed(one.facts["instruction"]))
+    memory.store.insert(
+        "now",
+        json.dumps({**made, "goals": [{"kind": "lifted"}]}),
+        "hashed-words",
+        memory.embedder.embed(one.facts["instruction"]),
+    )
     assert memory.find(one.facts) == []
 
 
@@ -207,10 +226,17 @@ def adding(tmp_path):
 
     def start(path, one, count):
         (tmp_path / "one.json").write_text(one.model_dump_json())
-        started.extend(subprocess.Popen([sys.executable, "-c", ADDER, path, tmp_path / "one.json", str(number)],
-                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE) for number in range(count))
+        started.extend(
+            subprocess.Popen(
+                [sys.executable, "-c", ADDER, path, tmp_path / "one.json", str(number)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+            )
+            for number in range(count)
+        )
         assert [writer.stdout.readline() for writer in started] == [b"ready\n"] * count
         return started
+
     yield start
     for writer in started:
         writer.kill()

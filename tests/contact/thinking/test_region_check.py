@@ -9,8 +9,14 @@ TOP = {"center": [0, 0, 0.03], "normal": [0, 0, 1]}
 
 
 def facts(size=(0.06, 0.06, 0.06), at=(0.0, 0.0, 0.03), **more):
-    item = {"size_m": list(size), "pose": [*at, 1, 0, 0, 0], "shapes": ["box"], "solid_share": 1.0, "points": {},
-            **more}
+    item = {
+        "size_m": list(size),
+        "pose": [*at, 1, 0, 0, 0],
+        "shapes": ["box"],
+        "solid_share": 1.0,
+        "points": {},
+        **more,
+    }
     return {"objects": {"box": item}, "table": {"x": [-0.4, 0.4], "y": [-0.4, 0.4]}}
 
 
@@ -22,17 +28,20 @@ def test_a_sound_region_passes():
     assert verify_regions(answer(TOP), facts()) is None
 
 
-@pytest.mark.parametrize(("region", "code"), [
-    ({**TOP, "center": [0, 0, 0.06]}, "off-surface"),
-    ({**TOP, "center": [0, 0, 0.0]}, "off-surface"),
-    ({**TOP, "normal": [0, 0, 2]}, "normal"),
-    ({**TOP, "normal": [0, 0, -1]}, "inward"),
-    ({"center": [0, 0, -0.03], "normal": [0, 0, -1]}, "underside"),
-    ({**TOP, "extent": 0.5}, "extent"),
-    ({**TOP, "num_samples": 0}, "extent"),
-    ({**TOP, "stage": "fly"}, "stage"),
-    ({**TOP, "opening": 0.2}, "opening"),
-])
+@pytest.mark.parametrize(
+    ("region", "code"),
+    [
+        ({**TOP, "center": [0, 0, 0.06]}, "off-surface"),
+        ({**TOP, "center": [0, 0, 0.0]}, "off-surface"),
+        ({**TOP, "normal": [0, 0, 2]}, "normal"),
+        ({**TOP, "normal": [0, 0, -1]}, "inward"),
+        ({"center": [0, 0, -0.03], "normal": [0, 0, -1]}, "underside"),
+        ({**TOP, "extent": 0.5}, "extent"),
+        ({**TOP, "num_samples": 0}, "extent"),
+        ({**TOP, "stage": "fly"}, "stage"),
+        ({**TOP, "opening": 0.2}, "opening"),
+    ],
+)
 def test_unusable_regions_are_refused_by_name(region, code):
     found = verify_regions(answer(region), facts(), ["reach"])
     assert found.code == code
@@ -40,8 +49,9 @@ def test_unusable_regions_are_refused_by_name(region, code):
 
 
 def test_what_is_wider_than_the_hand_opens_is_not_pinched():
-    found = verify_regions(answer({"center": [0, 0, 0.03], "normal": [0, 0, 1], "approach": "pinch"}),
-                           facts(size=(0.1, 0.1, 0.06)))
+    found = verify_regions(
+        answer({"center": [0, 0, 0.03], "normal": [0, 0, 1], "approach": "pinch"}), facts(size=(0.1, 0.1, 0.06))
+    )
     assert found.code == "too-wide"
 
 
@@ -77,8 +87,9 @@ def test_another_object_in_the_way_counts_until_it_is_touched_before():
     scene = facts()
     scene["objects"]["cup"] = {**scene["objects"]["box"], "pose": [0.065, 0, 0.03, 1, 0, 0, 0]}
     assert verify_regions(answer(SIDE), scene).code == "buried"
-    both = RegionsAnswer.model_validate({"cup": {"regions": [{**TOP, "stage": "clear"}]},
-                                         "box": {"regions": [{**SIDE, "stage": "push"}]}})
+    both = RegionsAnswer.model_validate(
+        {"cup": {"regions": [{**TOP, "stage": "clear"}]}, "box": {"regions": [{**SIDE, "stage": "push"}]}}
+    )
     assert verify_regions(both, scene, ["clear", "push"]) is None
     assert verify_regions(both, scene, ["push", "clear"]).code == "buried"
 
@@ -100,8 +111,14 @@ def test_the_rules_leave_out_a_place_that_cannot_be_touched_and_keep_the_others(
     asked = {**one.facts, "stages": []}
     whole = RULES["contact-regions"](asked, ())
     rear = one.facts["objects"]["board"]["pose"][1] - 0.14
-    refusal = verify_regions(whole, {**one.facts, "fixtures": {"wall": {
-        "position": [0, rear - 0.05, 0.1], "size_m": [0.6, 0.1, 0.2], "yaw_deg": 0.0}}}, compose(one.facts).plan.names)
+    refusal = verify_regions(
+        whole,
+        {
+            **one.facts,
+            "fixtures": {"wall": {"position": [0, rear - 0.05, 0.1], "size_m": [0.6, 0.1, 0.2], "yaw_deg": 0.0}},
+        },
+        compose(one.facts).plan.names,
+    )
     assert refusal.code == "buried"
     again = RULES["contact-regions"](asked, [refusal])
     assert again.each() == [pair for pair in whole.each() if pair[1].stage != "reach"]

@@ -13,10 +13,16 @@ UP, SIDE = np.array([0.0, 0, 1]), np.array([1.0, 0, 0])
 
 def solid(tmp_path, **part):
     """The only piece of an object that consists of one part."""
-    task = Task.model_validate({
-        "name": "new", "title": "New", "instruction": "Do it.", "time_limit_s": 20,
-        "objects": [{"name": "thing", "parts": [part], "mass_kg": 0.2, "friction": 0.5, "x": 0, "y": 0}],
-        "success": {"conditions": [{"kind": "lifted", "object": "thing", "height_m": 0.1}]}})
+    task = Task.model_validate(
+        {
+            "name": "new",
+            "title": "New",
+            "instruction": "Do it.",
+            "time_limit_s": 20,
+            "objects": [{"name": "thing", "parts": [part], "mass_kg": 0.2, "friction": 0.5, "x": 0, "y": 0}],
+            "success": {"conditions": [{"kind": "lifted", "object": "thing", "height_m": 0.1}]},
+        }
+    )
     return pieces(draw(task, 0), "thing")[0]
 
 
@@ -25,14 +31,22 @@ def leaves(one, point, way):
     return rise[0], normal[0]
 
 
-@pytest.mark.parametrize(("part", "point", "way", "rise", "normal"), [
-    ({"shape": "box", "size": [0.2, 0.1, 0.06]}, (0.05, 0, 0.1), UP, -0.07, UP),
-    ({"shape": "box", "size": [0.2, 0.1, 0.06], "rpy_deg": [0, 90, 0]}, (0, 0, 0), UP, 0.1, UP),
-    ({"shape": "cylinder", "size": [0.1, 0.1, 0.2]}, (0, 0.03, 0), SIDE, 0.04, np.array([0.8, 0.6, 0])),
-    ({"shape": "cylinder", "size": [0.1, 0.1, 0.2]}, (0, 0.03, 0), UP, 0.1, UP),
-    ({"shape": "sphere", "size": [0.1, 0.1, 0.1], "position": [0, 0, 0.2]}, (0.03, 0, 0), UP, 0.24,
-     np.array([0.6, 0, 0.8])),
-])
+@pytest.mark.parametrize(
+    ("part", "point", "way", "rise", "normal"),
+    [
+        ({"shape": "box", "size": [0.2, 0.1, 0.06]}, (0.05, 0, 0.1), UP, -0.07, UP),
+        ({"shape": "box", "size": [0.2, 0.1, 0.06], "rpy_deg": [0, 90, 0]}, (0, 0, 0), UP, 0.1, UP),
+        ({"shape": "cylinder", "size": [0.1, 0.1, 0.2]}, (0, 0.03, 0), SIDE, 0.04, np.array([0.8, 0.6, 0])),
+        ({"shape": "cylinder", "size": [0.1, 0.1, 0.2]}, (0, 0.03, 0), UP, 0.1, UP),
+        (
+            {"shape": "sphere", "size": [0.1, 0.1, 0.1], "position": [0, 0, 0.2]},
+            (0.03, 0, 0),
+            UP,
+            0.24,
+            np.array([0.6, 0, 0.8]),
+        ),
+    ],
+)
 def test_lines_leave_each_shape_where_geometry_says(tmp_path, part, point, way, rise, normal):
     found, facing = leaves(solid(tmp_path, **part), point, way)
     assert found == pytest.approx(rise)
@@ -41,13 +55,38 @@ def test_lines_leave_each_shape_where_geometry_says(tmp_path, part, point, way, 
 
 def test_of_a_mesh_the_hull_counts(tmp_path):
     # two ramps with a notch between: what touches is the hull, which is flat on top
-    corners = [(0, 0, 0), (0.1, 0, 0), (0.1, 0.1, 0), (0, 0.1, 0), (0, 0, 0.1), (0.1, 0, 0.1), (0.1, 0.1, 0.1),
-               (0, 0.1, 0.1), (0.05, 0.05, 0.02)]
-    faces = [(0, 2, 1), (0, 3, 2), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4),
-             (3, 4, 7), (4, 5, 8), (5, 6, 8), (6, 7, 8), (7, 4, 8)]
+    corners = [
+        (0, 0, 0),
+        (0.1, 0, 0),
+        (0.1, 0.1, 0),
+        (0, 0.1, 0),
+        (0, 0, 0.1),
+        (0.1, 0, 0.1),
+        (0.1, 0.1, 0.1),
+        (0, 0.1, 0.1),
+        (0.05, 0.05, 0.02),
+    ]
+    faces = [
+        (0, 2, 1),
+        (0, 3, 2),
+        (0, 1, 5),
+        (0, 5, 4),
+        (1, 2, 6),
+        (1, 6, 5),
+        (2, 3, 7),
+        (2, 7, 6),
+        (3, 0, 4),
+        (3, 4, 7),
+        (4, 5, 8),
+        (5, 6, 8),
+        (6, 7, 8),
+        (7, 4, 8),
+    ]
     path = tmp_path / "notched.obj"
-    path.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners)
-                    + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces))
+    path.write_text(
+        "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+        + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)
+    )
     one = solid(tmp_path, shape="mesh", size=[1, 1, 1], file=str(path))
     found, facing = leaves(one, (0.05, 0.05, 0.02), UP)
     assert found == pytest.approx(0.08, abs=1e-5)

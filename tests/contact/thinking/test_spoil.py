@@ -14,15 +14,18 @@ ERRORS = ("wrong_type", "out_of_range", "backward", "stale")
 
 
 @pytest.mark.parametrize("error", ERRORS)
-@pytest.mark.parametrize(("kind", "answer_type"), [
-    ("physical-parameters", Estimates), ("cost-function", PlanAnswer), ("contact-regions", RegionsAnswer)])
+@pytest.mark.parametrize(
+    ("kind", "answer_type"),
+    [("physical-parameters", Estimates), ("cost-function", PlanAnswer), ("contact-regions", RegionsAnswer)],
+)
 def test_a_spoilt_answer_is_refused_and_the_right_one_is_not(scene, kind, answer_type, error):
     one = scene("pick-box")
     right = RULES[kind](one.facts, ())
     check = {
         "physical-parameters": lambda answer: verify_estimates(answer, one.sizes),
         "cost-function": lambda answer: verify_plan(answer, one.world.schema, one.samples),
-        "contact-regions": lambda answer: verify_regions(answer, one.facts, ("reach", "close", "lift"))}[kind]
+        "contact-regions": lambda answer: verify_regions(answer, one.facts, ("reach", "close", "lift")),
+    }[kind]
     assert check(right) is None
     question = Question(kind=kind, prompt="", answer_type=answer_type, facts=one.facts)
     spoilt = spoil(error, question, right.model_dump(mode="json"), np.random.default_rng(0))

@@ -54,8 +54,10 @@ for k in range(5):
 def test_processes_that_count_at_once_count_everything(place):
     store = store_of(place("s"))
     store.insert("now", "a", "e", VECTOR)
-    counters = [subprocess.Popen([sys.executable, "-c", COUNTER, store.name], stdin=subprocess.PIPE,
-                                 stdout=subprocess.PIPE) for _ in range(3)]
+    counters = [
+        subprocess.Popen([sys.executable, "-c", COUNTER, store.name], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        for _ in range(3)
+    ]
     assert [counter.stdout.readline() for counter in counters] == [b"ready\n"] * 3
     for counter in counters:
         counter.stdin.write(b"\n")

@@ -31,8 +31,14 @@ from coral.mppi.knots import Update
 
 def thinker(one, advisor=None, memory=None, given=None, **cfg):
     told = []
-    mind = Thinker(Asker(advisor or RuleAdvisor(RULES)), ThinkCfg(**cfg), np.random.default_rng(0), memory,
-                   provenance={"world": "hand", "seed": 0}, given=given)
+    mind = Thinker(
+        Asker(advisor or RuleAdvisor(RULES)),
+        ThinkCfg(**cfg),
+        np.random.default_rng(0),
+        memory,
+        provenance={"world": "hand", "seed": 0},
+        given=given,
+    )
     mind.listen(lambda event, **fields: told.append((event, fields)))
     return mind, told
 
@@ -41,8 +47,16 @@ def moment(one, t, stage, cost, taken=()):
     body = one.now.objects["box"]
     now = type(one.now)(t, one.now.tool, one.now.opening_m, one.now.wrench, one.now.objects)
     state = one.world.present(now)
-    plan = Plan((), np.zeros((1, 3)), np.zeros((1, 4)), *np.zeros((2, 1, 3)), Update(*[np.zeros(1)] * 4, 1.0, True),
-                {"all": cost}, state, 0)
+    plan = Plan(
+        (),
+        np.zeros((1, 3)),
+        np.zeros((1, 4)),
+        *np.zeros((2, 1, 3)),
+        Update(*[np.zeros(1)] * 4, 1.0, True),
+        {"all": cost},
+        state,
+        0,
+    )
     assert body is not None
     return Moment(0, now, plan, stage, taken)
 
@@ -113,8 +127,9 @@ class OneFunction:
         if question.kind != "cost-function":
             return Reply(value=RULES[question.kind](question.facts, rejections), raw="")
         target = "box_pos" if rejections else "cup_pos"
-        return Reply(value=PlanAnswer(code=f"def state_cost(self):\n    return 5 * norm(self.ee_pos - self.{target})"),
-                     raw="")
+        return Reply(
+            value=PlanAnswer(code=f"def state_cost(self):\n    return 5 * norm(self.ee_pos - self.{target})"), raw=""
+        )
 
 
 def test_a_models_refused_cost_is_mended_by_the_reason(scene):
@@ -177,8 +192,15 @@ def confining(one, memory, **cfg):
         loaded.append(source)
         return in_process(source, schema, name)
 
-    mind = Thinker(Asker(RuleAdvisor(RULES)), ThinkCfg(**cfg), np.random.default_rng(0), memory, load,
-                   {"world": "hand", "seed": 0}, worker=worker)
+    mind = Thinker(
+        Asker(RuleAdvisor(RULES)),
+        ThinkCfg(**cfg),
+        np.random.default_rng(0),
+        memory,
+        load,
+        {"world": "hand", "seed": 0},
+        worker=worker,
+    )
     return mind, loaded, worker
 
 
@@ -389,8 +411,10 @@ def test_without_memory_nothing_is_kept(scene, reason):
     assert isinstance(one.world.beliefs[0]["box"], Physical)
 
 
-FRAGILE = ("def state_cost(self):\n    gap = norm(self.ee_pos - self.box_pos)\n"
-           "    return {{'{term}': gap + 1.0 / max(0.0, {limit} - self.time)}}")
+FRAGILE = (
+    "def state_cost(self):\n    gap = norm(self.ee_pos - self.box_pos)\n"
+    "    return {{'{term}': gap + 1.0 / max(0.0, {limit} - self.time)}}"
+)
 
 
 class Fragile:
@@ -406,8 +430,10 @@ class Fragile:
             return Reply(value=RULES[question.kind](question.facts, rejections), raw="")
         self.prompts.append(question.prompt)
         limits = {"first": 99.0, "second": 5.0 if question.kind == "cost-function" else 9.0}
-        stages = [StageAnswer(name=name, code=FRAGILE.format(term=name, limit=limit), done="self.box_pos[2] > 0.1")
-                  for name, limit in limits.items()]
+        stages = [
+            StageAnswer(name=name, code=FRAGILE.format(term=name, limit=limit), done="self.box_pos[2] > 0.1")
+            for name, limit in limits.items()
+        ]
         return Reply(value=PlanAnswer(stages=stages), raw="")
 
 
@@ -425,6 +451,7 @@ def fragile(scene):
     def make(**cfg):
         mind, told = thinker(one, advisor, regions=False, **cfg)
         return one, advisor, mind, told, mind.begin(one.drawn, one.now, one.world).stages
+
     return make
 
 
@@ -436,7 +463,8 @@ def test_a_cost_that_fails_in_use_is_repaired_with_the_reason_and_its_line(fragi
     assert "in stage 'second', line 3" in advisor.prompts[1].partition("did not even run")[2]
     assert evaluated(one, other.stages[1], 6.0) == ["second"]
     assert [(fields["stage"], fields["meanwhile"]) for event, fields in told if event == "cost_error"] == [
-        ("second", "")]
+        ("second", "")
+    ]
 
 
 def test_the_last_good_cost_is_used_until_the_repair(fragile):
@@ -511,6 +539,7 @@ def test_a_unified_mind_that_is_stuck_asks_its_one_question_with_the_history(sce
 @pytest.fixture
 def corrected(scene, monkeypatch):
     """A mind to which a box is moved on, 5 mm in each plan of 0.1 s; the times at which it corrects are noted."""
+
     def run(plans, last=True, **cfg):
         one, noted = scene("pick-box"), []
         mind, _ = thinker(one, **cfg)
@@ -519,13 +548,16 @@ def corrected(scene, monkeypatch):
         box = one.now.objects["box"]
         for k in range(1, plans + 1):
             after = dataclasses.replace(box, position=box.position + np.array([0.005, 0.0, 0.0]))
-            here, there = (dataclasses.replace(one.now, time_s=0.1 * (k - 1 + n), objects={"box": body})
-                           for n, body in enumerate((box, after)))
+            here, there = (
+                dataclasses.replace(one.now, time_s=0.1 * (k - 1 + n), objects={"box": body})
+                for n, body in enumerate((box, after))
+            )
             step = Step(here, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), there)
             assert mind.after(moment(one, 0.1 * k, "reach", 50.0 - k, (step,))) is None
         if last:
             mind.ended("timeout")
         return [name for name, _ in noted], [round(time, 3) for _, time in noted]
+
     return run
 
 

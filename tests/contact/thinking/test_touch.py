@@ -10,10 +10,18 @@ from coral.contact.thinking.touch import Scenery, candidates_of, off_surface, pr
 
 
 def thing(*parts, **more):
-    task = Task.model_validate({
-        "name": "new", "title": "New", "instruction": "Do it.", "time_limit_s": 20,
-        "objects": [{"name": "thing", "parts": list(parts), "mass_kg": 0.2, "friction": 0.5, "x": 0, "y": 0, **more}],
-        "success": {"conditions": [{"kind": "lifted", "object": "thing", "height_m": 0.1}]}})
+    task = Task.model_validate(
+        {
+            "name": "new",
+            "title": "New",
+            "instruction": "Do it.",
+            "time_limit_s": 20,
+            "objects": [
+                {"name": "thing", "parts": list(parts), "mass_kg": 0.2, "friction": 0.5, "x": 0, "y": 0, **more}
+            ],
+            "success": {"conditions": [{"kind": "lifted", "object": "thing", "height_m": 0.1}]},
+        }
+    )
     return Scenery.of(draw(task, 0)).objects["thing"]
 
 
@@ -48,28 +56,38 @@ def test_points_on_a_round_side_follow_it_and_end_where_it_turns_away():
 
 
 def test_a_step_down_is_not_the_face():
-    stairs = thing({"shape": "box", "size": [0.1, 0.1, 0.1]}, {"shape": "box", "size": [0.1, 0.1, 0.02],
-                                                               "position": [0.1, 0, -0.04]})
+    stairs = thing(
+        {"shape": "box", "size": [0.1, 0.1, 0.1]},
+        {"shape": "box", "size": [0.1, 0.1, 0.02], "position": [0.1, 0, -0.04]},
+    )
     found, _ = projected(stairs, center=[0.045, 0, 0.05], normal=[0, 0, 1], extent=0.03)
     assert np.allclose(found[:, 2], 0.05)
     assert found[:, 0].max() <= 0.05
 
 
 def test_a_seam_between_two_parts_is_no_surface():
-    two = thing({"shape": "box", "size": [0.1, 0.1, 0.1]}, {"shape": "box", "size": [0.1, 0.1, 0.1],
-                                                            "position": [0.1, 0, 0]})
+    two = thing(
+        {"shape": "box", "size": [0.1, 0.1, 0.1]}, {"shape": "box", "size": [0.1, 0.1, 0.1], "position": [0.1, 0, 0]}
+    )
     assert off_surface(np.array([0.05, 0.0, 0.0]), two) == pytest.approx(0.05)
     assert len(projected(two, center=[0.05, 0, 0], normal=[1, 0, 0], extent=0.01)[0]) == 0
 
 
-@pytest.mark.parametrize(("center", "code"), [((0.028, 0.028, 0.0), "off-surface"), ((0.0, 0.0, 0.0), "off-surface"),
-                                              ((0.0, 0.0, 0.05), None)])
+@pytest.mark.parametrize(
+    ("center", "code"),
+    [((0.028, 0.028, 0.0), "off-surface"), ((0.0, 0.0, 0.0), "off-surface"), ((0.0, 0.0, 0.05), None)],
+)
 def test_of_what_is_no_box_a_centre_must_lie_on_the_true_surface(scene, center, code):
     one = scene("pick-clutter")
     size = one.facts["objects"]["can"]["size_m"]
     scaled = [c * s / d for c, s, d in zip(center, size, (0.06, 0.06, 0.1), strict=True)]
-    found = verify_regions(RegionsAnswer.model_validate({"can": {"regions": [
-        {"center": scaled, "normal": [0, 0, 1], "extent": 0.002}]}}), one.facts, (), None, Scenery.of(one.drawn))
+    found = verify_regions(
+        RegionsAnswer.model_validate({"can": {"regions": [{"center": scaled, "normal": [0, 0, 1], "extent": 0.002}]}}),
+        one.facts,
+        (),
+        None,
+        Scenery.of(one.drawn),
+    )
     assert (found.code if found else None) == code
 
 
@@ -78,7 +96,7 @@ def test_lost_candidates_are_counted_by_their_reason_and_guides_use_the_others(s
     size = one.sizes["box"]
     region = Region(center=(0, 0, size[2] / 2), normal=(0, 0, 1), extent=0.15, num_samples=64, approach="press")
     answer = RegionsAnswer.model_validate({"box": {"regions": [region]}})
-    found, = candidates_of(answer, one.facts, (), Scenery.of(one.drawn))
+    (found,) = candidates_of(answer, one.facts, (), Scenery.of(one.drawn))
     assert found.lost == {"off the face": 65 - len(found.points)}
     points = guide("box", region, size, local=found.points).points(one.world.present(one.now))
     assert len(points) == 2 * len(found.points)
@@ -92,8 +110,9 @@ def test_the_rules_regions_keep_nearly_all_their_points(scene, task, seed):
     made = compose(one.facts)
     scenery = Scenery.of(one.drawn)
     assert verify_regions(made.regions, one.facts, made.plan.names, None, scenery) is None
-    for (_, region), left in zip(made.regions.each(), candidates_of(made.regions, one.facts, made.plan.names, scenery),
-                                 strict=True):
+    for (_, region), left in zip(
+        made.regions.each(), candidates_of(made.regions, one.facts, made.plan.names, scenery), strict=True
+    ):
         flat = candidates(region)
         assert len(left.points) >= len(flat) - 1
         assert max(np.linalg.norm(flat - point, axis=1).min() for point in left.points) < 0.003

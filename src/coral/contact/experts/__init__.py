@@ -49,15 +49,21 @@ def expert(task: Task, kind: Kind) -> Strategy:
         strategy = table[task.name](task)
         _try_out(strategy, task)
     except (AttributeError, KeyError, StopIteration) as error:
-        raise InputError("task", "name", task.name, f"also {str(error).strip(chr(39)) or 'what else'} that the costs "
-                         f"written for it read; or a name of its own, and --variant full") from None
+        raise InputError(
+            "task",
+            "name",
+            task.name,
+            f"also {str(error).strip(chr(39)) or 'what else'} that the costs "
+            f"written for it read; or a name of its own, and --variant full",
+        ) from None
     return strategy
 
 
 def _try_out(strategy: Strategy, task: Task) -> None:
     """Read once whatever the strategy reads: a file with a shipped task's name may lack what the shipped one has."""
-    anywhere = {name: np.ones((1, 1, *([found.size] if found.size else []))) for name, found in
-                task_schema_of(task).items()}
+    anywhere = {
+        name: np.ones((1, 1, *([found.size] if found.size else []))) for name, found in task_schema_of(task).items()
+    }
     state = Context(anywhere, (1, 1))
     for stage in strategy.stages:
         tests = (stage.until, stage.back and stage.back[1], *(guide.points for guide in stage.guides))

@@ -82,17 +82,25 @@ def fsm(task: Task) -> Strategy:
     def approach(state: Context) -> Terms:
         goal = behind(state, 0.03)
         above = np.clip(0.06 - state.ee_pos[..., 2], 0, None) * np.clip(_off(state.ee_pos, goal) - 0.05, 0, 0.1) * 100
-        return {"reach": 10.0 * _off(state.ee_pos, goal), "from above": above,
-                "point down": 3.0 * _turn(state, DOWN_WIDE),
-                "fingers wide": 15.0 * np.abs(state.gripper_target - 0.07), "leave alone": leave(state)}
+        return {
+            "reach": 10.0 * _off(state.ee_pos, goal),
+            "from above": above,
+            "point down": 3.0 * _turn(state, DOWN_WIDE),
+            "fingers wide": 15.0 * np.abs(state.gripper_target - 0.07),
+            "leave alone": leave(state),
+        }
 
     def push(state: Context) -> Terms:
         return push_terms(state, overhang)
 
     def pose(goal: Array, quaternion: Array, opening: float, state: Context) -> Terms:
-        return {"reach": 10.0 * _off(state.ee_pos, goal), "turn": 2.0 * _turn(state, quaternion),
-                "opening": 15.0 * np.abs(state.gripper_target - opening), "leave alone": leave(state),
-                "calm": calm(state)}
+        return {
+            "reach": 10.0 * _off(state.ee_pos, goal),
+            "turn": 2.0 * _turn(state, quaternion),
+            "opening": 15.0 * np.abs(state.gripper_target - opening),
+            "leave alone": leave(state),
+            "calm": calm(state),
+        }
 
     def high(state: Context) -> Array:
         return np.asarray(behind(state, 0.05) + np.array([0.0, 0.0, 0.15]))
@@ -114,8 +122,13 @@ def fsm(task: Task) -> Strategy:
 
     def pinch(state: Context) -> Terms:
         both = state.board_left_contact * state.board_right_contact
-        return {"stay": 10.0 * _off(state.ee_pos, grip(state)), "turn": 2.0 * _turn(state, PINCH),
-                "close": 20.0 * (state.gripper_target + 0.04), "hold": -1.0 * both, "leave alone": leave(state)}
+        return {
+            "stay": 10.0 * _off(state.ee_pos, grip(state)),
+            "turn": 2.0 * _turn(state, PINCH),
+            "close": 20.0 * (state.gripper_target + 0.04),
+            "hold": -1.0 * both,
+            "leave alone": leave(state),
+        }
 
     def lift(state: Context) -> Terms:
         lowest = np.minimum(state.board_rear_pos[..., 2], state.board_pos[..., 2])
@@ -123,7 +136,8 @@ def fsm(task: Task) -> Strategy:
             "lift": 10.0 * np.clip(height - lowest, 0, None),
             "carry level": 1.0 * turned(state.board_quat, state.board_init_quat),
             "hold": 20.0 * (state.gripper_target + 0.04) + 6.0 * _off(state.ee_pos, grip(state)),
-            "turn": 0.5 * _turn(state, PINCH), "calm": calm(state),
+            "turn": 0.5 * _turn(state, PINCH),
+            "calm": calm(state),
             "stay near": 2.0 * norm((state.ee_pos - state.board_init_pos)[..., :1]),
         }
 
@@ -140,24 +154,63 @@ def fsm(task: Task) -> Strategy:
     def short(now: Context) -> bool:
         return bool(edge(now)[0, 0] < overhang - 0.015)
 
-    return Strategy("board, stages", (
-        Stage("approach", approach, to(lambda s: behind(s, 0.03), DOWN_WIDE, 0.07),
-              until=lambda now: at(behind(now, 0.03), DOWN_WIDE, now)),
-        Stage("push", push, to(lambda s: behind(s, 0.0) + np.array([0, 0.1, 0.0]), DOWN_WIDE, 0.07), sigma=0.7,
-              until=lambda now: bool(edge(now)[0, 0] > overhang - 0.004)),
-        Stage("rise", rise, to(high, DOWN_WIDE, 0.07), until=lambda now: at(high(now), DOWN_WIDE, now, 0.04, 0.5)),
-        Stage("turn", turn, to(lambda s: beside(s, 0.12, 0.17), PINCH, 0.07), back=("approach", short),
-              until=lambda now: at(beside(now, 0.12, 0.17), PINCH, now, 0.03)),
-        Stage("descend", descend, to(lambda s: beside(s, 0.11, 0.0), PINCH, 0.07), sigma=0.6,
-              until=lambda now: at(beside(now, 0.11, 0.0), PINCH, now, 0.012, 0.1)),
-        Stage("insert", insert, to(lambda s: beside(s, 0.0, 0.0), PINCH, 0.07), sigma=0.5,
-              until=lambda now: at(grip(now), PINCH, now, 0.012, 0.12)),
-        Stage("pinch", pinch, to(grip, PINCH, -0.04), sigma=0.4, back=("turn", lost),
-              until=lambda now: bool((now.board_left_contact * now.board_right_contact)[0, 0] > 0
-                                     and now.gripper_target[0, 0] < -0.01)),
-        Stage("lift", lift, to(lambda s: s.ee_pos + np.array([0, 0, 0.15]), None, -0.04), sigma=0.5,
-              back=("turn", lost)),
-    ))
+    return Strategy(
+        "board, stages",
+        (
+            Stage(
+                "approach",
+                approach,
+                to(lambda s: behind(s, 0.03), DOWN_WIDE, 0.07),
+                until=lambda now: at(behind(now, 0.03), DOWN_WIDE, now),
+            ),
+            Stage(
+                "push",
+                push,
+                to(lambda s: behind(s, 0.0) + np.array([0, 0.1, 0.0]), DOWN_WIDE, 0.07),
+                sigma=0.7,
+                until=lambda now: bool(edge(now)[0, 0] > overhang - 0.004),
+            ),
+            Stage("rise", rise, to(high, DOWN_WIDE, 0.07), until=lambda now: at(high(now), DOWN_WIDE, now, 0.04, 0.5)),
+            Stage(
+                "turn",
+                turn,
+                to(lambda s: beside(s, 0.12, 0.17), PINCH, 0.07),
+                back=("approach", short),
+                until=lambda now: at(beside(now, 0.12, 0.17), PINCH, now, 0.03),
+            ),
+            Stage(
+                "descend",
+                descend,
+                to(lambda s: beside(s, 0.11, 0.0), PINCH, 0.07),
+                sigma=0.6,
+                until=lambda now: at(beside(now, 0.11, 0.0), PINCH, now, 0.012, 0.1),
+            ),
+            Stage(
+                "insert",
+                insert,
+                to(lambda s: beside(s, 0.0, 0.0), PINCH, 0.07),
+                sigma=0.5,
+                until=lambda now: at(grip(now), PINCH, now, 0.012, 0.12),
+            ),
+            Stage(
+                "pinch",
+                pinch,
+                to(grip, PINCH, -0.04),
+                sigma=0.4,
+                back=("turn", lost),
+                until=lambda now: bool(
+                    (now.board_left_contact * now.board_right_contact)[0, 0] > 0 and now.gripper_target[0, 0] < -0.01
+                ),
+            ),
+            Stage(
+                "lift",
+                lift,
+                to(lambda s: s.ee_pos + np.array([0, 0, 0.15]), None, -0.04),
+                sigma=0.5,
+                back=("turn", lost),
+            ),
+        ),
+    )
 
 
 def single(task: Task) -> Strategy:
@@ -176,8 +229,11 @@ def single(task: Task) -> Strategy:
             "pick: reach": ready * 10.0 * (distance - 1.0),
             "pick: turn": ready * 2.0 * _turn(state, PINCH),
             "pick: open": ready * (1 - close) * 15.0 * (0.08 - state.gripper_target),
-            "pick: come from above": ready * 30.0 * np.clip(distance - 0.06, 0, 0.1) * np.clip(
-                0.12 - state.ee_pos[..., 2], 0, 0.12) / 0.1,
+            "pick: come from above": ready
+            * 30.0
+            * np.clip(distance - 0.06, 0, 0.1)
+            * np.clip(0.12 - state.ee_pos[..., 2], 0, 0.12)
+            / 0.1,
             "pick: do not press": ready * (1 - both) * 0.02 * norm(state.ee_force),
             "pick: close": ready * close * 20.0 * (state.gripper_target - 0.08),
             "pick: lift": -40.0 * ready * both * np.clip(lowest, 0, height),
@@ -188,10 +244,17 @@ def single(task: Task) -> Strategy:
         """Beside the handle, high and low: where an open hand comes from, were it to reach in."""
         return np.asarray(grip(now)[0] - 0.11 * POINTING + np.array([[0, 0, 0.17], [0, 0, 0.0]]))
 
-    return Strategy("board, single stage", (
-        Stage("all", cost, (Guide(lambda now: behind(now, 0.02)[0], lambda now: DOWN_WIDE, 0.07),
-                            Guide(lambda now: grip(now)[0], lambda now: PINCH, 0.07),
-                            Guide(aside, lambda now: PINCH, 0.07))),))
-
-
-
+    return Strategy(
+        "board, single stage",
+        (
+            Stage(
+                "all",
+                cost,
+                (
+                    Guide(lambda now: behind(now, 0.02)[0], lambda now: DOWN_WIDE, 0.07),
+                    Guide(lambda now: grip(now)[0], lambda now: PINCH, 0.07),
+                    Guide(aside, lambda now: PINCH, 0.07),
+                ),
+            ),
+        ),
+    )

@@ -64,8 +64,14 @@ def single(task: Task) -> Strategy:
             "let go": 1.0 * lying * state[f"{name}_hand_contact"],
         }
 
-    return Strategy("flip, single stage", (Stage("flip", cost, (
-        Guide(lambda now: behind(now, name, 0.01)[0], lambda now: facing(now, name), ABREAST_M),)),))
+    return Strategy(
+        "flip, single stage",
+        (
+            Stage(
+                "flip", cost, (Guide(lambda now: behind(now, name, 0.01)[0], lambda now: facing(now, name), ABREAST_M),)
+            ),
+        ),
+    )
 
 
 def fsm(task: Task) -> Strategy:
@@ -114,13 +120,26 @@ def fsm(task: Task) -> Strategy:
         return bool(tipped(now, name)[0, 0] < 0.3)
 
     beyond = Guide(lambda now: behind(now, name, -0.05)[0], lambda now: facing(now, name), ABREAST_M)
-    return Strategy("flip, stages", (
-        Stage("reach", reach, (Guide(lambda now: behind(now, name, 0.015)[0], lambda now: facing(now, name), ABREAST_M),
-                               Guide(lambda now: behind(now, name, 0.015)[0] + np.array([0, 0, 0.06]),
-                                     lambda now: facing(now, name), ABREAST_M)), until=in_place),
-        Stage("tip", tip, (beyond,), until=falling, back=("reach", strayed), sigma=0.6),
-        Stage("draw back", draw_back, back=("reach", standing), sigma=0.6),
-    ))
+    return Strategy(
+        "flip, stages",
+        (
+            Stage(
+                "reach",
+                reach,
+                (
+                    Guide(lambda now: behind(now, name, 0.015)[0], lambda now: facing(now, name), ABREAST_M),
+                    Guide(
+                        lambda now: behind(now, name, 0.015)[0] + np.array([0, 0, 0.06]),
+                        lambda now: facing(now, name),
+                        ABREAST_M,
+                    ),
+                ),
+                until=in_place,
+            ),
+            Stage("tip", tip, (beyond,), until=falling, back=("reach", strayed), sigma=0.6),
+            Stage("draw back", draw_back, back=("reach", standing), sigma=0.6),
+        ),
+    )
 
 
 __all__ = ["ahead", "behind", "facing", "fsm", "single", "tipped"]

@@ -23,8 +23,10 @@ ENOUGH_M = 0.02
 
 def picks(task: Task) -> bool:
     """Whether the task, by its goals, is to lift its first object and nothing else."""
-    return all(isinstance(condition, Lifted | Grasped) and condition.object == task.objects[0].name
-               for condition in task.success.conditions)
+    return all(
+        isinstance(condition, Lifted | Grasped) and condition.object == task.objects[0].name
+        for condition in task.success.conditions
+    )
 
 
 def across(state: Context, name: str) -> Array:
@@ -46,6 +48,7 @@ def grasp_point(state: Context, name: str) -> Array:
 
 def over(name: str, height_m: float = 0.0, others: Sequence[str] = ()) -> Guide:
     """Towards the grasp, opening square to the object's nearer side, fingers open."""
+
     def turn(state: Context) -> Array:
         return grasp_quaternion(state, name, others)
 
@@ -63,12 +66,24 @@ def grasp_quaternion(state: Context, name: str, others: Sequence[str] = ()) -> A
     least = min(size[k] for k in lying)
     sides = [rotation_of(body)[:, k] for k in lying if size[k] < least + 0.003]
     # Opening along a narrow side: the hand's y axis, that is the world's -y turned by the heading.
-    turns = [(multiply([np.cos(a / 2), 0, 0, np.sin(a / 2)], [0, 1.0, 0, 0]), side) for side in sides
-             for a in (np.arctan2(side[1], side[0]) + np.pi / 2, np.arctan2(side[1], side[0]) - np.pi / 2)]
+    turns = [
+        (multiply([np.cos(a / 2), 0, 0, np.sin(a / 2)], [0, 1.0, 0, 0]), side)
+        for side in sides
+        for a in (np.arctan2(side[1], side[0]) + np.pi / 2, np.arctan2(side[1], side[0]) - np.pi / 2)
+    ]
     point = grasp_point(state, name)[0, 0]
-    return np.asarray(max(turns, key=lambda one: (
-        min((room(state, other, point + sign * FINGER_OUT_M * one[1]) for other in others for sign in (1, -1)),
-            default=ENOUGH_M), abs(float(np.dot(one[0], tool)))))[0])
+    return np.asarray(
+        max(
+            turns,
+            key=lambda one: (
+                min(
+                    (room(state, other, point + sign * FINGER_OUT_M * one[1]) for other in others for sign in (1, -1)),
+                    default=ENOUGH_M,
+                ),
+                abs(float(np.dot(one[0], tool))),
+            ),
+        )[0]
+    )
 
 
 def room(state: Context, other: str, point: Array) -> float:
@@ -151,12 +166,14 @@ def fsm(task: Task) -> Strategy:
         return bool(off(now)[0, 0] > 0.04)
 
     up = Guide(lambda now: now.ee_pos[0] + [0.0, 0.0, height], opening_m=0.0)
-    return Strategy("pick, stages", (
-        Stage("reach", reach, (over(name, 0.08, others), over(name, 0.0, others)), until=reached),
-        Stage("close", close, until=held, back=("reach", lost), sigma=0.5),
-        Stage("lift", lift, (up,), back=("reach", lost), sigma=0.7),
-    ))
+    return Strategy(
+        "pick, stages",
+        (
+            Stage("reach", reach, (over(name, 0.08, others), over(name, 0.0, others)), until=reached),
+            Stage("close", close, until=held, back=("reach", lost), sigma=0.5),
+            Stage("lift", lift, (up,), back=("reach", lost), sigma=0.7),
+        ),
+    )
 
 
-__all__ = ["across", "conjugate", "dot", "fsm", "grasp_point", "grasp_quaternion", "over", "room", "rotate",
-           "single"]
+__all__ = ["across", "conjugate", "dot", "fsm", "grasp_point", "grasp_quaternion", "over", "room", "rotate", "single"]

@@ -32,8 +32,10 @@ def _lying(state: Context, name: str) -> Array:
 def places(task: Task) -> bool:
     """Whether the task, by its goals, is to bring its first object to the place `goal` and to let it lie there."""
     first = [condition for condition in task.success.conditions if condition.object == task.objects[0].name]
-    put = any(isinstance(condition, Inside) or (isinstance(condition, At) and condition.place == "goal")
-              for condition in first)
+    put = any(
+        isinstance(condition, Inside) or (isinstance(condition, At) and condition.place == "goal")
+        for condition in first
+    )
     lets_go = any(isinstance(condition, Inside | Released) for condition in first)
     return "goal" in task.places and put and lets_go
 
@@ -89,8 +91,10 @@ def single(task: Task) -> Strategy:
         points = [down, over] if aside < 0.03 else [up, over] if place[2] < carry_m - 0.03 else [over]
         return np.asarray(np.stack(points) + now.ee_pos[0, 0] - place)
 
-    return Strategy("pick and place, single stage", (Stage("all", cost, (
-        pick.over(name), pick.over(name, 0.1), Guide(onward, opening_m=0.0))),))
+    return Strategy(
+        "pick and place, single stage",
+        (Stage("all", cost, (pick.over(name), pick.over(name, 0.1), Guide(onward, opening_m=0.0))),),
+    )
 
 
 def fsm(task: Task) -> Strategy:
@@ -103,6 +107,7 @@ def fsm(task: Task) -> Strategy:
     def with_care(stage: Stage) -> Stage:
         def cost(state: Context) -> Terms:
             return {**stage.cost(state), "leave others alone": 3.0 * _others(state, task)}
+
         return Stage(stage.name, cost, stage.guides, stage.stiffness_n_m, stage.until, stage.back, stage.sigma)
 
     def holding(state: Context) -> Terms:
@@ -160,17 +165,41 @@ def fsm(task: Task) -> Strategy:
             if goal == "down":
                 end[:, 2] = _lying(now, name)[0, 0]
             return np.asarray(end + offset)
+
         return Guide(points, opening_m=0.0)
 
     back = ("reach", lost)
-    return Strategy("pick and place, stages", (
-        with_care(reach), with_care(close),
-        Stage("raise", raise_, (guide("up"),), sigma=0.7, back=back,
-              until=lambda now: bool(now[f"{name}_pos"][0, 0, 2] > carry_m - 0.03)),
-        Stage("carry", carry, (guide("over"),), sigma=0.7, back=back, until=lambda now: bool(aside(now)[0, 0] < 0.02)),
-        Stage("lower", lower, (guide("down"),), sigma=0.7, back=back,
-              until=lambda now: any(now[f"{name}_{thing}_contact"][0, 0] > 0 for thing in task.things)),
-        Stage("release", release, (Guide(lambda now: now.ee_pos[0], opening_m=0.08),), sigma=0.5,
-              until=lambda now: bool(now.gripper_opening[0, 0] > 0.07)),
-        Stage("retire", retire, (Guide(lambda now: now.ee_pos[0] + [0, 0, 0.1], opening_m=0.08),), sigma=0.7),
-    ))
+    return Strategy(
+        "pick and place, stages",
+        (
+            with_care(reach),
+            with_care(close),
+            Stage(
+                "raise",
+                raise_,
+                (guide("up"),),
+                sigma=0.7,
+                back=back,
+                until=lambda now: bool(now[f"{name}_pos"][0, 0, 2] > carry_m - 0.03),
+            ),
+            Stage(
+                "carry", carry, (guide("over"),), sigma=0.7, back=back, until=lambda now: bool(aside(now)[0, 0] < 0.02)
+            ),
+            Stage(
+                "lower",
+                lower,
+                (guide("down"),),
+                sigma=0.7,
+                back=back,
+                until=lambda now: any(now[f"{name}_{thing}_contact"][0, 0] > 0 for thing in task.things),
+            ),
+            Stage(
+                "release",
+                release,
+                (Guide(lambda now: now.ee_pos[0], opening_m=0.08),),
+                sigma=0.5,
+                until=lambda now: bool(now.gripper_opening[0, 0] > 0.07),
+            ),
+            Stage("retire", retire, (Guide(lambda now: now.ee_pos[0] + [0, 0, 0.1], opening_m=0.08),), sigma=0.7),
+        ),
+    )

@@ -135,8 +135,11 @@ def single(task: Task) -> Strategy:
         from_face = state.ee_pos - behind(state, name)
         high = (1 - begun) * level(np.abs(from_face[..., 2]), 0.006, 0.015)
         gap = (0.015 * high)[..., None] * axis(state[f"{name}_quat"], "x")
-        off = norm((from_face + gap)[..., :2]) + high * np.abs(from_face[..., 2]) + np.clip(
-            np.abs(from_face[..., 2]) - 0.03, 0, None)
+        off = (
+            norm((from_face + gap)[..., :2])
+            + high * np.abs(from_face[..., 2])
+            + np.clip(np.abs(from_face[..., 2]) - 0.03, 0, None)
+        )
         ready = left * (1 - high) * near(np.clip(off - 0.01, 0, None), 0.02)
         over = np.clip(off - 0.015, 0, 0.05) / 0.05
         wrong = recent(state[f"{name}_hand_force"] - state.push_force[..., None] * along)
@@ -147,14 +150,15 @@ def single(task: Task) -> Strategy:
             "not yet": 3.0 * high * state[f"{name}_hand_contact"],
             "evenly": 2.0 * ready * norm(recent(_uneven(state, name))),
             "force": 0.05 * ready * norm(wrong),
-            "straight": 25.0 * ready * np.clip(
-                norm(state.last_action[..., :2] - PACE_M_S * along[..., :2]) - 0.2, None, 0),
+            "straight": 25.0
+            * ready
+            * np.clip(norm(state.last_action[..., :2] - PACE_M_S * along[..., :2]) - 0.2, None, 0),
             "no drag": 0.1 * ready * np.abs(wrong[..., 2]),
             "square": 2.0 * square(state, name),
             "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
             "arrived": -7.0 * (1 - left),  # worth more than what is given for pushing straight
-            "let go": (1 - left) * (8.0 * norm(state.ee_pos - behind(state, name, 0.03))
-                                    + 1.0 * state[f"{name}_hand_contact"]),
+            "let go": (1 - left)
+            * (8.0 * norm(state.ee_pos - behind(state, name, 0.03)) + 1.0 * state[f"{name}_hand_contact"]),
         }
 
     def onward(now: Context) -> Array:
@@ -165,9 +169,18 @@ def single(task: Task) -> Strategy:
         place = behind(now, name, 0.005 if low else 0.02)[0]
         return np.asarray(np.stack([place[0], place[0] + [0, 0, 0.1]]))
 
-    return Strategy("push, single stage", (Stage("push", cost, (
-        Guide(onward, lambda now: _facing(now, name), ABREAST_M),),
-        stiffness_n_m=SOFT_N_M, sigma=STEADY),))
+    return Strategy(
+        "push, single stage",
+        (
+            Stage(
+                "push",
+                cost,
+                (Guide(onward, lambda now: _facing(now, name), ABREAST_M),),
+                stiffness_n_m=SOFT_N_M,
+                sigma=STEADY,
+            ),
+        ),
+    )
 
 
 def fsm(task: Task) -> Strategy:
@@ -226,12 +239,23 @@ def fsm(task: Task) -> Strategy:
         return bool(norm(to_goal(now, name))[0, 0] > 0.024)
 
     place = Guide(lambda now: behind(now, name, 0.012)[0], lambda now: _facing(now, name), ABREAST_M)
-    above = Guide(lambda now: behind(now, name, 0.012)[0] + np.array([0, 0, 0.1]),
-                  lambda now: _facing(now, name), ABREAST_M)
-    return Strategy("push, stages", (
-        Stage("reach", reach, (place, above), until=in_place),
-        Stage("push", push, (Guide(lambda now: ahead_of(now, name)),), stiffness_n_m=SOFT_N_M,
-              until=arrived, back=("reach", lost), sigma=STEADY),
-        # As soft: the target is still 5 cm ahead, and a stiffer spring would give the block a blow (53 N, measured).
-        Stage("let go", let_go, stiffness_n_m=SOFT_N_M, back=("reach", short), sigma=0.6),
-    ))
+    above = Guide(
+        lambda now: behind(now, name, 0.012)[0] + np.array([0, 0, 0.1]), lambda now: _facing(now, name), ABREAST_M
+    )
+    return Strategy(
+        "push, stages",
+        (
+            Stage("reach", reach, (place, above), until=in_place),
+            Stage(
+                "push",
+                push,
+                (Guide(lambda now: ahead_of(now, name)),),
+                stiffness_n_m=SOFT_N_M,
+                until=arrived,
+                back=("reach", lost),
+                sigma=STEADY,
+            ),
+            # As soft: the target is still 5 cm ahead, and a stiffer spring would hit the block (53 N, measured).
+            Stage("let go", let_go, stiffness_n_m=SOFT_N_M, back=("reach", short), sigma=0.6),
+        ),
+    )

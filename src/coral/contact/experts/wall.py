@@ -84,8 +84,10 @@ def single(task: Task) -> Strategy:
             "let go": 0.5 * near(1 - up, 0.05) * state[f"{name}_hand_contact"],
         }
 
-    return Strategy("flip with wall, single stage", (
-        Stage("flip", cost, (Guide(lambda now: behind(now, name)[0], lambda now: _yawed(now, name), ABREAST_M),)),))
+    return Strategy(
+        "flip with wall, single stage",
+        (Stage("flip", cost, (Guide(lambda now: behind(now, name)[0], lambda now: _yawed(now, name), ABREAST_M),)),),
+    )
 
 
 def fsm(task: Task) -> Strategy:
@@ -159,12 +161,27 @@ def fsm(task: Task) -> Strategy:
         return bool(raised(now, name)[0, 0] < 0.5)
 
     press = Guide(lambda now: under(now, name)[0] + np.array([0.005, 0.0, 0.03]), lambda now: DOWN, ABREAST_M)
-    return Strategy("flip with wall, stages", (
-        Stage("reach", reach, (Guide(lambda now: behind(now, name, 0.012)[0], lambda now: _yawed(now, name), ABREAST_M),
-                               Guide(lambda now: behind(now, name, 0.012, 0.1)[0], lambda now: _yawed(now, name),
-                                     ABREAST_M)), until=in_place),
-        Stage("push", push, (Guide(lambda now: behind(now, name, -0.02)[0], lambda now: _yawed(now, name), ABREAST_M),),
-              until=at_wall, back=("reach", lost), sigma=0.6),
-        Stage("lift", lift, (press,), until=standing, back=("reach", lost), sigma=0.6),
-        Stage("let go", let_go, back=("reach", fallen), sigma=0.6),
-    ))
+    return Strategy(
+        "flip with wall, stages",
+        (
+            Stage(
+                "reach",
+                reach,
+                (
+                    Guide(lambda now: behind(now, name, 0.012)[0], lambda now: _yawed(now, name), ABREAST_M),
+                    Guide(lambda now: behind(now, name, 0.012, 0.1)[0], lambda now: _yawed(now, name), ABREAST_M),
+                ),
+                until=in_place,
+            ),
+            Stage(
+                "push",
+                push,
+                (Guide(lambda now: behind(now, name, -0.02)[0], lambda now: _yawed(now, name), ABREAST_M),),
+                until=at_wall,
+                back=("reach", lost),
+                sigma=0.6,
+            ),
+            Stage("lift", lift, (press,), until=standing, back=("reach", lost), sigma=0.6),
+            Stage("let go", let_go, back=("reach", fallen), sigma=0.6),
+        ),
+    )

@@ -80,8 +80,10 @@ def read_model(path: Path) -> Model:
     if wrong or not geoms:
         raise InputError(str(path), "geom", wrong or "none", "boxes that touch")
     boxes = tuple(_box(geom, str(path)) for geom in geoms)
-    mass = sum(float(np.prod(box.size)) * _number(geom, "density", 1000.0, str(path))
-               for geom, box in zip(geoms, boxes, strict=True))
+    mass = sum(
+        float(np.prod(box.size)) * _number(geom, "density", 1000.0, str(path))
+        for geom, box in zip(geoms, boxes, strict=True)
+    )
     regions = {str(site.get("name")): _box(site, str(path)) for site in body.iter("site") if site.get("type") == "box"}
     return Model(boxes, regions, mass, _number(geoms[0], "friction", 1.0, str(path)))
 

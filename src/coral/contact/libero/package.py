@@ -84,7 +84,10 @@ def find_package(where: str) -> Package:
     """
     root = Path(os.environ.get(FOLDER) or default_folder())
     if not (root / _DATA).is_dir() or not (root / _ASSETS).is_dir():
-        raise InputError(where, "", f"no LIBERO package in {root}",
-                         f"it installed by `make setup-libero` (or {FOLDER} to name its folder; "
-                         "docs/contact-libero.md)")
+        raise InputError(
+            where,
+            "",
+            f"no LIBERO package in {root}",
+            f"it installed by `make setup-libero` (or {FOLDER} to name its folder; docs/contact-libero.md)",
+        )
     return Package(root)

@@ -52,7 +52,7 @@ def read_problem(path: Path) -> Problem:
     container = next((name for name in objects if place.startswith(f"{name}_")), None)
     if container is None or container == target:
         raise InputError(str(path), ":goal", place, f"a region of one of {', '.join(objects)}")
-    return Problem(" ".join(found[":language"]), objects, target, container, place[len(container) + 1:])
+    return Problem(" ".join(found[":language"]), objects, target, container, place[len(container) + 1 :])
 
 
 def _objects(words: list[Any], path: Path) -> dict[str, str]:

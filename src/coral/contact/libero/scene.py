@@ -34,8 +34,15 @@ planner."""
 HEAVIEST_FRICTION = 2.0
 LIGHTEST_KG = 0.02
 """A butter of 5 g, as LIBERO has it, is thrown by the contacts of a rehearsal's coarse steps."""
-COLORS = ((0.75, 0.22, 0.2), (0.85, 0.78, 0.6), (0.45, 0.55, 0.75), (0.6, 0.6, 0.62), (0.9, 0.75, 0.3),
-          (0.5, 0.65, 0.45), (0.65, 0.5, 0.65))
+COLORS = (
+    (0.75, 0.22, 0.2),
+    (0.85, 0.78, 0.6),
+    (0.45, 0.55, 0.75),
+    (0.6, 0.6, 0.62),
+    (0.9, 0.75, 0.3),
+    (0.5, 0.65, 0.45),
+    (0.65, 0.5, 0.65),
+)
 
 
 def load_libero(text: str) -> Task:
@@ -49,8 +56,12 @@ def load_libero(text: str) -> Task:
     """
     match = re.fullmatch(rf"{PREFIX}(object|pick)/(\d{{1,3}})(?:/(\d{{1,3}}))?", text)
     if match is None:
-        raise InputError("task", "", text, "libero:object/TASK or libero:pick/TASK, such as libero:object/0; with a "
-                                        "state, libero:object/0/3")
+        raise InputError(
+            "task",
+            "",
+            text,
+            "libero:object/TASK or libero:pick/TASK, such as libero:object/0; with a state, libero:object/0/3",
+        )
     package = find_package(text)
     names = package.tasks()
     index, state = int(match[2]), int(match[3] or 0)
@@ -64,9 +75,13 @@ def lifting(task: Task) -> Task:
     """The same scene, asking what pick-box asks: to hold the object 10 cm up for half a second."""
     item = task.objects[0]
     conditions = (Lifted(object=item.name, height_m=0.1), Grasped(object=item.name))
-    return task.model_copy(update={
-        "instruction": f"Pick up the {item.label} and hold it 12 cm above the table.", "numbers": {"lift_height": 0.12},
-        "success": Success(hold_s=0.5, conditions=conditions)})
+    return task.model_copy(
+        update={
+            "instruction": f"Pick up the {item.label} and hold it 12 cm above the table.",
+            "numbers": {"lift_height": 0.12},
+            "success": Success(hold_s=0.5, conditions=conditions),
+        }
+    )
 
 
 def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCfg | None = None) -> Task:
@@ -97,16 +112,31 @@ def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCf
     floor = max(fixture.position[2] + fixture.size[2] / 2 for fixture in fixtures if fixture.name.endswith("bottom"))
     rim = max(fixture.position[2] + fixture.size[2] / 2 for fixture in fixtures)
     order = [problem.target, *(key for key in problem.objects if key not in (problem.target, problem.container))]
-    objects = tuple(_movable(_plain(key), models[key], poses[key], COLORS[k % len(COLORS)], cfg or SolidCfg())
-                    for k, key in enumerate(order))
+    objects = tuple(
+        _movable(_plain(key), models[key], poses[key], COLORS[k % len(COLORS)], cfg or SolidCfg())
+        for k, key in enumerate(order)
+    )
     made = Task(
-        name=name, title="LIBERO-OBJECT", instruction=_instruction(problem), time_limit_s=40.0,
-        table=Table(size=(1.0, 1.1, 0.05), center=(0.1, 0.0)), fixtures=fixtures, objects=objects,
+        name=name,
+        title="LIBERO-OBJECT",
+        instruction=_instruction(problem),
+        time_limit_s=40.0,
+        table=Table(size=(1.0, 1.1, 0.05), center=(0.1, 0.0)),
+        fixtures=fixtures,
+        objects=objects,
         places={"goal": (float(middle[0]), float(middle[1]), float(floor))},
         numbers={"carry_height": round(rim + _above(objects[0]), 3)},
-        success=Success(hold_s=0.0, conditions=(Inside(
-            object=objects[0].name, low=_triple(middle - half - np.array([0, 0, BELOW_REGION_M])),
-            high=_triple(middle + half)),)))
+        success=Success(
+            hold_s=0.0,
+            conditions=(
+                Inside(
+                    object=objects[0].name,
+                    low=_triple(middle - half - np.array([0, 0, BELOW_REGION_M])),
+                    high=_triple(middle + half),
+                ),
+            ),
+        ),
+    )
     check_task(made, name)
     return made
 
@@ -124,13 +154,16 @@ def _poses(path: Path, problem: Problem, state: int) -> dict[str, tuple[Array, A
         raise InputError(str(path), "states", f"shape {states.shape}", f"{width} numbers a state, of {count} objects")
     if state >= len(states):
         raise InputError(str(path), "state", state, f"a number from 0 to {len(states) - 1}")
-    rows = states[state, 1 + ROBOT_JOINTS:1 + ROBOT_JOINTS + 7 * count].reshape(count, 7)
-    return {name: (row[:3], rotation_of(row[3:] / max(float(np.linalg.norm(row[3:])), 1e-9)))
-            for name, row in zip(problem.objects, rows, strict=True)}
+    rows = states[state, 1 + ROBOT_JOINTS : 1 + ROBOT_JOINTS + 7 * count].reshape(count, 7)
+    return {
+        name: (row[:3], rotation_of(row[3:] / max(float(np.linalg.norm(row[3:])), 1e-9)))
+        for name, row in zip(problem.objects, rows, strict=True)
+    }
 
 
-def _movable(name: str, model: Model, pose: tuple[Array, Array], color: tuple[float, float, float], cfg: SolidCfg
-             ) -> Movable:
+def _movable(
+    name: str, model: Model, pose: tuple[Array, Array], color: tuple[float, float, float], cfg: SolidCfg
+) -> Movable:
     position, rotation = pose
     upright = _quarter_turns(rotation)
     yaw = _yaw_deg(rotation @ upright.T)
@@ -138,10 +171,17 @@ def _movable(name: str, model: Model, pose: tuple[Array, Array], color: tuple[fl
     mass, friction = max(model.mass_kg, LIGHTEST_KG), model.friction
     parts = simplified([box.turned(upright) for box in model.boxes], cfg)
     return Movable(
-        name=name, label=name.replace("_", " "), parts=parts, symmetry=_symmetry(parts),
+        name=name,
+        label=name.replace("_", " "),
+        parts=parts,
+        symmetry=_symmetry(parts),
         mass_kg=(mass * (1 - SPREAD), mass * (1 + SPREAD)),
         friction=(friction * (1 - SPREAD), min(friction * (1 + SPREAD), HEAVIEST_FRICTION)),
-        x=(float(x), float(x)), y=(float(y), float(y)), yaw_deg=(yaw, yaw), color=color)
+        x=(float(x), float(x)),
+        y=(float(y), float(y)),
+        yaw_deg=(yaw, yaw),
+        color=color,
+    )
 
 
 def _symmetry(parts: tuple[Shape, ...]) -> Literal["none", "box", "cylinder"]:
@@ -171,9 +211,16 @@ def _container(model: Model, position: Array, rotation: Array, name: str) -> tup
             side += 1
             part = f"side{side}"
         centre = turn @ box.position + np.array([*(position[:2] + SHIFT_M), -low])
-        found.append(Fixture(name=f"{name}_{part}", size=_triple(np.abs(box.rotation) @ box.size),
-                             position=_triple(centre), yaw_deg=yaw, friction=min(model.friction, HEAVIEST_FRICTION),
-                             color=(0.66, 0.5, 0.34)))
+        found.append(
+            Fixture(
+                name=f"{name}_{part}",
+                size=_triple(np.abs(box.rotation) @ box.size),
+                position=_triple(centre),
+                yaw_deg=yaw,
+                friction=min(model.friction, HEAVIEST_FRICTION),
+                color=(0.66, 0.5, 0.34),
+            )
+        )
     return tuple(found), -low
 
 

@@ -53,8 +53,11 @@ def simplified(boxes: Sequence[Box], cfg: SolidCfg) -> tuple[Shape, ...]:
     overlap = (filled & cylinder).sum() / (filled | cylinder).sum()
     if abs(slim) < 0.005 and overlap >= cfg.round:
         diameter = float((high - low)[:2].mean())
-        return (Shape(shape="cylinder", size=(diameter, diameter, float(high[2] - low[2])),
-                      position=_triple((low + high) / 2)),)
+        return (
+            Shape(
+                shape="cylinder", size=(diameter, diameter, float(high[2] - low[2])), position=_triple((low + high) / 2)
+            ),
+        )
     taken: list[int] = []
     while len(taken) < min(cfg.most, len(boxes)):
         left = filled & ~inside[taken].any(axis=0) if taken else filled

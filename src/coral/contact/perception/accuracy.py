@@ -97,8 +97,10 @@ def measure(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]
         model = object_model(stage.model, drawn, name)
         with closing(make(model)) as tracker:
             _warm(tracker, frames[0].mask(name), frames[0])
-        visible = [_seen(model, frame, frame.mask(name), truth.objects[name])
-                   for frame, truth in zip(frames, truths, strict=True)]
+        visible = [
+            _seen(model, frame, frame.mask(name), truth.objects[name])
+            for frame, truth in zip(frames, truths, strict=True)
+        ]
         errors, spent, poses, lost = [], [], [], 0
         with closing(make(model)) as tracker:
             for k, frame in enumerate(frames):
@@ -122,13 +124,27 @@ def measure(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]
         e, updates = np.array(errors), 1e3 * np.array(spent[1:])
         (mm, deg), (mm_95, deg_95) = np.median(e, 0).tolist(), np.percentile(e, 95, 0).tolist()
         some = poses[:: max(1, len(poses) // 20)]
-        found.append(Accuracy(
-            drawn.task.name, name, len(frames), mm, deg, mm_95, deg_95,
-            1e3 * float(np.median([add(a, b, model.points) for a, b in some])),
-            1e3 * float(np.median([add_s(a, b, model.points) for a, b in some])),
-            1e3 * float(np.median([mssd(a, b, model.points, model.symmetry) for a, b in some])),
-            lost, float(min(visible)), float(np.median(updates)), float(np.percentile(updates, 95)),
-            len(starts), int(sum(starts)), float(np.median(start_times)) if start_times else 0.0))
+        found.append(
+            Accuracy(
+                drawn.task.name,
+                name,
+                len(frames),
+                mm,
+                deg,
+                mm_95,
+                deg_95,
+                1e3 * float(np.median([add(a, b, model.points) for a, b in some])),
+                1e3 * float(np.median([add_s(a, b, model.points) for a, b in some])),
+                1e3 * float(np.median([mssd(a, b, model.points, model.symmetry) for a, b in some])),
+                lost,
+                float(min(visible)),
+                float(np.median(updates)),
+                float(np.percentile(updates, 95)),
+                len(starts),
+                int(sum(starts)),
+                float(np.median(start_times)) if start_times else 0.0,
+            )
+        )
     return found
 
 

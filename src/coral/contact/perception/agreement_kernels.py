@@ -16,11 +16,22 @@ AGREE, WRONG, UNCOVERED, FREE, HIDDEN, DRAWN, RESIDUAL = 0, 1, 2, 3, 4, 5, 6
 
 @njit(cache=True, error_model="numpy")
 def count(
-    turn: NDArray[np.float64], shift: NDArray[np.float64],
-    kind: NDArray[np.int64], center: NDArray[np.float64], rotation: NDArray[np.float64], size: NDArray[np.float64],
-    first: NDArray[np.int64], number: NDArray[np.int64], triangles: NDArray[np.float64],
-    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], cover: NDArray[np.uint8],
-    lens: NDArray[np.float64], margin: float, tally: NDArray[np.float64],
+    turn: NDArray[np.float64],
+    shift: NDArray[np.float64],
+    kind: NDArray[np.int64],
+    center: NDArray[np.float64],
+    rotation: NDArray[np.float64],
+    size: NDArray[np.float64],
+    first: NDArray[np.int64],
+    number: NDArray[np.int64],
+    triangles: NDArray[np.float64],
+    measured: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    field: NDArray[np.float32],
+    cover: NDArray[np.uint8],
+    lens: NDArray[np.float64],
+    margin: float,
+    tally: NDArray[np.float64],
 ) -> None:
     """How well the object at a pose explains a picture.
 
@@ -91,10 +102,19 @@ def count(
 
 @njit(cache=True, error_model="numpy")
 def place(
-    turn: NDArray[np.float64], shift: NDArray[np.float64],
-    kind: NDArray[np.int64], center: NDArray[np.float64], rotation: NDArray[np.float64], size: NDArray[np.float64],
-    first: NDArray[np.int64], number: NDArray[np.int64], triangles: NDArray[np.float64],
-    measured: NDArray[np.float32], mask: NDArray[np.bool_], lens: NDArray[np.float64], rounds: int,
+    turn: NDArray[np.float64],
+    shift: NDArray[np.float64],
+    kind: NDArray[np.int64],
+    center: NDArray[np.float64],
+    rotation: NDArray[np.float64],
+    size: NDArray[np.float64],
+    first: NDArray[np.int64],
+    number: NDArray[np.int64],
+    triangles: NDArray[np.float64],
+    measured: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    lens: NDArray[np.float64],
+    rounds: int,
 ) -> None:
     """Shift an object until the centre and the mean depth of its drawing are those of the mask; `shift` is changed.
 

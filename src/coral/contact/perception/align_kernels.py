@@ -30,11 +30,26 @@ NEARER = 0.012
 
 @njit(cache=True, error_model="numpy")
 def align(
-    turn: NDArray[np.float64], shift: NDArray[np.float64], pivot: NDArray[np.float64],
-    kind: NDArray[np.int64], center: NDArray[np.float64], rotation: NDArray[np.float64], size: NDArray[np.float64],
-    first: NDArray[np.int64], number: NDArray[np.int64], triangles: NDArray[np.float64],
-    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], cover: NDArray[np.uint8],
-    lens: NDArray[np.float64], iterations: int, wide: float, tight: float, outline: float, hold: float,
+    turn: NDArray[np.float64],
+    shift: NDArray[np.float64],
+    pivot: NDArray[np.float64],
+    kind: NDArray[np.int64],
+    center: NDArray[np.float64],
+    rotation: NDArray[np.float64],
+    size: NDArray[np.float64],
+    first: NDArray[np.int64],
+    number: NDArray[np.int64],
+    triangles: NDArray[np.float64],
+    measured: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    field: NDArray[np.float32],
+    cover: NDArray[np.uint8],
+    lens: NDArray[np.float64],
+    iterations: int,
+    wide: float,
+    tight: float,
+    outline: float,
+    hold: float,
 ) -> int:
     """Improve a pose; returns the number of steps taken.
 
@@ -99,9 +114,19 @@ def align(
 
 @njit(cache=True, error_model="numpy")
 def _accumulate(
-    middle: NDArray[np.float64], depth: NDArray[np.float64], normal: NDArray[np.float64], solid: NDArray[np.int64],
-    measured: NDArray[np.float32], mask: NDArray[np.bool_], field: NDArray[np.float32], cover: NDArray[np.uint8],
-    lens: NDArray[np.float64], scale: float, outline: float, h: NDArray[np.float64], b: NDArray[np.float64],
+    middle: NDArray[np.float64],
+    depth: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    solid: NDArray[np.int64],
+    measured: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    field: NDArray[np.float32],
+    cover: NDArray[np.uint8],
+    lens: NDArray[np.float64],
+    scale: float,
+    outline: float,
+    h: NDArray[np.float64],
+    b: NDArray[np.float64],
 ) -> None:
     """Normal equations of both residuals for a small turn about `middle` and a small shift."""
     height, width = depth.shape
@@ -140,8 +165,18 @@ def _accumulate(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _add(
-    middle: NDArray[np.float64], p: float, q: float, z: float, nx: float, ny: float, nz: float, residual: float,
-    weight: float, row: NDArray[np.float64], h: NDArray[np.float64], b: NDArray[np.float64],
+    middle: NDArray[np.float64],
+    p: float,
+    q: float,
+    z: float,
+    nx: float,
+    ny: float,
+    nz: float,
+    residual: float,
+    weight: float,
+    row: NDArray[np.float64],
+    h: NDArray[np.float64],
+    b: NDArray[np.float64],
 ) -> None:
     """One equation n . (turn x (point - middle) + shift) = residual."""
     x, y, w = z * p - middle[0], z * q - middle[1], z - middle[2]
@@ -189,7 +224,10 @@ def _solve(h: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
 
 @njit(cache=True, error_model="numpy")
 def _apply(
-    turn: NDArray[np.float64], shift: NDArray[np.float64], middle: NDArray[np.float64], step: NDArray[np.float64],
+    turn: NDArray[np.float64],
+    shift: NDArray[np.float64],
+    middle: NDArray[np.float64],
+    step: NDArray[np.float64],
 ) -> None:
     """Turn the pose about `middle` and shift it."""
     angle = math.sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])

@@ -130,8 +130,15 @@ class RayCamera:
     """
 
     def __init__(
-        self, model: mujoco.MjModel, cfg: CameraCfg, T_world_camera: Array, instances: Mapping[int, str], *,
-        groups: Iterable[int] = (0, 1, 2), noise: DepthNoise | None = None, colours: Colours = "none",
+        self,
+        model: mujoco.MjModel,
+        cfg: CameraCfg,
+        T_world_camera: Array,
+        instances: Mapping[int, str],
+        *,
+        groups: Iterable[int] = (0, 1, 2),
+        noise: DepthNoise | None = None,
+        colours: Colours = "none",
         hidden: Iterable[int] = (),
     ) -> None:
         visible = np.isin(model.geom_group, list(groups)) & (model.geom_rgba[:, 3] > 0.0)
@@ -170,15 +177,31 @@ class RayCamera:
         cfg, s, lens = self.cfg, self._solids, self.cfg.lens
         turn, eye = np.ascontiguousarray(self.T_world_camera[:3, :3]), self.T_world_camera[:3, 3].copy()
         center, rotation = data.geom_xpos[self._geoms], data.geom_xmat[self._geoms].reshape(-1, 3, 3)
-        kernels.render(turn, eye, lens, cfg.near_m, cfg.far_m, s.kind, center, rotation, s.size, s.first, s.count,
-                       s.triangles, self._depth, self._solid, self._face)
+        kernels.render(
+            turn,
+            eye,
+            lens,
+            cfg.near_m,
+            cfg.far_m,
+            s.kind,
+            center,
+            rotation,
+            s.size,
+            s.first,
+            s.count,
+            s.triangles,
+            self._depth,
+            self._solid,
+            self._face,
+        )
         instance = self._instance[self._solid]
         depth = self._depth
         rgb = None
         if self.colours or self.noise is not None:
             normal = np.empty((*depth.shape, 3))
-            normals(turn, eye, lens, s.kind, center, rotation, s.size, s.triangles, depth, self._solid,
-                            self._face, normal)
+            normals(
+                turn, eye, lens, s.kind, center, rotation, s.size, s.triangles, depth, self._solid, self._face, normal
+            )
             if self.colours:
                 if self._gl is not None:
                     rgb = self._gl.take(data, self.T_world_camera, cfg.vfov_deg)

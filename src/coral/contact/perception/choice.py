@@ -36,8 +36,13 @@ class Choice:
     check: Callable[[], None]
 
 
-def choose(word: str, model: TrackerCfg | None = None, server: FoundationPoseCfg | None = None,
-           where: str = "--tracker", field: str = "") -> Choice:
+def choose(
+    word: str,
+    model: TrackerCfg | None = None,
+    server: FoundationPoseCfg | None = None,
+    where: str = "--tracker",
+    field: str = "",
+) -> Choice:
     """The tracker that a word names.
 
     Args:
@@ -52,13 +57,21 @@ def choose(word: str, model: TrackerCfg | None = None, server: FoundationPoseCfg
     """
     kind, separator, url = word.partition(":")
     if word == "model":
-        return Choice(ModelTracker.name, ModelTracker.wants_colours,
-                      lambda shape, expected: ModelTracker(shape, model, expected), lambda: None)
+        return Choice(
+            ModelTracker.name,
+            ModelTracker.wants_colours,
+            lambda shape, expected: ModelTracker(shape, model, expected),
+            lambda: None,
+        )
     cfg = server or FoundationPoseCfg()
     if separator or not cfg.url:
         cfg = replace(cfg, url=url)
     if kind != "foundationpose" or not cfg.url:
         raise InputError(where, field, repr(word), WORDS)
     parse_url(cfg.url, where, field)
-    return Choice(FoundationPoseTracker.name, FoundationPoseTracker.wants_colours,
-                  lambda shape, expected: FoundationPoseTracker(shape, cfg, expected), lambda: reach(cfg))
+    return Choice(
+        FoundationPoseTracker.name,
+        FoundationPoseTracker.wants_colours,
+        lambda shape, expected: FoundationPoseTracker(shape, cfg, expected),
+        lambda: reach(cfg),
+    )

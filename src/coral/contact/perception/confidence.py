@@ -69,7 +69,12 @@ def robot_in(frame: RgbdFrame, cfg: ConfidenceCfg) -> NDArray[np.bool_]:
 
 
 def view_of(
-    frame: RgbdFrame, mask: NDArray[np.bool_], model: ObjectModel, poses: list[Array], cfg: ConfidenceCfg, pixels: int,
+    frame: RgbdFrame,
+    mask: NDArray[np.bool_],
+    model: ObjectModel,
+    poses: list[Array],
+    cfg: ConfidenceCfg,
+    pixels: int,
 ) -> View:
     """The cut-out that holds the mask, and the object at some poses (T_camera_object)."""
     points = model.points[::10]

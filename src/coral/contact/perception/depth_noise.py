@@ -54,7 +54,12 @@ class DepthNoise:
         self.cfg = cfg or DepthNoiseCfg()
 
     def apply(
-        self, depth: Array, normal: Array, instance: NDArray[np.uint8], lens: Array, rng: np.random.Generator,
+        self,
+        depth: Array,
+        normal: Array,
+        instance: NDArray[np.uint8],
+        lens: Array,
+        rng: np.random.Generator,
     ) -> tuple[Array, NDArray[np.uint8]]:
         """Depth (m, inf where nothing is measured) and instances with noise.
 
@@ -69,9 +74,20 @@ class DepthNoise:
         height, width = depth.shape
         scale = width / 640.0
         steps = lens[0] / scale * cfg.baseline_m / cfg.disparity_step_px if cfg.disparity_step_px > 0.0 else 0.0
-        amounts = np.array([
-            cfg.lateral_px * scale, cfg.wavy_px * scale, cfg.axial_m, cfg.axial_growth, cfg.uneven_m, steps,
-            math.cos(math.radians(cfg.grazing_deg)), cfg.edge_hole, cfg.hole, cfg.jump_m])
+        amounts = np.array(
+            [
+                cfg.lateral_px * scale,
+                cfg.wavy_px * scale,
+                cfg.axial_m,
+                cfg.axial_growth,
+                cfg.uneven_m,
+                steps,
+                math.cos(math.radians(cfg.grazing_deg)),
+                cfg.edge_hole,
+                cfg.hole,
+                cfg.jump_m,
+            ]
+        )
         wavy = np.stack([_smooth(height, width, rng) for _ in range(2)])
         lateral, axial = _normal((2, height, width), rng), _normal((height, width), rng)
         uneven, chance = _smooth(height, width, rng), rng.random((height, width), np.float32)

@@ -61,5 +61,9 @@ class Followed:
         step, keep = time_s - seen_s, self._smoothing
         spin = vector(turn @ rotation_of(before.quaternion).T) / step
         speed = (position - before.position) / step
-        return Body(position, quaternion_of(turn), keep * before.velocity + (1 - keep) * speed,
-                    keep * before.angular_velocity + (1 - keep) * spin)
+        return Body(
+            position,
+            quaternion_of(turn),
+            keep * before.velocity + (1 - keep) * speed,
+            keep * before.angular_velocity + (1 - keep) * spin,
+        )

@@ -63,7 +63,10 @@ class FoundationPoseTracker:
     wants_colours = True
 
     def __init__(
-        self, model: ObjectModel, cfg: FoundationPoseCfg | None = None, expected: Array | None = None,
+        self,
+        model: ObjectModel,
+        cfg: FoundationPoseCfg | None = None,
+        expected: Array | None = None,
     ) -> None:
         self.model, self.cfg = model, cfg or FoundationPoseCfg()
         self._address = parse_url(self.cfg.url)
@@ -71,8 +74,9 @@ class FoundationPoseTracker:
         self._reference = np.eye(4) if expected is None else expected
         self._found, self._lost = False, False
         vertices, faces = np.unique(model.triangles.reshape(-1, 3).round(7), axis=0, return_inverse=True)
-        self._session = self._ask("init", {
-            "vertices": vertices, "faces": faces.reshape(-1, 3), "symmetry": model.symmetry.members(36)}).get("session")
+        self._session = self._ask(
+            "init", {"vertices": vertices, "faces": faces.reshape(-1, 3), "symmetry": model.symmetry.members(36)}
+        ).get("session")
         if self._session is None:
             raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to init names no session")
 
@@ -120,9 +124,13 @@ class FoundationPoseTracker:
 
     def _pose(self, verb: str, request: Arrays) -> Array:
         pose = self._ask(verb, request).get("pose", np.zeros(0))
-        if pose.shape != (4, 4) or pose.dtype.kind != "f" or not np.isfinite(pose).all() \
-                or not np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-3) \
-                or np.linalg.det(pose[:3, :3]) < 0:
+        if (
+            pose.shape != (4, 4)
+            or pose.dtype.kind != "f"
+            or not np.isfinite(pose).all()
+            or not np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-3)
+            or np.linalg.det(pose[:3, :3]) < 0
+        ):
             raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to {verb} is no pose")
         return pose.astype(float)
 
@@ -178,8 +186,15 @@ def parse_url(url: str, where: str = "foundationpose", field: str = "url") -> tu
         port = parts.port
     except ValueError:
         parts, port = urlsplit(""), None
-    if parts.scheme != "http" or not parts.hostname or parts.path.strip("/") or parts.query or parts.fragment \
-            or parts.username is not None or any(c.isspace() for c in url):
+    if (
+        parts.scheme != "http"
+        or not parts.hostname
+        or parts.path.strip("/")
+        or parts.query
+        or parts.fragment
+        or parts.username is not None
+        or any(c.isspace() for c in url)
+    ):
         raise InputError(where, field, repr(url), "an address as http://127.0.0.1:5070")
     return parts.hostname, port or 80
 
@@ -217,6 +232,7 @@ def _exchange(address: tuple[str, int], verb: str, question: bytes, cfg: Foundat
 @contextlib.contextmanager
 def _patience(line: socket.socket, seconds: float, late: threading.Event) -> Iterator[None]:
     """Hang up after a while: the socket's own timeout begins anew with every byte that comes."""
+
     def hang_up() -> None:
         late.set()
         with contextlib.suppress(OSError):

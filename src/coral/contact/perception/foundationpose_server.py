@@ -150,8 +150,16 @@ def foundationpose() -> Estimators:
 
     def make(vertices: np.ndarray, faces: np.ndarray, symmetry: np.ndarray) -> Any:
         mesh = trimesh.Trimesh(vertices, faces, process=False)
-        return FoundationPose(model_pts=mesh.vertices, model_normals=mesh.vertex_normals, symmetry_tfs=symmetry,
-                              mesh=mesh, scorer=scorer, refiner=refiner, glctx=context)
+        return FoundationPose(
+            model_pts=mesh.vertices,
+            model_normals=mesh.vertex_normals,
+            symmetry_tfs=symmetry,
+            mesh=mesh,
+            scorer=scorer,
+            refiner=refiner,
+            glctx=context,
+        )
+
     return make
 
 

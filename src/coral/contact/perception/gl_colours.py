@@ -37,8 +37,12 @@ class GlColours:
                 self._renderer = mujoco.Renderer(model, height, width)
         except Exception as error:  # each backend fails in a way of its own
             reason = (str(error).splitlines() or [repr(error)])[0]
-            raise InputError("camera", "colours", f"no OpenGL ({reason})",
-                             'MUJOCO_GL=egl or osmesa in the environment, or colours "shaded"') from None
+            raise InputError(
+                "camera",
+                "colours",
+                f"no OpenGL ({reason})",
+                'MUJOCO_GL=egl or osmesa in the environment, or colours "shaded"',
+            ) from None
         atexit.register(self._renderer.close)  # while the OpenGL library is still there
         self._aspect = width / height
         self._option = mujoco.MjvOption()

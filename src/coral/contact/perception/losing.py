@@ -73,9 +73,19 @@ def lose(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg, how: How) -> Loss:
             lost.append(estimate.lost)
             reason = reason or estimate.reason
     shift, turn = model.symmetry.difference(estimate.T_world_object, after.objects[name])
-    away, back = lost[count:2 * count], lost[2 * count:]
-    return Loss(drawn.task.name, name, how, away.index(True) + 1 if any(away) else 0, sum(away) / count, reason,
-                0 if all(back) else back.index(False) + 1, 1e3 * shift, float(np.degrees(turn)), slowest)
+    away, back = lost[count : 2 * count], lost[2 * count :]
+    return Loss(
+        drawn.task.name,
+        name,
+        how,
+        away.index(True) + 1 if any(away) else 0,
+        sum(away) / count,
+        reason,
+        0 if all(back) else back.index(False) + 1,
+        1e3 * shift,
+        float(np.degrees(turn)),
+        slowest,
+    )
 
 
 def _gone(stage: Stage, aside: Moment, name: str, how: How) -> tuple[Moment, Moment]:
@@ -85,8 +95,10 @@ def _gone(stage: Stage, aside: Moment, name: str, how: How) -> tuple[Moment, Mom
         away = pose(here[:3, :3], here[:3, 3] + np.array([0.0, 0.0, -5.0]))
         turn = about(np.array([0.0, 0.0, 1.0]), np.radians(40.0))
         there = pose(turn @ here[:3, :3], here[:3, 3] + np.array([0.08, 0.0, 0.0]))
-        return (Moment(aside.objects | {name: away}, aside.tool, aside.opening_m),
-                Moment(aside.objects | {name: there}, aside.tool, aside.opening_m))
+        return (
+            Moment(aside.objects | {name: away}, aside.tool, aside.opening_m),
+            Moment(aside.objects | {name: there}, aside.tool, aside.opening_m),
+        )
     there = pose(here[:3, :3], here[:3, 3] + np.array([0.03, 0.0, 0.0]))
     camera = stage.camera.T_world_camera
     sight = here[:3, 3] - camera[:3, 3]

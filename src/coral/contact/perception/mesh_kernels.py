@@ -11,9 +11,18 @@ from numpy.typing import NDArray
 
 @njit(cache=True, error_model="numpy")
 def draw_mesh(
-    i: int, o: NDArray[np.float64], m: NDArray[np.float64], lens: NDArray[np.float64], near: float, far: float,
-    first: int, count: int, triangles: NDArray[np.float64],
-    depth: NDArray[np.float64], solid: NDArray[np.int64], face: NDArray[np.int64],
+    i: int,
+    o: NDArray[np.float64],
+    m: NDArray[np.float64],
+    lens: NDArray[np.float64],
+    near: float,
+    far: float,
+    first: int,
+    count: int,
+    triangles: NDArray[np.float64],
+    depth: NDArray[np.float64],
+    solid: NDArray[np.int64],
+    face: NDArray[np.int64],
 ) -> None:
     """Draw a mesh in homogeneous form (Olano & Greer 1997): a ray hits where all edge products have one sign.
 
@@ -62,8 +71,11 @@ def draw_mesh(
             edge[a, 0] = c[a, 1] * c[b, 2] - c[a, 2] * c[b, 1]
             edge[a, 1] = c[a, 2] * c[b, 0] - c[a, 0] * c[b, 2]
             edge[a, 2] = c[a, 0] * c[b, 1] - c[a, 1] * c[b, 0]
-        nx, ny, nz = edge[0, 0] + edge[1, 0] + edge[2, 0], edge[0, 1] + edge[1, 1] + edge[2, 1], \
-            edge[0, 2] + edge[1, 2] + edge[2, 2]
+        nx, ny, nz = (
+            edge[0, 0] + edge[1, 0] + edge[2, 0],
+            edge[0, 1] + edge[1, 1] + edge[2, 1],
+            edge[0, 2] + edge[1, 2] + edge[2, 2],
+        )
         volume = c[0, 0] * edge[1, 0] + c[0, 1] * edge[1, 1] + c[0, 2] * edge[1, 2]
         for v in range(v0, v1):
             q = (v - lens[3]) / lens[1]

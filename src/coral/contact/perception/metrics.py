@@ -34,8 +34,10 @@ def add_s(estimate: Array, truth: Array, points: Array) -> float:
 def mssd(estimate: Array, truth: Array, points: Array, symmetry: Symmetry) -> float:
     """Largest distance (m) between corresponding points for the best of the equal poses (BOP, Hodan et al. 2020)."""
     wanted = _moved(truth, points)
-    return min(float(np.linalg.norm(_moved(estimate @ s, points) - wanted, axis=1).max())
-               for s in [np.eye(4), np.linalg.inv(estimate) @ symmetry.nearest(estimate, truth), *symmetry.members()])
+    return min(
+        float(np.linalg.norm(_moved(estimate @ s, points) - wanted, axis=1).max())
+        for s in [np.eye(4), np.linalg.inv(estimate) @ symmetry.nearest(estimate, truth), *symmetry.members()]
+    )
 
 
 def _moved(pose: Array, points: Array) -> Array:

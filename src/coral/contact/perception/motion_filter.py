@@ -58,7 +58,8 @@ class MotionFilter:
         mean = self._mean()
         if len(self._recent) > 1 and all(
             np.linalg.norm(each[:3, 3] - mean[:3, 3]) <= cfg.still_m
-            and angle(mean[:3, :3], each[:3, :3]) <= cfg.still_rad for each in self._recent
+            and angle(mean[:3, :3], each[:3, :3]) <= cfg.still_rad
+            for each in self._recent
         ):
             self._T, self._time_s = mean, time_s
             self.stop()
@@ -66,8 +67,7 @@ class MotionFilter:
         step = time_s - self._time_s
         ahead = self.at(time_s)
         shift, turn = T[:3, 3] - ahead[:3, 3], vector(T[:3, :3] @ ahead[:3, :3].T)
-        self._T = pose(from_vector(cfg.position_gain * turn) @ ahead[:3, :3],
-                       ahead[:3, 3] + cfg.position_gain * shift)
+        self._T = pose(from_vector(cfg.position_gain * turn) @ ahead[:3, :3], ahead[:3, 3] + cfg.position_gain * shift)
         if step > 1e-6:  # a picture from before this motion began says nothing of its speed
             self.velocity = self.velocity + cfg.velocity_gain * shift / step
             self.spin = self.spin + cfg.velocity_gain * turn / step

@@ -85,8 +85,9 @@ class _Scene:
 
     def __init__(self, drawn: Drawn) -> None:
         self.main = drawn.task.objects[0].name
-        self.poses = {name: pose(rotation_of(item.pose.quaternion), item.pose.position)
-                      for name, item in drawn.objects.items()}
+        self.poses = {
+            name: pose(rotation_of(item.pose.quaternion), item.pose.position) for name, item in drawn.objects.items()
+        }
         start = self.poses[self.main]
         corners = drawn.corners(self.main) @ start[:3, :3].T + start[:3, 3]
         self.fixtures = drawn.task.fixtures
@@ -115,11 +116,18 @@ class _Scene:
 
         def place(share: float) -> Moment:
             return self.moment(pose(tool[:3, :3], (1 - share) * away[:3, 3] + share * tool[:3, 3]), opening, moved)
+
         return seconds, place
 
     def carry(
-        self, tool: Array, opening: float, seconds: float, shift: Array, turns: tuple[tuple[Array, float, Array], ...],
-        before: Array | None = None, upright: bool = False,
+        self,
+        tool: Array,
+        opening: float,
+        seconds: float,
+        shift: Array,
+        turns: tuple[tuple[Array, float, Array], ...],
+        before: Array | None = None,
+        upright: bool = False,
     ) -> tuple[Phase, Array]:
         """Hand and object move as one; the phase, and what the object has been moved by at its end.
 
@@ -144,6 +152,7 @@ class _Scene:
         def place(share: float) -> Moment:
             hand = moved(share) @ tool
             return self.moment(pose(tool[:3, :3], hand[:3, 3]) if upright else hand, opening, moved(share))
+
         return (seconds, place), moved(1.0)
 
 
@@ -169,6 +178,7 @@ def _pick(scene: _Scene) -> list[Phase]:
 
     def leave(share: float) -> Moment:
         return scene.moment(pose(gone[:3, :3], gone[:3, 3] + 0.2 * share * _Z), 0.08, moved)
+
     return [scene.approach(tool, 0.08), up, across, down, (1.0, leave)]
 
 
@@ -195,6 +205,7 @@ def _push_pick(scene: _Scene) -> list[Phase]:
         over = 0.15 * math.sin(math.pi * share) * _Z
         orientation = start[:3, :3] if share < 0.5 else end[:3, :3]
         return scene.moment(pose(orientation, (1 - share) * start[:3, 3] + share * end[:3, 3] + over), 0.04, moved)
+
     point = end[:3, 3]
     lift, _ = scene.carry(grip, 0.02, 2.5, 0.15 * _Z, ((about(_Z, 0.3) @ scene.turn[:, 1], 0.35, point),), moved)
     return [scene.approach(press, 0.0), slide, (1.5, regrasp), lift]
@@ -224,7 +235,11 @@ def _flip_wall(scene: _Scene) -> list[Phase]:
 
 
 MOTIONS: dict[str, Callable[[_Scene], list[Phase]]] = {
-    "push-pick-board": _push_pick, "pick-box": _pick, "pick-clutter": _pick_clutter, "push-force": _push,
-    "flip-box": _flip, "flip-wall": _flip_wall,
+    "push-pick-board": _push_pick,
+    "pick-box": _pick,
+    "pick-clutter": _pick_clutter,
+    "push-force": _push,
+    "flip-box": _flip,
+    "flip-wall": _flip_wall,
 }
 """Named after the tasks."""

@@ -11,10 +11,18 @@ from numpy.typing import NDArray
 
 @njit(cache=True, error_model="numpy")
 def disturb(
-    depth: NDArray[np.float64], normal: NDArray[np.float64], instance: NDArray[np.uint8], lens: NDArray[np.float64],
-    lateral: NDArray[np.float32], wavy: NDArray[np.float32], axial: NDArray[np.float32], uneven: NDArray[np.float32],
-    chance: NDArray[np.float32], amounts: NDArray[np.float64],
-    measured: NDArray[np.float64], labels: NDArray[np.uint8],
+    depth: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    instance: NDArray[np.uint8],
+    lens: NDArray[np.float64],
+    lateral: NDArray[np.float32],
+    wavy: NDArray[np.float32],
+    axial: NDArray[np.float32],
+    uneven: NDArray[np.float32],
+    chance: NDArray[np.float32],
+    amounts: NDArray[np.float64],
+    measured: NDArray[np.float64],
+    labels: NDArray[np.uint8],
 ) -> None:
     """Write what is measured.
 

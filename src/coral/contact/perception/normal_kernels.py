@@ -49,8 +49,9 @@ def normals(
             o[i, j] = 0.0
             for k in range(3):
                 o[i, j] += rotation[i, k, j] * (eye[k] - center[i, k])
-                m[i, j, k] = (rotation[i, 0, j] * turn[0, k] + rotation[i, 1, j] * turn[1, k]
-                              + rotation[i, 2, j] * turn[2, k])
+                m[i, j, k] = (
+                    rotation[i, 0, j] * turn[0, k] + rotation[i, 1, j] * turn[1, k] + rotation[i, 2, j] * turn[2, k]
+                )
     h = np.empty(3)
     n = np.empty(3)
     for v in range(height):
@@ -77,7 +78,11 @@ def normals(
 
 @njit(cache=True, error_model="numpy")
 def _normal(
-    kind: int, h: NDArray[np.float64], size: NDArray[np.float64], triangles: NDArray[np.float64], face: int,
+    kind: int,
+    h: NDArray[np.float64],
+    size: NDArray[np.float64],
+    triangles: NDArray[np.float64],
+    face: int,
     n: NDArray[np.float64],
 ) -> None:
     """Normal of one solid at its surface point `h`, both in its own frame; of any length."""
@@ -100,8 +105,9 @@ def _normal(
     elif kind == MESH:
         for k in range(3):
             a, b = (k + 1) % 3, (k + 2) % 3
-            n[k] = ((triangles[face, 1, a] - triangles[face, 0, a]) * (triangles[face, 2, b] - triangles[face, 0, b])
-                    - (triangles[face, 1, b] - triangles[face, 0, b]) * (triangles[face, 2, a] - triangles[face, 0, a]))
+            n[k] = (triangles[face, 1, a] - triangles[face, 0, a]) * (triangles[face, 2, b] - triangles[face, 0, b]) - (
+                triangles[face, 1, b] - triangles[face, 0, b]
+            ) * (triangles[face, 2, a] - triangles[face, 0, a])
     else:
         for k in range(3):
             radius = size[0] if kind == SPHERE else size[k]

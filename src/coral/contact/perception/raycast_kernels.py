@@ -70,8 +70,9 @@ def render(
             o[j] = 0.0
             for k in range(3):
                 o[j] += rotation[i, k, j] * (eye[k] - center[i, k])
-                m[j, k] = (rotation[i, 0, j] * turn[0, k] + rotation[i, 1, j] * turn[1, k]
-                           + rotation[i, 2, j] * turn[2, k])
+                m[j, k] = (
+                    rotation[i, 0, j] * turn[0, k] + rotation[i, 1, j] * turn[1, k] + rotation[i, 2, j] * turn[2, k]
+                )
         _window(kind[i], o, m, size[i], lens, near, far, width, height, window)
         if window[0] >= window[1] or window[2] >= window[3]:
             continue
@@ -95,8 +96,16 @@ def _extent(kind: int, size: NDArray[np.float64]) -> tuple[float, float, float]:
 
 @njit(cache=True, error_model="numpy")
 def _window(
-    kind: int, o: NDArray[np.float64], m: NDArray[np.float64], size: NDArray[np.float64], lens: NDArray[np.float64],
-    near: float, far: float, width: int, height: int, window: NDArray[np.int64],
+    kind: int,
+    o: NDArray[np.float64],
+    m: NDArray[np.float64],
+    size: NDArray[np.float64],
+    lens: NDArray[np.float64],
+    near: float,
+    far: float,
+    width: int,
+    height: int,
+    window: NDArray[np.int64],
 ) -> None:
     """Columns [w0, w1) and rows [w2, w3) that hold the projection of the bounding box."""
     window[0], window[1], window[2], window[3] = 0, width, 0, height
@@ -127,9 +136,18 @@ def _window(
 
 @njit(cache=True, error_model="numpy")
 def _primitive(
-    i: int, kind: int, o: NDArray[np.float64], m: NDArray[np.float64], size: NDArray[np.float64],
-    lens: NDArray[np.float64], near: float, far: float, window: NDArray[np.int64],
-    depth: NDArray[np.float64], solid: NDArray[np.int64], face: NDArray[np.int64],
+    i: int,
+    kind: int,
+    o: NDArray[np.float64],
+    m: NDArray[np.float64],
+    size: NDArray[np.float64],
+    lens: NDArray[np.float64],
+    near: float,
+    far: float,
+    window: NDArray[np.int64],
+    depth: NDArray[np.float64],
+    solid: NDArray[np.int64],
+    face: NDArray[np.int64],
 ) -> None:
     ox, oy, oz = o[0], o[1], o[2]
     sx, sy, sz = size[0], size[1], size[2]
@@ -182,9 +200,7 @@ def _ball(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float) -> f
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _box(
-    ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, sx: float, sy: float, sz: float
-) -> float:
+def _box(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, sx: float, sy: float, sz: float) -> float:
     """By slabs; a ray that runs inside the plane of a face misses it."""
     enter, leave = -np.inf, np.inf
     if dx != 0.0:

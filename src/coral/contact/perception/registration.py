@@ -45,9 +45,17 @@ def orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
     symmetry = model.symmetry
     if symmetry.sphere:
         return np.eye(3)[None]
-    sides = [about(np.array(a, float), t) for a, t in (
-        ((1, 0, 0), 0.0), ((1, 0, 0), math.pi / 2), ((1, 0, 0), math.pi), ((1, 0, 0), -math.pi / 2),
-        ((0, 1, 0), math.pi / 2), ((0, 1, 0), -math.pi / 2))]
+    sides = [
+        about(np.array(a, float), t)
+        for a, t in (
+            ((1, 0, 0), 0.0),
+            ((1, 0, 0), math.pi / 2),
+            ((1, 0, 0), math.pi),
+            ((1, 0, 0), -math.pi / 2),
+            ((0, 1, 0), math.pi / 2),
+            ((0, 1, 0), -math.pi / 2),
+        )
+    ]
     headings = [about(np.array([0.0, 0.0, 1.0]), 2 * math.pi * k / cfg.headings) for k in range(cfg.headings)]
     resting = [turn @ side for side in sides for turn in headings]
     group = symmetry.members(12)[:, :3, :3]
@@ -64,8 +72,14 @@ def orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
 
 
 def register(
-    model: ObjectModel, turns: Array, depth: NDArray[np.float32], mask: NDArray[np.bool_], lens: Array,
-    T_world_camera: Array, robot: NDArray[np.bool_], cfg: RegistrationCfg,
+    model: ObjectModel,
+    turns: Array,
+    depth: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    lens: Array,
+    T_world_camera: Array,
+    robot: NDArray[np.bool_],
+    cfg: RegistrationCfg,
 ) -> Array:
     """T_camera_object of the best fit. Shape=(4, 4).
 

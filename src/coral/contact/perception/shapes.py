@@ -76,7 +76,10 @@ def from_mesh(name: str, path: Path, *, scale: float = 1.0, symmetry: Symmetry |
 
 
 def from_body(
-    model: mujoco.MjModel, body: str, name: str | None = None, symmetry: Symmetry | None = None,
+    model: mujoco.MjModel,
+    body: str,
+    name: str | None = None,
+    symmetry: Symmetry | None = None,
     groups: Sequence[int] = (0, 1, 2),
 ) -> ObjectModel:
     """An object from the drawn geoms of one body of a MuJoCo scene, in the frame of that body.
@@ -92,8 +95,15 @@ def from_body(
     if not len(geoms):
         raise InputError("scene", f"body {body}", "no drawn geoms", f"at least one geom in groups {tuple(groups)}")
     s = from_mujoco(model, geoms)
-    placed = Solids(s.kind, model.geom_pos[geoms].astype(float), rotation_of(model.geom_quat[geoms]), s.size, s.first,
-                    s.count, s.triangles)
+    placed = Solids(
+        s.kind,
+        model.geom_pos[geoms].astype(float),
+        rotation_of(model.geom_quat[geoms]),
+        s.size,
+        s.first,
+        s.count,
+        s.triangles,
+    )
     return _model(name or body, placed, symmetry)
 
 
@@ -117,7 +127,7 @@ def _surface(solids: Solids, i: int) -> Array:
     """Triangles of one solid, outward, in the object's frame. Shape=(m, 3, 3)."""
     kind, size = int(solids.kind[i]), solids.size[i]
     if kind == kernels.MESH:
-        corners = solids.triangles[solids.first[i]:solids.first[i] + solids.count[i]]
+        corners = solids.triangles[solids.first[i] : solids.first[i] + solids.count[i]]
     elif kind == kernels.BOX:
         corners = _grid_surface(np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], float), size)
     elif kind == kernels.CYLINDER:
@@ -150,9 +160,14 @@ def _round_surface(kind: int, size: Array) -> Array:
         latitudes = np.sort(np.append(latitudes, 0.0))
     turn = 2 * math.pi * np.arange(_SIDES) / _SIDES
     lift = np.where(np.arange(len(latitudes)) * 2 < len(latitudes), -rise, rise) if rise else np.zeros(len(latitudes))
-    ring = np.stack([np.outer(np.cos(latitudes), np.cos(turn)) * scale[0],
-                     np.outer(np.cos(latitudes), np.sin(turn)) * scale[1],
-                     np.repeat((np.sin(latitudes) * scale[2] + lift)[:, None], _SIDES, 1)], -1)
+    ring = np.stack(
+        [
+            np.outer(np.cos(latitudes), np.cos(turn)) * scale[0],
+            np.outer(np.cos(latitudes), np.sin(turn)) * scale[1],
+            np.repeat((np.sin(latitudes) * scale[2] + lift)[:, None], _SIDES, 1),
+        ],
+        -1,
+    )
     a, b = ring[:-1], ring[1:]
     c, d = np.roll(a, -1, 1), np.roll(b, -1, 1)
     faces = np.concatenate([np.stack([a, c, d], 2).reshape(-1, 3, 3), np.stack([a, d, b], 2).reshape(-1, 3, 3)])

@@ -14,8 +14,13 @@ from coral.contact.perception import raycast_kernels as kernels
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
-KINDS = {"box": kernels.BOX, "cylinder": kernels.CYLINDER, "capsule": kernels.CAPSULE, "sphere": kernels.SPHERE,
-         "ellipsoid": kernels.ELLIPSOID}
+KINDS = {
+    "box": kernels.BOX,
+    "cylinder": kernels.CYLINDER,
+    "capsule": kernels.CAPSULE,
+    "sphere": kernels.SPHERE,
+    "ellipsoid": kernels.ELLIPSOID,
+}
 _DRAWN = (kernels.PLANE, kernels.MESH, *KINDS.values())
 
 
@@ -73,14 +78,27 @@ def from_parts(parts: Iterable[Part]) -> Solids:
         raise InputError("object", "parts", "none", "at least one part")
     size = np.array([(*p.size, 0.0, 0.0)[:3] for p in parts], float)
     nothing = np.zeros(len(parts), np.int64)
-    return Solids(np.array([KINDS[p.kind] for p in parts], np.int64), np.array([p.position for p in parts], float),
-                  np.array([p.rotation for p in parts], float), size, nothing, nothing)
+    return Solids(
+        np.array([KINDS[p.kind] for p in parts], np.int64),
+        np.array([p.position for p in parts], float),
+        np.array([p.rotation for p in parts], float),
+        size,
+        nothing,
+        nothing,
+    )
 
 
 def from_triangles(triangles: Array) -> Solids:
     """One mesh. `triangles` is Shape=(M, 3, 3) m."""
-    return Solids(np.array([kernels.MESH]), np.zeros((1, 3)), np.eye(3)[None], np.abs(triangles).max((0, 1))[None],
-                  np.zeros(1, np.int64), np.array([len(triangles)]), np.ascontiguousarray(triangles, float))
+    return Solids(
+        np.array([kernels.MESH]),
+        np.zeros((1, 3)),
+        np.eye(3)[None],
+        np.abs(triangles).max((0, 1))[None],
+        np.zeros(1, np.int64),
+        np.array([len(triangles)]),
+        np.ascontiguousarray(triangles, float),
+    )
 
 
 def from_mujoco(model: mujoco.MjModel, geoms: NDArray[np.int64]) -> Solids:
@@ -92,8 +110,12 @@ def from_mujoco(model: mujoco.MjModel, geoms: NDArray[np.int64]) -> Solids:
     kind = model.geom_type[geoms].astype(np.int64)
     for i, k in zip(geoms, kind, strict=True):
         if k not in _DRAWN:
-            raise InputError("scene", model.geom(i).name or f"geom {i}", f"geom type {k}",
-                             "a plane, primitive or mesh (the ray caster draws no height fields)")
+            raise InputError(
+                "scene",
+                model.geom(i).name or f"geom {i}",
+                f"geom type {k}",
+                "a plane, primitive or mesh (the ray caster draws no height fields)",
+            )
     size = model.geom_size[geoms].astype(float)
     first, count = np.zeros(len(geoms), np.int64), np.zeros(len(geoms), np.int64)
     corners: list[Array] = []
@@ -104,15 +126,22 @@ def from_mujoco(model: mujoco.MjModel, geoms: NDArray[np.int64]) -> Solids:
             mesh = int(model.geom_dataid[i])
             start, number = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
             if mesh not in begin:
-                vertices = model.mesh_vert[model.mesh_vertadr[mesh]:][:model.mesh_vertnum[mesh]]
-                corners.append(vertices[model.mesh_face[start:start + number]].astype(float))
+                vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
+                corners.append(vertices[model.mesh_face[start : start + number]].astype(float))
                 begin[mesh] = total
                 total += number
             first[row], count[row] = begin[mesh], number
             size[row] = np.abs(model.geom_aabb[i, :3]) + model.geom_aabb[i, 3:]
     n = len(geoms)
-    return Solids(kind, np.zeros((n, 3)), np.zeros((n, 3, 3)), size, first, count,
-                  np.concatenate(corners) if corners else np.zeros((0, 3, 3)))
+    return Solids(
+        kind,
+        np.zeros((n, 3)),
+        np.zeros((n, 3, 3)),
+        size,
+        first,
+        count,
+        np.concatenate(corners) if corners else np.zeros((0, 3, 3)),
+    )
 
 
 def read_mesh(path: Path, scale: float = 1.0) -> Array:

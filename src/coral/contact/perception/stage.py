@@ -36,7 +36,11 @@ class Stage:
     """
 
     def __init__(
-        self, drawn: Drawn, cfg: CameraCfg, noise: DepthNoise | None, T_world_camera: Array | None = None,
+        self,
+        drawn: Drawn,
+        cfg: CameraCfg,
+        noise: DepthNoise | None,
+        T_world_camera: Array | None = None,
         colours: Colours = "none",
     ) -> None:
         spec = mujoco.MjSpec()
@@ -45,8 +49,7 @@ class Stage:
         self.model = spec.compile()
         self._data = mujoco.MjData(self.model)
         placed = look_at(MOTIONS_EYE, MOTIONS_TARGET) if T_world_camera is None else T_world_camera
-        self.camera = RayCamera(self.model, cfg, placed, instances(self.model, drawn), noise=noise,
-                                colours=colours)
+        self.camera = RayCamera(self.model, cfg, placed, instances(self.model, drawn), noise=noise, colours=colours)
 
     def take(self, moment: Moment, rng: np.random.Generator, time_s: float = 0.0) -> RgbdFrame:
         """A picture of one moment."""
@@ -70,9 +73,15 @@ def covered(model: mujoco.MjModel, drawn: Drawn) -> list[int]:
     ours = {"table", *(fixture.name for fixture in drawn.task.fixtures)}
     pretty = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
     bodies = {model.body(name).id for name in drawn.objects}
-    return [k for k in range(model.ngeom) if model.geom(k).name not in ours
-            and (int(model.geom_bodyid[k]) == 0 or (
-                model.geom_group[k] == 0 and int(model.geom_bodyid[k]) in pretty - bodies))]
+    return [
+        k
+        for k in range(model.ngeom)
+        if model.geom(k).name not in ours
+        and (
+            int(model.geom_bodyid[k]) == 0
+            or (model.geom_group[k] == 0 and int(model.geom_bodyid[k]) in pretty - bodies)
+        )
+    ]
 
 
 def object_model(model: mujoco.MjModel, drawn: Drawn, name: str) -> ObjectModel:

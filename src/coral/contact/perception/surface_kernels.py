@@ -41,15 +41,26 @@ def _square(point: NDArray[np.float64], triangle: NDArray[np.float64]) -> float:
     t = min(1.0, max(0.0, e / c)) if c > 0.0 else 0.0
     f = a - 2.0 * b + c
     r = min(1.0, max(0.0, (a - b - d + e) / f)) if f > 0.0 else 0.0
-    best = min(_gap(ap0, ap1, ap2, ab0, ab1, ab2, ac0, ac1, ac2, s, 0.0),
-               _gap(ap0, ap1, ap2, ab0, ab1, ab2, ac0, ac1, ac2, 0.0, t))
+    best = min(
+        _gap(ap0, ap1, ap2, ab0, ab1, ab2, ac0, ac1, ac2, s, 0.0),
+        _gap(ap0, ap1, ap2, ab0, ab1, ab2, ac0, ac1, ac2, 0.0, t),
+    )
     return min(best, _gap(ap0, ap1, ap2, ab0, ab1, ab2, ac0, ac1, ac2, 1.0 - r, r))
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _gap(
-    ap0: float, ap1: float, ap2: float, ab0: float, ab1: float, ab2: float, ac0: float, ac1: float, ac2: float,
-    s: float, t: float,
+    ap0: float,
+    ap1: float,
+    ap2: float,
+    ab0: float,
+    ab1: float,
+    ab2: float,
+    ac0: float,
+    ac1: float,
+    ac2: float,
+    s: float,
+    t: float,
 ) -> float:
     x, y, z = ap0 - s * ab0 - t * ac0, ap1 - s * ab1 - t * ac1, ap2 - s * ab2 - t * ac2
     return x * x + y * y + z * z

@@ -70,8 +70,16 @@ class ModelTracker:
         """Find the object without knowing where it was; see `PoseTracker`."""
         if unseen(frame, mask, self.cfg.confidence):
             return self._give_up("not seen")
-        pose = register(self.model, self._turns, frame.depth, mask, frame.lens, frame.T_world_camera,
-                        robot_in(frame, self.cfg.confidence), self.cfg.registration)
+        pose = register(
+            self.model,
+            self._turns,
+            frame.depth,
+            mask,
+            frame.lens,
+            frame.T_world_camera,
+            robot_in(frame, self.cfg.confidence),
+            self.cfg.registration,
+        )
         return self._judge(frame, self._view(frame, mask, [pose]), pose, registered=True)
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> Estimate:
@@ -126,7 +134,9 @@ class ModelTracker:
         pivot = self.model.pivot
         return min(
             float(np.linalg.norm((pose[:3, :3] - g[:3, :3]) @ pivot + pose[:3, 3] - g[:3, 3])) / self.model.diameter
-            + angle(g[:3, :3], pose[:3, :3]) for g in guesses)
+            + angle(g[:3, :3], pose[:3, :3])
+            for g in guesses
+        )
 
     def _judge(self, frame: RgbdFrame, view: View, pose: Array, *, registered: bool = False) -> Estimate:
         """What to think of a pose (T_camera_object); it is kept if it is good enough."""

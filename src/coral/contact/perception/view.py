@@ -37,34 +37,92 @@ class View:
         """How well a pose explains the cut-out: the tally of `agreement_kernels.count`. Shape=(7,)."""
         s, tally = model.solids, np.empty(7)
         turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
-        agreement_kernels.count(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles,
-                                self.depth, self.mask, self.field, self.cover, self.lens, margin_m, tally)
+        agreement_kernels.count(
+            turn,
+            shift,
+            s.kind,
+            s.center,
+            s.rotation,
+            s.size,
+            s.first,
+            s.count,
+            s.triangles,
+            self.depth,
+            self.mask,
+            self.field,
+            self.cover,
+            self.lens,
+            margin_m,
+            tally,
+        )
         return tally
 
     def place(self, model: ObjectModel, T_camera_object: Array, rounds: int = 2) -> Array:
         """The pose shifted so that its drawing has the mask's centre and depth. Shape=(4, 4)."""
         s = model.solids
         turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
-        agreement_kernels.place(turn, shift, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles,
-                                self.depth, self.mask, self.lens, rounds)
+        agreement_kernels.place(
+            turn,
+            shift,
+            s.kind,
+            s.center,
+            s.rotation,
+            s.size,
+            s.first,
+            s.count,
+            s.triangles,
+            self.depth,
+            self.mask,
+            self.lens,
+            rounds,
+        )
         return _pose(turn, shift)
 
     def align(
-        self, model: ObjectModel, T_camera_object: Array, iterations: int, wide_m: float, tight_m: float,
-        outline: float, hold: float = 0.0,
+        self,
+        model: ObjectModel,
+        T_camera_object: Array,
+        iterations: int,
+        wide_m: float,
+        tight_m: float,
+        outline: float,
+        hold: float = 0.0,
     ) -> Array:
         """The pose after some Gauss-Newton steps of `align_kernels.align`. Shape=(4, 4)."""
         s = model.solids
         turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
-        kernels.align(turn, shift, model.pivot, s.kind, s.center, s.rotation, s.size, s.first, s.count, s.triangles,
-                      self.depth, self.mask, self.field, self.cover, self.lens, iterations, wide_m, tight_m, outline,
-                      hold)
+        kernels.align(
+            turn,
+            shift,
+            model.pivot,
+            s.kind,
+            s.center,
+            s.rotation,
+            s.size,
+            s.first,
+            s.count,
+            s.triangles,
+            self.depth,
+            self.mask,
+            self.field,
+            self.cover,
+            self.lens,
+            iterations,
+            wide_m,
+            tight_m,
+            outline,
+            hold,
+        )
         return _pose(turn, shift)
 
 
 def cut(
-    depth: NDArray[np.float32], mask: NDArray[np.bool_], robot: NDArray[np.bool_], lens: Array,
-    box: tuple[int, int, int, int], pixels: int,
+    depth: NDArray[np.float32],
+    mask: NDArray[np.bool_],
+    robot: NDArray[np.bool_],
+    lens: Array,
+    box: tuple[int, int, int, int],
+    pixels: int,
 ) -> View:
     """Columns and rows of `box` (left, right, top, bottom; ends excluded), every n-th: at most `pixels` remain.
 
@@ -93,8 +151,13 @@ def cut(
         bound[nearest[~part]] = np.where(cover > 0, kernels.NEARER, np.where(seen > 0, seen, np.inf))[~part]
         hidden = bound[nearest] < seen - kernels.NEARER
         cover = np.where(part, kernels.BESIDE * hidden, kernels.ROBOT * cover).astype(np.uint8)
-    return View(seen, part, field.astype(np.float32), cover,
-                np.array([lens[0] / step, lens[1] / step, (lens[2] - left) / step, (lens[3] - top) / step]))
+    return View(
+        seen,
+        part,
+        field.astype(np.float32),
+        cover,
+        np.array([lens[0] / step, lens[1] / step, (lens[2] - left) / step, (lens[3] - top) / step]),
+    )
 
 
 def box_of(mask: NDArray[np.bool_], margin: int, points: Array | None = None) -> tuple[int, int, int, int]:
@@ -111,8 +174,12 @@ def box_of(mask: NDArray[np.bool_], margin: int, points: Array | None = None) ->
         low = np.minimum(low, np.floor(points.min(0)).clip(-1e6, 1e6)).astype(int)
         high = np.maximum(high, np.ceil(points.max(0)).clip(-1e6, 1e6)).astype(int)
     height, width = mask.shape
-    return (max(0, int(low[0]) - margin), min(width, int(high[0]) + margin + 1),
-            max(0, int(low[1]) - margin), min(height, int(high[1]) + margin + 1))
+    return (
+        max(0, int(low[0]) - margin),
+        min(width, int(high[0]) + margin + 1),
+        max(0, int(low[1]) - margin),
+        min(height, int(high[1]) + margin + 1),
+    )
 
 
 def project(points: Array, lens: Array) -> Array:

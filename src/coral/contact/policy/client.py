@@ -124,9 +124,15 @@ class PolicyClient:
             async with asyncio.timeout(self.cfg.connect_s):
                 # No pings: a server may be busy inferring for longer than they wait; the deadlines are the answer.
                 self._line = await connect(
-                    self.url, compression=None, max_size=self.cfg.most_bytes, open_timeout=None, ping_interval=None,
-                    close_timeout=1.0, proxy=None,
-                    additional_headers={"Authorization": f"Api-Key {key}"} if key else None)
+                    self.url,
+                    compression=None,
+                    max_size=self.cfg.most_bytes,
+                    open_timeout=None,
+                    ping_interval=None,
+                    close_timeout=1.0,
+                    proxy=None,
+                    additional_headers={"Authorization": f"Api-Key {key}"} if key else None,
+                )
         except TimeoutError:
             raise PolicyError("unreachable", f"{self.url} did not answer in {self.cfg.connect_s:g} s") from None
         except (OSError, InvalidHandshake, InvalidURI, EOFError) as error:
@@ -144,8 +150,9 @@ class PolicyClient:
         assert line is not None
         return await self._receive(line, self.cfg.answer_s, question)
 
-    async def _receive(self, line: ClientConnection, within_s: float, question: bytes | None = None
-                       ) -> Mapping[Any, Any]:
+    async def _receive(
+        self, line: ClientConnection, within_s: float, question: bytes | None = None
+    ) -> Mapping[Any, Any]:
         """The server's next message; before that, a question is sent."""
         try:
             async with asyncio.timeout(within_s):
@@ -189,4 +196,4 @@ def _last_line(text: str) -> str:
 
 def printable(text: str, most: int = 200) -> str:
     """A server's words on one short line, without control characters."""
-    return " ".join("".join(c if c.isprintable() else " " for c in text[:4 * most]).split())[:most]
+    return " ".join("".join(c if c.isprintable() else " " for c in text[: 4 * most]).split())[:most]

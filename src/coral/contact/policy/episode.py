@@ -73,8 +73,9 @@ class PolicyEpisode:
 
     stage = "policy"
 
-    def __init__(self, drawn: Drawn, world: str, policy: Policy, cfg: EpisodeCfg, folder: Path, address: Address
-                 ) -> None:
+    def __init__(
+        self, drawn: Drawn, world: str, policy: Policy, cfg: EpisodeCfg, folder: Path, address: Address
+    ) -> None:
         self.drawn, self.policy, self.cfg, self.address = drawn, policy, cfg, address
         self.time_limit_s = drawn.task.time_limit_s
         self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
@@ -127,7 +128,7 @@ class PolicyEpisode:
             WorldFault: The world cannot go on.
         """
         means = self.cfg.policy.libero
-        actions = self._ask()[:means.execute]
+        actions = self._ask()[: means.execute]
         for action in actions:
             wanted = libero.target(self.now, action, means)
             for _ in range(means.ticks):
@@ -147,16 +148,24 @@ class PolicyEpisode:
             both = np.concatenate([outside, wrist], axis=1)
             self.writer.bytes("seen.png", cv2.imencode(".png", both[..., ::-1])[1].tobytes())
         looked = time.perf_counter()
-        answer = self.policy.infer({
-            "observation/image": outside, "observation/wrist_image": wrist,
-            "observation/state": libero.state(self.now, self.cfg.policy.libero),
-            "prompt": self.drawn.task.instruction})
+        answer = self.policy.infer(
+            {
+                "observation/image": outside,
+                "observation/wrist_image": wrist,
+                "observation/state": libero.state(self.now, self.cfg.policy.libero),
+                "prompt": self.drawn.task.instruction,
+            }
+        )
         self.calls += 1
         self._look_ms.append(1e3 * (looked - begun))
         self._ask_ms.append(1e3 * (time.perf_counter() - looked))
         actions = libero.actions_of(answer)
-        self.emit("policy", call=self.calls, chunk=len(actions),
-                  actions=[numbers(action, 5) for action in actions[:self.cfg.policy.libero.execute]])
+        self.emit(
+            "policy",
+            call=self.calls,
+            chunk=len(actions),
+            actions=[numbers(action, 5) for action in actions[: self.cfg.policy.libero.execute]],
+        )
         return actions
 
     def _act(self, target: HandTarget) -> None:
@@ -181,23 +190,46 @@ class PolicyEpisode:
         self.now = self.world.reset()
         self.t, self._opening = self.now.time_s, self.now.opening_m
         self.writer.yaml("task.yaml", task.model_dump(mode="json"))
-        self.writer.yaml("config.yaml", {
-            "system": "contact", "task": task.name, "world": self.world.name, "advisor": "none",
-            "variant": self.address.name, "seed": self.drawn.seed, "policy": self.address.url,
-            "server": printable(repr(self.policy.metadata), 2000), "episode": to_mapping(self.cfg),
-            "provenance": provenance()})
-        self.emit("start", task=task.name, instruction=task.instruction, world=self.world.name,
-                  variant=self.address.name, advisor="none", seed=self.drawn.seed, poses="pictures",
-                  time_limit_s=task.time_limit_s,
-                  trial={name: {"mass_kg": round(item.physical.mass_kg, 5),
-                                "friction": round(item.physical.friction, 4),
-                                "size_m": numbers(self.drawn.size(name), 4)}
-                         for name, item in self.drawn.objects.items()})
+        self.writer.yaml(
+            "config.yaml",
+            {
+                "system": "contact",
+                "task": task.name,
+                "world": self.world.name,
+                "advisor": "none",
+                "variant": self.address.name,
+                "seed": self.drawn.seed,
+                "policy": self.address.url,
+                "server": printable(repr(self.policy.metadata), 2000),
+                "episode": to_mapping(self.cfg),
+                "provenance": provenance(),
+            },
+        )
+        self.emit(
+            "start",
+            task=task.name,
+            instruction=task.instruction,
+            world=self.world.name,
+            variant=self.address.name,
+            advisor="none",
+            seed=self.drawn.seed,
+            poses="pictures",
+            time_limit_s=task.time_limit_s,
+            trial={
+                name: {
+                    "mass_kg": round(item.physical.mass_kg, 5),
+                    "friction": round(item.physical.friction, 4),
+                    "size_m": numbers(self.drawn.size(name), 4),
+                }
+                for name, item in self.drawn.objects.items()
+            },
+        )
         self.emit("strategy", name=self.address.name, stages=[self.stage], beliefs=[])
         self.emit("stage", before=None, stage=self.stage, index=0)
         truth = self.world.truth()
-        rest = HandTarget(self.now.tool.position, self.now.tool.quaternion, self.now.opening_m,
-                          self.cfg.policy.libero.stiffness_n_m)
+        rest = HandTarget(
+            self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, self.cfg.policy.libero.stiffness_n_m
+        )
         self.recorder.row(0, self.now, truth, rest, 0)
         self.recorder.state(0, self.t, self.world)
         self.recorder.contacts(0, truth)
@@ -212,10 +244,13 @@ class PolicyEpisode:
     def _finish(self, wall_s: float) -> dict[str, Any]:
         asked = np.array(self._ask_ms) if self._ask_ms else np.zeros(1)
         looked = np.array(self._look_ms) if self._look_ms else np.zeros(1)
-        timing = {"wall_time_s": round(wall_s, 3), "realtime_factor": round(self.t / wall_s, 3) if wall_s else 0.0,
-                  "plan_ms_median": round(float(np.median(asked)), 3),
-                  "plan_ms_p99": round(float(np.percentile(asked, 99)), 3),
-                  "pictures_ms_median": round(float(np.median(looked)), 3)}
+        timing = {
+            "wall_time_s": round(wall_s, 3),
+            "realtime_factor": round(self.t / wall_s, 3) if wall_s else 0.0,
+            "plan_ms_median": round(float(np.median(asked)), 3),
+            "plan_ms_p99": round(float(np.percentile(asked, 99)), 3),
+            "pictures_ms_median": round(float(np.median(looked)), 3),
+        }
         metrics = compute_metrics(self.writer.folder)
         self.writer.json("metrics.json", metrics)
         self.writer.json("timing.json", timing)

@@ -57,8 +57,9 @@ class LiberoCfg:
 
 def state(now: Observation, cfg: LiberoCfg) -> Array:
     """What the robot feels of itself, Shape=(8,)."""
-    return np.concatenate([now.tool.position + cfg.origin_m, axis_angle(now.tool.quaternion),
-                           [now.opening_m / 2, -now.opening_m / 2]])
+    return np.concatenate(
+        [now.tool.position + cfg.origin_m, axis_angle(now.tool.quaternion), [now.opening_m / 2, -now.opening_m / 2]]
+    )
 
 
 def axis_angle(quaternion: Array) -> Array:
@@ -85,8 +86,9 @@ def actions_of(answer: Mapping[Any, Any]) -> Array:
         what = f"an array of {found.dtype}" if isinstance(found, np.ndarray) else f"a {type(found).__name__}"
         raise PolicyError("bad-actions", f"the actions are {what}, expected an array of numbers")
     if found.ndim != 2 or found.shape[1] != 7 or not 1 <= len(found) <= MOST_ACTIONS:
-        raise PolicyError("bad-actions", f"actions of shape {found.shape}, expected (n, 7) with n from 1 to "
-                                         f"{MOST_ACTIONS}")
+        raise PolicyError(
+            "bad-actions", f"actions of shape {found.shape}, expected (n, 7) with n from 1 to {MOST_ACTIONS}"
+        )
     actions = found.astype(np.float64)
     if not np.isfinite(actions).all():
         raise PolicyError("not-finite", "the actions hold something that is no number")
@@ -105,7 +107,9 @@ def target(now: Observation, action: Array, cfg: LiberoCfg) -> HandTarget:
     return HandTarget(
         position=now.tool.position + cfg.step_m * step[:3],
         quaternion=multiply(from_rotvec(cfg.step_rad * step[3:6]), now.tool.quaternion),  # about the world's axes
-        opening_m=now.opening_m, stiffness=cfg.stiffness_n_m)
+        opening_m=now.opening_m,
+        stiffness=cfg.stiffness_n_m,
+    )
 
 
 def opened(opening_m: float, action: Array, cfg: LiberoCfg) -> float:

@@ -35,8 +35,9 @@ def serving(address: Address, cfg: ClientCfg) -> Iterator[PolicyClient]:
         client.close()
 
 
-def run_policy_trial(task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, address: Address, seed: int
-                     ) -> dict[str, Any]:
+def run_policy_trial(
+    task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, address: Address, seed: int
+) -> dict[str, Any]:
     """Run an episode as a campaign does; see `coral.contact.trial.run_trial`.
 
     Raises:

@@ -58,8 +58,12 @@ def decode(data: bytes) -> Any:
 def _packed(value: Any) -> Any:
     if not isinstance(value, np.ndarray):
         raise TypeError(f"a {type(value).__name__} cannot be sent")
-    return {b"__ndarray__": True, b"data": value.tobytes(), b"dtype": _plain(value.dtype.str).str,
-            b"shape": value.shape}
+    return {
+        b"__ndarray__": True,
+        b"data": value.tobytes(),
+        b"dtype": _plain(value.dtype.str).str,
+        b"shape": value.shape,
+    }
 
 
 def _unpacked(value: Any) -> Any:

@@ -8,5 +8,16 @@ from coral.contact.program.program import CostProgram
 from coral.contact.program.verify import verify_cost
 from coral.contact.program.worker import CostWorker, WorkerCfg, WorkerCost
 
-__all__ = ["CODES", "CostError", "CostProgram", "CostWorker", "Fault", "LastGoodCost", "LimitsCfg", "VerifyCfg",
-           "WorkerCfg", "WorkerCost", "verify_cost"]
+__all__ = [
+    "CODES",
+    "CostError",
+    "CostProgram",
+    "CostWorker",
+    "Fault",
+    "LastGoodCost",
+    "LimitsCfg",
+    "VerifyCfg",
+    "WorkerCfg",
+    "WorkerCost",
+    "verify_cost",
+]

@@ -33,14 +33,26 @@ def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: VerifyC
             if np.median(rise) >= 0.5 * np.median(climb) and name not in named:
                 named.add(name)
                 line = cost.term_line(name) or item.line
-                found.append(Fault("barrier", line, f"line {line} (`{cost.line(line)}`): the term {name!r} begins only "
-                                   f"when the hand is near its target and adds up to {np.median(rise):.3g} there, so "
-                                   "coming near gets dearer; subtract a bonus for what you want there instead"))
+                found.append(
+                    Fault(
+                        "barrier",
+                        line,
+                        f"line {line} (`{cost.line(line)}`): the term {name!r} begins only "
+                        f"when the hand is near its target and adds up to {np.median(rise):.3g} there, so "
+                        "coming near gets dearer; subtract a bonus for what you want there instead",
+                    )
+                )
         if len(terms) == 1 and len(paid) == 1 and not found:
             line = item.line
-            found.append(Fault("barrier", line, f"line {line} (`{cost.line(line)}`): the cost rises by "
-                               f"{np.median(climb):.3g} when the hand comes near the target of this distance; write "
-                               "what begins there as a bonus that is subtracted"))
+            found.append(
+                Fault(
+                    "barrier",
+                    line,
+                    f"line {line} (`{cost.line(line)}`): the cost rises by "
+                    f"{np.median(climb):.3g} when the hand comes near the target of this distance; write "
+                    "what begins there as a bonus that is subtracted",
+                )
+            )
     return found
 
 
@@ -90,12 +102,21 @@ def contact_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: Veri
             continue
         for name, term in after.items():
             begun = np.asarray(term)
-            if np.abs(before.get(name, np.zeros(1))).max() <= 1e-12 and np.median(begun) >= 0.5 * rise and np.ptp(
-                    begun) > 1e-9:
+            if (
+                np.abs(before.get(name, np.zeros(1))).max() <= 1e-12
+                and np.median(begun) >= 0.5 * rise
+                and np.ptp(begun) > 1e-9
+            ):
                 line = cost.term_line(name)
-                found.append(Fault("barrier", line, f"line {line} (`{cost.line(line)}`): the term {name!r} begins when "
-                                   f"the hand touches the {thing} and adds {np.median(begun):.3g}, so touching gets "
-                                   "dearer; let it count before the touch too, or subtract a larger bonus for it"))
+                found.append(
+                    Fault(
+                        "barrier",
+                        line,
+                        f"line {line} (`{cost.line(line)}`): the term {name!r} begins when "
+                        f"the hand touches the {thing} and adds {np.median(begun):.3g}, so touching gets "
+                        "dearer; let it count before the touch too, or subtract a larger bonus for it",
+                    )
+                )
     return found
 
 
@@ -103,5 +124,7 @@ def _is_target(pool: Context, thing: str, paid: list[Paid]) -> bool:
     """Whether some distance that the cost grows with ends at the object."""
     centre = np.asarray(pool[f"{thing}_pos"])[:, 0, :]
     size = np.asarray(pool[f"{thing}_size"])[:, 0, :] if f"{thing}_size" in pool else np.full_like(centre, 0.1)
-    return any(np.median(np.linalg.norm(item.target - centre, axis=-1) - np.linalg.norm(size, axis=-1) / 2) < 0.05
-               for item in paid)
+    return any(
+        np.median(np.linalg.norm(item.target - centre, axis=-1) - np.linalg.norm(size, axis=-1) / 2) < 0.05
+        for item in paid
+    )

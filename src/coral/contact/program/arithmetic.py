@@ -15,9 +15,19 @@ from coral.contact.program.values import NUMBER, Contacts, Number, Seq, Table, V
 LARGEST_INT = 2**53  # the largest whole number that stays exact among arrays of float64
 
 OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
-    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "//": operator.floordiv,
-    "%": operator.mod, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
-    "==": operator.eq, "!=": operator.ne}
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "//": operator.floordiv,
+    "%": operator.mod,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
 COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
@@ -289,10 +299,12 @@ def unary(function: Callable[[Any], Any], value: Number) -> Number:
 
 def negative(meter: Meter, value: Value) -> Value:
     """The value with its sign changed."""
+
     def change(x: Number) -> Number:
         if isinstance(x, np.ndarray):
             meter.made()
         return -x  # type: ignore[misc]
+
     return each(meter, change, value)
 
 

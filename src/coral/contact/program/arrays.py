@@ -51,8 +51,10 @@ def to_int(meter: Meter, value: Value = 0) -> Value:
 
 def as_type(meter: Meter, value: Value, dtype: Value = None) -> Value:
     """astype(float): truth values become numbers."""
+
     def change(item: Number) -> Number:
         return float(item) if isinstance(item, int) else item
+
     return each(meter, change, value)
 
 
@@ -83,8 +85,10 @@ def ones(meter: Meter, shape: Value, dtype: Value = None) -> Value:
 
 def like(fill: float) -> Callable[..., Value]:
     """np.zeros_like or np.ones_like."""
+
     def call(meter: Meter, value: Value, dtype: Value = None) -> Value:
         return each(meter, lambda _: fill, value)
+
     return call
 
 
@@ -133,7 +137,7 @@ def reshape(meter: Meter, value: Value, *shape: Value) -> Value:
     if len(wanted) == 1:
         return Vec(items)
     columns = wanted[1]
-    return Vec(tuple(Vec(items[i * columns:(i + 1) * columns]) for i in range(wanted[0])))
+    return Vec(tuple(Vec(items[i * columns : (i + 1) * columns]) for i in range(wanted[0])))
 
 
 def ravel(meter: Meter, value: Value) -> Value:

@@ -58,8 +58,10 @@ def _unknown(machine: Machine, base: Value, name: str, known: list[str]) -> Exce
 def _member(machine: Machine, module: Module, name: str) -> Value:
     if module.name == "p":
         if name not in machine.bullet.calls:
-            raise machine.meter.fault("unknown_attribute", f"p has no {name!r}{nearest(name, machine.bullet.calls)}; "
-                                      f"it has {', '.join(machine.bullet.calls)}")
+            raise machine.meter.fault(
+                "unknown_attribute",
+                f"p has no {name!r}{nearest(name, machine.bullet.calls)}; it has {', '.join(machine.bullet.calls)}",
+            )
         return Builtin(f"p.{name}", lambda meter, args, named: machine.bullet(meter, name, args, named))
     if module.name == "np" and name == "linalg":
         return Module("np.linalg")
@@ -68,8 +70,10 @@ def _member(machine: Machine, module: Module, name: str) -> Value:
         return CONSTANTS[name]
     if prefix + name not in table:
         known = [key.removeprefix(prefix) for key in table if key.startswith(prefix) and ("." in key) == bool(prefix)]
-        raise machine.meter.fault("unknown_attribute", f"{module.name} has no {name!r} here{nearest(name, known)}; it "
-                                  f"has {', '.join(sorted(known))}")
+        raise machine.meter.fault(
+            "unknown_attribute",
+            f"{module.name} has no {name!r} here{nearest(name, known)}; it has {', '.join(sorted(known))}",
+        )
     return table[prefix + name]
 
 
@@ -116,7 +120,12 @@ def _copy(machine: Machine, table: Table, args: list[Value]) -> Value:
 
 
 TABLE_METHODS: dict[str, Callable[[Machine, Table, list[Value]], Value]] = {
-    "get": _get, "items": _items, "keys": _keys, "values": _values, "copy": _copy}
+    "get": _get,
+    "items": _items,
+    "keys": _keys,
+    "values": _values,
+    "copy": _copy,
+}
 
 
 def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
@@ -146,8 +155,11 @@ def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
         return invoke(machine, function, args, named, evaluate)
     if isinstance(function, Builtin):
         if function.name != "sum" and any(_gaps(value) for value in args):
-            raise machine.meter.fault("unset", "a list or dict with entries that are set in some states only goes into "
-                                               "sum(...) alone; give every entry a value in every state")
+            raise machine.meter.fault(
+                "unset",
+                "a list or dict with entries that are set in some states only goes into "
+                "sum(...) alone; give every entry a value in every state",
+            )
         return bounded(machine.meter, function.call(machine.meter, args, named))
     raise machine.meter.fault("wrong_call", f"{kind(function)} cannot be called")
 
@@ -179,16 +191,18 @@ def _reflect(machine: Machine, node: ast.Call, what: str, evaluate: Evaluate) ->
     return default
 
 
-def invoke(machine: Machine, function: Function, args: list[Value], named: dict[str, Value],
-           evaluate: Evaluate) -> Value:
+def invoke(
+    machine: Machine, function: Function, args: list[Value], named: dict[str, Value], evaluate: Evaluate
+) -> Value:
     """Run a function of the program.
 
     Raises:
         CostError: The arguments do not fit, the calls are too deep, or some state gets no value.
     """
     if len(machine.stack) > machine.meter.cfg.calls + 1:
-        raise machine.meter.fault("calls", f"functions call one another more than {machine.meter.cfg.calls} deep; "
-                                           "recursion is not available")
+        raise machine.meter.fault(
+            "calls", f"functions call one another more than {machine.meter.cfg.calls} deep; recursion is not available"
+        )
     frame = Frame(function.frame, function.names, variables=bind(machine, function, args, named))
     mask, loops, line = machine.meter.mask, machine.loops, machine.meter.line
     machine.stack.append(frame)
@@ -213,7 +227,7 @@ def bind(machine: Machine, function: Function, args: list[Value], named: dict[st
     positional = [a.arg for a in [*function.arguments.posonlyargs, *function.arguments.args]]
     wanted = [*positional, *(a.arg for a in function.arguments.kwonlyargs)]
     found = {**function.defaults, **dict(zip(positional, args, strict=False)), **named}
-    doubled = [name for name in positional[:len(args)] if name in named]
+    doubled = [name for name in positional[: len(args)] if name in named]
     if len(args) > len(positional) or doubled or set(found) != set(wanted):
         raise machine.meter.fault("wrong_call", f"{function.name} takes ({', '.join(wanted)})")
     return found
@@ -239,8 +253,9 @@ def outcome(machine: Machine, frame: Frame, name: str) -> tuple[Value, Value]:
             value, ledger = other, other_ledger
             continue
         if (other is None) != (value is None):
-            raise machine.meter.fault("no_return", f"{name} returns a value in some states and nothing in others; end "
-                                                   "it with a return")
+            raise machine.meter.fault(
+                "no_return", f"{name} returns a value in some states and nothing in others; end it with a return"
+            )
         value = merge(machine.meter, condition, other, value)
         ledger = merge(machine.meter, condition, other_ledger, ledger)
     return machine.usable(value, name), ledger

@@ -30,8 +30,20 @@ from coral.contact.program.values import (
 )
 
 SYMBOLS: dict[type[ast.AST], str] = {
-    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
-    ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!="}
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.FloorDiv: "//",
+    ast.Mod: "%",
+    ast.Pow: "**",
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+    ast.Eq: "==",
+    ast.NotEq: "!=",
+}
 
 
 def evaluate(machine: Machine, node: ast.expr) -> Value:
@@ -108,8 +120,7 @@ def operate(machine: Machine, operator: ast.operator, left: Value, right: Value)
         for value in (left, right):
             if not (isinstance(value, bool) or (isinstance(value, np.ndarray) and value.dtype == np.bool_)):
                 raise meter.fault("wrong_type", f"& and | join truth values, not {kind(value)}; use and, or")
-        return (both if isinstance(operator, ast.BitAnd) else either)(
-            meter, cast(Mask, left), cast(Mask, right))
+        return (both if isinstance(operator, ast.BitAnd) else either)(meter, cast(Mask, left), cast(Mask, right))
     return binary(meter, SYMBOLS[type(operator)], left, right)
 
 
@@ -257,8 +268,9 @@ def _lambda(machine: Machine, node: Any) -> Value:
     return make_function(machine, "lambda", node.args, node.body, frozenset())
 
 
-def make_function(machine: Machine, name: str, arguments: ast.arguments, body: list[ast.stmt] | ast.expr,
-                  names: frozenset[str]) -> Function:
+def make_function(
+    machine: Machine, name: str, arguments: ast.arguments, body: list[ast.stmt] | ast.expr, names: frozenset[str]
+) -> Function:
     """The function that a `def` or `lambda` makes; its defaults are evaluated now."""
     positional = [*arguments.posonlyargs, *arguments.args]
     defaults: dict[str, Value] = {}
@@ -273,8 +285,9 @@ def make_function(machine: Machine, name: str, arguments: ast.arguments, body: l
 
 
 def _comprehension(machine: Machine, node: Any) -> Value:
-    names = frozenset(item.id for generator in node.generators for item in ast.walk(generator.target)
-                      if isinstance(item, ast.Name))
+    names = frozenset(
+        item.id for generator in node.generators for item in ast.walk(generator.target) if isinstance(item, ast.Name)
+    )
     inner = Frame(machine.frame, names)
     found: list[tuple[Value, Value]] = []
     outermost = evaluate(machine, node.generators[0].iter)  # in the scope around, as in Python
@@ -307,6 +320,7 @@ def _comprehension(machine: Machine, node: Any) -> Value:
             if keep:
                 generate(level + 1, inside)
             machine.meter.mask = before
+
     generate(0, None)
     machine.branching -= 1
     machine.stack.pop()
@@ -325,8 +339,11 @@ def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
         machine.frame.variables[target.id] = value
         return
     if not isinstance(target, ast.Tuple | ast.List):
-        raise machine.meter.fault("not_allowed", "only variables and entries of the program's own lists, dicts and "
-                                                 "arrays can be set; the state cannot be changed")
+        raise machine.meter.fault(
+            "not_allowed",
+            "only variables and entries of the program's own lists, dicts and "
+            "arrays can be set; the state cannot be changed",
+        )
     items = entries(machine.meter, value)
     if any(isinstance(part, ast.Starred) for part in target.elts) or len(items) != len(target.elts):
         raise machine.meter.fault("wrong_size", f"{len(target.elts)} names cannot take {len(items)} values")
@@ -348,7 +365,22 @@ def _subscript(machine: Machine, node: Any) -> Value:
 
 
 EVALUATORS: dict[type[ast.AST], Callable[[Machine, Any], Value]] = {
-    ast.Constant: _constant, ast.Name: _name, ast.Attribute: _attribute, ast.Call: _call, ast.BinOp: _binary,
-    ast.UnaryOp: _unary, ast.BoolOp: _bool, ast.IfExp: _if, ast.Compare: _compare, ast.List: _list, ast.Tuple: _tuple,
-    ast.Dict: _dict, ast.Lambda: _lambda, ast.ListComp: _comprehension, ast.GeneratorExp: _comprehension,
-    ast.DictComp: _comprehension, ast.NamedExpr: _walrus, ast.Subscript: _subscript}
+    ast.Constant: _constant,
+    ast.Name: _name,
+    ast.Attribute: _attribute,
+    ast.Call: _call,
+    ast.BinOp: _binary,
+    ast.UnaryOp: _unary,
+    ast.BoolOp: _bool,
+    ast.IfExp: _if,
+    ast.Compare: _compare,
+    ast.List: _list,
+    ast.Tuple: _tuple,
+    ast.Dict: _dict,
+    ast.Lambda: _lambda,
+    ast.ListComp: _comprehension,
+    ast.GeneratorExp: _comprehension,
+    ast.DictComp: _comprehension,
+    ast.NamedExpr: _walrus,
+    ast.Subscript: _subscript,
+}

@@ -35,19 +35,20 @@ def _fenced(text: str) -> str | None:
         opening = marks.pop(0)
         closing = next((m for m in marks if m.group(1)[0] == opening.group(1)[0] and not m.group(2)), None)
         end = closing.start() if closing else len(text)
-        blocks.append(text[opening.end():end])
+        blocks.append(text[opening.end() : end])
         marks = [m for m in marks if closing and m.start() > closing.start()]
     if not blocks:
         return None
-    return max(blocks, key=lambda block: (COST.search(block) is not None, DEFINITION.search(block) is not None,
-                                          len(block)))
+    return max(
+        blocks, key=lambda block: (COST.search(block) is not None, DEFINITION.search(block) is not None, len(block))
+    )
 
 
 def _before_rule(text: str) -> str:
     rule = RULE.search(text)
     start = DEFINITION.search(text)
     if rule and (start is None or rule.start() > start.start()):
-        return text[:rule.start()]
+        return text[: rule.start()]
     return text
 
 
@@ -56,7 +57,7 @@ def _dedented(code: str) -> str:
     found = DEFINITION.search("\n".join(lines))
     if found is None:
         return _body(lines)
-    first = "\n".join(lines)[:found.start()].count("\n")
+    first = "\n".join(lines)[: found.start()].count("\n")
     indent = len(found.group(1))
     while first > 0 and _belongs(lines[first - 1], indent):
         first -= 1
@@ -75,8 +76,10 @@ def _dedented(code: str) -> str:
 def _belongs(line: str, indent: int) -> bool:
     """Whether a line above the function is code and not prose."""
     bare = line.strip()
-    return not bare or (len(line) - len(line.lstrip()) >= indent and (
-        START.match(bare) is not None or line[:indent + 1].strip() == "" or bare[0] in ")]}"))
+    return not bare or (
+        len(line) - len(line.lstrip()) >= indent
+        and (START.match(bare) is not None or line[: indent + 1].strip() == "" or bare[0] in ")]}")
+    )
 
 
 def _body(lines: list[str]) -> str:

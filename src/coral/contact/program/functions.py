@@ -32,15 +32,46 @@ Call = Callable[..., Value]
 """Takes the meter, then the arguments of the program."""
 
 UNARY: dict[str, Callable[[Any], Any]] = {
-    "sqrt": np.sqrt, "exp": np.exp, "expm1": np.expm1, "log": np.log, "log1p": np.log1p, "log10": np.log10,
-    "log2": np.log2, "sin": np.sin, "cos": np.cos, "tan": np.tan, "arcsin": np.arcsin, "arccos": np.arccos,
-    "arctan": np.arctan, "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh, "abs": np.abs, "square": np.square,
-    "sign": np.sign, "floor": np.floor, "ceil": np.ceil, "trunc": np.trunc, "rint": np.rint,
-    "deg2rad": np.deg2rad, "rad2deg": np.rad2deg, "isfinite": np.isfinite, "isnan": np.isnan, "isinf": np.isinf,
-    "nan_to_num": np.nan_to_num}
+    "sqrt": np.sqrt,
+    "exp": np.exp,
+    "expm1": np.expm1,
+    "log": np.log,
+    "log1p": np.log1p,
+    "log10": np.log10,
+    "log2": np.log2,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "arcsin": np.arcsin,
+    "arccos": np.arccos,
+    "arctan": np.arctan,
+    "sinh": np.sinh,
+    "cosh": np.cosh,
+    "tanh": np.tanh,
+    "abs": np.abs,
+    "square": np.square,
+    "sign": np.sign,
+    "floor": np.floor,
+    "ceil": np.ceil,
+    "trunc": np.trunc,
+    "rint": np.rint,
+    "deg2rad": np.deg2rad,
+    "rad2deg": np.rad2deg,
+    "isfinite": np.isfinite,
+    "isnan": np.isnan,
+    "isinf": np.isinf,
+    "nan_to_num": np.nan_to_num,
+}
 BINARY: dict[str, Callable[[Any, Any], Any]] = {
-    "maximum": np.maximum, "minimum": np.minimum, "arctan2": np.arctan2, "hypot": np.hypot, "fmod": np.fmod,
-    "copysign": np.copysign, "heaviside": np.heaviside, "logaddexp": np.logaddexp}
+    "maximum": np.maximum,
+    "minimum": np.minimum,
+    "arctan2": np.arctan2,
+    "hypot": np.hypot,
+    "fmod": np.fmod,
+    "copysign": np.copysign,
+    "heaviside": np.heaviside,
+    "logaddexp": np.logaddexp,
+}
 
 
 def of_one(name: str) -> Call:
@@ -51,7 +82,9 @@ def of_one(name: str) -> Call:
         def apply(item: Number) -> Number:
             meter.made()
             return unary(function, item)
+
         return each(meter, apply, value)
+
     return call
 
 
@@ -65,7 +98,9 @@ def of_two(name: str) -> Call:
             x, y = number(meter, x), number(meter, y)
             found = function(x, y) if isinstance(x, np.ndarray) or isinstance(y, np.ndarray) else float(function(x, y))
             return cast(Number, found)
+
         return elementwise(meter, apply, a, b)
+
     return call
 
 
@@ -76,8 +111,10 @@ def power(meter: Meter, a: Value, b: Value) -> Value:
 
 def operator_call(symbol: str) -> Call:
     """np.add and the like."""
+
     def call(meter: Meter, a: Value, b: Value) -> Value:
         return binary(meter, symbol, as_vector(meter, a), as_vector(meter, b))
+
     return call
 
 
@@ -122,6 +159,7 @@ def select(meter: Meter, condition: Value, a: Value, b: Value) -> Value:
         if isinstance(met, np.ndarray):
             return where(meter, met, x, y)
         return x if met else y
+
     return elementwise(meter, choose, a, b)
 
 
@@ -202,6 +240,7 @@ def flat(meter: Meter, value: Value) -> tuple[Value, ...]:
 
 def reduction(name: str) -> Call:
     """np.sum, np.mean, np.max, np.min, np.prod, np.any or np.all."""
+
     def reduce(meter: Meter, items: tuple[Value, ...]) -> Value:
         if not items and name in ("max", "min", "mean"):
             raise meter.fault("wrong_size", f"{name} of nothing")
@@ -228,6 +267,7 @@ def reduction(name: str) -> Call:
         if lines is not None:
             return Vec(tuple(reduce(meter, flat(meter, line)) for line in lines))
         return reduce(meter, flat(meter, value))
+
     return call
 
 
@@ -247,6 +287,7 @@ def cross(meter: Meter, a: Value, b: Value) -> Value:
 
     def minor(i: int, j: int) -> Value:
         return scalar(meter, "-", scalar(meter, "*", left[i], right[j]), scalar(meter, "*", left[j], right[i]))
+
     return Vec((minor(1, 2), minor(2, 0), minor(0, 1)))
 
 
@@ -268,10 +309,13 @@ def isclose(meter: Meter, a: Value, b: Value, atol: Value = 1e-8, rtol: Value = 
 
 def logical(name: str) -> Call:
     """np.logical_and, np.logical_or."""
+
     def call(meter: Meter, a: Value, b: Value) -> Value:
         def apply(x: Value, y: Value) -> Value:
             return (both if name == "and" else either)(meter, truth(meter, x), truth(meter, y))
+
         return elementwise(meter, apply, a, b)
+
     return call
 
 
@@ -289,6 +333,7 @@ def round_to(meter: Meter, value: Value, decimals: Value = 0) -> Value:
     def apply(item: Number) -> Number:
         meter.made()
         return unary(lambda x: np.round(x, decimals), item)
+
     return each(meter, apply, value)
 
 
@@ -310,6 +355,7 @@ def add_up(meter: Meter, value: Value, start: Value = 0) -> Value:
     for item in items:
         if isinstance(item, Partial):
             item = where(meter, item.mask, item.value, 0.0)
-        found = item if isinstance(found, int) and found == 0 and isinstance(item, Vec) else binary(
-            meter, "+", found, item)
+        found = (
+            item if isinstance(found, int) and found == 0 and isinstance(item, Vec) else binary(meter, "+", found, item)
+        )
     return found

@@ -35,9 +35,12 @@ class TermNames:
         """
         key = id(node)
         if key not in self.names:
-            guess = (self._trailing(node.lineno) if whole else "") or _variable(node, variable) or (
-                self._above(node.lineno) if whole else "") or (
-                "cost" if whole and not variable else f"line {node.lineno}")
+            guess = (
+                (self._trailing(node.lineno) if whole else "")
+                or _variable(node, variable)
+                or (self._above(node.lineno) if whole else "")
+                or ("cost" if whole and not variable else f"line {node.lineno}")
+            )
             name, count = guess, 2
             while name in self.line_of:
                 name, count = f"{guess} {count}", count + 1

@@ -47,11 +47,13 @@ class LastGoodCost:
 
     def following(self, cost: Cost) -> Callable[[Context], Terms]:
         """A verified cost, evaluated here: it is in use from its first evaluation until it fails."""
+
         def evaluate(state: Context) -> Terms:
             known = [*self._good[-1:], *self._bad]
             if not any(one is cost for one in known):
                 self._good = [*self._good[-3:], cost]
             return self(state)
+
         return evaluate
 
     def __call__(self, state: Context) -> Terms:

@@ -28,15 +28,21 @@ def builtin(name: str, function: Callable[..., Value]) -> Builtin:
         kind_given = given.get("dtype", named.get("dtype", args[1] if name == "astype" and len(args) > 1 else None))
         if isinstance(kind_given, Builtin) and kind_given.name not in ("float", "np.float64", "np.float32"):
             raise meter.fault("wrong_call", "arrays hold float64 only; leave dtype out or use float")
-        missing = [n for n in needed[len(args):] if n not in given]
-        doubled = [n for n in names[:len(args)] if n in given]
+        missing = [n for n in needed[len(args) :] if n not in given]
+        doubled = [n for n in names[: len(args)] if n in given]
         unknown = [n for n in given if n not in names]
         if unknown or doubled or missing or (len(args) > len(names) and not rest):
             takes = ", ".join(names + ["..."] * rest)
-            problem = f"not {unknown[0]}=" if unknown else f"{doubled[0]} once" if doubled else (
-                f"so {missing[0]} is missing" if missing else f"not {len(args)} arguments")
+            problem = (
+                f"not {unknown[0]}="
+                if unknown
+                else f"{doubled[0]} once"
+                if doubled
+                else (f"so {missing[0]} is missing" if missing else f"not {len(args)} arguments")
+            )
             raise meter.fault("wrong_call", f"{name} takes ({takes}), {problem}")
         return function(meter, *args, **given)
+
     return Builtin(name, call)
 
 
@@ -47,6 +53,7 @@ def _extreme(symbol: str) -> Callable[..., Value]:
                 raise meter.fault("wrong_call", "max and min take several numbers or a list of them")
             values = values[0].items
         return functions.largest(meter, tuple(number(meter, item) for item in values), symbol)
+
     return call
 
 
@@ -89,6 +96,7 @@ def _enumerate(meter: Meter, iterable: Value, start: Value = 0) -> Value:
 def _sequence(name: str) -> Callable[..., Value]:
     def call(meter: Meter, value: Value = None) -> Value:
         return bounded(meter, Seq(entries(meter, value) if value is not None else (), name))
+
     return call
 
 
@@ -111,6 +119,7 @@ def _bool(meter: Meter, value: Value = False) -> Value:
 def _any(name: str) -> Callable[..., Value]:
     def call(meter: Meter, values: Value) -> Value:
         return functions.fold_truth(meter, entries(meter, values), name)
+
     return call
 
 
@@ -125,63 +134,185 @@ def _scalar_math(name: str) -> Callable[..., Value]:
 
     def call(meter: Meter, x: Value) -> Value:
         return function(meter, number(meter, x))
+
     return call
 
 
 DICT = builtin("dict", _dict)
 OURS: dict[str, Callable[..., Value]] = {
-    "norm": functions.linalg_norm, "dist": functions.dist, "dot": dot, "cross": functions.cross,
-    "clip": functions.clip, "clip01": functions.clip01, "sigmoid": functions.sigmoid, "near": functions.near,
-    "exp": of_one("exp"), "log": of_one("log"), "sqrt": of_one("sqrt"), "tanh": of_one("tanh"), "sin": of_one("sin"),
-    "cos": of_one("cos"), "quat_angle": orientations.quat_angle, "quat_axis": orientations.quat_axis,
-    "quat_rotate": orientations.quat_rotate, "quat_multiply": orientations.quat_multiply,
-    "quat_inverse": orientations.quat_inverse, "quat_matrix": orientations.quat_matrix,
-    "quat_euler": orientations.quat_euler}
+    "norm": functions.linalg_norm,
+    "dist": functions.dist,
+    "dot": dot,
+    "cross": functions.cross,
+    "clip": functions.clip,
+    "clip01": functions.clip01,
+    "sigmoid": functions.sigmoid,
+    "near": functions.near,
+    "exp": of_one("exp"),
+    "log": of_one("log"),
+    "sqrt": of_one("sqrt"),
+    "tanh": of_one("tanh"),
+    "sin": of_one("sin"),
+    "cos": of_one("cos"),
+    "quat_angle": orientations.quat_angle,
+    "quat_axis": orientations.quat_axis,
+    "quat_rotate": orientations.quat_rotate,
+    "quat_multiply": orientations.quat_multiply,
+    "quat_inverse": orientations.quat_inverse,
+    "quat_matrix": orientations.quat_matrix,
+    "quat_euler": orientations.quat_euler,
+}
 PYTHON: dict[str, Callable[..., Value]] = {
-    "abs": of_one("abs"), "max": _extreme(">"), "min": _extreme("<"), "sum": functions.add_up, "len": functions.length,
-    "float": arrays.to_float, "int": arrays.to_int, "bool": _bool, "range": _range, "zip": _zip,
-    "enumerate": _enumerate, "round": functions.round_to, "any": _any("any"), "all": _any("all"),
-    "list": _sequence("list"), "tuple": _sequence("tuple"), "reversed": _reversed, "pow": functions.power}
+    "abs": of_one("abs"),
+    "max": _extreme(">"),
+    "min": _extreme("<"),
+    "sum": functions.add_up,
+    "len": functions.length,
+    "float": arrays.to_float,
+    "int": arrays.to_int,
+    "bool": _bool,
+    "range": _range,
+    "zip": _zip,
+    "enumerate": _enumerate,
+    "round": functions.round_to,
+    "any": _any("any"),
+    "all": _any("all"),
+    "list": _sequence("list"),
+    "tuple": _sequence("tuple"),
+    "reversed": _reversed,
+    "pow": functions.power,
+}
 ARRAY: dict[str, Callable[..., Value]] = {
     **{name: of_one(name) for name in functions.UNARY},
     **{name: of_two(name) for name in functions.BINARY},
-    "add": functions.operator_call("+"), "subtract": functions.operator_call("-"),
-    "multiply": functions.operator_call("*"), "divide": functions.operator_call("/"),
-    "array": arrays.array, "asarray": arrays.asarray, "asfarray": arrays.asarray, "zeros": arrays.zeros,
-    "ones": arrays.ones, "full": arrays.full, "zeros_like": arrays.like(0.0), "ones_like": arrays.like(1.0),
-    "eye": arrays.eye, "identity": arrays.eye, "concatenate": arrays.concatenate, "hstack": arrays.concatenate,
-    "stack": arrays.stack, "vstack": arrays.stack, "reshape": arrays.reshape, "ravel": arrays.ravel,
-    "transpose": arrays.transpose, "diag": arrays.diag, "copy": arrays.copied, "dot": dot, "inner": dot,
-    "vdot": dot, "matmul": dot, "cross": functions.cross, "outer": functions.outer, "clip": functions.clip,
-    "where": functions.select, "power": functions.power, "float_power": functions.power,
-    "isclose": functions.isclose, "round": functions.round_to, "around": functions.round_to,
-    "sum": functions.reduction("sum"), "mean": functions.reduction("mean"), "average": functions.reduction("mean"),
-    "max": functions.reduction("max"), "min": functions.reduction("min"), "amax": functions.reduction("max"),
-    "amin": functions.reduction("min"), "prod": functions.reduction("prod"), "any": functions.reduction("any"),
-    "all": functions.reduction("all"), "logical_and": functions.logical("and"),
-    "logical_or": functions.logical("or"), "logical_not": functions.negation,
-    "absolute": of_one("abs"), "fabs": of_one("abs"), "acos": of_one("arccos"), "asin": of_one("arcsin"),
-    "atan": of_one("arctan"), "atan2": of_two("arctan2"), "arctan2": of_two("arctan2"),
-    "radians": of_one("deg2rad"), "degrees": of_one("rad2deg"), "float64": arrays.to_float,
-    "float32": arrays.to_float, "float_": arrays.to_float, "bool_": _bool, "linalg.norm": functions.linalg_norm}
+    "add": functions.operator_call("+"),
+    "subtract": functions.operator_call("-"),
+    "multiply": functions.operator_call("*"),
+    "divide": functions.operator_call("/"),
+    "array": arrays.array,
+    "asarray": arrays.asarray,
+    "asfarray": arrays.asarray,
+    "zeros": arrays.zeros,
+    "ones": arrays.ones,
+    "full": arrays.full,
+    "zeros_like": arrays.like(0.0),
+    "ones_like": arrays.like(1.0),
+    "eye": arrays.eye,
+    "identity": arrays.eye,
+    "concatenate": arrays.concatenate,
+    "hstack": arrays.concatenate,
+    "stack": arrays.stack,
+    "vstack": arrays.stack,
+    "reshape": arrays.reshape,
+    "ravel": arrays.ravel,
+    "transpose": arrays.transpose,
+    "diag": arrays.diag,
+    "copy": arrays.copied,
+    "dot": dot,
+    "inner": dot,
+    "vdot": dot,
+    "matmul": dot,
+    "cross": functions.cross,
+    "outer": functions.outer,
+    "clip": functions.clip,
+    "where": functions.select,
+    "power": functions.power,
+    "float_power": functions.power,
+    "isclose": functions.isclose,
+    "round": functions.round_to,
+    "around": functions.round_to,
+    "sum": functions.reduction("sum"),
+    "mean": functions.reduction("mean"),
+    "average": functions.reduction("mean"),
+    "max": functions.reduction("max"),
+    "min": functions.reduction("min"),
+    "amax": functions.reduction("max"),
+    "amin": functions.reduction("min"),
+    "prod": functions.reduction("prod"),
+    "any": functions.reduction("any"),
+    "all": functions.reduction("all"),
+    "logical_and": functions.logical("and"),
+    "logical_or": functions.logical("or"),
+    "logical_not": functions.negation,
+    "absolute": of_one("abs"),
+    "fabs": of_one("abs"),
+    "acos": of_one("arccos"),
+    "asin": of_one("arcsin"),
+    "atan": of_one("arctan"),
+    "atan2": of_two("arctan2"),
+    "arctan2": of_two("arctan2"),
+    "radians": of_one("deg2rad"),
+    "degrees": of_one("rad2deg"),
+    "float64": arrays.to_float,
+    "float32": arrays.to_float,
+    "float_": arrays.to_float,
+    "bool_": _bool,
+    "linalg.norm": functions.linalg_norm,
+}
 MATH: dict[str, Callable[..., Value]] = {
-    **{name: _scalar_math(name) for name in ("sqrt", "exp", "expm1", "log", "log1p", "log10", "log2", "sin", "cos",
-                                             "tan", "sinh", "cosh", "tanh", "floor", "ceil", "trunc", "isfinite",
-                                             "isnan", "isinf")},
-    "acos": _scalar_math("arccos"), "asin": _scalar_math("arcsin"), "atan": _scalar_math("arctan"),
-    "atan2": of_two("arctan2"), "fabs": _scalar_math("abs"), "radians": _scalar_math("deg2rad"),
-    "degrees": _scalar_math("rad2deg"), "pow": functions.power, "hypot": of_two("hypot"), "fmod": of_two("fmod"),
-    "copysign": of_two("copysign"), "dist": functions.dist, "isclose": functions.isclose, "fsum": functions.add_up,
-    "prod": functions.reduction("prod")}
+    **{
+        name: _scalar_math(name)
+        for name in (
+            "sqrt",
+            "exp",
+            "expm1",
+            "log",
+            "log1p",
+            "log10",
+            "log2",
+            "sin",
+            "cos",
+            "tan",
+            "sinh",
+            "cosh",
+            "tanh",
+            "floor",
+            "ceil",
+            "trunc",
+            "isfinite",
+            "isnan",
+            "isinf",
+        )
+    },
+    "acos": _scalar_math("arccos"),
+    "asin": _scalar_math("arcsin"),
+    "atan": _scalar_math("arctan"),
+    "atan2": of_two("arctan2"),
+    "fabs": _scalar_math("abs"),
+    "radians": _scalar_math("deg2rad"),
+    "degrees": _scalar_math("rad2deg"),
+    "pow": functions.power,
+    "hypot": of_two("hypot"),
+    "fmod": of_two("fmod"),
+    "copysign": of_two("copysign"),
+    "dist": functions.dist,
+    "isclose": functions.isclose,
+    "fsum": functions.add_up,
+    "prod": functions.reduction("prod"),
+}
 CONSTANTS: dict[str, float] = {"pi": math.pi, "e": math.e, "inf": math.inf, "tau": math.tau}
 
 METHODS: dict[str, Callable[..., Value]] = {
-    "copy": arrays.copied, "dot": dot, "sum": functions.reduction("sum"), "mean": functions.reduction("mean"),
-    "max": functions.reduction("max"), "min": functions.reduction("min"), "any": functions.reduction("any"),
-    "all": functions.reduction("all"), "prod": functions.reduction("prod"), "astype": arrays.as_type,
-    "reshape": arrays.reshape, "flatten": arrays.ravel, "ravel": arrays.ravel, "transpose": arrays.transpose,
-    "clip": functions.clip, "round": functions.round_to, "tolist": _sequence("list"), "squeeze": arrays.copied,
-    "item": arrays.to_float}
+    "copy": arrays.copied,
+    "dot": dot,
+    "sum": functions.reduction("sum"),
+    "mean": functions.reduction("mean"),
+    "max": functions.reduction("max"),
+    "min": functions.reduction("min"),
+    "any": functions.reduction("any"),
+    "all": functions.reduction("all"),
+    "prod": functions.reduction("prod"),
+    "astype": arrays.as_type,
+    "reshape": arrays.reshape,
+    "flatten": arrays.ravel,
+    "ravel": arrays.ravel,
+    "transpose": arrays.transpose,
+    "clip": functions.clip,
+    "round": functions.round_to,
+    "tolist": _sequence("list"),
+    "squeeze": arrays.copied,
+    "item": arrays.to_float,
+}
 
 
 def _named(prefix: str, table: dict[str, Any]) -> dict[str, Builtin]:
@@ -189,8 +320,7 @@ def _named(prefix: str, table: dict[str, Any]) -> dict[str, Builtin]:
 
 
 BUILTINS: dict[str, Builtin] = {**_named("", OURS), **_named("", PYTHON), "dict": Builtin("dict", _dict_call)}
-MODULES: dict[str, dict[str, Builtin]] = {
-    "np": _named("np.", ARRAY), "math": _named("math.", MATH)}
+MODULES: dict[str, dict[str, Builtin]] = {"np": _named("np.", ARRAY), "math": _named("math.", MATH)}
 VECTOR_METHODS: dict[str, Builtin] = _named("", METHODS)
 IMPORTABLE = {"numpy": "np", "np": "np", "math": "math", "pybullet": "p", "p": "p"}
 MODULE_NAMES = {"np": "np", "numpy": "np", "math": "math", "p": "p", "pybullet": "p", "pb": "p"}

@@ -96,8 +96,11 @@ class Machine:
         if self.space.has(name):
             raise self.meter.fault("unknown_name", f"{name!r} is not a variable; did you mean self.{name}?")
         known = [*self.frame.names, *BUILTINS]
-        raise self.meter.fault("unknown_name", f"{name!r} is not a variable and not a function{nearest(name, known)}; "
-                               f"there are {', '.join(sorted(BUILTINS))}, np and math")
+        raise self.meter.fault(
+            "unknown_name",
+            f"{name!r} is not a variable and not a function{nearest(name, known)}; "
+            f"there are {', '.join(sorted(BUILTINS))}, np and math",
+        )
 
     def usable(self, value: Value, name: str) -> Value:
         """A value about to be read.
@@ -167,8 +170,11 @@ class Machine:
             seen.add(id(frame))
             found += sum(_holds(held, value) for held in frame.variables.values())
         if found > 1:
-            raise self.meter.fault("shared", f"{name!r} would change in place while another name holds the same value; "
-                                             f"copy it first, as with {name}.copy()")
+            raise self.meter.fault(
+                "shared",
+                f"{name!r} would change in place while another name holds the same value; "
+                f"copy it first, as with {name}.copy()",
+            )
 
 
 def _parents(frame: Frame) -> list[Frame]:

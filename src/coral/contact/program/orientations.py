@@ -60,5 +60,3 @@ def _three(meter: Meter, value: Value) -> tuple[Value, ...]:
     if len(items) != 3:
         raise meter.fault("wrong_size", f"a vector of 3 is needed here, not of {len(items)}")
     return items
-
-

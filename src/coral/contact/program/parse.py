@@ -12,19 +12,93 @@ from coral.contact.program.library import IMPORTABLE
 from coral.contact.program.limits import LimitsCfg
 
 ALLOWED: tuple[type[ast.AST], ...] = (
-    ast.Module, ast.FunctionDef, ast.arguments, ast.arg, ast.Return, ast.Assign, ast.AugAssign, ast.AnnAssign, ast.For,
-    ast.If, ast.Expr, ast.Pass, ast.Break, ast.Continue, ast.Import, ast.ImportFrom, ast.alias,
-    ast.BoolOp, ast.BinOp, ast.UnaryOp, ast.Lambda, ast.IfExp, ast.Dict, ast.ListComp, ast.DictComp, ast.GeneratorExp,
-    ast.comprehension, ast.Compare, ast.Call, ast.keyword, ast.Constant, ast.Attribute, ast.Subscript, ast.Starred,
-    ast.Name, ast.List, ast.Tuple, ast.Slice, ast.NamedExpr,
-    ast.Load, ast.Store, ast.And, ast.Or, ast.Not, ast.USub, ast.UAdd, ast.Invert, ast.Add, ast.Sub, ast.Mult, ast.Div,
-    ast.FloorDiv, ast.Mod, ast.Pow, ast.MatMult, ast.BitAnd, ast.BitOr, ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt,
-    ast.GtE, ast.Is, ast.IsNot, ast.In, ast.NotIn)
+    ast.Module,
+    ast.FunctionDef,
+    ast.arguments,
+    ast.arg,
+    ast.Return,
+    ast.Assign,
+    ast.AugAssign,
+    ast.AnnAssign,
+    ast.For,
+    ast.If,
+    ast.Expr,
+    ast.Pass,
+    ast.Break,
+    ast.Continue,
+    ast.Import,
+    ast.ImportFrom,
+    ast.alias,
+    ast.BoolOp,
+    ast.BinOp,
+    ast.UnaryOp,
+    ast.Lambda,
+    ast.IfExp,
+    ast.Dict,
+    ast.ListComp,
+    ast.DictComp,
+    ast.GeneratorExp,
+    ast.comprehension,
+    ast.Compare,
+    ast.Call,
+    ast.keyword,
+    ast.Constant,
+    ast.Attribute,
+    ast.Subscript,
+    ast.Starred,
+    ast.Name,
+    ast.List,
+    ast.Tuple,
+    ast.Slice,
+    ast.NamedExpr,
+    ast.Load,
+    ast.Store,
+    ast.And,
+    ast.Or,
+    ast.Not,
+    ast.USub,
+    ast.UAdd,
+    ast.Invert,
+    ast.Add,
+    ast.Sub,
+    ast.Mult,
+    ast.Div,
+    ast.FloorDiv,
+    ast.Mod,
+    ast.Pow,
+    ast.MatMult,
+    ast.BitAnd,
+    ast.BitOr,
+    ast.Eq,
+    ast.NotEq,
+    ast.Lt,
+    ast.LtE,
+    ast.Gt,
+    ast.GtE,
+    ast.Is,
+    ast.IsNot,
+    ast.In,
+    ast.NotIn,
+)
 WORDS: dict[type[ast.AST], str] = {
-    ast.While: "while loops (use for over a range)", ast.Try: "try", ast.With: "with", ast.ClassDef: "classes",
-    ast.Global: "global", ast.Nonlocal: "nonlocal (return the value instead)", ast.Raise: "raise", ast.Delete: "del",
-    ast.Assert: "assert", ast.JoinedStr: "f-strings", ast.Yield: "yield", ast.YieldFrom: "yield",
-    ast.Await: "await", ast.AsyncFunctionDef: "async", ast.Match: "match", ast.SetComp: "sets", ast.Set: "sets"}
+    ast.While: "while loops (use for over a range)",
+    ast.Try: "try",
+    ast.With: "with",
+    ast.ClassDef: "classes",
+    ast.Global: "global",
+    ast.Nonlocal: "nonlocal (return the value instead)",
+    ast.Raise: "raise",
+    ast.Delete: "del",
+    ast.Assert: "assert",
+    ast.JoinedStr: "f-strings",
+    ast.Yield: "yield",
+    ast.YieldFrom: "yield",
+    ast.Await: "await",
+    ast.AsyncFunctionDef: "async",
+    ast.Match: "match",
+    ast.SetComp: "sets",
+    ast.Set: "sets",
+}
 BRACKETS = 60
 
 
@@ -118,8 +192,9 @@ def _check(tree: ast.Module, cfg: LimitsCfg, source: str) -> None:
         for child in ast.iter_child_nodes(node):
             if isinstance(node, ast.arg | ast.FunctionDef) and child is getattr(node, "annotation", None):
                 continue
-            if child is getattr(node, "returns", None) or (isinstance(node, ast.AnnAssign) and
-                                                           child is node.annotation):
+            if child is getattr(node, "returns", None) or (
+                isinstance(node, ast.AnnAssign) and child is node.annotation
+            ):
                 continue
             flat = chain and isinstance(node, ast.BinOp) and child is node.left
             pending.append((child, depth if flat else depth + 1, line))

@@ -66,8 +66,9 @@ class CostProgram:
         self.names = TermNames(self.source)
         self.sums = summed_variables(self.parsed.entry)
         self.module_names = own_names(self.parsed.tree.body)
-        self.own_names = {id(node): own_names(node.body) for node in ast.walk(self.parsed.tree)
-                          if isinstance(node, ast.FunctionDef)}
+        self.own_names = {
+            id(node): own_names(node.body) for node in ast.walk(self.parsed.tree) if isinstance(node, ast.FunctionDef)
+        }
         self.reads = self._reads()
 
     def __call__(self, state: Context) -> Terms:
@@ -118,8 +119,13 @@ class CostProgram:
         if trace.lost is None:
             return CostError("not_finite", "the cost is nan or infinite in some state")
         line, text = trace.lost
-        return CostError("not_finite", f"`{text}` is nan or infinite in some state; guard divisions, logarithms, roots "
-                                       "and arc cosines with max, min or a small number", line, self.line(line))
+        return CostError(
+            "not_finite",
+            f"`{text}` is nan or infinite in some state; guard divisions, logarithms, roots "
+            "and arc cosines with max, min or a small number",
+            line,
+            self.line(line),
+        )
 
     def line(self, number: int) -> str:
         """The text of a line."""
@@ -132,8 +138,7 @@ class CostProgram:
 
     def _run(self, meter: Meter) -> Evaluated:
         module = Frame(None, self.module_names)
-        machine = Machine(meter, self.space, self.bullet, self.names, self.sums, self.own_names,
-                          run_block, [module])
+        machine = Machine(meter, self.space, self.bullet, self.names, self.sums, self.own_names, run_block, [module])
         run_block(machine, self.parsed.tree.body)
         entry = self.parsed.entry
         arguments = [*entry.args.posonlyargs, *entry.args.args]
@@ -157,8 +162,12 @@ class CostProgram:
 
     def _evaluated(self, machine: Machine, value: Value, ledger: Value) -> Evaluated:
         meter = machine.meter
-        if isinstance(value, Seq) and value.kind == "tuple" and len(value.items) == 2 and isinstance(value.items[1],
-                                                                                                    Table):
+        if (
+            isinstance(value, Seq)
+            and value.kind == "tuple"
+            and len(value.items) == 2
+            and isinstance(value.items[1], Table)
+        ):
             value, ledger = value.items[0], None  # cost, parts: the cost counts
         if value is None:
             raise meter.fault("no_return", "some state reaches the end of the function without a return")
@@ -174,8 +183,9 @@ class CostProgram:
             named = isinstance(ledger, Table) and 0 < len(ledger.items) <= self.limits.terms
             terms = self._terms(machine, ledger) if named and isinstance(ledger, Table) else {"cost": value}
         cost = self._batch(machine, total)
-        return Evaluated(cost, {name: self._batch(machine, term) for name, term in terms.items()}, meter.steps,
-                         meter.arrays)
+        return Evaluated(
+            cost, {name: self._batch(machine, term) for name, term in terms.items()}, meter.steps, meter.arrays
+        )
 
     def _terms(self, machine: Machine, table: Table) -> dict[str, Value]:
         meter = machine.meter
@@ -208,8 +218,10 @@ class CostProgram:
 
     def _read_by_bullet(self, name: str) -> list[str]:
         things = self.space.objects
-        needed = {"getLinkState": ["ee_pos", "ee_quat", "ee_vel", "ee_angvel"],
-                  "getBasePositionAndOrientation": [f"{t}_{part}" for t in things for part in ("pos", "quat")],
-                  "getBaseVelocity": [f"{t}_{part}" for t in things for part in ("vel", "angvel")],
-                  "getContactPoints": [quantity for quantity in self.schema if quantity.endswith("_contact")]}
+        needed = {
+            "getLinkState": ["ee_pos", "ee_quat", "ee_vel", "ee_angvel"],
+            "getBasePositionAndOrientation": [f"{t}_{part}" for t in things for part in ("pos", "quat")],
+            "getBaseVelocity": [f"{t}_{part}" for t in things for part in ("vel", "angvel")],
+            "getContactPoints": [quantity for quantity in self.schema if quantity.endswith("_contact")],
+        }
         return [quantity for quantity in needed.get(name, []) if quantity in self.schema]

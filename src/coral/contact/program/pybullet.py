@@ -32,11 +32,18 @@ class PyBullet:
     def __init__(self, space: StateSpace) -> None:
         self.space = space
         self.calls: dict[str, Callable[[Meter, list[Value]], Value]] = {
-            "getLinkState": self._link_state, "getBasePositionAndOrientation": self._base_pose,
-            "getBaseVelocity": self._base_velocity, "getContactPoints": self._contacts,
-            "getDifferenceQuaternion": _difference, "getEulerFromQuaternion": _euler,
-            "getQuaternionFromEuler": _from_euler, "getMatrixFromQuaternion": _matrix, "rotateVector": _rotate,
-            "invertTransform": _invert, "multiplyTransforms": _multiply}
+            "getLinkState": self._link_state,
+            "getBasePositionAndOrientation": self._base_pose,
+            "getBaseVelocity": self._base_velocity,
+            "getContactPoints": self._contacts,
+            "getDifferenceQuaternion": _difference,
+            "getEulerFromQuaternion": _euler,
+            "getQuaternionFromEuler": _from_euler,
+            "getMatrixFromQuaternion": _matrix,
+            "rotateVector": _rotate,
+            "invertTransform": _invert,
+            "multiplyTransforms": _multiply,
+        }
 
     def __call__(self, meter: Meter, name: str, args: list[Value], named: dict[str, Value]) -> Value:
         """Answer `p.name(...)`.
@@ -73,8 +80,9 @@ class PyBullet:
                 assert isinstance(touching, np.ndarray)
                 return Contacts(touching.astype(np.bool_))
         known = [name for name in self.space.available() if name.endswith("_contact")]
-        raise meter.fault("unknown_state", f"contact of {names[0]} and {names[1]} is not in the state; it has "
-                                           f"{', '.join(known)}")
+        raise meter.fault(
+            "unknown_state", f"contact of {names[0]} and {names[1]} is not in the state; it has {', '.join(known)}"
+        )
 
     def _body(self, meter: Meter, args: list[Value], what: str) -> str:
         body = args[0] if args else None
@@ -141,4 +149,3 @@ def _multiply(meter: Meter, args: list[Value]) -> Value:
     turned = rotate(meter, a, _three(meter, position_b))
     position = binary(meter, "+", Vec(_three(meter, position_a)), turned)
     return Seq((position, write_quat(product(meter, a, b), "xyzw")), "tuple")
-

@@ -42,8 +42,11 @@ def read_quat(meter: Meter, value: Value, order: str) -> Quat:
     if len(items) != 4:
         raise meter.fault("wrong_size", f"a quaternion has 4 components, not {len(items)}")
     if isinstance(value, Vec) and value.order not in ("", order):
-        hint = ("PyBullet's functions take (x, y, z, w): read NAME_ori instead of NAME_quat" if order == "xyzw"
-                else "this function takes (w, x, y, z): read NAME_quat instead of NAME_ori or an answer of PyBullet")
+        hint = (
+            "PyBullet's functions take (x, y, z, w): read NAME_ori instead of NAME_quat"
+            if order == "xyzw"
+            else "this function takes (w, x, y, z): read NAME_quat instead of NAME_ori or an answer of PyBullet"
+        )
         raise meter.fault("quaternion_order", hint)
     if order == "wxyz":
         return items[0], items[1], items[2], items[3]
@@ -64,14 +67,20 @@ def conjugate(meter: Meter, q: Quat) -> Quat:
 
 def product(meter: Meter, a: Quat, b: Quat) -> Quat:
     """Rotation `b` followed by rotation `a`."""
+
     def signed(signs: str, pairs: tuple[tuple[int, int], ...]) -> Value:
         terms = [scalar(meter, "*", a[i], b[j]) for i, j in pairs]
         found: Value = terms[0]
         for sign, term in zip(signs, terms[1:], strict=True):
             found = scalar(meter, sign, found, term)
         return found
-    return (signed("---", ((0, 0), (1, 1), (2, 2), (3, 3))), signed("++-", ((0, 1), (1, 0), (2, 3), (3, 2))),
-            signed("-++", ((0, 2), (1, 3), (2, 0), (3, 1))), signed("+-+", ((0, 3), (1, 2), (2, 1), (3, 0))))
+
+    return (
+        signed("---", ((0, 0), (1, 1), (2, 2), (3, 3))),
+        signed("++-", ((0, 1), (1, 0), (2, 3), (3, 2))),
+        signed("-++", ((0, 2), (1, 3), (2, 0), (3, 1))),
+        signed("+-+", ((0, 3), (1, 2), (2, 1), (3, 0))),
+    )
 
 
 def difference(meter: Meter, start: Quat, end: Quat) -> Quat:
@@ -108,17 +117,24 @@ def matrix(meter: Meter, q: Quat) -> list[list[Value]]:
 
     def add(symbol: str, a: Value, b: Value) -> Value:
         return scalar(meter, symbol, a, b)
+
     xx, yy, zz = twice(x, x), twice(y, y), twice(z, z)
     xy, xz, yz, wx, wy, wz = twice(x, y), twice(x, z), twice(y, z), twice(w, x), twice(w, y), twice(w, z)
-    return [[add("-", 1.0, add("+", yy, zz)), add("-", xy, wz), add("+", xz, wy)],
-            [add("+", xy, wz), add("-", 1.0, add("+", xx, zz)), add("-", yz, wx)],
-            [add("-", xz, wy), add("+", yz, wx), add("-", 1.0, add("+", xx, yy))]]
+    return [
+        [add("-", 1.0, add("+", yy, zz)), add("-", xy, wz), add("+", xz, wy)],
+        [add("+", xy, wz), add("-", 1.0, add("+", xx, zz)), add("-", yz, wx)],
+        [add("-", xz, wy), add("+", yz, wx), add("-", 1.0, add("+", xx, yy))],
+    ]
 
 
 def rotate(meter: Meter, q: Quat, v: tuple[Value, ...]) -> Vec:
     """A vector of the body in world axes."""
-    return Vec(tuple(total(meter, tuple(scalar(meter, "*", a, b) for a, b in zip(row, v, strict=True)))
-                     for row in matrix(meter, q)))
+    return Vec(
+        tuple(
+            total(meter, tuple(scalar(meter, "*", a, b) for a, b in zip(row, v, strict=True)))
+            for row in matrix(meter, q)
+        )
+    )
 
 
 def euler(meter: Meter, q: Quat) -> Vec:
@@ -128,6 +144,7 @@ def euler(meter: Meter, q: Quat) -> Vec:
 
     def arctan2(y: Value, x: Value) -> Value:
         return cast(Number, np.arctan2(np.asarray(number(meter, y)), np.asarray(number(meter, x))))
+
     sine = np.clip(np.asarray(number(meter, negative(meter, rows[2][0]))), -1.0, 1.0)
     found = arctan2(rows[2][1], rows[2][2]), cast(Number, np.arcsin(sine)), arctan2(rows[1][0], rows[0][0])
     return Vec(tuple(plain(item) for item in found))

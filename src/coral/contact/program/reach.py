@@ -120,14 +120,16 @@ def _inside(pool: Context, item: Paid, cfg: VerifyCfg) -> str:
         offset = np.einsum("nji,nj->ni", rotations(quat), item.target - centre)
         depth = (size / 2.0 - np.abs(offset)).min(axis=1)
         if size.min() > cfg.opening_m and np.median(depth) > cfg.reach_m and np.median(item.saved) > 0.0:
-            return (f"the target lies {np.median(depth):.3f} m inside the {thing}, which is too wide for the fingers "
-                    f"to straddle, so this distance cannot come near 0; aim at a point on the surface of the {thing}")
+            return (
+                f"the target lies {np.median(depth):.3f} m inside the {thing}, which is too wide for the fingers "
+                f"to straddle, so this distance cannot come near 0; aim at a point on the surface of the {thing}"
+            )
     return ""
 
 
 def _pushed_back(pool: Context, item: Paid, cfg: VerifyCfg) -> str:
     """Whether in the closest states something pushes the hand away from the target."""
-    closest = np.argsort(item.value, kind="stable")[:max(8, len(item.value) // 50)]
+    closest = np.argsort(item.value, kind="stable")[: max(8, len(item.value) // 50)]
     least = float(item.value[closest[0]])
     if not cfg.reach_m < least < cfg.near_m or "ee_force" not in pool:
         return ""
@@ -139,8 +141,10 @@ def _pushed_back(pool: Context, item: Paid, cfg: VerifyCfg) -> str:
     saved = item.saved[closest]
     if stopped.mean() < 0.5 or np.median(saved) <= 1e-9 * (1.0 + np.abs(item.saved).max()):
         return ""
-    return (f"this distance cannot come below {least:.3f} m: in the closest sampled states something solid pushes "
-            f"the hand back; aim at a point the fingertips can get to, or use max(0.0, distance - {least + 0.005:.2f})")
+    return (
+        f"this distance cannot come below {least:.3f} m: in the closest sampled states something solid pushes "
+        f"the hand back; aim at a point the fingertips can get to, or use max(0.0, distance - {least + 0.005:.2f})"
+    )
 
 
 def rotations(quat: Array) -> Array:
@@ -153,7 +157,9 @@ def rotations(quat: Array) -> Array:
         Shape=(n, 3, 3).
     """
     w, x, y, z = (quat / np.linalg.norm(quat, axis=-1, keepdims=True)).T
-    rows = [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
     return np.moveaxis(np.array(rows), -1, 0)

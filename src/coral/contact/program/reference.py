@@ -28,12 +28,14 @@ def interface(schema: Schema) -> str:
     bodies = ", ".join(f"self.{name}" for name in ("panda", *StateSpace(schema).objects))
     lines = ["Quantities, world frame, metres, z up, quaternions (w, x, y, z):"]
     lines += [f"- self.{name}: {_kind(item)}{_unit(item)}, {item.text}" for name, item in schema.items()]
-    lines += [f"Functions: {', '.join(sorted(OURS))}; of Python {', '.join(sorted(PYTHON))}; np and math.",
-              "sigmoid(x) is 1 / (1 + exp(-x)); near(d, s) is exp(-(d / s)^2); quat_angle(a, b) is the angle between "
-              "two orientations in rad; quat_axis(q, i) is the world direction of body axis i = 0, 1 or 2.",
-              f"PyBullet's {', '.join(PyBullet(StateSpace(schema)).calls)} are answered as p.NAME for {bodies}; "
-              "they use (x, y, z, w).",
-              'Return a number, or better a dict of named terms: return {"reach": 5.0 * dist(self.ee_pos, goal), ...}.']
+    lines += [
+        f"Functions: {', '.join(sorted(OURS))}; of Python {', '.join(sorted(PYTHON))}; np and math.",
+        "sigmoid(x) is 1 / (1 + exp(-x)); near(d, s) is exp(-(d / s)^2); quat_angle(a, b) is the angle between "
+        "two orientations in rad; quat_axis(q, i) is the world direction of body axis i = 0, 1 or 2.",
+        f"PyBullet's {', '.join(PyBullet(StateSpace(schema)).calls)} are answered as p.NAME for {bodies}; "
+        "they use (x, y, z, w).",
+        'Return a number, or better a dict of named terms: return {"reach": 5.0 * dist(self.ee_pos, goal), ...}.',
+    ]
     return "\n".join(lines)
 
 
@@ -48,8 +50,10 @@ def _unit(quantity: Quantity) -> str:
 
 
 def _quantities(schema: Schema) -> str:
-    rows = [f"| `self.{name}` | {_kind(q)} | {q.unit or '–'} | {q.text}{', constant' if q.constant else ''} |"
-            for name, q in schema.items()]
+    rows = [
+        f"| `self.{name}` | {_kind(q)} | {q.unit or '–'} | {q.text}{', constant' if q.constant else ''} |"
+        for name, q in schema.items()
+    ]
     return "\n".join(["| name | kind | unit | what |", "|---|---|---|---|", *rows, ""])
 
 
@@ -58,9 +62,15 @@ def _names(names: list[str]) -> str:
 
 
 def _functions() -> str:
-    rows = [("ours", list(OURS)), ("Python", [*PYTHON, "dict"]), ("`np.`", list(LIBRARIES["np"])),
-            ("`math.`", list(MATH)), ("`np.`, `math.` constants", list(CONSTANTS)),
-            ("methods of vectors", list(VECTOR_METHODS)), ("`p.`", list(PyBullet(StateSpace(HAND)).calls))]
+    rows = [
+        ("ours", list(OURS)),
+        ("Python", [*PYTHON, "dict"]),
+        ("`np.`", list(LIBRARIES["np"])),
+        ("`math.`", list(MATH)),
+        ("`np.`, `math.` constants", list(CONSTANTS)),
+        ("methods of vectors", list(VECTOR_METHODS)),
+        ("`p.`", list(PyBullet(StateSpace(HAND)).calls)),
+    ]
     lines = [f"| {where} | {_names(names)} |" for where, names in rows]
     return "\n".join(["| where | names |", "|---|---|", *lines, ""])
 
@@ -74,8 +84,13 @@ def tables() -> dict[str, str]:
     """The generated tables of the reference page by name."""
     box = object_quantities("box", ["handle"], ["table"], ["bottle"])
     scenery = scenery_quantities(["wall"], ["goal"], ["force"])
-    return {"hand": _quantities(HAND), "object": _quantities(box), "scenery": _quantities(scenery),
-            "functions": _functions(), "errors": _errors()}
+    return {
+        "hand": _quantities(HAND),
+        "object": _quantities(box),
+        "scenery": _quantities(scenery),
+        "functions": _functions(),
+        "errors": _errors(),
+    }
 
 
 def updated(page: str) -> str:

@@ -69,13 +69,15 @@ def write_message(descriptor: int, message: Reply) -> None:
     body = json.dumps(message).encode()
     body = HEADER.pack(len(body)) + body
     while body:
-        body = body[os.write(descriptor, body):]
+        body = body[os.write(descriptor, body) :]
 
 
 def quantities(schema: dict[str, list[Any]]) -> dict[str, Quantity]:
     """A schema from its message."""
-    return {name: Quantity(int(size), "", "", bool(truth), bool(constant))
-            for name, (size, truth, constant) in schema.items()}
+    return {
+        name: Quantity(int(size), "", "", bool(truth), bool(constant))
+        for name, (size, truth, constant) in schema.items()
+    }
 
 
 class Sandbox:
@@ -100,7 +102,7 @@ class Sandbox:
 
     def _load(self, request: Request) -> Reply:
         program = CostProgram(request["source"], quantities(request["schema"]), limits=LimitsCfg(**request["limits"]))
-        dropped = list(self.programs)[:max(0, len(self.programs) + 1 - KEPT)]  # the longest unused
+        dropped = list(self.programs)[: max(0, len(self.programs) + 1 - KEPT)]  # the longest unused
         for number in dropped:
             del self.programs[number]
         self.programs[int(request["id"])] = program
@@ -109,8 +111,10 @@ class Sandbox:
     def _run(self, request: Request) -> Reply:
         number = int(request["id"])
         program = self.programs[number] = self.programs.pop(number)  # the last one used
-        values = {name: self._view(offset, [*([size] if size else []), *shape], bool(size))
-                  for name, offset, shape, size in request["inputs"]}
+        values = {
+            name: self._view(offset, [*([size] if size else []), *shape], bool(size))
+            for name, offset, shape, size in request["inputs"]
+        }
         k, h = request["shape"]
         context = Context(values, (k, h))
         if request["zeroed"] is None:
@@ -131,7 +135,7 @@ class Sandbox:
         return {"terms": list(terms), "distances": distances, "lines": {t: program.term_line(t) for t in terms}}
 
     def _view(self, offset: int, shape: list[int], vector: bool) -> NDArray[np.float64]:
-        view = self.memory[offset:offset + math.prod(shape)].reshape(shape)
+        view = self.memory[offset : offset + math.prod(shape)].reshape(shape)
         view.flags.writeable = False
         return np.moveaxis(view, 0, -1) if vector else view
 
@@ -148,8 +152,13 @@ def confine(headroom_bytes: int) -> bool:
     filters = seccomp.available()
     with open("/proc/self/statm") as file:
         used = int(file.read().split()[0]) * resource.getpagesize()
-    limits = {resource.RLIMIT_AS: used + headroom_bytes, resource.RLIMIT_CORE: 0, resource.RLIMIT_FSIZE: 0,
-              resource.RLIMIT_NPROC: 0, resource.RLIMIT_NOFILE: 0}
+    limits = {
+        resource.RLIMIT_AS: used + headroom_bytes,
+        resource.RLIMIT_CORE: 0,
+        resource.RLIMIT_FSIZE: 0,
+        resource.RLIMIT_NPROC: 0,
+        resource.RLIMIT_NOFILE: 0,
+    }
     for which, value in limits.items():
         resource.setrlimit(which, (value, value))
     return filters and seccomp.install()
@@ -172,8 +181,16 @@ def main() -> None:
     sandbox = Sandbox(np.frombuffer(shared, dtype=np.float64))
     warm = {"op": "load", "id": 0, "source": WARM_UP, "limits": {}, "schema": {"ee_pos": [3, 0, 0], "time": [0, 0, 0]}}
     sandbox.answer(warm)
-    sandbox.answer({"op": "run", "id": 0, "shape": [1, 1], "output": 16, "zeroed": None,
-                    "inputs": [["ee_pos", 0, [1, 1], 3], ["time", 8, [1, 1], 0]]})
+    sandbox.answer(
+        {
+            "op": "run",
+            "id": 0,
+            "shape": [1, 1],
+            "output": 16,
+            "zeroed": None,
+            "inputs": [["ee_pos", 0, [1, 1], 3], ["time", 8, [1, 1], 0]],
+        }
+    )
     sandbox.programs.clear()
     filtered = confine(headroom) if sys.platform.startswith("linux") else False
     write_message(1, {"ready": True, "filtered": filtered})

@@ -41,27 +41,51 @@ MACHINES = {
     # free: close fstat lseek munmap brk rt_sigaction rt_sigprocmask rt_sigreturn sched_yield mremap madvise getitimer
     # setitimer getpid exit gettimeofday sigaltstack gettid futex clock_gettime exit_group getrandom rseq
     # fatal: open openat openat2 execve execveat fork vfork clone clone3 socket connect ptrace kill
-    "x86_64": Calls(0xC000003E, 0, 1, (9, 10), (3, 5, 8, 11, 12, 13, 14, 15, 24, 25, 28, 36, 38, 39, 60, 96, 131, 186,
-                                                202, 228, 231, 318, 334),
-                    (2, 257, 437, 59, 322, 57, 58, 56, 435, 41, 42, 101, 62)),
-    "aarch64": Calls(0xC00000B7, 63, 64, (222, 226), (57, 80, 62, 215, 214, 134, 135, 139, 124, 216, 233, 102, 103, 172,
-                                                      93, 169, 132, 178, 98, 113, 94, 278, 293),
-                     (56, 437, 221, 281, 220, 435, 198, 203, 117, 129)),
+    "x86_64": Calls(
+        0xC000003E,
+        0,
+        1,
+        (9, 10),
+        (3, 5, 8, 11, 12, 13, 14, 15, 24, 25, 28, 36, 38, 39, 60, 96, 131, 186, 202, 228, 231, 318, 334),
+        (2, 257, 437, 59, 322, 57, 58, 56, 435, 41, 42, 101, 62),
+    ),
+    "aarch64": Calls(
+        0xC00000B7,
+        63,
+        64,
+        (222, 226),
+        (57, 80, 62, 215, 214, 134, 135, 139, 124, 216, 233, 102, 103, 172, 93, 169, 132, 178, 98, 113, 94, 278, 293),
+        (56, 437, 221, 281, 220, 435, 198, 203, 117, 129),
+    ),
 }
 
 
 def filter_program(calls: Calls) -> bytes:
     """The filter as the kernel's instructions, 8 bytes each."""
     code: list[tuple[int, int, int, int]] = [
-        (LOAD, 0, 0, ARCH_OFFSET), (JUMP_EQUAL, 1, 0, calls.arch), (RETURN, 0, 0, KILL), (LOAD, 0, 0, 0)]
+        (LOAD, 0, 0, ARCH_OFFSET),
+        (JUMP_EQUAL, 1, 0, calls.arch),
+        (RETURN, 0, 0, KILL),
+        (LOAD, 0, 0, 0),
+    ]
     if calls.arch == MACHINES["x86_64"].arch:
         code += [(JUMP_ABOVE, 0, 1, 0x40000000), (RETURN, 0, 0, KILL)]  # the x32 numbers of the same calls
     for number, descriptor in ((calls.read, 0), (calls.write, 1)):
-        code += [(JUMP_EQUAL, 0, 4, number), (LOAD, 0, 0, FIRST_ARGUMENT), (JUMP_EQUAL, 0, 1, descriptor),
-                 (RETURN, 0, 0, ALLOW), (RETURN, 0, 0, KILL)]
+        code += [
+            (JUMP_EQUAL, 0, 4, number),
+            (LOAD, 0, 0, FIRST_ARGUMENT),
+            (JUMP_EQUAL, 0, 1, descriptor),
+            (RETURN, 0, 0, ALLOW),
+            (RETURN, 0, 0, KILL),
+        ]
     for number in calls.memory:
-        code += [(JUMP_EQUAL, 0, 4, number), (LOAD, 0, 0, THIRD_ARGUMENT), (JUMP_SET, 1, 0, PROT_EXEC),
-                 (RETURN, 0, 0, ALLOW), (RETURN, 0, 0, KILL)]
+        code += [
+            (JUMP_EQUAL, 0, 4, number),
+            (LOAD, 0, 0, THIRD_ARGUMENT),
+            (JUMP_SET, 1, 0, PROT_EXEC),
+            (RETURN, 0, 0, ALLOW),
+            (RETURN, 0, 0, KILL),
+        ]
     for number in calls.free:
         code += [(JUMP_EQUAL, 0, 1, number), (RETURN, 0, 0, ALLOW)]
     for number in calls.fatal:
@@ -76,8 +100,9 @@ class _Program(ctypes.Structure):
 
 def available() -> bool:
     """Whether this machine is known and one thread runs, since the filter holds for the thread that installs it."""
-    return sys.platform.startswith("linux") and platform.machine() in MACHINES and len(
-        os.listdir("/proc/self/task")) == 1
+    return (
+        sys.platform.startswith("linux") and platform.machine() in MACHINES and len(os.listdir("/proc/self/task")) == 1
+    )
 
 
 def install() -> bool:

@@ -14,16 +14,33 @@ from coral.errors import nearest
 
 HAND_BODIES = ("panda", "robot", "arm", "hand", "gripper")
 FIXED_BODIES = ("table", "wall", "plane")
-HANDLES = ("cid", "client", "client_id", "physicsClientId", "physics_client", "grasp_link", "ee_link", "ee_link_index",
-           "ee_index", "end_effector_index", "end_effector_link")
+HANDLES = (
+    "cid",
+    "client",
+    "client_id",
+    "physicsClientId",
+    "physics_client",
+    "grasp_link",
+    "ee_link",
+    "ee_link_index",
+    "ee_index",
+    "end_effector_index",
+    "end_effector_link",
+)
 ID_ENDINGS = ("", "_id", "Id", "_uid", "_body")
 NOT_THINGS = ("hand", "left", "right")
 
 
 def objects_of(names: Collection[str]) -> list[str]:
     """The movable objects among the names of quantities."""
-    return [name.removesuffix("_quat") for name in names if name.endswith("_quat") and name != "ee_quat" and
-            f"{name.removesuffix('_quat')}_pos" in names and not name.endswith("_init_quat")]
+    return [
+        name.removesuffix("_quat")
+        for name in names
+        if name.endswith("_quat")
+        and name != "ee_quat"
+        and f"{name.removesuffix('_quat')}_pos" in names
+        and not name.endswith("_init_quat")
+    ]
 
 
 class StateSpace:
@@ -32,8 +49,12 @@ class StateSpace:
     def __init__(self, schema: Schema) -> None:
         self.schema = schema
         self.objects = objects_of(schema)
-        fixtures = {name.removeprefix(f"{thing}_").removesuffix("_contact") for thing in self.objects for name in schema
-                    if name.startswith(f"{thing}_") and name.endswith("_contact")}
+        fixtures = {
+            name.removeprefix(f"{thing}_").removesuffix("_contact")
+            for thing in self.objects
+            for name in schema
+            if name.startswith(f"{thing}_") and name.endswith("_contact")
+        }
         self.fixtures = sorted(fixtures - set(NOT_THINGS) - set(self.objects))
         self.bodies: dict[str, Body] = {}
         for name in (*HAND_BODIES, *self.objects, *sorted({*self.fixtures, *FIXED_BODIES})):
@@ -87,8 +108,10 @@ class StateSpace:
 
     def unknown(self, meter: Meter, name: str) -> Exception:
         """The error for a name that `self` does not have."""
-        return meter.fault("unknown_state", f"the state has no {name!r}{nearest(name, self.schema)}; it has "
-                           f"{', '.join(self.available())}")
+        return meter.fault(
+            "unknown_state",
+            f"the state has no {name!r}{nearest(name, self.schema)}; it has {', '.join(self.available())}",
+        )
 
     def _quantity(self, meter: Meter, name: str) -> Value:
         found = self.schema[name]
@@ -106,8 +129,9 @@ class StateSpace:
             raise meter.fault("missing_state", f"the batch lacks {name}")
         values = np.asarray(meter.context[name], dtype=np.float64)
         shape = values.shape[:2]
-        fits = values.ndim == (3 if quantity.size else 2) and all(n in (1, m) for n, m in
-                                                                  zip(shape, meter.context.shape, strict=True))
+        fits = values.ndim == (3 if quantity.size else 2) and all(
+            n in (1, m) for n, m in zip(shape, meter.context.shape, strict=True)
+        )
         if not fits or (quantity.size and values.shape[2] != quantity.size):
             raise meter.fault("missing_state", f"{name} has shape {values.shape} in a batch of {meter.context.shape}")
         meter.made(max(quantity.size, 1))

@@ -72,8 +72,11 @@ def _rebind(machine: Machine, target: ast.expr, old: Value, new: Value) -> None:
         _rebind(machine, target.value, holder, replaced(machine, holder, target.slice, new, evaluate))
         return
     if not isinstance(target, ast.Name):
-        raise machine.meter.fault("not_allowed", "only the program's own lists, dicts and arrays can be changed, under "
-                                                 "their own name; the state cannot be changed")
+        raise machine.meter.fault(
+            "not_allowed",
+            "only the program's own lists, dicts and arrays can be changed, under "
+            "their own name; the state cannot be changed",
+        )
     owner = machine.owner(target.id)
     if owner is None or not any(owner is frame for frame in machine.stack):
         raise machine.meter.fault("unknown_name", f"{target.id!r} is not a variable that can be changed here")
@@ -123,8 +126,9 @@ def _augment(machine: Machine, node: Any) -> bool:
     if not isinstance(target, ast.Name):
         raise machine.meter.fault("not_allowed", "the state cannot be changed; use a variable of your own")
     if target.id not in machine.frame.variables:
-        raise machine.meter.fault("unset", f"{target.id!r} has no value before it is changed; begin with "
-                                           f"{target.id} = 0.0")
+        raise machine.meter.fault(
+            "unset", f"{target.id!r} has no value before it is changed; begin with {target.id} = 0.0"
+        )
     old = machine.lookup(target.id)
     right = evaluate(machine, node.value)
     machine.meter.line = node.lineno
@@ -212,8 +216,9 @@ def _pass(machine: Machine, node: Any) -> bool:
 
 
 def _define(machine: Machine, node: Any) -> bool:
-    machine.frame.variables[node.name] = make_function(machine, node.name, node.args, node.body,
-                                                         machine.own_names[id(node)])
+    machine.frame.variables[node.name] = make_function(
+        machine, node.name, node.args, node.body, machine.own_names[id(node)]
+    )
     return True
 
 
@@ -256,6 +261,17 @@ def _import_from(machine: Machine, node: Any) -> bool:
 
 
 EXECUTORS: dict[type[ast.AST], Callable[[Machine, Any], bool]] = {
-    ast.Expr: _expression, ast.Assign: _assign, ast.AnnAssign: _assign, ast.AugAssign: _augment, ast.Return: _return,
-    ast.If: _if, ast.For: _for, ast.Break: _break, ast.Continue: _continue, ast.Pass: _pass, ast.FunctionDef: _define,
-    ast.Import: _import, ast.ImportFrom: _import_from}
+    ast.Expr: _expression,
+    ast.Assign: _assign,
+    ast.AnnAssign: _assign,
+    ast.AugAssign: _augment,
+    ast.Return: _return,
+    ast.If: _if,
+    ast.For: _for,
+    ast.Break: _break,
+    ast.Continue: _continue,
+    ast.Pass: _pass,
+    ast.FunctionDef: _define,
+    ast.Import: _import,
+    ast.ImportFrom: _import_from,
+}

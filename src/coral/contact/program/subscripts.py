@@ -45,8 +45,10 @@ def index(machine: Machine, node: ast.expr, evaluate: Evaluate) -> Index:
         CostError: It depends on the state.
     """
     if isinstance(node, ast.Slice):
-        ends = [None if end is None else _whole(machine, evaluate(machine, end))
-                for end in (node.lower, node.upper, node.step)]
+        ends = [
+            None if end is None else _whole(machine, evaluate(machine, end))
+            for end in (node.lower, node.upper, node.step)
+        ]
         if ends[2] == 0:
             raise machine.meter.fault("wrong_size", "the step of a slice is not 0")
         return slice(*ends)
@@ -136,12 +138,12 @@ def _with(base: Value, i: int, value: Value, machine: Machine) -> Value:
     assert isinstance(base, Vec | Seq)
     old = _entry(machine, base, i)
     if isinstance(base, Vec):
-        if isinstance(old, Vec) != isinstance(value, Vec) or (isinstance(old, Vec) and isinstance(value, Vec) and
-                                                              len(old.items) != len(value.items)):
+        if isinstance(old, Vec) != isinstance(value, Vec) or (
+            isinstance(old, Vec) and isinstance(value, Vec) and len(old.items) != len(value.items)
+        ):
             raise machine.meter.fault("wrong_size", f"{kind(value)} does not fit into an entry of {kind(base)}")
         if not isinstance(value, Vec):
             value = number(machine.meter, value)
     i %= len(base.items)
-    items = (*base.items[:i], value, *base.items[i + 1:])
+    items = (*base.items[:i], value, *base.items[i + 1 :])
     return bounded(machine.meter, Vec(items) if isinstance(base, Vec) else Seq(items, base.kind))
-

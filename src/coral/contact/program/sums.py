@@ -21,18 +21,31 @@ LEDGER = "terms of "
 
 def summed_variables(entry: ast.FunctionDef) -> frozenset[str]:
     """Variables of the cost function whose addends become terms: what it returns, and what it adds that up from."""
-    augmented = {node.target.id for node in ast.walk(entry) if isinstance(node, ast.AugAssign) and
-                 isinstance(node.op, ast.Add | ast.Sub) and isinstance(node.target, ast.Name)}
+    augmented = {
+        node.target.id
+        for node in ast.walk(entry)
+        if isinstance(node, ast.AugAssign)
+        and isinstance(node.op, ast.Add | ast.Sub)
+        and isinstance(node.target, ast.Name)
+    }
     found: set[str] = set()
     for node in ast.walk(entry):
         if isinstance(node, ast.Return) and node.value is not None:
             parts = addends(node.value)
-            found |= {part.id for part in parts if isinstance(part, ast.Name) and
-                      (len(parts) == 1 or part.id in augmented)}
+            found |= {
+                part.id for part in parts if isinstance(part, ast.Name) and (len(parts) == 1 or part.id in augmented)
+            }
     while True:
-        more = {part.id for node in ast.walk(entry) if isinstance(node, ast.Assign) and len(node.targets) == 1 and
-                isinstance(node.targets[0], ast.Name) and node.targets[0].id in found
-                for part in addends(node.value) if isinstance(part, ast.Name) and part.id in augmented}
+        more = {
+            part.id
+            for node in ast.walk(entry)
+            if isinstance(node, ast.Assign)
+            and len(node.targets) == 1
+            and isinstance(node.targets[0], ast.Name)
+            and node.targets[0].id in found
+            for part in addends(node.value)
+            if isinstance(part, ast.Name) and part.id in augmented
+        }
         if more <= found:
             return frozenset(found)
         found |= more
@@ -56,8 +69,11 @@ def addends(node: ast.expr) -> list[ast.expr]:
 def _converted(node: ast.expr) -> ast.expr | None:
     """The argument of float(x) or np.float64(x)."""
     if isinstance(node, ast.Call) and len(node.args) == 1 and not node.keywords:
-        name = node.func.id if isinstance(node.func, ast.Name) else (
-            node.func.attr if isinstance(node.func, ast.Attribute) else "")
+        name = (
+            node.func.id
+            if isinstance(node.func, ast.Name)
+            else (node.func.attr if isinstance(node.func, ast.Attribute) else "")
+        )
         if name in ("float", "float64") and not isinstance(node.args[0], ast.Starred):
             return node.args[0]
     return None
@@ -130,8 +146,14 @@ def ledger_of(machine: Machine, node: ast.expr, value: Value, variable: str, who
 
 def _summed_table(machine: Machine, node: ast.expr) -> Table | None:
     """The dict of `sum(terms.values())`, whose entries have names already."""
-    if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "sum" and
-            len(node.args) == 1 and isinstance(node.args[0], ast.Call) and not node.args[0].args):
+    if not (
+        isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and node.func.id == "sum"
+        and len(node.args) == 1
+        and isinstance(node.args[0], ast.Call)
+        and not node.args[0].args
+    ):
         return None
     inner = node.args[0].func
     if not (isinstance(inner, ast.Attribute) and inner.attr == "values" and isinstance(inner.value, ast.Name)):

@@ -147,9 +147,19 @@ def kind(value: Value) -> str:
         return f"a matrix of {len(value.items)} rows" if is_matrix(value) else f"a vector of {len(value.items)}"
     if isinstance(value, Seq):
         return f"a {value.kind} of {len(value.items)}"
-    words = {Table: "a dict", str: "a text", Function: "a function", Builtin: "a function", Module: "a module",
-             State: "self", Body: "a body id", Contacts: "a list of contact points", type(None): "None",
-             Partial: "a value that is not set in every state", Poison: "a value of two kinds"}
+    words = {
+        Table: "a dict",
+        str: "a text",
+        Function: "a function",
+        Builtin: "a function",
+        Module: "a module",
+        State: "self",
+        Body: "a body id",
+        Contacts: "a list of contact points",
+        type(None): "None",
+        Partial: "a value that is not set in every state",
+        Poison: "a value of two kinds",
+    }
     return words.get(type(value), "such a value")
 
 

@@ -49,8 +49,11 @@ def verify_cost(cost: Cost, samples: Sequence[Context], cfg: VerifyCfg | None = 
     pool = pooled(samples, cfg.states)
     try:
         paid = paid_distances(cost, pool)
-        found = [*unreachable(cost, pool, paid, cfg), *path_barriers(cost, pool, paid, cfg),
-                 *contact_barriers(cost, pool, paid, cfg)]
+        found = [
+            *unreachable(cost, pool, paid, cfg),
+            *path_barriers(cost, pool, paid, cfg),
+            *contact_barriers(cost, pool, paid, cfg),
+        ]
     except CostError as error:
         return [Fault(error.code, error.line, str(error))]
     return [*found, *notes]
@@ -81,8 +84,14 @@ def _malformed(terms: Terms, sample: Context) -> list[Fault]:
         values = np.asarray(term)
         fits = values.ndim == 2 and all(n in (1, m) for n, m in zip(values.shape, sample.shape, strict=True))
         if not fits or not np.issubdtype(values.dtype, np.number):
-            return [Fault("shape", 0, f"the term {name!r} has shape {values.shape} in a batch of {sample.shape}; it "
-                                      "must be one number per state")]
+            return [
+                Fault(
+                    "shape",
+                    0,
+                    f"the term {name!r} has shape {values.shape} in a batch of {sample.shape}; it "
+                    "must be one number per state",
+                )
+            ]
         if not np.isfinite(values).all():
             return [Fault("not_finite", 0, f"the term {name!r} is nan or infinite in some state")]
     return []
@@ -100,8 +109,14 @@ def _constant(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[Fault]
         rollouts = _sum(terms, sample.shape).sum(axis=1)
         if np.ptp(rollouts) > 1e-9 * (1.0 + np.abs(rollouts).max()):
             return []
-    return [Fault("constant", 0, "the cost is the same for every sampled rollout, so it cannot tell good from bad; let "
-                                 "it depend on where the hand and the objects are")]
+    return [
+        Fault(
+            "constant",
+            0,
+            "the cost is the same for every sampled rollout, so it cannot tell good from bad; let "
+            "it depend on where the hand and the objects are",
+        )
+    ]
 
 
 def _idle(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[Fault]:

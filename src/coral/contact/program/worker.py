@@ -106,8 +106,9 @@ class CostWorker:
     def _load(self, cost: WorkerCost) -> Reply:
         self._start()
         schema = {key: [q.size, q.truth, q.constant] for key, q in cost.schema.items()}
-        reply = self._ask({"op": "load", "id": cost.number, "source": cost.given, "schema": schema,
-                           "limits": asdict(self.cfg.limits)})
+        reply = self._ask(
+            {"op": "load", "id": cost.number, "source": cost.given, "schema": schema, "limits": asdict(self.cfg.limits)}
+        )
         dropped = reply.get("dropped")
         self._loaded -= {one for one in dropped if isinstance(one, int)} if isinstance(dropped, list) else set()
         self._loaded.add(cost.number)
@@ -131,11 +132,19 @@ class CostWorker:
             if values.ndim != (3 if size else 2) or (size and values.shape[2] != size):
                 raise CostError("missing_state", f"{name} has shape {values.shape} in a batch of {state.shape}")
             parts = np.moveaxis(values, -1, 0) if size else values
-            np.copyto(self._memory[offset:offset + values.size].reshape(parts.shape), parts)
+            np.copyto(self._memory[offset : offset + values.size].reshape(parts.shape), parts)
             listed.append([name, offset, list(values.shape[:2]), size])
             offset += values.size
-        reply = self._ask({"op": "run", "id": cost.number, "shape": list(state.shape), "inputs": listed,
-                           "output": offset, "zeroed": zeroed})
+        reply = self._ask(
+            {
+                "op": "run",
+                "id": cost.number,
+                "shape": list(state.shape),
+                "inputs": listed,
+                "output": offset,
+                "zeroed": zeroed,
+            }
+        )
         return reply, offset
 
     def run(self, cost: WorkerCost, state: Context, zeroed: int | None = None) -> Traced:
@@ -188,14 +197,31 @@ class CostWorker:
         shared = mmap(descriptor, self._shared_bytes)
         self._memory = np.frombuffer(shared, dtype=np.float64)
         environment = {name: os.environ[name] for name in KEPT_ENVIRONMENT if name in os.environ}
-        environment |= {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path), "OPENBLAS_NUM_THREADS": "1",
-                        "OMP_NUM_THREADS": "1"}
-        command = [sys.executable, "-P", "-c", START, str(descriptor), str(self._shared_bytes),
-                   str(self.cfg.memory_bytes)]
+        environment |= {
+            "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
+            "OPENBLAS_NUM_THREADS": "1",
+            "OMP_NUM_THREADS": "1",
+        }
+        command = [
+            sys.executable,
+            "-P",
+            "-c",
+            START,
+            str(descriptor),
+            str(self._shared_bytes),
+            str(self.cfg.memory_bytes),
+        ]
         try:
-            process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                       stderr=subprocess.DEVNULL, pass_fds=(descriptor,), env=environment, cwd="/",
-                                       start_new_session=True)
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                pass_fds=(descriptor,),
+                env=environment,
+                cwd="/",
+                start_new_session=True,
+            )
         finally:
             os.close(descriptor)
         self._process = process
@@ -269,8 +295,10 @@ class CostWorker:
         code = process.wait(timeout=5.0) if process is not None else 0
         self._stop()
         if code == -signal.SIGPROF:
-            return CostError("deadline", f"the cost took more than {self.cfg.cpu_s:g} s of processor time and was "
-                                         "killed; use fewer loops")
+            return CostError(
+                "deadline",
+                f"the cost took more than {self.cfg.cpu_s:g} s of processor time and was killed; use fewer loops",
+            )
         if code == -signal.SIGSYS:
             return CostError("killed", "the process of the cost asked for a system call that costs may not use")
         return CostError("killed", "the process of the cost died; it may have used too much memory")

@@ -28,17 +28,29 @@ class Asker:
         pictures: What the robot's camera sees now, for advisors with eyes.
     """
 
-    def __init__(self, advisor: Advisor, budget: BudgetCfg | None = None, log: Callable[[Attempt], None] | None = None,
-                 pictures: Callable[[], tuple[Picture, ...]] | None = None) -> None:
+    def __init__(
+        self,
+        advisor: Advisor,
+        budget: BudgetCfg | None = None,
+        log: Callable[[Attempt], None] | None = None,
+        pictures: Callable[[], tuple[Picture, ...]] | None = None,
+    ) -> None:
         self.advisor, self.budget = advisor, budget or BudgetCfg()
         self.log, self.pictures = log, pictures
         self.calls = 0
         self._decisions = 0
         self._loop: asyncio.AbstractEventLoop | None = None
 
-    def ask(self, kind: str, answer_type: type[A], facts: Mapping[str, Any], prompt: Mapping[str, Any],
-            verify: Callable[[A], Rejection | None], seen: bool = False,
-            pictures: tuple[Picture, ...] = ()) -> Outcome[A]:
+    def ask(
+        self,
+        kind: str,
+        answer_type: type[A],
+        facts: Mapping[str, Any],
+        prompt: Mapping[str, Any],
+        verify: Callable[[A], Rejection | None],
+        seen: bool = False,
+        pictures: tuple[Picture, ...] = (),
+    ) -> Outcome[A]:
         """Ask, verify, ask again with the reasons.
 
         Args:
@@ -53,8 +65,9 @@ class Asker:
         text, version = render(kind, prompt)
         if seen and self.pictures is not None:
             pictures = (*pictures, *self.pictures())
-        question: Question[A] = Question(kind=kind, prompt=text, answer_type=answer_type, facts=facts,
-                                         pictures=pictures, prompt_version=version)
+        question: Question[A] = Question(
+            kind=kind, prompt=text, answer_type=answer_type, facts=facts, pictures=pictures, prompt_version=version
+        )
 
         def observe(rejections: Sequence[Rejection]) -> Question[A]:
             return question
@@ -67,8 +80,9 @@ class Asker:
         decision, self._decisions = self._decisions, self._decisions + 1
         # One loop for all questions: a model's connections live in the loop that opened them.
         self._loop = self._loop or asyncio.new_event_loop()
-        return self._loop.run_until_complete(consult(
-            self.advisor, observe, lambda _, answer: verify(answer), self.budget, WallClock(), heard, decision))
+        return self._loop.run_until_complete(
+            consult(self.advisor, observe, lambda _, answer: verify(answer), self.budget, WallClock(), heard, decision)
+        )
 
     def close(self) -> None:
         """Close the advisor and the loop."""

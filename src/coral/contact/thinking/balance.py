@@ -99,10 +99,14 @@ def balances(steps: Sequence[Step], name: str, drawn: Drawn, cfg: BalanceCfg) ->
     step_s = float(np.median(np.diff([step.after.time_s for step in steps])))
     r, n = cfg.reach, cfg.steps
     way, turned = np.zeros_like(place), np.ones(len(steps))
-    way[r:-r] = place[2 * r:] - place[:-2 * r]
-    turned[r:-r] = (turn[2 * r:] * turn[:-2 * r]).sum(axis=1)
-    slides = ((np.linalg.norm(way[:, :2], axis=1) > cfg.slid_m) & (turned > np.cos(cfg.turned_rad))
-              & (lowest < cfg.flat_m) & ((clear >= cfg.clear_m) | (np.abs(force[:, 2]) < cfg.strike_n)))
+    way[r:-r] = place[2 * r :] - place[: -2 * r]
+    turned[r:-r] = (turn[2 * r :] * turn[: -2 * r]).sum(axis=1)
+    slides = (
+        (np.linalg.norm(way[:, :2], axis=1) > cfg.slid_m)
+        & (turned > np.cos(cfg.turned_rad))
+        & (lowest < cfg.flat_m)
+        & ((clear >= cfg.clear_m) | (np.abs(force[:, 2]) < cfg.strike_n))
+    )
     touches = np.linalg.norm(force, axis=1) > cfg.touch_n
     dragged, held = [], []
     for first in range(1, len(steps) - n + 1):
@@ -167,6 +171,7 @@ def _left(theta: Array, found: Balance, cfg: BalanceCfg) -> Array:
 
     def deviation(force: Array, gain: Array) -> Array:
         return np.asarray(cfg.force_n + cfg.force_share * np.abs(force) + cfg.inertia_share * mass * np.abs(gain))
+
     rubbed = (push - friction * (mass * GRAVITY_M_S2 + press) - mass * gain) / deviation(push, gain)
     weighed = (weight - mass * pull) / deviation(weight, pull - GRAVITY_M_S2)
     return np.concatenate([rubbed, weighed], axis=1)

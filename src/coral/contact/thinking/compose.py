@@ -59,12 +59,15 @@ def compose(facts: Mapping[str, Any], choice: Choice | None = None) -> Composed:
     for name, region in merged.regions:
         held.setdefault(name, []).append(region)
     words = "; ".join(merged.words)
-    return Composed(PlanAnswer(stages=merged.stages, explanation=f"{words[:1].upper()}{words[1:]}."),
-                    RegionsAnswer({name: ObjectRegions(regions=regions) for name, regions in held.items()}))
+    return Composed(
+        PlanAnswer(stages=merged.stages, explanation=f"{words[:1].upper()}{words[1:]}."),
+        RegionsAnswer({name: ObjectRegions(regions=regions) for name, regions in held.items()}),
+    )
 
 
-def _for_object(thing: Thing, goals: Mapping[str, Any], moving: Sequence[str], facts: Mapping[str, Any],
-                choice: Choice) -> Draft:
+def _for_object(
+    thing: Thing, goals: Mapping[str, Any], moving: Sequence[str], facts: Mapping[str, Any], choice: Choice
+) -> Draft:
     """The one way that serves what is asked of an object.
 
     Args:
@@ -84,8 +87,10 @@ def _for_object(thing: Thing, goals: Mapping[str, Any], moving: Sequence[str], f
         if not 45 < goals["flipped"]["degrees"] < 135:
             raise NoRule(f"no rule turns the {thing.name} by other than a right angle: {goal_words(goals['flipped'])}")
         if against in facts["objects"]:
-            raise NoRule(f"no rule turns the {thing.name} against what moves itself: "
-                         f"{goal_words(goals['touched-while-turning'])}")
+            raise NoRule(
+                f"no rule turns the {thing.name} against what moves itself: "
+                f"{goal_words(goals['touched-while-turning'])}"
+            )
         if against in facts["fixtures"]:
             add_pivot(draft, thing, facts, against, choice)
         else:
@@ -120,8 +125,11 @@ def _for_object(thing: Thing, goals: Mapping[str, Any], moving: Sequence[str], f
         add_place(draft, thing, facts, spot, choice)
         return draft
     unserved = ", ".join(goal_words(goals[kind]) for kind in moving)
-    raise NoRule(f"the {thing.name} is too wide to grasp and no goal can be reached by pushing: {unserved}"
-                 if not thing.closings() else f"no rule moves the {thing.name} so: {unserved}")
+    raise NoRule(
+        f"the {thing.name} is too wide to grasp and no goal can be reached by pushing: {unserved}"
+        if not thing.closings()
+        else f"no rule moves the {thing.name} so: {unserved}"
+    )
 
 
 def _straight_on(thing: Thing, facts: Mapping[str, Any]) -> dict[str, Any]:
@@ -145,8 +153,10 @@ def _append(merged: Draft, draft: Draft, before: Thing | None) -> None:
         merged.stages[-1] = merged.stages[-1].model_copy(update={"done": done})
     for stage in draft.stages:
         merged.stages.append(_renamed(stage, names))
-    merged.regions += [(name, region.model_copy(update={"stage": names.get(region.stage, region.stage)}))
-                       for name, region in draft.regions]
+    merged.regions += [
+        (name, region.model_copy(update={"stage": names.get(region.stage, region.stage)}))
+        for name, region in draft.regions
+    ]
     merged.words += draft.words
 
 

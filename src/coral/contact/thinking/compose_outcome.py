@@ -28,8 +28,11 @@ def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
     """One cost for the whole task, of its goals alone; None where no goal asks for something that a cost can lower."""
     terms: list[str] = []
     drawn: list[str] = []
-    moving = [goal for name in dict.fromkeys(goal["object"] for goal in facts["goals"])
-              for goal in wanted([one for one in facts["goals"] if one["object"] == name], facts)]
+    moving = [
+        goal
+        for name in dict.fromkeys(goal["object"] for goal in facts["goals"])
+        for goal in wanted([one for one in facts["goals"] if one["object"] == name], facts)
+    ]
     for goal in facts["goals"]:
         kind, name = goal["kind"], goal["object"]
         if kind in _TERMS:
@@ -41,11 +44,15 @@ def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
     if not drawn:
         return None
     let_go = {goal["object"] for goal in facts["goals"] if goal["kind"] == "released"}
-    reach = [_reach(name, facts, name in let_go, [line for line in terms if f"'{name} " in line])
-             for name in dict.fromkeys(drawn)]
+    reach = [
+        _reach(name, facts, name in let_go, [line for line in terms if f"'{name} " in line])
+        for name in dict.fromkeys(drawn)
+    ]
     body = "\n".join([*terms, *reach])
-    return PlanAnswer(code=f"def state_cost(self):\n{body}\n    return terms\n",
-                      explanation="Be near what is to be moved; every goal costs its distance; touch it anywhere.")
+    return PlanAnswer(
+        code=f"def state_cost(self):\n{body}\n    return terms\n",
+        explanation="Be near what is to be moved; every goal costs its distance; touch it anywhere.",
+    )
 
 
 def _reach(name: str, facts: Mapping[str, Any], let_go: bool, goals: Sequence[str]) -> str:
@@ -55,8 +62,10 @@ def _reach(name: str, facts: Mapping[str, Any], let_go: bool, goals: Sequence[st
     if not let_go:
         return f"    {reach}"
     missed = " + ".join(line.split("=")[0].strip() for line in goals)
-    return (f"    done = near({missed}, {number(DONE)})\n    {reach} * (1.0 - done)\n"
-            f"    terms['{name} released'] = done * self.{name}_hand_contact")
+    return (
+        f"    done = near({missed}, {number(DONE)})\n    {reach} * (1.0 - done)\n"
+        f"    terms['{name} released'] = done * self.{name}_hand_contact"
+    )
 
 
 def _flipped(goal: Mapping[str, Any]) -> str:
@@ -101,11 +110,16 @@ def _onto(goal: Mapping[str, Any], facts: Mapping[str, Any]) -> str:
 
 
 _TERMS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
-    "flipped": _flipped, "at": _at, "inside": _inside, "lifted": _lifted,
+    "flipped": _flipped,
+    "at": _at,
+    "inside": _inside,
+    "lifted": _lifted,
     "touched-while-turning": lambda goal: f"1.0 - self.{goal['object']}_{goal['thing']}_contact",
     "grasped": lambda goal: f"2.0 - self.{goal['object']}_left_contact - self.{goal['object']}_right_contact",
     "resting": lambda goal: f"0.3 * norm(self.{goal['object']}_vel)",
-    "steady-force": lambda goal: (f"0.05 * self.{goal['object']}_hand_contact * "
-                                  f"abs(norm(self.{goal['object']}_hand_force) - {number(goal['newtons'])})"),
+    "steady-force": lambda goal: (
+        f"0.05 * self.{goal['object']}_hand_contact * "
+        f"abs(norm(self.{goal['object']}_hand_force) - {number(goal['newtons'])})"
+    ),
     "undisturbed": lambda goal: f"5.0 * norm(self.{goal['object']}_pos - self.{goal['object']}_init_pos)",
 }

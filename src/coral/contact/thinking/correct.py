@@ -36,8 +36,18 @@ class Past:
     recent: Sequence[Mapping[str, Any]]
 
 
-def correct(asker: Asker, name: str, now: Observation, past: Past, drawn: Drawn, world: PlanningWorld,
-            facts: Mapping[str, Any], cfg: ThinkCfg, rng: np.random.Generator, emit: Callable[..., None]) -> bool:
+def correct(
+    asker: Asker,
+    name: str,
+    now: Observation,
+    past: Past,
+    drawn: Drawn,
+    world: PlanningWorld,
+    facts: Mapping[str, Any],
+    cfg: ThinkCfg,
+    rng: np.random.Generator,
+    emit: Callable[..., None],
+) -> bool:
     """Correct what is believed of an object, if there is enough to replay; whether it was corrected.
 
     Args:
@@ -53,14 +63,19 @@ def correct(asker: Asker, name: str, now: Observation, past: Past, drawn: Drawn,
         emit: Where to report.
     """
     # A rehearsal throws out what begins inside the table: only what was seen where it can be is replayed.
-    stretches = windows(past.steps, name, most=14, usable=lambda start: drawn.lowest_point(
-        name, start.objects[name]) > -cfg.outer.sunk_m)
+    stretches = windows(
+        past.steps,
+        name,
+        most=14,
+        usable=lambda start: drawn.lowest_point(name, start.objects[name]) > -cfg.outer.sunk_m,
+    )
     if len(stretches) < 2:
         emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
         return False
     believed = dict(world.beliefs[0])
-    finer = PlanningWorld(drawn, believed, now, replace(
-        world.cfg, physics_dt_s=cfg.outer.replay_dt_s, uncertainty=UncertaintyCfg()))
+    finer = PlanningWorld(
+        drawn, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s, uncertainty=UncertaintyCfg())
+    )
     try:
         replay = Replay(finer, stretches, cfg.identify.replay)
         found = balances(past.steps, name, drawn, cfg.identify.balance) if cfg.identify.by == "balance" else None
@@ -77,21 +92,35 @@ def correct(asker: Asker, name: str, now: Observation, past: Past, drawn: Drawn,
             before, after = tried[:] = explained(replay, name, believed, answer.physical(believed), cfg.identify, found)
             if after < (1.0 - cfg.identify.better) * before:
                 return None
-            return Rejection(code="replay", reason=f"replayed with your values, the history is explained no better "
-                             f"(error {after:.2f}, now {before:.2f}); propose others, or say so by keeping them")
+            return Rejection(
+                code="replay",
+                reason=f"replayed with your values, the history is explained no better "
+                f"(error {after:.2f}, now {before:.2f}); propose others, or say so by keeping them",
+            )
 
         fitted = {"object": name, "mass_kg": fit.after.mass_kg, "friction": fit.after.friction, "better": fit.accepted}
         told = {key: {"mass": one.mass_kg, "friction": one.friction} for key, one in believed.items()}
         outcome = asker.ask(
-            "parameter-repair", ParametersAnswer, {**facts, "fitted": fitted},
-            {"task": facts["instruction"], "parameters": told, "history": past.recent}, wrong)
+            "parameter-repair",
+            ParametersAnswer,
+            {**facts, "fitted": fitted},
+            {"task": facts["instruction"], "parameters": told, "history": past.recent},
+            wrong,
+        )
     finally:
         finer.close()
     if outcome.answer is not None:
         world.believe(outcome.answer.physical(believed))
     after = world.beliefs[0][name]
-    emit("correction", object=name, accepted=outcome.answer is not None, text=fit.words(cfg.identify.known),
-         failure=outcome.failure, errors=[round(error, 4) for error in tried],
-         before=[believed[name].mass_kg, believed[name].friction], after=[after.mass_kg, after.friction],
-         refused=[rejection.reason for rejection in outcome.rejections])
+    emit(
+        "correction",
+        object=name,
+        accepted=outcome.answer is not None,
+        text=fit.words(cfg.identify.known),
+        failure=outcome.failure,
+        errors=[round(error, 4) for error in tried],
+        before=[believed[name].mass_kg, believed[name].friction],
+        after=[after.mass_kg, after.friction],
+        refused=[rejection.reason for rejection in outcome.rejections],
+    )
     return outcome.answer is not None

@@ -17,8 +17,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float32]
-STOP = frozenset(("a", "an", "and", "as", "at", "by", "for", "from", "in", "into", "is", "it", "its", "of", "on",
-                  "onto", "or", "out", "over", "that", "the", "then", "to", "up", "with"))
+STOP = frozenset(
+    (
+        "a",
+        "an",
+        "and",
+        "as",
+        "at",
+        "by",
+        "for",
+        "from",
+        "in",
+        "into",
+        "is",
+        "it",
+        "its",
+        "of",
+        "on",
+        "onto",
+        "or",
+        "out",
+        "over",
+        "that",
+        "the",
+        "then",
+        "to",
+        "up",
+        "with",
+    )
+)
 
 
 class Embedder(Protocol):
@@ -46,8 +73,11 @@ class HashedWords:
     def embed(self, text: str) -> Vector:
         """See `Embedder.embed`."""
         words = [word for word in re.findall(r"[a-z]+", text.lower()) if word not in STOP]
-        grams = [*words, *(f"{a} {b}" for a, b in itertools.pairwise(words)),
-                 *(word[:5] for word in words if len(word) > 5)]
+        grams = [
+            *words,
+            *(f"{a} {b}" for a, b in itertools.pairwise(words)),
+            *(word[:5] for word in words if len(word) > 5),
+        ]
         found = np.zeros(self.size, dtype=np.float32)
         for gram in grams:
             digest = hashlib.blake2b(gram.encode(), digest_size=8).digest()

@@ -32,8 +32,9 @@ def parse_beliefs(text: str, task: Task, where: str = "--believe", cfg: BeliefCf
         except ValueError:
             raise InputError(where, "", repr(word), FORM) from None
         if name not in names:
-            raise InputError(where, "", repr(name), f"an object of {task.name}: {', '.join(names)}"
-                             f"{nearest(name, names)}")
+            raise InputError(
+                where, "", repr(name), f"an object of {task.name}: {', '.join(names)}{nearest(name, names)}"
+            )
         if name in found:
             raise InputError(where, "", f"{name!r} twice", "each object once")
         for what, value, (low, high) in (("mass (kg)", mass, cfg.mass_kg), ("friction", friction, cfg.friction)):

@@ -52,8 +52,10 @@ def once(goals: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
     found: dict[str, Mapping[str, Any]] = {}
     for goal in goals:
         if goal["kind"] in found:
-            raise NoRule(f"the {goal['object']} is asked two things of one kind, and no rule does {goal_words(goal)} "
-                         f"besides {goal_words(found[goal['kind']])}")
+            raise NoRule(
+                f"the {goal['object']} is asked two things of one kind, and no rule does {goal_words(goal)} "
+                f"besides {goal_words(found[goal['kind']])}"
+            )
         found[goal["kind"]] = goal
     return found
 
@@ -91,5 +93,6 @@ def served(goals: Mapping[str, Any], asked: set[str], by: set[str], name: str, d
     """
     left = sorted(asked - by)
     if left:
-        raise NoRule(f"the {name} can be {done}, but no rule does besides: "
-                     f"{', '.join(goal_words(goals[kind]) for kind in left)}")
+        raise NoRule(
+            f"the {name} can be {done}, but no rule does besides: {', '.join(goal_words(goals[kind]) for kind in left)}"
+        )

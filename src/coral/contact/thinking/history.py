@@ -24,8 +24,15 @@ class Window:
         return self.steps[0].before
 
 
-def windows(steps: Sequence[Step], name: str, length: int = 12, most: int = 10, moved_m: float = 0.0005,
-            force_n: float = 0.3, usable: Callable[[Observation], bool] = lambda start: True) -> list[Window]:
+def windows(
+    steps: Sequence[Step],
+    name: str,
+    length: int = 12,
+    most: int = 10,
+    moved_m: float = 0.0005,
+    force_n: float = 0.3,
+    usable: Callable[[Observation], bool] = lambda start: True,
+) -> list[Window]:
     """The stretches of a history in which the object was pushed or slid, the most telling ones, in order of time.
 
     Args:
@@ -39,9 +46,10 @@ def windows(steps: Sequence[Step], name: str, length: int = 12, most: int = 10, 
     """
     found = []
     for first in range(0, len(steps) - length + 1, length // 2):
-        part = steps[first:first + length]
+        part = steps[first : first + length]
         if any(abs(b.before.time_s - a.after.time_s) > 1e-6 for a, b in itertools.pairwise(part)) or not usable(
-                part[0].before):
+            part[0].before
+        ):
             continue
         way = np.array([step.after.objects[name].position - step.before.objects[name].position for step in part])
         moved = float(np.linalg.norm(way, axis=1).sum())
@@ -57,8 +65,13 @@ def most_telling(steps: Sequence[Step]) -> str | None:
     if not steps:
         return None
     names = list(steps[0].before.objects)
-    moved = {name: sum(float(np.linalg.norm(step.after.objects[name].position - step.before.objects[name].position))
-                       for step in steps) for name in names}
+    moved = {
+        name: sum(
+            float(np.linalg.norm(step.after.objects[name].position - step.before.objects[name].position))
+            for step in steps
+        )
+        for name in names
+    }
     name = max(names, key=lambda one: moved[one])
     if moved[name] > 0.003:
         return name

@@ -86,9 +86,11 @@ class Fit:
 
     def words(self, known: float = 0.15) -> str:
         """The correction in a sentence."""
-        what = (f"{self.object}: mass {self.before.mass_kg:.3g} to {self.after.mass_kg:.3g} kg, friction "
-                f"{self.before.friction:.2g} to {self.after.friction:.2g}; replay error {self.error_before:.2f} to "
-                f"{self.error_after:.2f} in {many(self.windows, 'window')}")
+        what = (
+            f"{self.object}: mass {self.before.mass_kg:.3g} to {self.after.mass_kg:.3g} kg, friction "
+            f"{self.before.friction:.2g} to {self.after.friction:.2g}; replay error {self.error_before:.2f} to "
+            f"{self.error_after:.2f} in {many(self.windows, 'window')}"
+        )
         if max(self.mass_sd, self.friction_sd) <= known:
             return f"{what}; both are known to {100 * max(self.mass_sd, self.friction_sd):.0f} %"
         if self.product_sd <= known:
@@ -96,8 +98,9 @@ class Fit:
         return f"{what}; the history tells little of either"
 
 
-def identify(replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
-             ) -> Fit:
+def identify(
+    replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
+) -> Fit:
     """Fit the mass and friction of one object.
 
     Fitted on every second window and accepted on the others, so that a correction must hold for what it has not seen.
@@ -125,9 +128,9 @@ def identify(replay: Replay, name: str, believed: Mapping[str, Physical], cfg: I
     spread = (high - low) / cfg.grid
     for _ in range(cfg.rounds):
         score = replay.score(found[:, seen], found.min(axis=0)[seen]).mean(axis=1)
-        best = all_theta[np.argsort(score, kind="stable")[:max(2, int(cfg.elite * cfg.samples))]]
+        best = all_theta[np.argsort(score, kind="stable")[: max(2, int(cfg.elite * cfg.samples))]]
         theta = best[0] + spread * rng.standard_normal((cfg.samples, 2))
-        theta[:len(best)] = best.mean(axis=0) + 0.5 * spread * rng.standard_normal(best.shape)
+        theta[: len(best)] = best.mean(axis=0) + 0.5 * spread * rng.standard_normal(best.shape)
         theta = np.clip(theta, low, high)
         all_theta, found = np.concatenate([all_theta, theta]), np.concatenate([found, parts(theta)])
         spread = 0.6 * spread
@@ -135,12 +138,21 @@ def identify(replay: Replay, name: str, believed: Mapping[str, Physical], cfg: I
     optimum, sd = _valley(all_theta, replay.score(found[:, seen], floor[seen]).mean(axis=1), low, high)
     after = Physical(float(np.exp(optimum[0])), float(np.exp(optimum[1])))
     pair = replay.score(parts(np.stack([present, optimum])), floor)[:, held].mean(axis=1)
-    return Fit(name, believed[name], after, float(pair[0]), float(pair[1]),
-               _accepted(float(pair[0]), float(pair[1]), sd, cfg), *sd, len(replay.windows))
+    return Fit(
+        name,
+        believed[name],
+        after,
+        float(pair[0]),
+        float(pair[1]),
+        _accepted(float(pair[0]), float(pair[1]), sd, cfg),
+        *sd,
+        len(replay.windows),
+    )
 
 
-def correction(replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
-               ) -> Fit:
+def correction(
+    replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
+) -> Fit:
     """A fit, drawn back to the belief along what the history does not tell.
 
     Slow pushes tell the product of mass and friction; fitted freely, a block of 1 kg became one of 4.6 kg that slides
@@ -173,8 +185,9 @@ def weighed(found: Balance, replay: Replay, name: str, believed: Mapping[str, Ph
     return drawn_back(fit, replay, believed, cfg, found)
 
 
-def drawn_back(fit: Fit, replay: Replay, believed: Mapping[str, Physical], cfg: IdentifyCfg,
-               forces: Balance | None = None) -> Fit:
+def drawn_back(
+    fit: Fit, replay: Replay, believed: Mapping[str, Physical], cfg: IdentifyCfg, forces: Balance | None = None
+) -> Fit:
     """A fit drawn back to the belief, accepted if the replay explains the history better; see `correction`.
 
     Args:
@@ -193,8 +206,13 @@ def drawn_back(fit: Fit, replay: Replay, believed: Mapping[str, Physical], cfg: 
     after = Physical(float(np.exp(mean[0])), float(np.exp(mean[1])))
     before_error, after_error = explained(replay, name, believed, {**believed, name: after}, cfg, forces)
     sd = fit.mass_sd, fit.friction_sd, fit.product_sd
-    return replace(fit, after=after, error_before=before_error, error_after=after_error,
-                   accepted=_accepted(before_error, after_error, sd, cfg))
+    return replace(
+        fit,
+        after=after,
+        error_before=before_error,
+        error_after=after_error,
+        accepted=_accepted(before_error, after_error, sd, cfg),
+    )
 
 
 class Corrections:
@@ -206,8 +224,9 @@ class Corrections:
     def __init__(self) -> None:
         self.fits: list[Fit] = []
 
-    def add(self, replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg,
-            rng: np.random.Generator) -> Fit:
+    def add(
+        self, replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
+    ) -> Fit:
         """Fit the new history, average with the fits before, and accept if the replay explains it better.
 
         Args:
@@ -226,9 +245,17 @@ class Corrections:
         _, product_sd = _average([(1.0, fit.product_sd) for fit in self.fits])
         after = Physical(mass, friction)
         before_error, after_error = compare(replay, name, believed, {**believed, name: after})
-        return replace(newest, before=believed[name], after=after, error_before=before_error, error_after=after_error,
-                       accepted=_accepted(before_error, after_error, (mass_sd, friction_sd, product_sd), cfg),
-                       mass_sd=mass_sd, friction_sd=friction_sd, product_sd=product_sd)
+        return replace(
+            newest,
+            before=believed[name],
+            after=after,
+            error_before=before_error,
+            error_after=after_error,
+            accepted=_accepted(before_error, after_error, (mass_sd, friction_sd, product_sd), cfg),
+            mass_sd=mass_sd,
+            friction_sd=friction_sd,
+            product_sd=product_sd,
+        )
 
 
 def _accepted(before: float, after: float, sd: tuple[float, float, float], cfg: IdentifyCfg) -> bool:
@@ -236,8 +263,14 @@ def _accepted(before: float, after: float, sd: tuple[float, float, float], cfg: 
     return after < (1.0 - (cfg.better if min(sd) <= cfg.known else cfg.much)) * before
 
 
-def explained(replay: Replay, name: str, believed: Mapping[str, Physical], proposed: Mapping[str, Physical],
-              cfg: IdentifyCfg, found: Balance | None = None) -> tuple[float, float]:
+def explained(
+    replay: Replay,
+    name: str,
+    believed: Mapping[str, Physical],
+    proposed: Mapping[str, Physical],
+    cfg: IdentifyCfg,
+    found: Balance | None = None,
+) -> tuple[float, float]:
     """Errors of a belief and of a proposal: of the replay, and of the balance of forces where that counts.
 
     A rehearsed pinch slips where the real one holds, whatever the mass: beside the balance the replay decides less.
@@ -249,8 +282,9 @@ def explained(replay: Replay, name: str, believed: Mapping[str, Physical], propo
     return before + float(more[0]), after + float(more[1])
 
 
-def compare(replay: Replay, name: str, believed: Mapping[str, Physical], proposed: Mapping[str, Physical]
-            ) -> tuple[float, float]:
+def compare(
+    replay: Replay, name: str, believed: Mapping[str, Physical], proposed: Mapping[str, Physical]
+) -> tuple[float, float]:
     """Replay errors of a belief and of a proposal."""
     found = replay.parts([believed, proposed], name)
     before, after = replay.score(found, found.min(axis=0)).mean(axis=1)

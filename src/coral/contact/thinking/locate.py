@@ -58,18 +58,26 @@ def verify_poses(answer: PosesAnswer, facts: Mapping[str, Any]) -> Rejection | N
     """Why guessed poses are impossible, or None."""
     wanted, given = list(facts["objects"]), list(answer.root)
     if set(wanted) != set(given):
-        return Rejection(code="objects", reason=f"poses of {', '.join(given) or 'nothing'}; give one for each of "
-                         f"{', '.join(wanted)} and for nothing else")
+        return Rejection(
+            code="objects",
+            reason=f"poses of {', '.join(given) or 'nothing'}; give one for each of "
+            f"{', '.join(wanted)} and for nothing else",
+        )
     x, y = facts["table"]["x"], facts["table"]["y"]
     for name, one in answer.root.items():
         if not all(map(math.isfinite, (*one.position, *one.quaternion))) or not any(one.quaternion):
-            return Rejection(code="pose", reason=f"the pose of {name} holds something that is no number, or a "
-                             "quaternion of zeros")
-        inside = all(low - BESIDE_M <= value <= high + BESIDE_M
-                     for value, (low, high) in zip(one.position, (x, y), strict=False))
+            return Rejection(
+                code="pose", reason=f"the pose of {name} holds something that is no number, or a quaternion of zeros"
+            )
+        inside = all(
+            low - BESIDE_M <= value <= high + BESIDE_M for value, (low, high) in zip(one.position, (x, y), strict=False)
+        )
         if not inside or not -BELOW_M <= one.position[2] <= 1.0:
-            return Rejection(code="place", reason=f"{name} would be at {list(one.position)}; the table reaches from "
-                             f"{x[0]:g} to {x[1]:g} m in x and from {y[0]:g} to {y[1]:g} m in y, and its top is at 0")
+            return Rejection(
+                code="place",
+                reason=f"{name} would be at {list(one.position)}; the table reaches from "
+                f"{x[0]:g} to {x[1]:g} m in x and from {y[0]:g} to {y[1]:g} m in y, and its top is at 0",
+            )
     return None
 
 
@@ -90,21 +98,35 @@ def pose_facts(drawn: Drawn, now: Observation, frame: RgbdFrame) -> dict[str, An
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
         usual = Body(T[:3, 3], quaternion_of(T[:3, :3]))
         objects[item.name] = {
-            "label": item.label or item.name, "size_m": [round(float(v), 5) for v in drawn.size(item.name)],
+            "label": item.label or item.name,
+            "size_m": [round(float(v), 5) for v in drawn.size(item.name)],
             "middle_m": _rounded(middle),
-            "points_m": {point: _rounded(np.asarray(at) * drawn.objects[item.name].scale - middle)
-                         for point, at in item.points.items()},
-            "usual_pose": pose(usual), "pixels": len(seen),
-            "seen_box_m": [_rounded(seen.min(axis=0)), _rounded(seen.max(axis=0))] if len(seen) else None}
+            "points_m": {
+                point: _rounded(np.asarray(at) * drawn.objects[item.name].scale - middle)
+                for point, at in item.points.items()
+            },
+            "usual_pose": pose(usual),
+            "pixels": len(seen),
+            "seen_box_m": [_rounded(seen.min(axis=0)), _rounded(seen.max(axis=0))] if len(seen) else None,
+        }
     height, width = frame.depth.shape
     return {
-        "task": drawn.task.name, "instruction": drawn.task.instruction, "objects": objects,
-        "table": {"x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
-                  "y": [table.center[1] - table.size[1] / 2, table.center[1] + table.size[1] / 2]},
+        "task": drawn.task.name,
+        "instruction": drawn.task.instruction,
+        "objects": objects,
+        "table": {
+            "x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
+            "y": [table.center[1] - table.size[1] / 2, table.center[1] + table.size[1] / 2],
+        },
         "hand": {"pose": pose(now.tool)},
-        "camera": {"position": _rounded(frame.T_world_camera[:3, 3]),
-                   "axes_right_down_forward": [_rounded(axis) for axis in frame.T_world_camera[:3, :3].T],
-                   "focal_px": round(float(frame.lens[0]), 1), "width_px": width, "height_px": height}}
+        "camera": {
+            "position": _rounded(frame.T_world_camera[:3, 3]),
+            "axes_right_down_forward": [_rounded(axis) for axis in frame.T_world_camera[:3, :3].T],
+            "focal_px": round(float(frame.lens[0]), 1),
+            "width_px": width,
+            "height_px": height,
+        },
+    }
 
 
 def pose_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
@@ -112,9 +134,15 @@ def pose_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
 
     Named points, as seen from the centre of the box, tell an object's front from its back.
     """
-    return {"task": facts["instruction"], "camera": facts["camera"], "table": facts["table"],
-            "objects": {name: {key: item[key] for key in ("label", "size_m", "points_m") if item[key]}
-                        for name, item in facts["objects"].items()}}
+    return {
+        "task": facts["instruction"],
+        "camera": facts["camera"],
+        "table": facts["table"],
+        "objects": {
+            name: {key: item[key] for key in ("label", "size_m", "points_m") if item[key]}
+            for name, item in facts["objects"].items()
+        },
+    }
 
 
 def locate(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> PosesAnswer:
@@ -137,8 +165,9 @@ def locate(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> Po
     return PosesAnswer(found)
 
 
-def ask_poses(asker: Asker, drawn: Drawn, first: Observation, frame: RgbdFrame, emit: Callable[..., None]
-              ) -> dict[str, Body]:
+def ask_poses(
+    asker: Asker, drawn: Drawn, first: Observation, frame: RgbdFrame, emit: Callable[..., None]
+) -> dict[str, Body]:
     """Where the objects are, by an advisor or, where none answers, by the rule.
 
     Args:
@@ -149,12 +178,22 @@ def ask_poses(asker: Asker, drawn: Drawn, first: Observation, frame: RgbdFrame, 
         emit: Where to report.
     """
     facts = pose_facts(drawn, first, frame)
-    outcome = asker.ask("object-poses", PosesAnswer, facts, pose_prompt(facts),
-                        lambda answer: verify_poses(answer, facts), pictures=(picture(frame),))
+    outcome = asker.ask(
+        "object-poses",
+        PosesAnswer,
+        facts,
+        pose_prompt(facts),
+        lambda answer: verify_poses(answer, facts),
+        pictures=(picture(frame),),
+    )
     found = (outcome.answer or locate(facts)).bodies(facts)
-    emit("poses", failure=outcome.failure, attempts=outcome.attempts,
-         refused=[rejection.reason for rejection in outcome.rejections],
-         **{name: pose(body) for name, body in found.items()})
+    emit(
+        "poses",
+        failure=outcome.failure,
+        attempts=outcome.attempts,
+        refused=[rejection.reason for rejection in outcome.rejections],
+        **{name: pose(body) for name, body in found.items()},
+    )
     if outcome.answer is None:
         emit("fallback", what="poses", by="heuristic", because=outcome.failure)
     return found

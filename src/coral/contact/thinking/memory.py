@@ -134,19 +134,30 @@ class Memory:
             InputError: It is no verified success, or the store cannot be written.
         """
         if experience.provenance.get("success") is not True or not experience.provenance.get("world"):
-            raise InputError("memory", "provenance", dict(experience.provenance),
-                             "success: true and the world that it was judged in")
+            raise InputError(
+                "memory", "provenance", dict(experience.provenance), "success: true and the world that it was judged in"
+            )
         now = datetime.now(UTC).isoformat(timespec="seconds")
-        return self.store.insert(now, experience.model_dump_json(), self.embedder.name,
-                                 self.embedder.embed(experience.instruction))
+        return self.store.insert(
+            now, experience.model_dump_json(), self.embedder.name, self.embedder.embed(experience.instruction)
+        )
 
     def all(self) -> list[Stored]:
         """Everything that is remembered and can be read, oldest first."""
         found = []
         for row in self.store.rows():
             try:
-                found.append(Stored(row.id, row.created, Experience.model_validate_json(row.record), row.used,
-                                    row.helped, row.embedder, row.vector))
+                found.append(
+                    Stored(
+                        row.id,
+                        row.created,
+                        Experience.model_validate_json(row.record),
+                        row.used,
+                        row.helped,
+                        row.embedder,
+                        row.vector,
+                    )
+                )
             except ValidationError:
                 continue  # of another version: kept in the store, of no use here
         return found
@@ -212,8 +223,12 @@ class Memory:
 
     def export(self) -> dict[str, Any]:
         """Everything as JSON."""
-        return {"format": FORMAT, "experiences": [
-            {"created": stored.created, **stored.experience.model_dump(mode="json")} for stored in self.all()]}
+        return {
+            "format": FORMAT,
+            "experiences": [
+                {"created": stored.created, **stored.experience.model_dump(mode="json")} for stored in self.all()
+            ],
+        }
 
     def load(self, content: Mapping[str, Any], where: str) -> int:
         """Take in what `export` gave; how many were new.
@@ -252,8 +267,11 @@ def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:
         found |= {f"{key}.size.{k}": float(value) for k, value in enumerate(item["size_m"])}
         found |= {f"{key}.{name}": float(item[name]) for name in ("mass_kg", "friction") if name in item}
     for index, goal in enumerate(facts["goals"]):
-        found |= {f"goal{index}.{key}": float(value) for key, value in goal.items()
-                  if isinstance(value, int | float) and not isinstance(value, bool)}
+        found |= {
+            f"goal{index}.{key}": float(value)
+            for key, value in goal.items()
+            if isinstance(value, int | float) and not isinstance(value, bool)
+        }
     found |= {f"number.{key}": float(value) for key, value in facts["numbers"].items()}
     for name, item in facts["fixtures"].items():
         found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(item["position"])}
@@ -270,9 +288,19 @@ def roles(facts: Mapping[str, Any]) -> list[str]:
 def _shape(goals: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
     """The goals without numbers and names: kinds, which role they are about, what words they hold besides."""
     order = {name: f"object{k}" for k, name in enumerate(dict.fromkeys(goal["object"] for goal in goals))}
-    return [(goal["kind"], order[goal["object"]], *(f"{key}={value}" for key, value in sorted(goal.items())
-                                                    if isinstance(value, str) and key not in ("kind", "object")))
-            for goal in goals if goal["kind"] != "undisturbed"]
+    return [
+        (
+            goal["kind"],
+            order[goal["object"]],
+            *(
+                f"{key}={value}"
+                for key, value in sorted(goal.items())
+                if isinstance(value, str) and key not in ("kind", "object")
+            ),
+        )
+        for goal in goals
+        if goal["kind"] != "undisturbed"
+    ]
 
 
 def _distance(one: Mapping[str, float], other: Mapping[str, float], cfg: MemoryCfg) -> float:
@@ -285,8 +313,13 @@ def _distance(one: Mapping[str, float], other: Mapping[str, float], cfg: MemoryC
         if key.startswith("place."):
             worst = max(worst, abs(a - b) / cfg.place_m)
             continue
-        factor = cfg.size_factor if ".size." in key else cfg.mass_factor if key.endswith("mass_kg") else (
-            cfg.friction_factor if key.endswith(".friction") else cfg.number_factor)
+        factor = (
+            cfg.size_factor
+            if ".size." in key
+            else cfg.mass_factor
+            if key.endswith("mass_kg")
+            else (cfg.friction_factor if key.endswith(".friction") else cfg.number_factor)
+        )
         if a == b:
             continue
         if a <= 0 or b <= 0:

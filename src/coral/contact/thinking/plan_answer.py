@@ -89,8 +89,11 @@ class PlanAnswer(BaseModel):
             return self.code
         parts = []
         for stage in self.stages:
-            head = [f"# stage {stage.name!r}"] + [f"#   {key}: {value}" for key, value in (
-                ("done", stage.done), ("back_to", stage.back_to), ("lost", stage.lost)) if value]
+            head = [f"# stage {stage.name!r}"] + [
+                f"#   {key}: {value}"
+                for key, value in (("done", stage.done), ("back_to", stage.back_to), ("lost", stage.lost))
+                if value
+            ]
             parts.append("\n".join([*head, stage.code.strip()]))
         return "\n\n".join(parts)
 
@@ -134,14 +137,18 @@ def compile_plan(answer: PlanAnswer, schema: Schema, load: Loader = in_process) 
     found = []
     for stage in answer.each():
         made: dict[str, Cost | None] = {}
-        for field, source in (("code", stage.code), ("done", stage.done and condition(stage.done)),
-                              ("lost", stage.lost and condition(stage.lost)),
-                              ("toward", stage.toward and vector(stage.toward))):
+        for field, source in (
+            ("code", stage.code),
+            ("done", stage.done and condition(stage.done)),
+            ("lost", stage.lost and condition(stage.lost)),
+            ("toward", stage.toward and vector(stage.toward)),
+        ):
             try:
                 made[field] = load(source, schema, stage.name) if source else None
             except CostError as error:
-                raise CostError(error.code, f"{field} of stage {stage.name!r}: {error.text}", error.line, error.shown
-                                ) from None
+                raise CostError(
+                    error.code, f"{field} of stage {stage.name!r}: {error.text}", error.line, error.shown
+                ) from None
         cost = made["code"]
         if cost is None:
             raise CostError("empty", f"stage {stage.name!r} has no code")
@@ -149,8 +156,13 @@ def compile_plan(answer: PlanAnswer, schema: Schema, load: Loader = in_process) 
     return found
 
 
-def verify_plan(answer: PlanAnswer, schema: Schema, samples: Sequence[Context], load: Loader = in_process,
-                cfg: VerifyCfg | None = None) -> Rejection | None:
+def verify_plan(
+    answer: PlanAnswer,
+    schema: Schema,
+    samples: Sequence[Context],
+    load: Loader = in_process,
+    cfg: VerifyCfg | None = None,
+) -> Rejection | None:
     """Why a plan cannot be used, or None: names, programs, what they do on rolled-out states.
 
     Args:
@@ -165,14 +177,20 @@ def verify_plan(answer: PlanAnswer, schema: Schema, samples: Sequence[Context], 
         return Rejection(code="stages", reason=f"two stages have the same name: {', '.join(names)}")
     for stage in answer.each():
         if bool(stage.back_to) != bool(stage.lost) or (stage.back_to and stage.back_to not in names):
-            return Rejection(code="stages", reason=f"stage {stage.name!r}: back_to and lost go together, and "
-                             f"back_to is one of {', '.join(names)}")
+            return Rejection(
+                code="stages",
+                reason=f"stage {stage.name!r}: back_to and lost go together, and back_to is one of {', '.join(names)}",
+            )
         if not 50 <= stage.stiffness <= 3000 or not 0.05 <= stage.noise <= 3:
-            return Rejection(code="stages", reason=f"stage {stage.name!r}: stiffness lies within 50 and 3000 N/m, "
-                             "noise within 0.05 and 3")
+            return Rejection(
+                code="stages",
+                reason=f"stage {stage.name!r}: stiffness lies within 50 and 3000 N/m, noise within 0.05 and 3",
+            )
         if stage is not answer.each()[-1] and not stage.done and answer.stages:
-            return Rejection(code="stages", reason=f"stage {stage.name!r} never ends, so that those after it never "
-                             "begin: say when it is done")
+            return Rejection(
+                code="stages",
+                reason=f"stage {stage.name!r} never ends, so that those after it never begin: say when it is done",
+            )
     try:
         for made in compile_plan(answer, schema, load):
             where = f"stage {made.answer.name!r}: " if answer.stages else ""
@@ -188,9 +206,16 @@ def verify_plan(answer: PlanAnswer, schema: Schema, samples: Sequence[Context], 
     return None
 
 
-def make_strategy(name: str, answer: PlanAnswer, regions: RegionsAnswer | None, schema: Schema,
-                  sizes: Mapping[str, Array], load: Loader = in_process, keep: LastGoodCost | None = None,
-                  candidates: Sequence[Array] | None = None) -> Strategy:
+def make_strategy(
+    name: str,
+    answer: PlanAnswer,
+    regions: RegionsAnswer | None,
+    schema: Schema,
+    sizes: Mapping[str, Array],
+    load: Loader = in_process,
+    keep: LastGoodCost | None = None,
+    candidates: Sequence[Array] | None = None,
+) -> Strategy:
     """The strategy that the planner follows.
 
     Args:
@@ -213,21 +238,32 @@ def make_strategy(name: str, answer: PlanAnswer, regions: RegionsAnswer | None, 
         guides: list[Guide] = []
         if regions is not None:
             held: Sequence[Array | None] = candidates or [None] * len(regions.each())
-            guides = [guide(thing, region, np.asarray(sizes[thing]), local=points)
-                      for (thing, region), points in zip(regions.each(), held, strict=True)
-                      if region.stage in ("", said.name) and (points is None or len(points))]
+            guides = [
+                guide(thing, region, np.asarray(sizes[thing]), local=points)
+                for (thing, region), points in zip(regions.each(), held, strict=True)
+                if region.stage in ("", said.name) and (points is None or len(points))
+            ]
             if stage.toward is not None:
                 guides.append(Guide(_points(stage.toward), opening_m=said.opening))
         cost = stage.cost if keep is None else keep.following(stage.cost)
-        stages.append(Stage(
-            said.name, cost, tuple(guides), said.stiffness, None if stage.done is None else _test(stage.done),
-            None if stage.lost is None else (said.back_to, _test(stage.lost)), said.noise))
+        stages.append(
+            Stage(
+                said.name,
+                cost,
+                tuple(guides),
+                said.stiffness,
+                None if stage.done is None else _test(stage.done),
+                None if stage.lost is None else (said.back_to, _test(stage.lost)),
+                said.noise,
+            )
+        )
     return Strategy(name, tuple(stages), answer.explanation)
 
 
 def _test(program: Cost) -> Test:
     def holds(now: Context) -> bool:
         return bool(sum(float(np.asarray(term).flat[0]) for term in program(now).values()) > 0.5)
+
     return holds
 
 
@@ -235,4 +271,5 @@ def _points(program: Cost) -> Callable[[Context], Array]:
     def points(now: Context) -> Array:
         terms = program(now)
         return np.array([[float(np.asarray(terms[axis]).flat[0]) for axis in "xyz"]])
+
     return points

@@ -50,8 +50,15 @@ class ProbeCfg:
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
 
 
-def probe(drawn: Drawn, name: str, truth: Physical, first: Physical, cfg: ProbeCfg, rng: np.random.Generator,
-          world: str = "hand") -> Iterator[Fit]:
+def probe(
+    drawn: Drawn,
+    name: str,
+    truth: Physical,
+    first: Physical,
+    cfg: ProbeCfg,
+    rng: np.random.Generator,
+    world: str = "hand",
+) -> Iterator[Fit]:
     """Push and correct, round by round.
 
     Args:

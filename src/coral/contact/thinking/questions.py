@@ -51,8 +51,16 @@ class Questions:
         diagnoses: What went wrong so far; questions about the plan carry it.
     """
 
-    def __init__(self, asker: Asker, drawn: Drawn, world: PlanningWorld, cfg: ThinkCfg, rng: np.random.Generator,
-                 load: Loader, emit: Emit) -> None:
+    def __init__(
+        self,
+        asker: Asker,
+        drawn: Drawn,
+        world: PlanningWorld,
+        cfg: ThinkCfg,
+        rng: np.random.Generator,
+        load: Loader,
+        emit: Emit,
+    ) -> None:
         self.facts: dict[str, Any] = {}
         self.sizes = {name: drawn.size(name) for name in drawn.objects}
         self.scenery = Scenery.of(drawn)
@@ -77,9 +85,15 @@ class Questions:
             self._emit("beliefs", source="given", attempts=0, refused=[], **_told(given))
             return
         outcome = self._asker.ask(
-            "physical-parameters", Estimates, self.facts, belief_prompt(self.facts),
-            lambda answer: verify_estimates(answer, {name: list(size) for name, size in self.sizes.items()},
-                                            self._cfg.belief), seen=True)
+            "physical-parameters",
+            Estimates,
+            self.facts,
+            belief_prompt(self.facts),
+            lambda answer: verify_estimates(
+                answer, {name: list(size) for name, size in self.sizes.items()}, self._cfg.belief
+            ),
+            seen=True,
+        )
         beliefs = {**(prior(self._drawn) if outcome.answer is None else outcome.answer.physical()), **given}
         self._world.believe(beliefs)
         source = "given" if given else outcome.failure or "advisor"
@@ -117,12 +131,21 @@ class Questions:
         if not self._cfg.regions:
             return RegionsAnswer({})
         outcome = self._asker.ask(
-            "contact-regions", RegionsAnswer, {**self._asked(), "stages": plan.names},
+            "contact-regions",
+            RegionsAnswer,
+            {**self._asked(), "stages": plan.names},
             {"task": self.facts["instruction"], "objects": self._shown(), "stages": plan.names},
-            lambda answer: self.wrong_regions(answer, plan), seen=True)
+            lambda answer: self.wrong_regions(answer, plan),
+            seen=True,
+        )
         found = outcome.answer or RegionsAnswer({})
-        self._emit("regions", failure=outcome.failure, attempts=outcome.attempts, refused=_reasons(outcome),
-                   regions=found.model_dump(mode="json"))
+        self._emit(
+            "regions",
+            failure=outcome.failure,
+            attempts=outcome.attempts,
+            refused=_reasons(outcome),
+            regions=found.model_dump(mode="json"),
+        )
         return found
 
     def wrong_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
@@ -132,18 +155,30 @@ class Questions:
     def candidates(self, regions: RegionsAnswer, plan: PlanAnswer) -> list[Array]:
         """The points of each region that can be touched; where some were dropped, the record tells how many and why."""
         found = candidates_of(regions, self.facts, plan.names, self.scenery, self._cfg.region)
-        dropped = [{"object": name, "stage": region.stage, "kept": len(left.points), "lost": dict(left.lost)}
-                   for (name, region), left in zip(regions.each(), found, strict=True) if left.lost]
+        dropped = [
+            {"object": name, "stage": region.stage, "kept": len(left.points), "lost": dict(left.lost)}
+            for (name, region), left in zip(regions.each(), found, strict=True)
+            if left.lost
+        ]
         if dropped:
             self._emit("candidates", regions=dropped)
         return [left.points for left in found]
 
-    def everything(self, now: Observation,
-                   history: Mapping[str, Any] | None = None) -> tuple[PlanAnswer, RegionsAnswer] | None:
+    def everything(
+        self, now: Observation, history: Mapping[str, Any] | None = None
+    ) -> tuple[PlanAnswer, RegionsAnswer] | None:
         """One question about all of it (variant `unified`); what is accepted is believed."""
         before = self.beliefs
-        outcome = ask_all(self._asker, self._asked(), self._shown(), self._world,
-                          lambda answer: self.wrong_plan(answer, now), self._cfg, self.scenery, history)
+        outcome = ask_all(
+            self._asker,
+            self._asked(),
+            self._shown(),
+            self._world,
+            lambda answer: self.wrong_plan(answer, now),
+            self._cfg,
+            self.scenery,
+            history,
+        )
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
             self._world.believe(before)
@@ -165,8 +200,12 @@ class Questions:
         return verify_plan(plan, self._world.schema, samples, load or self.load)
 
     def _plan(self, kind: str, now: Observation, about: Mapping[str, Any]) -> PlanAnswer | None:
-        prompt = {"task": self.facts["instruction"], "interface": interface_text(self._world.schema),
-                  "contact_strategy": self._cfg.strategy, **about}
+        prompt = {
+            "task": self.facts["instruction"],
+            "interface": interface_text(self._world.schema),
+            "contact_strategy": self._cfg.strategy,
+            **about,
+        }
         outcome = self._asker.ask(kind, PlanAnswer, self._asked(), prompt, lambda plan: self.wrong_plan(plan, now))
         self.facts["refused"] = len(outcome.rejections)
         self._tell_plan(kind, outcome)
@@ -175,9 +214,15 @@ class Questions:
 
     def _tell_plan(self, kind: str, outcome: Outcome[Any]) -> None:
         plan: PlanAnswer | None = outcome.answer
-        self._emit("plan_answer", kind=kind, failure=outcome.failure, attempts=outcome.attempts,
-                   refused=_reasons(outcome), explanation="" if plan is None else plan.explanation,
-                   code="" if plan is None else plan.text())
+        self._emit(
+            "plan_answer",
+            kind=kind,
+            failure=outcome.failure,
+            attempts=outcome.attempts,
+            refused=_reasons(outcome),
+            explanation="" if plan is None else plan.explanation,
+            code="" if plan is None else plan.text(),
+        )
 
     def _asked(self) -> dict[str, Any]:
         """The facts that go with a question about the plan."""
@@ -186,8 +231,10 @@ class Questions:
     def _shown(self) -> dict[str, Any]:
         """The objects as prompts show them: nothing that only the default advisor needs."""
         hidden = ("stated_mass_kg", "stated_friction", "solid_share", "parts")
-        return {name: {key: value for key, value in item.items() if key not in hidden}
-                for name, item in self.facts["objects"].items()}
+        return {
+            name: {key: value for key, value in item.items() if key not in hidden}
+            for name, item in self.facts["objects"].items()
+        }
 
 
 def _reasons(outcome: Outcome[Any]) -> list[str]:

@@ -17,9 +17,12 @@ def adapted(experience: Experience, facts: Mapping[str, Any]) -> tuple[PlanAnswe
     names = dict(zip(before, roles(facts), strict=False))
     plan = experience.plan
     programs = ("code", "done", "lost", "toward")
-    stages = [StageAnswer.model_validate({
-        **stage.model_dump(), **{key: renamed(getattr(stage, key), names) for key in programs}})
-        for stage in plan.stages]
+    stages = [
+        StageAnswer.model_validate(
+            {**stage.model_dump(), **{key: renamed(getattr(stage, key), names) for key in programs}}
+        )
+        for stage in plan.stages
+    ]
     made = plan.model_copy(update={"code": renamed(plan.code, names), "stages": stages})
     regions: dict[str, ObjectRegions] = {}
     for name, held in experience.regions.root.items():
@@ -34,6 +37,7 @@ def adapted(experience: Experience, facts: Mapping[str, Any]) -> tuple[PlanAnswe
 
 def renamed(text: str, names: Mapping[str, str]) -> str:
     """A program with the quantities of some objects read from others."""
+
     def other(found: re.Match[str]) -> str:
         return f"self.{names[found[1]]}_"
 

@@ -27,8 +27,13 @@ UNTOUCHABLE = ("missed", "buried", "out-of-reach")
 """Codes of what cannot be touched as things stand, though a region is sound in itself."""
 
 
-def verify_regions(answer: RegionsAnswer, facts: Mapping[str, Any], stages: Sequence[str] = (),
-                   cfg: RegionCfg | None = None, scenery: Scenery | None = None) -> Rejection | None:
+def verify_regions(
+    answer: RegionsAnswer,
+    facts: Mapping[str, Any],
+    stages: Sequence[str] = (),
+    cfg: RegionCfg | None = None,
+    scenery: Scenery | None = None,
+) -> Rejection | None:
     """Why regions cannot be used, or None: unknown object, off the surface, or no point of one that can be touched.
 
     Args:
@@ -64,8 +69,14 @@ def _no(name: str, code: str, reason: str, index: int | None = None) -> Rejectio
     return Rejection(code=code, reason=reason, details={"object": name, "region": index})
 
 
-def _wrong(region: Region, item: Mapping[str, Any], solids: Sequence[Solid], facts: Mapping[str, Any],
-           stages: Sequence[str], cfg: RegionCfg) -> tuple[str, str] | None:
+def _wrong(
+    region: Region,
+    item: Mapping[str, Any],
+    solids: Sequence[Solid],
+    facts: Mapping[str, Any],
+    stages: Sequence[str],
+    cfg: RegionCfg,
+) -> tuple[str, str] | None:
     """What is wrong with a region before its candidates are looked at."""
     center, normal = np.asarray(region.center), np.asarray(region.normal)
     if not (np.isfinite(center).all() and np.isfinite(normal).all() and math.isfinite(region.extent)):
@@ -73,16 +84,20 @@ def _wrong(region: Region, item: Mapping[str, Any], solids: Sequence[Solid], fac
     if abs(float(np.linalg.norm(normal)) - 1.0) > 0.05:
         return "normal", f"the normal {_text(normal)} has length {np.linalg.norm(normal):.2f}; make it 1"
     if not 0.0 <= region.extent <= cfg.extent_m or not 1 <= region.num_samples <= cfg.samples:
-        return "extent", (f"extent {region.extent:g} m with {region.num_samples} samples; extent lies within 0 and "
-                          f"{cfg.extent_m:g} m, num_samples within 1 and {cfg.samples}")
+        return "extent", (
+            f"extent {region.extent:g} m with {region.num_samples} samples; extent lies within 0 and "
+            f"{cfg.extent_m:g} m, num_samples within 1 and {cfg.samples}"
+        )
     if region.stage and region.stage not in stages:
         return "stage", f"the plan has no stage {region.stage!r}; its stages are {', '.join(stages) or 'none'}"
     if region.opening is not None and not 0.0 <= region.opening <= MAX_OPENING_M:
         return "opening", f"the fingers open from 0 to {MAX_OPENING_M:g} m, not {region.opening:g} m"
     off = off_surface(center, solids)
     if off > cfg.off_surface_m:
-        return "off-surface", (f"the center {_text(center)} lies {off:.3f} m off the surface; in the object's frame it "
-                               f"extends {_extent(item)}")
+        return "off-surface", (
+            f"the center {_text(center)} lies {off:.3f} m off the surface; in the object's frame it "
+            f"extends {_extent(item)}"
+        )
     if _points_inward(center, normal, solids, cfg):
         return "inward", f"the normal {_text(normal)} does not point out of the object at {_text(center)}"
     pose = np.asarray(item["pose"])
@@ -91,8 +106,10 @@ def _wrong(region: Region, item: Mapping[str, Any], solids: Sequence[Solid], fac
         return "underside", "the normal points down at the table: the hand cannot get under it"
     approach = region.approach or natural_approach(out)
     if approach == "pinch" and not _graspable(region, item):
-        return "too-wide", (f"the fingers open to {MAX_OPENING_M:g} m and the object is wider there; pinch a narrower "
-                            "part, or push or press")
+        return "too-wide", (
+            f"the fingers open to {MAX_OPENING_M:g} m and the object is wider there; pinch a narrower "
+            "part, or push or press"
+        )
     if here[2] < -TIP_M and not _overhangs(here, facts):
         return "below-table", f"it lies {-here[2]:.3f} m below the table's top"
     return None
@@ -105,11 +122,13 @@ def _points_inward(center: Array, normal: Array, solids: Sequence[Solid], cfg: R
     inside = [solid.leave(at[None], unit) for solid in solids if solid.depth(center[None])[0] > -cfg.off_surface_m]
     return bool(inside) and not any(
         not np.isfinite(rise[0]) or (rise[0] <= 1.5 * cfg.off_surface_m and facing[0] @ unit >= cfg.facing)
-        for rise, facing in inside)
+        for rise, facing in inside
+    )
 
 
-def _nothing_left(region: Region, left: Candidates, item: Mapping[str, Any], solids: Sequence[Solid], cfg: RegionCfg
-                  ) -> tuple[str, str]:
+def _nothing_left(
+    region: Region, left: Candidates, item: Mapping[str, Any], solids: Sequence[Solid], cfg: RegionCfg
+) -> tuple[str, str]:
     """Why no candidate of a region can be touched."""
     count = sum(left.lost.values())
     told = ", ".join(f"{number} {reason}" for reason, number in left.lost.items())
@@ -119,8 +138,10 @@ def _nothing_left(region: Region, left: Candidates, item: Mapping[str, Any], sol
         code, mend = "missed", f"in the object's frame it extends {_extent(item)}"
     elif worst == REACH:
         low, high = cfg.reach_low_m, cfg.reach_high_m
-        code, mend = "out-of-reach", (f"in the world the hand gets from {_text(np.asarray(low))} to "
-                                      f"{_text(np.asarray(high))} m")
+        code, mend = (
+            "out-of-reach",
+            (f"in the world the hand gets from {_text(np.asarray(low))} to {_text(np.asarray(high))} m"),
+        )
     return code, f"none of its {count} candidate points can be touched: {told}; {mend}"
 
 

@@ -149,8 +149,14 @@ def tool_at(surface: Array, normal: Array, size: Array, out: Array, approach: Ap
     return np.asarray(surface + out * (PAD_M if approach == "push" else TIP_M))
 
 
-def guide(name: str, region: Region, size: Array, lowest_m: float = LOWEST_M, cfg: RegionCfg | None = None,
-          local: Array | None = None) -> Guide:
+def guide(
+    name: str,
+    region: Region,
+    size: Array,
+    lowest_m: float = LOWEST_M,
+    cfg: RegionCfg | None = None,
+    local: Array | None = None,
+) -> Guide:
     """Tool poses for a region, wherever the object is: at the candidates, and a standoff away from them.
 
     Args:

@@ -22,8 +22,14 @@ HALF_TURN = np.array([0.0, 0.0, 0.0, 1.0])
 DOWNWARD = np.array([0.0, 0.0, -1.0])
 
 
-def sample_states(world: PlanningWorld, now: Observation, sizes: Mapping[str, Array], rng: np.random.Generator,
-                  count: int = 24, horizon: int = 60) -> list[Context]:
+def sample_states(
+    world: PlanningWorld,
+    now: Observation,
+    sizes: Mapping[str, Array],
+    rng: np.random.Generator,
+    count: int = 24,
+    horizon: int = 60,
+) -> list[Context]:
     """Rolled-out states around the hand and the objects, varied enough to tell good futures from bad ones.
 
     Half of them go where a hand can go: around each object from above, and down beside each of its sides and against
@@ -97,8 +103,15 @@ def _turning(start: Array, end: Array, share: Array) -> Array:
     return multiply(start, from_rotvec(np.minimum(1, 3 * share)[:, None] * turn))
 
 
-def gain(world: PlanningWorld, stage: Stage, now: Observation, sizes: Mapping[str, Array], rng: np.random.Generator,
-         horizon: int = 50, count: int = 24) -> float:
+def gain(
+    world: PlanningWorld,
+    stage: Stage,
+    now: Observation,
+    sizes: Mapping[str, Array],
+    rng: np.random.Generator,
+    horizon: int = 50,
+    count: int = 24,
+) -> float:
     """Share by which the best of some rehearsed ways lowers a stage's cost against keeping still; 1 is all of it.
 
     Args:
@@ -117,8 +130,11 @@ def gain(world: PlanningWorld, stage: Stage, now: Observation, sizes: Mapping[st
         turn = np.asarray(guide.quaternion(present) if guide.quaternion else start.quaternion)
         opening = now.opening_m if guide.opening_m is None else guide.opening_m
         # Either way round: the fingers touch alike, and a cost may ask for one.
-        ways += [([point], way, float(opening)) for way in (turn, multiply(turn, HALF_TURN))
-                 for point in guide.points(present)]
+        ways += [
+            ([point], way, float(opening))
+            for way in (turn, multiply(turn, HALF_TURN))
+            for point in guide.points(present)
+        ]
     if not stage.guides:
         ways = _some(now, sizes, rng, count)
     ways.append(([start.position], start.quaternion, now.opening_m))
@@ -127,7 +143,8 @@ def gain(world: PlanningWorld, stage: Stage, now: Observation, sizes: Mapping[st
         np.stack([_along(start.position, way[0], np.minimum(1, 1.5 * share)) for way in ways]),
         np.stack([_turning(start.quaternion, way[1], share) for way in ways]),
         np.stack([now.opening_m + (way[2] - now.opening_m) * np.minimum(1, 2 * share) for way in ways]),
-        stage.stiffness_n_m)
+        stage.stiffness_n_m,
+    )
     states, sane = world.rollout(now, controls)
     terms = stage.cost(states)
     total = np.zeros(states.shape)

@@ -22,7 +22,8 @@ TEXTS: Mapping[Diagnosis, str] = {
     "slipped": "contact was made and lost again and again",
     "not-moved": "the hand pressed and the object hardly moved",
     "moved-otherwise": "the object moved, but not as rehearsed: the simulation believes in wrong parameters",
-    "no-progress": "the cost fell no further, though nothing is visibly wrong: a side or grasp that leads nowhere"}
+    "no-progress": "the cost fell no further, though nothing is visibly wrong: a side or grasp that leads nowhere",
+}
 
 
 def diagnose(steps: Sequence[Step], name: str, returns: int, surprise_m: float) -> Diagnosis:
@@ -54,8 +55,12 @@ def choice_after(diagnoses: Sequence[str]) -> Choice:
     choice = Choice()
     for kind in diagnoses:
         if kind == "slipped":
-            choice = replace(choice, press=min(choice.press * 1.4, 3.0), lower_m=min(choice.lower_m + 0.006, 0.012),
-                             careful=max(0.5, 0.8 * choice.careful))
+            choice = replace(
+                choice,
+                press=min(choice.press * 1.4, 3.0),
+                lower_m=min(choice.lower_m + 0.006, 0.012),
+                careful=max(0.5, 0.8 * choice.careful),
+            )
         elif kind == "not-moved":
             choice = replace(choice, press=min(choice.press * 1.6, 3.0))
         elif kind in ("not-reached", "no-progress", "cost-error"):
@@ -97,8 +102,9 @@ class ParametersAnswer(BaseModel):
         return {**believed, **{one.label: Physical(one.mass, one.friction) for one in self.objects}}
 
 
-def verify_parameters(answer: ParametersAnswer, believed: Mapping[str, Physical], cfg: BeliefCfg | None = None
-                      ) -> Rejection | None:
+def verify_parameters(
+    answer: ParametersAnswer, believed: Mapping[str, Physical], cfg: BeliefCfg | None = None
+) -> Rejection | None:
     """Why corrected parameters cannot be tried, or None; whether they are better is for the replay to say."""
     cfg = cfg or BeliefCfg()
     for one in answer.objects:
@@ -106,13 +112,15 @@ def verify_parameters(answer: ParametersAnswer, believed: Mapping[str, Physical]
             return Rejection(code="objects", reason=f"{one.label} is no object; there are {', '.join(believed)}")
         for field, value, (low, high) in (("mass", one.mass, cfg.mass_kg), ("friction", one.friction, cfg.friction)):
             if not low <= value <= high:
-                return Rejection(code="bounds", reason=f"{field} of {one.label} is {value:g}; it lies within {low:g} "
-                                 f"and {high:g}")
+                return Rejection(
+                    code="bounds", reason=f"{field} of {one.label} is {value:g}; it lies within {low:g} and {high:g}"
+                )
     return None
 
 
-def recent(steps: Sequence[Step], costs: Sequence[tuple[float, float]], name: str, most: int = 5
-           ) -> list[dict[str, Any]]:
+def recent(
+    steps: Sequence[Step], costs: Sequence[tuple[float, float]], name: str, most: int = 5
+) -> list[dict[str, Any]]:
     """The last stretch in a few rows, as the prompts show it (the paper's last five steps).
 
     Args:
@@ -128,14 +136,18 @@ def recent(steps: Sequence[Step], costs: Sequence[tuple[float, float]], name: st
     for index in chosen:
         step = steps[int(index)]
         body, before = step.after.objects[name], step.before.objects[name]
-        rows.append({
-            "time_s": round(step.after.time_s, 2), "object_pos": [round(float(v), 4) for v in body.position],
-            "object_moved_mm": round(1e3 * float(np.linalg.norm(body.position - before.position)), 2),
-            "hand_pos": [round(float(v), 4) for v in step.after.tool.position],
-            "hand_told_to": [round(float(v), 4) for v in step.command.position],
-            "opening_told_m": round(step.command.opening_m, 4),
-            "force_on_hand_n": [round(float(v), 2) for v in step.after.wrench[:3]],
-            "cost": _at(costs, step.before.time_s)})
+        rows.append(
+            {
+                "time_s": round(step.after.time_s, 2),
+                "object_pos": [round(float(v), 4) for v in body.position],
+                "object_moved_mm": round(1e3 * float(np.linalg.norm(body.position - before.position)), 2),
+                "hand_pos": [round(float(v), 4) for v in step.after.tool.position],
+                "hand_told_to": [round(float(v), 4) for v in step.command.position],
+                "opening_told_m": round(step.command.opening_m, 4),
+                "force_on_hand_n": [round(float(v), 2) for v in step.after.wrench[:3]],
+                "cost": _at(costs, step.before.time_s),
+            }
+        )
     return rows
 
 

@@ -88,8 +88,12 @@ class Replay:
         stiffness = float(np.median([step.command.stiffness for step in steps]))
         # The rehearsal has one stiffness and no added force: both become displacements that pull as hard.
         position = np.array([_pulled(step.before.tool.position, step.command, stiffness) for step in steps])
-        controls = Controls(position[None], np.array([step.command.quaternion for step in steps])[None],
-                            np.array([[step.command.opening_m for step in steps]]), stiffness)
+        controls = Controls(
+            position[None],
+            np.array([step.command.quaternion for step in steps])[None],
+            np.array([[step.command.opening_m for step in steps]]),
+            stiffness,
+        )
         states, sane = self.world.rollout(window.start, controls)
         measured = [step.after.objects[name] for step in steps]
         place = np.array([body.position for body in measured])
@@ -101,11 +105,16 @@ class Replay:
         felt = np.broadcast_to(states.ee_force, (*shape, 3)).mean(axis=1) - force.mean(axis=0)
         unit = cfg.force_n + cfg.force_share * float(np.linalg.norm(force.mean(axis=0)))
         ahead = np.linalg.norm((states.ee_pos - hand).mean(axis=1), axis=-1)
-        found = np.stack([
-            _rms(np.linalg.norm(states[f"{name}_pos"] - place, axis=-1)) / cfg.position_m,
-            _rms(angle_between(states[f"{name}_quat"], np.broadcast_to(turn, (*shape, 4)))) / cfg.angle_rad,
-            _rms(np.linalg.norm(states[f"{name}_vel"] - speed, axis=-1)) / cfg.speed_m_s,
-            ahead / cfg.hand_m, np.linalg.norm(felt, axis=-1) / unit], axis=-1)
+        found = np.stack(
+            [
+                _rms(np.linalg.norm(states[f"{name}_pos"] - place, axis=-1)) / cfg.position_m,
+                _rms(angle_between(states[f"{name}_quat"], np.broadcast_to(turn, (*shape, 4)))) / cfg.angle_rad,
+                _rms(np.linalg.norm(states[f"{name}_vel"] - speed, axis=-1)) / cfg.speed_m_s,
+                ahead / cfg.hand_m,
+                np.linalg.norm(felt, axis=-1) / unit,
+            ],
+            axis=-1,
+        )
         return np.where(sane[:, None], found, np.inf)
 
 

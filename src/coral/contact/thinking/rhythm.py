@@ -36,7 +36,7 @@ class Rhythm:
         now = steps[-1].after.time_s
         if now - self._since < self.every_s - 1e-9 and not last:
             return None
-        name = most_telling(steps[self._seen:])
+        name = most_telling(steps[self._seen :])
         if name is not None:
             self.done, self._since, self._seen = self.done + 1, now, len(steps)
         return name

@@ -42,8 +42,13 @@ def _regions(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseM
     made = _composed(facts, int(facts.get("refused", 0))).regions
     # The plan may be somebody else's, with other stages: then a place is good for all of them.
     stages = facts.get("stages", ())
-    held = {name: [region if not stages or region.stage in stages else region.model_copy(update={"stage": ""})
-                   for region in regions.regions] for name, regions in made.root.items()}
+    held = {
+        name: [
+            region if not stages or region.stage in stages else region.model_copy(update={"stage": ""})
+            for region in regions.regions
+        ]
+        for name, regions in made.root.items()
+    }
     # The rules have no second choice of a place: the others are better than none.
     for rejection in rejections:
         if rejection.code in UNTOUCHABLE:
@@ -66,20 +71,32 @@ def _parameters(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> Ba
     fitted = facts["fitted"]
     if not fitted["better"]:
         raise AdvisorUnavailable("no-better-fit", "no mass and friction explain the history better", final=True)
-    return ParametersAnswer(objects=[ObjectParameters(label=fitted["object"], mass=fitted["mass_kg"],
-                                                      friction=fitted["friction"])])
+    return ParametersAnswer(
+        objects=[ObjectParameters(label=fitted["object"], mass=fitted["mass_kg"], friction=fitted["friction"])]
+    )
 
 
 def _unified(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
     """Its rules for each part, one after the other; what is believed already is kept."""
-    found = {name: Estimate(mass_kg=item["mass_kg"], friction_coeff=item["friction"])
-             for name, item in facts["objects"].items() if "mass_kg" in item} or estimate(facts, rejections).root
-    believed = {name: {**item, "mass_kg": found[name].mass_kg, "friction": found[name].friction_coeff}
-                for name, item in facts["objects"].items()}
+    found = {
+        name: Estimate(mass_kg=item["mass_kg"], friction_coeff=item["friction"])
+        for name, item in facts["objects"].items()
+        if "mass_kg" in item
+    } or estimate(facts, rejections).root
+    believed = {
+        name: {**item, "mass_kg": found[name].mass_kg, "friction": found[name].friction_coeff}
+        for name, item in facts["objects"].items()
+    }
     made = _composed({**facts, "objects": believed}, len(rejections))
     return UnifiedAnswer(parameters=found, regions=made.regions.root, **made.plan.model_dump())
 
 
 RULES: Mapping[str, Rule] = {
-    "physical-parameters": estimate, "cost-function": _plan, "contact-regions": _regions, "cost-repair": _repair,
-    "parameter-repair": _parameters, "object-poses": locate, "unified": _unified}
+    "physical-parameters": estimate,
+    "cost-function": _plan,
+    "contact-regions": _regions,
+    "cost-repair": _repair,
+    "parameter-repair": _parameters,
+    "object-poses": locate,
+    "unified": _unified,
+}

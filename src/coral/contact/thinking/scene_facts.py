@@ -12,9 +12,11 @@ from coral.contact.draw import Drawn, Physical, part_size
 from coral.contact.hand import MAX_OPENING_M
 from coral.contact.world import Body, Observation
 
-FUNCTIONS = ("norm(v), dot(a, b), cross(a, b), clip(x, low, high), clip01(x), sigmoid(x), near(distance, scale) = "
-             "exp(-(distance/scale)^2), quat_axis(q, 0|1|2) = that axis in the world, quat_rotate(q, v), "
-             "quat_angle(a, b), and the usual ones of np and math")
+FUNCTIONS = (
+    "norm(v), dot(a, b), cross(a, b), clip(x, low, high), clip01(x), sigmoid(x), near(distance, scale) = "
+    "exp(-(distance/scale)^2), quat_axis(q, 0|1|2) = that axis in the world, quat_rotate(q, v), "
+    "quat_angle(a, b), and the usual ones of np and math"
+)
 
 
 def scene_facts(drawn: Drawn, now: Observation, beliefs: Mapping[str, Physical] | None = None) -> dict[str, Any]:
@@ -31,13 +33,20 @@ def scene_facts(drawn: Drawn, now: Observation, beliefs: Mapping[str, Physical] 
         name = item.name
         factors = drawn.objects[name].scale
         objects[name] = {
-            "label": item.label or name, "size_m": _round(drawn.size(name)), "pose": pose(now.objects[name]),
-            "shapes": sorted({part.shape for part in item.parts}), "solid_share": round(_solid_share(drawn, name), 3),
-            "parts": [{"size_m": _round(part_size(part, factors)),
-                       "position": _round(np.asarray(part.position) * factors)}
-                      for part in item.parts if part.shape != "mesh" and not any(part.rpy_deg)],
+            "label": item.label or name,
+            "size_m": _round(drawn.size(name)),
+            "pose": pose(now.objects[name]),
+            "shapes": sorted({part.shape for part in item.parts}),
+            "solid_share": round(_solid_share(drawn, name), 3),
+            "parts": [
+                {"size_m": _round(part_size(part, factors)), "position": _round(np.asarray(part.position) * factors)}
+                for part in item.parts
+                if part.shape != "mesh" and not any(part.rpy_deg)
+            ],
             "points": {point: _round(np.asarray(at) * factors) for point, at in item.points.items()},
-            "stated_mass_kg": list(item.mass_kg), "stated_friction": list(item.friction)}
+            "stated_mass_kg": list(item.mass_kg),
+            "stated_friction": list(item.friction),
+        }
         corners = drawn.corners(name)
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
         if np.abs(middle).max() > 0.001:
@@ -46,15 +55,22 @@ def scene_facts(drawn: Drawn, now: Observation, beliefs: Mapping[str, Physical] 
             objects[name] |= {"mass_kg": round(beliefs[name].mass_kg, 5), "friction": round(beliefs[name].friction, 4)}
     table = task.table
     return {
-        "task": task.name, "instruction": task.instruction,
+        "task": task.name,
+        "instruction": task.instruction,
         "goals": [goal.model_dump(mode="json") for goal in task.success.conditions],
         "objects": objects,
-        "fixtures": {item.name: {"position": list(item.position), "size_m": list(item.size), "yaw_deg": item.yaw_deg}
-                     for item in task.fixtures},
-        "places": {name: list(at) for name, at in task.places.items()}, "numbers": dict(task.numbers),
-        "table": {"x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
-                  "y": [table.center[1] - table.size[1] / 2, table.center[1] + table.size[1] / 2]},
-        "hand": {"pose": pose(now.tool), "widest_opening_m": MAX_OPENING_M}}
+        "fixtures": {
+            item.name: {"position": list(item.position), "size_m": list(item.size), "yaw_deg": item.yaw_deg}
+            for item in task.fixtures
+        },
+        "places": {name: list(at) for name, at in task.places.items()},
+        "numbers": dict(task.numbers),
+        "table": {
+            "x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
+            "y": [table.center[1] - table.size[1] / 2, table.center[1] + table.size[1] / 2],
+        },
+        "hand": {"pose": pose(now.tool), "widest_opening_m": MAX_OPENING_M},
+    }
 
 
 def pose(body: Body) -> list[float]:
@@ -81,7 +97,10 @@ def _solid_share(drawn: Drawn, name: str) -> float:
     item = drawn.task.object(name)
     factors = {"box": 1.0, "cylinder": np.pi / 4, "sphere": np.pi / 6}
     scale = drawn.objects[name].scale
-    volume = sum(factors[part.shape] * float(np.prod(np.asarray(part.size) * scale))
-                 for part in item.parts if part.shape != "mesh")
+    volume = sum(
+        factors[part.shape] * float(np.prod(np.asarray(part.size) * scale))
+        for part in item.parts
+        if part.shape != "mesh"
+    )
     box = float(np.prod(drawn.size(name)))
     return min(1.0, volume / box if volume else 0.6)

@@ -55,8 +55,10 @@ class Thing:
         """Of the box that holds it, in its frame."""
         self.position = np.asarray(item["pose"][:3], dtype=float)
         self.rotation = rotation_of(item["pose"][3:])
-        self.parts = [(np.asarray(part["position"], dtype=float), np.asarray(part["size_m"], dtype=float) / 2)
-                      for part in item.get("parts", ())] or [(self.middle, self.size / 2)]
+        self.parts = [
+            (np.asarray(part["position"], dtype=float), np.asarray(part["size_m"], dtype=float) / 2)
+            for part in item.get("parts", ())
+        ] or [(self.middle, self.size / 2)]
         self.points = {key: np.asarray(at, dtype=float) for key, at in item["points"].items()}
         self.mass, self.friction = float(item.get("mass_kg", 0.3)), float(item.get("friction", 0.5))
 

@@ -54,12 +54,18 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     side = np.cross([0.0, 0.0, 1.0], out)
     ahead = f"(self.{n}_pos + {vector((0.08 - rear) * out)})"
 
-    draft.stages.append(StageAnswer(
-        name="push", done=over, back_to="reach", noise=soft,
-        lost=f"norm(self.ee_pos - self.{n}_pos) > {number(rear + 0.12)} and not {over}", opening=OPEN_M,
-        toward=f"{ahead} * np.array([1.0, 1.0, 0.0]) + np.array([0.0, 0.0, {number(height)}])",
-        stiffness=600.0 * choice.press,
-        code=behind_head(thing, axis, sign, number(height), handed=True) + f"""
+    draft.stages.append(
+        StageAnswer(
+            name="push",
+            done=over,
+            back_to="reach",
+            noise=soft,
+            lost=f"norm(self.ee_pos - self.{n}_pos) > {number(rear + 0.12)} and not {over}",
+            opening=OPEN_M,
+            toward=f"{ahead} * np.array([1.0, 1.0, 0.0]) + np.array([0.0, 0.0, {number(height)}])",
+            stiffness=600.0 * choice.press,
+            code=behind_head(thing, axis, sign, number(height), handed=True)
+            + f"""
     beyond = {beyond}
     terms['overhang'] = 20.0 * clip({number(overhang)} - beyond, 0.0, 1.0)
     terms['not too far'] = 60.0 * clip(beyond - {number(overhang + 0.02)}, 0.0, 1.0)
@@ -70,7 +76,9 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     terms['abreast'] = 15.0 * abs(self.gripper_target - {number(OPEN_M)})
     terms['gently'] = 1.0 * norm(self.{n}_vel) + 0.01 * norm(self.ee_force)
 {care(facts, n)}    return terms
-"""))
+""",
+        )
+    )
 
     def pose(goal: str, opening: str, turning: str = turn) -> str:
         return f"""def state_cost(self):
@@ -99,25 +107,63 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     near_side = f"{turn} < 0.5 and norm(self.ee_pos - {beside(0.12, 0.17)}) < 0.25"
     open_ = number(OPEN_M)
     draft.stages += [
-        StageAnswer(name="rise", done=f"norm(self.ee_pos - {high}) < 0.05 or ({near_side})", toward=high,
-                    opening=OPEN_M, code=pose(high, open_, down)),
-        StageAnswer(name="turn", done=there(beside(0.12, 0.17), 0.03, 0.15), back_to="reach", lost=short,
-                    toward=beside(0.12, 0.17), opening=OPEN_M, code=pose(beside(0.12, 0.17), open_)),
-        StageAnswer(name="descend", done=there(beside(0.11, 0.0), 0.012, 0.1), toward=beside(0.11, 0.0),
-                    opening=OPEN_M, noise=soft, code=pose(beside(0.11, 0.0), open_)),
-        StageAnswer(name="insert", done=there(at, 0.012, 0.12), toward=at, opening=OPEN_M, noise=0.8 * soft,
-                    code=pose(at, open_)),
-        StageAnswer(name="pinch", done=held, back_to="turn", lost=slipped, toward=at, opening=SQUEEZE_M, noise=0.4,
-                    code=f"""def state_cost(self):
+        StageAnswer(
+            name="rise",
+            done=f"norm(self.ee_pos - {high}) < 0.05 or ({near_side})",
+            toward=high,
+            opening=OPEN_M,
+            code=pose(high, open_, down),
+        ),
+        StageAnswer(
+            name="turn",
+            done=there(beside(0.12, 0.17), 0.03, 0.15),
+            back_to="reach",
+            lost=short,
+            toward=beside(0.12, 0.17),
+            opening=OPEN_M,
+            code=pose(beside(0.12, 0.17), open_),
+        ),
+        StageAnswer(
+            name="descend",
+            done=there(beside(0.11, 0.0), 0.012, 0.1),
+            toward=beside(0.11, 0.0),
+            opening=OPEN_M,
+            noise=soft,
+            code=pose(beside(0.11, 0.0), open_),
+        ),
+        StageAnswer(
+            name="insert",
+            done=there(at, 0.012, 0.12),
+            toward=at,
+            opening=OPEN_M,
+            noise=0.8 * soft,
+            code=pose(at, open_),
+        ),
+        StageAnswer(
+            name="pinch",
+            done=held,
+            back_to="turn",
+            lost=slipped,
+            toward=at,
+            opening=SQUEEZE_M,
+            noise=0.4,
+            code=f"""def state_cost(self):
     terms['stay'] = {stay}
     terms['turn'] = 2.0 * {turn}
     terms['close'] = {number(20 * choice.press)} * self.gripper_target
     terms['hold'] = -1.0 * self.{n}_left_contact * self.{n}_right_contact
     terms['leave alone'] = 5.0 * norm(self.{n}_vel)
     return terms
-"""),
-        StageAnswer(name="lift", back_to="turn", lost=slipped, opening=SQUEEZE_M, noise=0.5,
-                    toward=f"self.ee_pos + np.array([0.0, 0.0, {number(rise)}])", code=f"""def state_cost(self):
+""",
+        ),
+        StageAnswer(
+            name="lift",
+            back_to="turn",
+            lost=slipped,
+            opening=SQUEEZE_M,
+            noise=0.5,
+            toward=f"self.ee_pos + np.array([0.0, 0.0, {number(rise)}])",
+            code=f"""def state_cost(self):
     rear = self.{n}_pos - {number(rear)} * {axis_of(n, axis, sign)}
     lowest = min(rear[2], self.{n}_pos[2])
     terms['lift'] = 10.0 * clip({number(rise)} - lowest, 0.0, 1.0)
@@ -128,13 +174,31 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     terms['turn'] = 0.5 * {turn}
     terms['calm'] = 0.1 * norm(self.ee_vel)
     return terms
-""")]
+""",
+        ),
+    ]
     entry = grip - thing.room_behind(grip, inward) * inward
-    draft.regions.append((n, Region.model_validate({
-        "center": [round(float(v), 4) for v in entry], "normal": [round(float(v), 4) for v in -inward], "extent": 0.004,
-        "num_samples": 4, "approach": "pinch", "opening": OPEN_M, "stage": "insert", "closing": thing.up})))
-    draft.words.append(f"the {n} is wider than the hand opens ({100 * MAX_OPENING_M:.0f} cm): push one end "
-                       f"{100 * overhang:.0f} cm over the edge, pinch it across its thickness, lift")
+    draft.regions.append(
+        (
+            n,
+            Region.model_validate(
+                {
+                    "center": [round(float(v), 4) for v in entry],
+                    "normal": [round(float(v), 4) for v in -inward],
+                    "extent": 0.004,
+                    "num_samples": 4,
+                    "approach": "pinch",
+                    "opening": OPEN_M,
+                    "stage": "insert",
+                    "closing": thing.up,
+                }
+            ),
+        )
+    )
+    draft.words.append(
+        f"the {n} is wider than the hand opens ({100 * MAX_OPENING_M:.0f} cm): push one end "
+        f"{100 * overhang:.0f} cm over the edge, pinch it across its thickness, lift"
+    )
 
 
 def _end(thing: Thing, facts: Mapping[str, Any]) -> tuple[int, float, Array]:
@@ -148,8 +212,7 @@ def _end(thing: Thing, facts: Mapping[str, Any]) -> tuple[int, float, Array]:
         point = named[0]
         axis = max(thing.lying, key=lambda k: abs(float(point[k])))
         return axis, 1.0 if point[axis] >= 0 else -1.0, point
-    best = max(((k, s) for k in thing.lying for s in (1.0, -1.0)),
-               key=lambda end: -_room(thing, facts, end[0], end[1]))
+    best = max(((k, s) for k in thing.lying for s in (1.0, -1.0)), key=lambda end: -_room(thing, facts, end[0], end[1]))
     grip = thing.middle.copy()
     grip[best[0]] = best[1] * (thing.to_face(*best) - 0.02)
     return best[0], best[1], grip

@@ -42,7 +42,7 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
     half, ahead = thing.size[axis] / 2, vector([*way, 0.0])
     up = f"{'-1.0 * ' if thing.up_sign < 0 else ''}quat_axis(self.{n}_quat, {thing.up})"
     raised = f"-1.0 * ({axis_of(n, axis, sign)})[2]"
-    gap = (f"dot({vector([*point, 0.0])} - self.{n}_pos - {number(half)} * {axis_of(n, axis, sign)}, {ahead})")
+    gap = f"dot({vector([*point, 0.0])} - self.{n}_pos - {number(half)} * {axis_of(n, axis, sign)}, {ahead})"
     head = f"""def state_cost(self):
     ahead = {ahead}
     along = {axis_of(n, axis, sign)}
@@ -55,8 +55,16 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
     lost = f"{raised} < 0.2 and norm(self.ee_pos - self.{n}_pos) > {number(half + 0.09)}"
     soft = 0.6 * choice.careful
     draft.stages += [
-        StageAnswer(name="push", done=f"{gap} < 0.006", back_to="reach", lost=lost, noise=soft, opening=wide,
-                    toward=f"self.ee_pos + 0.05 * {ahead}", code=behind_head(thing, axis, sign, number(height)) + f"""
+        StageAnswer(
+            name="push",
+            done=f"{gap} < 0.006",
+            back_to="reach",
+            lost=lost,
+            noise=soft,
+            opening=wide,
+            toward=f"self.ee_pos + 0.05 * {ahead}",
+            code=behind_head(thing, axis, sign, number(height))
+            + f"""
     gap = {gap}
     terms['behind'] = 10.0 * norm(off)
     terms['up to the {against}'] = 12.0 * clip(gap, 0.0, 1.0)
@@ -66,9 +74,18 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
     terms['gently'] = 0.02 * norm(self.{n}_hand_force)
     terms['calm'] = 0.5 * norm(self.{n}_vel)
 {care(facts, n)}    return terms
-"""),
-        StageAnswer(name="raise", done=f"{raised} > 0.985", back_to="reach", lost=lost, noise=soft, opening=wide,
-                    toward=f"self.ee_pos + 0.005 * {ahead} + np.array([0.0, 0.0, 0.03])", code=head + f"""
+""",
+        ),
+        StageAnswer(
+            name="raise",
+            done=f"{raised} > 0.985",
+            back_to="reach",
+            lost=lost,
+            noise=soft,
+            opening=wide,
+            toward=f"self.ee_pos + 0.005 * {ahead} + np.array([0.0, 0.0, 0.03])",
+            code=head
+            + f"""
     force = dot(self.{n}_hand_force, ahead)
     far = dot({vector([*point, 0.0])} - far_top, ahead)
     terms['raise'] = {number(6 * choice.press)} * (1.0 - raised)
@@ -81,9 +98,16 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
     terms['gently'] = 0.1 * clip(norm(self.ee_force) - {number(12 * choice.press)}, 0.0, 100.0)
     terms['calm'] = 0.2 * norm(self.{n}_vel)
 {care(facts, n)}    return terms
-"""),
-        StageAnswer(name="let go", noise=soft, back_to="reach", lost=f"{raised} < 0.5",
-                    toward=f"self.ee_pos - 0.06 * {ahead} + np.array([0.0, 0.0, 0.02])", code=head + f"""
+""",
+        ),
+        StageAnswer(
+            name="let go",
+            noise=soft,
+            back_to="reach",
+            lost=f"{raised} < 0.5",
+            toward=f"self.ee_pos - 0.06 * {ahead} + np.array([0.0, 0.0, 0.02])",
+            code=head
+            + f"""
     off = self.ee_pos - edge + 0.09 * ahead - np.array([0.0, 0.0, 0.03])
     terms['away'] = 10.0 * max(0.0, norm(off) - 0.03)
     terms['let go'] = 1.0 * self.{n}_hand_contact
@@ -92,9 +116,24 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
     terms['square'] = 2.0 * square
     terms['calm'] = 0.3 * norm(self.ee_vel)
 {care(facts, n)}    return terms
-""")]
+""",
+        ),
+    ]
     center, normal = thing.face(axis, -sign, {thing.up: -0.8 * thing.up_sign})
-    draft.regions.append((n, Region.model_validate({
-        "center": center, "normal": normal, "extent": 0.004, "num_samples": 4, "approach": "push", "opening": wide,
-        "stage": "push"})))
+    draft.regions.append(
+        (
+            n,
+            Region.model_validate(
+                {
+                    "center": center,
+                    "normal": normal,
+                    "extent": 0.004,
+                    "num_samples": 4,
+                    "approach": "push",
+                    "opening": wide,
+                    "stage": "push",
+                }
+            ),
+        )
+    )
     draft.words.append(f"push the {n} up to the {against}, raise its near end against it, let go once it stands")

@@ -39,18 +39,31 @@ def behind_head(thing: Thing, axis: int, sign: float, height: str, handed: bool 
     square = {_square(thing.name, axis, sign if handed else 0.0)}"""
 
 
-def add_behind(draft: Draft, thing: Thing, facts: Mapping[str, Any], axis: int, sign: float, height_m: float,
-               choice: Choice, handed: bool = False) -> None:
+def add_behind(
+    draft: Draft,
+    thing: Thing,
+    facts: Mapping[str, Any],
+    axis: int,
+    sign: float,
+    height_m: float,
+    choice: Choice,
+    handed: bool = False,
+) -> None:
     """Come from above to the face that is to be pushed."""
     n = thing.name
     wide = abreast(thing.size[next(k for k in thing.lying if k != axis)])
     up = thing.up_sign * (height_m - thing.low - thing.height / 2) / max(thing.height / 2, 1e-6)
     gap, above = 0.012, thing.height + 0.03
-    here = (f"norm(self.ee_pos - self.{n}_pos + {number(thing.to_face(axis, -sign) + PAD_M + gap)} * "
-            f"{axis_of(n, axis, sign)} - np.array([0.0, 0.0, {number(height_m)} - self.{n}_pos[2]]))")
-    draft.stages.append(StageAnswer(
-        name="reach", done=f"{here} < 0.018 and ({_square(n, axis, sign if handed else 0.0)}) < 0.1",
-        code=behind_head(thing, axis, sign, number(height_m), handed) + f"""
+    here = (
+        f"norm(self.ee_pos - self.{n}_pos + {number(thing.to_face(axis, -sign) + PAD_M + gap)} * "
+        f"{axis_of(n, axis, sign)} - np.array([0.0, 0.0, {number(height_m)} - self.{n}_pos[2]]))"
+    )
+    draft.stages.append(
+        StageAnswer(
+            name="reach",
+            done=f"{here} < 0.018 and ({_square(n, axis, sign if handed else 0.0)}) < 0.1",
+            code=behind_head(thing, axis, sign, number(height_m), handed)
+            + f"""
     goal = behind - {number(gap)} * along
     aside = clip01((norm((self.ee_pos - goal)[:2]) - 0.015) / 0.05)
     # from above: until the hand stands beside the face, the way leads to a point over it
@@ -59,23 +72,41 @@ def add_behind(draft: Draft, thing: Thing, facts: Mapping[str, Any], axis: int, 
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
     terms['leave alone'] = 0.2 * norm(self.{n}_hand_force)
 {care(facts, n)}    return terms
-"""))
+""",
+        )
+    )
     center, normal = thing.face(axis, -sign, {thing.up: float(np.clip(up, -0.95, 0.95))})
-    draft.regions.append((n, Region.model_validate({
-        "center": center, "normal": normal, "extent": 0.006, "num_samples": 4, "approach": "push", "opening": wide,
-        "stage": "reach"})))
+    draft.regions.append(
+        (
+            n,
+            Region.model_validate(
+                {
+                    "center": center,
+                    "normal": normal,
+                    "extent": 0.006,
+                    "num_samples": 4,
+                    "approach": "push",
+                    "opening": wide,
+                    "stage": "reach",
+                }
+            ),
+        )
+    )
 
 
 def _square(n: str, axis: int, handed: float) -> str:
     if handed:
         left = f"cross(np.array([0.0, 0.0, 1.0]), {axis_of(n, axis, handed)})"
         return f"1.0 + quat_axis(self.ee_quat, 2)[2] + 4.0 * (1.0 - dot(quat_axis(self.ee_quat, 1), {left}))"
-    return (f"1.0 + quat_axis(self.ee_quat, 2)[2] + 3.0 * dot(quat_axis(self.ee_quat, 1), "
-            f"quat_axis(self.{n}_quat, {axis})) ** 2")
+    return (
+        f"1.0 + quat_axis(self.ee_quat, 2)[2] + 3.0 * dot(quat_axis(self.ee_quat, 1), "
+        f"quat_axis(self.{n}_quat, {axis})) ** 2"
+    )
 
 
-def add_push(draft: Draft, thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any], newtons: float | None,
-             choice: Choice) -> None:
+def add_push(
+    draft: Draft, thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any], newtons: float | None, choice: Choice
+) -> None:
     """Push to a place, with a given force if one is asked for."""
     n, place = thing.name, goal["place"]
     way = np.asarray(facts["places"][place], dtype=float)[:2] - thing.position[:2]
@@ -89,11 +120,19 @@ def add_push(draft: Draft, thing: Thing, facts: Mapping[str, Any], goal: Mapping
     lost = f"norm(self.ee_pos - self.{n}_pos) > {number(thing.to_face(axis, -sign) + 0.1)}"
     stiffness, short = 600.0 * choice.press, ""
     if newtons is None:
-        draft.stages.append(StageAnswer(
-            name="push", done=f"{gap} < {number(0.5 * goal['tolerance_m'])}", back_to="reach", lost=lost,
-            noise=0.6 * choice.careful, stiffness=stiffness, opening=wide,
-            toward=f"self.ee_pos + 0.06 * (self.{place}_pos - {where}) / ({gap} + 0.02) * np.array([1.0, 1.0, 0.0])",
-            code=behind_head(thing, axis, sign, number(height)) + f"""
+        draft.stages.append(
+            StageAnswer(
+                name="push",
+                done=f"{gap} < {number(0.5 * goal['tolerance_m'])}",
+                back_to="reach",
+                lost=lost,
+                noise=0.6 * choice.careful,
+                stiffness=stiffness,
+                opening=wide,
+                toward=f"self.ee_pos + 0.06 * (self.{place}_pos - {where}) / ({gap} + 0.02) * "
+                "np.array([1.0, 1.0, 0.0])",
+                code=behind_head(thing, axis, sign, number(height))
+                + f"""
     terms['behind'] = 8.0 * norm(off)
     terms['to the place'] = 15.0 * {gap}
     terms['force'] = 0.01 * norm(self.{n}_hand_force)
@@ -101,20 +140,31 @@ def add_push(draft: Draft, thing: Thing, facts: Mapping[str, Any], goal: Mapping
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
     terms['calm'] = 0.5 * norm(self.{n}_vel)
 {care(facts, n)}    return terms
-"""))
+""",
+            )
+        )
     else:
         stiffness = float(np.clip(SOFT * newtons / LEAD_M * choice.press, 50.0, 600.0))
         short = f"{gap} > {number(0.95 * goal['tolerance_m'])}"
         ahead = f"(self.{place}_pos - {where}) / ({gap} + 0.001) * np.array([1.0, 1.0, 0.0])"
         top = number(thing.height / 2 - 0.01)
-        draft.stages.append(StageAnswer(
-            name="push", done=f"{gap} < {number(0.7 * goal['tolerance_m'])}", back_to="reach", lost=lost,
-            noise=0.2 * choice.careful, stiffness=stiffness,
-            toward=f"self.ee_pos + 0.065 * {ahead} - np.array([0.0, 0.0, max(0.0, self.ee_pos[2] - self.{n}_pos[2] - "
-                   f"{top})])", code=_steadily(thing, axis, sign, place, where, height, newtons) + f"""
+        draft.stages.append(
+            StageAnswer(
+                name="push",
+                done=f"{gap} < {number(0.7 * goal['tolerance_m'])}",
+                back_to="reach",
+                lost=lost,
+                noise=0.2 * choice.careful,
+                stiffness=stiffness,
+                toward=f"self.ee_pos + 0.065 * {ahead} - "
+                f"np.array([0.0, 0.0, max(0.0, self.ee_pos[2] - self.{n}_pos[2] - {top})])",
+                code=_steadily(thing, axis, sign, place, where, height, newtons)
+                + f"""
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
 {care(facts, n)}    return terms
-"""))
+""",
+            )
+        )
     draft.words.append(f"push the {n} to {place}" + (f" with {newtons:g} N" if newtons else ""))
     add_draw_back(draft, thing, axis, sign, height, facts, stiffness, short)
 
@@ -152,19 +202,36 @@ def _steadily(thing: Thing, axis: int, sign: float, place: str, where: str, heig
     terms['square'] = 2.0 * tilt + 6.0 * dot(quat_axis(self.ee_quat, 1), along) ** 2"""
 
 
-def add_draw_back(draft: Draft, thing: Thing, axis: int, sign: float, height_m: float, facts: Mapping[str, Any],
-                  stiffness: float = 600.0, short: str = "") -> None:
+def add_draw_back(
+    draft: Draft,
+    thing: Thing,
+    axis: int,
+    sign: float,
+    height_m: float,
+    facts: Mapping[str, Any],
+    stiffness: float = 600.0,
+    short: str = "",
+) -> None:
     """Away from the pushed face, without taking the object along; as stiff as it was pushed, or it gets a blow."""
     n = thing.name
-    draft.stages.append(StageAnswer(
-        name="draw back", noise=0.6, toward=f"self.ee_pos - 0.06 * {axis_of(n, axis, sign)}", stiffness=stiffness,
-        back_to="reach" if short else "", lost=short, code=behind_head(thing, axis, sign, number(height_m)) + f"""
+    draft.stages.append(
+        StageAnswer(
+            name="draw back",
+            noise=0.6,
+            toward=f"self.ee_pos - 0.06 * {axis_of(n, axis, sign)}",
+            stiffness=stiffness,
+            back_to="reach" if short else "",
+            lost=short,
+            code=behind_head(thing, axis, sign, number(height_m))
+            + f"""
     terms['away'] = 10.0 * norm(off + 0.05 * along)
     terms['leave alone'] = 5.0 * norm(self.{n}_vel)
     terms['square'] = 1.0 * square
     terms['calm'] = 0.3 * norm(self.ee_vel)
 {care(facts, n)}    return terms
-"""))
+""",
+        )
+    )
 
 
 def _push_height(thing: Thing, choice: Choice) -> float:
@@ -194,9 +261,17 @@ def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Choice
     foot = self.{n}_pos + {number(thing.size[axis] / 2)} * along - {number(half_up)} * up
     square = 1.0 + quat_axis(self.ee_quat, 2)[2] + 3.0 * dot(quat_axis(self.ee_quat, 1), ahead) ** 2"""
     draft.stages += [
-        StageAnswer(name="tip", done=f"{lean} > 0.75", back_to="reach", noise=0.6 * choice.careful, opening=wide,
-                    lost=f"{lean} < 0.15 and norm(self.ee_pos - self.{n}_pos) > {number(half_up + 0.1)}",
-                    toward=f"self.ee_pos + 0.07 * {first}", stiffness=600.0 * choice.press, code=head + f"""
+        StageAnswer(
+            name="tip",
+            done=f"{lean} > 0.75",
+            back_to="reach",
+            noise=0.6 * choice.careful,
+            opening=wide,
+            lost=f"{lean} < 0.15 and norm(self.ee_pos - self.{n}_pos) > {number(half_up + 0.1)}",
+            toward=f"self.ee_pos + 0.07 * {first}",
+            stiffness=600.0 * choice.press,
+            code=head
+            + f"""
     terms['behind'] = 10.0 * norm(self.ee_pos - behind)
     terms['tip'] = {number(5 * choice.press)} * (1.0 - lean)
     terms['do not slide'] = 2.0 * norm((foot - self.{n}_init_pos)[:2])
@@ -205,9 +280,16 @@ def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Choice
     terms['gently'] = 0.05 * norm(self.{n}_hand_force)
     terms['calm'] = 0.3 * norm(self.ee_vel)
 {care(facts, n)}    return terms
-"""),
-        StageAnswer(name="draw back", noise=0.6, back_to="reach", lost=f"{lean} < 0.3",
-                    toward=f"self.ee_pos - 0.06 * {first} + np.array([0.0, 0.0, 0.03])", code=head + f"""
+""",
+        ),
+        StageAnswer(
+            name="draw back",
+            noise=0.6,
+            back_to="reach",
+            lost=f"{lean} < 0.3",
+            toward=f"self.ee_pos - 0.06 * {first} + np.array([0.0, 0.0, 0.03])",
+            code=head
+            + f"""
     away = self.{n}_init_pos - 0.08 * ahead
     terms['away'] = 8.0 * norm(self.ee_pos - np.array([away[0], away[1], {number(thing.height + 0.02)}]))
     terms['let it fall'] = 2.0 * (1.0 - lean)
@@ -215,5 +297,7 @@ def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Choice
     terms['square'] = 2.0 * square
     terms['calm'] = 0.3 * norm(self.ee_vel)
 {care(facts, n)}    return terms
-""")]
+""",
+        ),
+    ]
     draft.words.append(f"tip the {n} over its {100 * thing.size[axis]:.0f} cm deep foot by a push near its top")

@@ -61,7 +61,7 @@ class Solid:
         if self.radius is not None:
             k = self.round_axes
             a, b = float(way[:k] @ way[:k]), local[:, :k] @ way[:k]
-            c = (local[:, :k] ** 2).sum(axis=1) - self.radius ** 2
+            c = (local[:, :k] ** 2).sum(axis=1) - self.radius**2
             root = b * b - a * c
             if a < 1e-12:
                 leave[c > 0] = -np.inf
@@ -83,7 +83,7 @@ class Solid:
         for plane in self.planes:
             found = np.minimum(found, plane[3] - local @ plane[:3])
         if self.radius is not None:
-            found = np.minimum(found, self.radius - np.linalg.norm(local[:, :self.round_axes], axis=1))
+            found = np.minimum(found, self.radius - np.linalg.norm(local[:, : self.round_axes], axis=1))
         return found
 
 
@@ -91,8 +91,11 @@ def box(size: Array, position: Array | None = None, rotation: Array | None = Non
     """A box of these full edges (m)."""
     half = np.asarray(size, dtype=float) / 2
     planes = np.concatenate([np.column_stack([sign * np.eye(3), half]) for sign in (1.0, -1.0)])
-    return Solid(planes, position=np.zeros(3) if position is None else np.asarray(position, dtype=float),
-                 rotation=np.eye(3) if rotation is None else rotation)
+    return Solid(
+        planes,
+        position=np.zeros(3) if position is None else np.asarray(position, dtype=float),
+        rotation=np.eye(3) if rotation is None else rotation,
+    )
 
 
 def pieces(drawn: Drawn, name: str) -> tuple[Solid, ...]:

@@ -39,8 +39,11 @@ def _plan(error: str, answer: Answer, rng: np.random.Generator) -> None:
     """Text for a number; a quantity that the state lacks; the same cost for every future; code that breaks off."""
     stage = answer["stages"][int(rng.integers(len(answer["stages"])))] if answer.get("stages") else answer
     head, _, body = stage["code"].partition("\n")
-    wrong = {"wrong_type": f"{head}\n    return 'low'", "out_of_range": f"{head}\n    x = self.gripper_xyz\n{body}",
-             "backward": f"{head}\n    return 1.0"}
+    wrong = {
+        "wrong_type": f"{head}\n    return 'low'",
+        "out_of_range": f"{head}\n    x = self.gripper_xyz\n{body}",
+        "backward": f"{head}\n    return 1.0",
+    }
     stage["code"] = wrong.get(error, stage["code"].rstrip()[:-1] + " +")
 
 
@@ -95,7 +98,14 @@ def _one(answer: Mapping[str, Any], rng: np.random.Generator) -> str | None:
     return sorted(answer)[int(rng.integers(len(answer)))] if answer else None
 
 
-KINDS = ("physical-parameters", "cost-function", "contact-regions", "cost-repair", "parameter-repair", "object-poses",
-         "unified")
+KINDS = (
+    "physical-parameters",
+    "cost-function",
+    "contact-regions",
+    "cost-repair",
+    "parameter-repair",
+    "object-poses",
+    "unified",
+)
 SPOILT: Mapping[str, Corrupt] = dict.fromkeys(KINDS, spoil)
 """How to spoil answers to each kind of question."""

@@ -56,16 +56,21 @@ def spot_of(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> 
 def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
     place, point = np.asarray(facts["places"][goal["place"]], dtype=float), goal.get("point")
     return Spot(
-        where=f"self.{goal['place']}_pos", near_m=min(0.02, 0.5 * goal["tolerance_m"]),
+        where=f"self.{goal['place']}_pos",
+        near_m=min(0.02, 0.5 * goal["tolerance_m"]),
         height_m=float(place[2] + thing.height / 2 if "z" not in goal.get("axes", "xy") else place[2]),
         shift=np.zeros(3) if point is None else np.asarray(thing.rotation @ thing.points[point]),
-        words=f"to {goal['place']} and set it down")
+        words=f"to {goal['place']} and set it down",
+    )
 
 
 def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
     low, high = np.asarray(goal["low"], dtype=float), np.asarray(goal["high"], dtype=float)
-    sharing = [one["object"] for one in facts["goals"]
-               if one["kind"] == "inside" and one["low"] == goal["low"] and one["high"] == goal["high"]]
+    sharing = [
+        one["object"]
+        for one in facts["goals"]
+        if one["kind"] == "inside" and one["low"] == goal["low"] and one["high"] == goal["high"]
+    ]
     along = int(np.argmax((high - low)[:2]))
     middle = (low + high) / 2
     # Side by side, where one region is for several objects.
@@ -79,9 +84,14 @@ def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) 
         raise NoRule(f"let go there, the {thing.name} comes to rest at a height of {height:.3f} m: {goal_words(goal)}")
     over, palm = _tops_around(thing, facts, middle[:2], floor)
     _not_too_high(thing, over, goal)
-    return Spot(where=vector([*middle[:2], floor]), height_m=height, top_m=over, palm_m=palm,
-                near_m=min(0.02, 0.25 * float((high - low)[:2].min()) / len(sharing)),
-                words="into the region and let go")
+    return Spot(
+        where=vector([*middle[:2], floor]),
+        height_m=height,
+        top_m=over,
+        palm_m=palm,
+        near_m=min(0.02, 0.25 * float((high - low)[:2].min()) / len(sharing)),
+        words="into the region and let go",
+    )
 
 
 def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
@@ -100,8 +110,14 @@ def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> 
         raise NoRule(f"the {name} has no top in its middle to put the {thing.name} on: {goal_words(goal)}")
     over, palm = _tops_around(thing, facts, at[:2], floor)
     _not_too_high(thing, over, goal)
-    return Spot(where=where or vector([*at[:2], floor]), height_m=floor + rise(thing), top_m=over, palm_m=palm,
-                near_m=min(0.02, 0.2 * float(extent)), words=f"over the {name} and set it down")
+    return Spot(
+        where=where or vector([*at[:2], floor]),
+        height_m=floor + rise(thing),
+        top_m=over,
+        palm_m=palm,
+        near_m=min(0.02, 0.2 * float(extent)),
+        words=f"over the {name} and set it down",
+    )
 
 
 def _tops_around(thing: Thing, facts: Mapping[str, Any], point: Array, floor: float) -> tuple[float, float]:

@@ -41,11 +41,15 @@ def top(facts: Mapping[str, Any], name: str, point: Array, within_m: float = 0.0
         within_m: How near to the point counts.
     """
     if name == "table":
-        over = all(facts["table"][axis][0] <= value <= facts["table"][axis][1]
-                   for axis, value in zip("xy", point, strict=True))
+        over = all(
+            facts["table"][axis][0] <= value <= facts["table"][axis][1] for axis, value in zip("xy", point, strict=True)
+        )
         return 0.0 if over else None
-    found = [height for middle, ways, half, height in blocks(facts, name)
-             if np.linalg.norm(np.maximum(np.abs(ways @ (point - middle)) - half, 0.0)) <= within_m]
+    found = [
+        height
+        for middle, ways, half, height in blocks(facts, name)
+        if np.linalg.norm(np.maximum(np.abs(ways @ (point - middle)) - half, 0.0)) <= within_m
+    ]
     return max(found, default=None)
 
 

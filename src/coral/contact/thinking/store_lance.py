@@ -24,12 +24,19 @@ T = TypeVar("T")
 TABLE = "experience"
 # With the key told, two writers that take the same number at once conflict; without, both rows would be written.
 KEY = {"lance-schema:unenforced-primary-key": "true"}
-SCHEMA = pa.schema([
-    pa.field("id", pa.int64(), nullable=False, metadata=KEY), pa.field("created", pa.string()),
-    pa.field("record", pa.string()), pa.field("embedder", pa.string()),
-    # Of no fixed length: embedders differ, and nothing is searched by nearness alone.
-    pa.field("vector", pa.list_(pa.float32())), pa.field("used", pa.int64()), pa.field("helped", pa.int64())])
-ALL = 2 ** 31 - 1
+SCHEMA = pa.schema(
+    [
+        pa.field("id", pa.int64(), nullable=False, metadata=KEY),
+        pa.field("created", pa.string()),
+        pa.field("record", pa.string()),
+        pa.field("embedder", pa.string()),
+        # Of no fixed length: embedders differ, and nothing is searched by nearness alone.
+        pa.field("vector", pa.list_(pa.float32())),
+        pa.field("used", pa.int64()),
+        pa.field("helped", pa.int64()),
+    ]
+)
+ALL = 2**31 - 1
 
 
 class LanceStore:
@@ -50,8 +57,9 @@ class LanceStore:
         try:
             import lancedb  # type: ignore[import-not-found,unused-ignore]
         except ImportError:
-            raise InputError(self.name, "", "no package lancedb",
-                             "the extra installed: pip install -e '.[lance]'") from None
+            raise InputError(
+                self.name, "", "no package lancedb", "the extra installed: pip install -e '.[lance]'"
+            ) from None
         self._lance: Any = lancedb
 
     def exists(self) -> bool:
@@ -60,14 +68,25 @@ class LanceStore:
 
     def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
         """See `Store.insert`."""
+
         def written() -> int | None:
             table = self._connected().create_table(TABLE, schema=SCHEMA, exist_ok=True)
             ids = table.search().select(["id"]).limit(ALL).to_arrow()["id"].to_pylist()
             number = max(ids, default=0) + 1
-            row = {"id": number, "created": created, "record": record, "embedder": embedder,
-                   "vector": vector.tolist(), "used": 0, "helped": 0}
-            merged = table.merge_insert("id").when_not_matched_insert_all().execute(
-                pa.Table.from_pylist([row], schema=SCHEMA))
+            row = {
+                "id": number,
+                "created": created,
+                "record": record,
+                "embedder": embedder,
+                "vector": vector.tolist(),
+                "used": 0,
+                "helped": 0,
+            }
+            merged = (
+                table.merge_insert("id")
+                .when_not_matched_insert_all()
+                .execute(pa.Table.from_pylist([row], schema=SCHEMA))
+            )
             return number if merged.num_inserted_rows == 1 else None  # None: the number was taken meanwhile
 
         return self._committed(written)
@@ -86,8 +105,11 @@ class LanceStore:
 
     def count(self, number: int, helped: bool) -> None:
         """See `Store.count`."""
-        self._change(lambda table: table.update(
-            where=f"id = {int(number)}", values_sql={"used": "used + 1", "helped": f"helped + {int(helped)}"}))
+        self._change(
+            lambda table: table.update(
+                where=f"id = {int(number)}", values_sql={"used": "used + 1", "helped": f"helped + {int(helped)}"}
+            )
+        )
 
     def _change(self, act: Callable[[Any], object]) -> None:
         def changed() -> bool:
@@ -95,6 +117,7 @@ class LanceStore:
             if table is not None:
                 act(table)
             return True
+
         self._committed(changed)
 
     def _connected(self) -> Any:

@@ -40,8 +40,10 @@ class SqliteStore:
     def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
         """See `Store.insert`."""
         with self._open(write=True) as base:
-            row = base.execute("INSERT INTO experience (created, record, embedder, vector) VALUES (?, ?, ?, ?)",
-                               (created, record, embedder, vector.astype("<f4").tobytes()))
+            row = base.execute(
+                "INSERT INTO experience (created, record, embedder, vector) VALUES (?, ?, ?, ?)",
+                (created, record, embedder, vector.astype("<f4").tobytes()),
+            )
             return int(row.lastrowid or 0)
 
     def rows(self) -> list[Row]:
@@ -49,10 +51,13 @@ class SqliteStore:
         if not self.path.exists():
             return []
         with self._open() as base:
-            found = base.execute("SELECT id, created, record, embedder, vector, used, helped FROM experience "
-                                 "ORDER BY id").fetchall()
-        return [Row(number, created, record, embedder, _vector(blob), used, helped)
-                for number, created, record, embedder, blob, used, helped in found]
+            found = base.execute(
+                "SELECT id, created, record, embedder, vector, used, helped FROM experience ORDER BY id"
+            ).fetchall()
+        return [
+            Row(number, created, record, embedder, _vector(blob), used, helped)
+            for number, created, record, embedder, blob, used, helped in found
+        ]
 
     def delete(self, number: int) -> None:
         """See `Store.delete`."""
@@ -62,8 +67,9 @@ class SqliteStore:
     def count(self, number: int, helped: bool) -> None:
         """See `Store.count`."""
         with self._open(write=True) as base:
-            base.execute("UPDATE experience SET used = used + 1, helped = helped + ? WHERE id = ?",
-                         (int(helped), number))
+            base.execute(
+                "UPDATE experience SET used = used + 1, helped = helped + ? WHERE id = ?", (int(helped), number)
+            )
 
     @contextmanager
     def _open(self, write: bool = False) -> Iterator[sqlite3.Connection]:
@@ -83,7 +89,7 @@ class SqliteStore:
 
 def _vector(blob: bytes) -> Vector:
     """As many numbers as there are; what another program wrote may break off."""
-    return np.frombuffer(blob[:len(blob) // 4 * 4], "<f4")
+    return np.frombuffer(blob[: len(blob) // 4 * 4], "<f4")
 
 
 def _ahead(base: sqlite3.Connection) -> None:

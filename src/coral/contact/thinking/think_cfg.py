@@ -55,5 +55,6 @@ def within(controller: ControllerCfg, think: ThinkCfg) -> ThinkCfg:
     region, untold = think.region, RegionCfg()
     if (region.reach_low_m, region.reach_high_m) != (untold.reach_low_m, untold.reach_high_m):
         return think
-    return replace(think, region=replace(region, reach_low_m=controller.workspace_low_m,
-                                         reach_high_m=controller.workspace_high_m))
+    return replace(
+        think, region=replace(region, reach_low_m=controller.workspace_low_m, reach_high_m=controller.workspace_high_m)
+    )

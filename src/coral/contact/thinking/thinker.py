@@ -48,9 +48,17 @@ class Thinker:
         given: What is believed of objects at first, whatever the advisor would estimate.
     """
 
-    def __init__(self, asker: Asker, cfg: ThinkCfg, rng: np.random.Generator, memory: Memory | None = None,
-                 load: Loader = in_process, provenance: Mapping[str, Any] | None = None,
-                 given: Mapping[str, Physical] | None = None, worker: CostWorker | None = None) -> None:
+    def __init__(
+        self,
+        asker: Asker,
+        cfg: ThinkCfg,
+        rng: np.random.Generator,
+        memory: Memory | None = None,
+        load: Loader = in_process,
+        provenance: Mapping[str, Any] | None = None,
+        given: Mapping[str, Physical] | None = None,
+        worker: CostWorker | None = None,
+    ) -> None:
         self.asker, self.cfg, self.memory = asker, cfg, memory
         self._rng, self._load, self._provenance = rng, load, dict(provenance or {})
         self._emit: Callable[..., None] = lambda event, **fields: None
@@ -202,9 +210,15 @@ class Thinker:
                     refusal = Rejection(code=error.code, reason=str(error))
             if refusal is None and risen < self.cfg.least_gain:
                 refusal = Rejection(code="rehearsal", reason=f"rehearsed, it lowers the cost by {100 * risen:.0f} %")
-            self._emit("recall", id=match.stored.id, similarity=match.similarity, distance=match.distance,
-                       embedder=self.memory.embedder.name, gain=round(risen, 4),
-                       refused="" if refusal is None else refusal.reason)
+            self._emit(
+                "recall",
+                id=match.stored.id,
+                similarity=match.similarity,
+                distance=match.distance,
+                embedder=self.memory.embedder.name,
+                gain=round(risen, 4),
+                refused="" if refusal is None else refusal.reason,
+            )
             if refusal is None:
                 self._hit, self._recalled = match, plan
                 # Repairs of it too: a plan that stays, or one that quotes it, is as foreign as it is.
@@ -215,12 +229,21 @@ class Thinker:
     def _strategy(self, name: str, load: Loader | None = None) -> Strategy:
         regions = self._regions if self.cfg.regions else None
         candidates = None if regions is None else self._questions.candidates(regions, self._plan)
-        return make_strategy(name, self._plan, regions, self._world.schema, self._questions.sizes,
-                             load or self._load, self._keep, candidates)
+        return make_strategy(
+            name,
+            self._plan,
+            regions,
+            self._world.schema,
+            self._questions.sizes,
+            load or self._load,
+            self._keep,
+            candidates,
+        )
 
     def _keeping(self) -> LastGoodCost:
         def heard(cost: Cost, error: CostError) -> None:
             self._failure = self._failure or error
+
         return LastGoodCost(failed=heard)
 
     def _repaired(self) -> Strategy:
@@ -234,8 +257,12 @@ class Thinker:
     def _replan(self, now: Observation, otherwise: Callable[[], PlanAnswer], error: str = "") -> None:
         steps, costs = self._watch.steps, self._watch.costs
         name = most_telling(steps) or next(iter(self._questions.sizes))
-        history = {"attempts": self._watch.attempts, "history": recent(steps, costs, name), "code": self._plan.text(),
-                   "error": error}
+        history = {
+            "attempts": self._watch.attempts,
+            "history": recent(steps, costs, name),
+            "code": self._plan.text(),
+            "error": error,
+        }
         if self.cfg.unified:
             self._plan, self._regions = self._questions.everything(now, history) or (otherwise(), self._regions)
             return
@@ -250,8 +277,16 @@ class Thinker:
         name = most_telling(watch.steps) or next(iter(self._questions.sizes))
         kind = diagnose(watch.steps, name, watch.returns, watch.surprise_m.get(name, 0.0))
         self._repairs += 1
-        self._emit("stuck", attempts=watch.attempts, stage=moment.stage, object=name, diagnosis=kind, text=TEXTS[kind],
-                   cost=round(moment.plan.cost, 4), history=recent(watch.steps, watch.costs, name))
+        self._emit(
+            "stuck",
+            attempts=watch.attempts,
+            stage=moment.stage,
+            object=name,
+            diagnosis=kind,
+            text=TEXTS[kind],
+            cost=round(moment.plan.cost, 4),
+            history=recent(watch.steps, watch.costs, name),
+        )
         corrected = not self.cfg.unified and self._correct(name, now)
         self._questions.look(now)
         if corrected and kind == "moved-otherwise":
@@ -264,8 +299,18 @@ class Thinker:
 
     def _correct(self, name: str, now: Observation) -> bool:
         past = Past(tuple(self._past), recent(self._watch.steps, self._watch.costs, name))
-        return correct(self.asker, name, now, past, self._drawn, self._world, self._questions.facts, self.cfg,
-                       self._rng, self._emit)
+        return correct(
+            self.asker,
+            name,
+            now,
+            past,
+            self._drawn,
+            self._world,
+            self._questions.facts,
+            self.cfg,
+            self._rng,
+            self._emit,
+        )
 
     def _correct_in_passing(self, last: bool = False) -> None:
         """Correct by what was touched, stuck or not; plan and stage go on."""
@@ -276,7 +321,12 @@ class Thinker:
     def _experience(self) -> Experience:
         task = self._drawn.task
         return Experience(
-            task=task.name, instruction=task.instruction, goals=self._questions.facts["goals"],
-            numbers=scene_numbers(self._questions.facts), plan=self._plan, regions=self._regions,
+            task=task.name,
+            instruction=task.instruction,
+            goals=self._questions.facts["goals"],
+            numbers=scene_numbers(self._questions.facts),
+            plan=self._plan,
+            regions=self._regions,
             beliefs={name: (one.mass_kg, one.friction) for name, one in self._questions.beliefs.items()},
-            provenance={"success": True, "repairs": self._repairs, **self._provenance})
+            provenance={"success": True, "repairs": self._repairs, **self._provenance},
+        )

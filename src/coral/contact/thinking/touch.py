@@ -49,8 +49,9 @@ class Scenery:
         found = {}
         for name, item in facts["objects"].items():
             whole = [{"position": item.get("middle_m", (0.0, 0.0, 0.0)), "size_m": item["size_m"]}]
-            found[name] = tuple(box(np.asarray(part["size_m"]), np.asarray(part["position"]))
-                                for part in item.get("parts") or whole)
+            found[name] = tuple(
+                box(np.asarray(part["size_m"]), np.asarray(part["position"])) for part in item.get("parts") or whole
+            )
         return cls(found)
 
 
@@ -86,7 +87,7 @@ def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array
         rise, facing = solid.leave(points, normal)
         there = points + rise[:, None] * normal
         surface = np.isfinite(rise) & (facing @ normal >= cfg.facing)
-        for other in (*solids[:index], *solids[index + 1:]):
+        for other in (*solids[:index], *solids[index + 1 :]):
             surface &= ~(other.depth(there + SEAM_M * normal) > 0)
         nearer = surface & (np.abs(rise) < least)
         least[nearer] = np.abs(rise)[nearer]
@@ -104,14 +105,19 @@ def off_surface(center: Array, solids: Sequence[Solid]) -> float:
         for index, solid in enumerate(solids):
             rise, _ = solid.leave(center[None], way)
             past = center[None] + (rise[:, None] + SEAM_M) * way
-            others = (*solids[:index], *solids[index + 1:])
+            others = (*solids[:index], *solids[index + 1 :])
             if rise[0] >= -SEAM_M and not any(other.depth(past)[0] > 0 for other in others):
                 found.append(abs(float(rise[0])))
     return min(found)
 
 
-def candidates_of(answer: RegionsAnswer, facts: Mapping[str, Any], stages: Sequence[str] = (),
-                  scenery: Scenery | None = None, cfg: RegionCfg | None = None) -> list[Candidates]:
+def candidates_of(
+    answer: RegionsAnswer,
+    facts: Mapping[str, Any],
+    stages: Sequence[str] = (),
+    scenery: Scenery | None = None,
+    cfg: RegionCfg | None = None,
+) -> list[Candidates]:
     """What can be touched of every region, in their order.
 
     An object is judged as it stands for the stage in which it is touched first; by the later ones it may have been
@@ -137,8 +143,14 @@ def candidates_of(answer: RegionsAnswer, facts: Mapping[str, Any], stages: Seque
     return found
 
 
-def touchable(name: str, region: Region, facts: Mapping[str, Any], scenery: Scenery, cfg: RegionCfg,
-              standing: Sequence[str] | None) -> Candidates:
+def touchable(
+    name: str,
+    region: Region,
+    facts: Mapping[str, Any],
+    scenery: Scenery,
+    cfg: RegionCfg,
+    standing: Sequence[str] | None,
+) -> Candidates:
     """What can be touched of one region.
 
     Args:
@@ -163,15 +175,27 @@ def touchable(name: str, region: Region, facts: Mapping[str, Any], scenery: Scen
     return Candidates(points[[not reason for reason in reasons]], dict(lost))
 
 
-def _hindered(name: str, region: Region, points: Array, facts: Mapping[str, Any], scenery: Scenery, cfg: RegionCfg,
-              standing: Sequence[str]) -> list[str]:
+def _hindered(
+    name: str,
+    region: Region,
+    points: Array,
+    facts: Mapping[str, Any],
+    scenery: Scenery,
+    cfg: RegionCfg,
+    standing: Sequence[str],
+) -> list[str]:
     """Why each point, as the object stands, cannot be touched; "" where it can."""
     pose, normal = np.asarray(facts["objects"][name]["pose"], dtype=float), np.asarray(region.normal, dtype=float)
     surface, out = pose[:3] + rotate(pose[3:], points), rotate(pose[3:], normal)
     approach = region.approach or natural_approach(out)
     tool = tool_at(surface, normal, np.asarray(facts["objects"][name]["size_m"]), out, approach)
-    over_table = np.all([(tool[:, k] >= facts["table"][axis][0]) & (tool[:, k] <= facts["table"][axis][1])
-                         for k, axis in enumerate("xy")], axis=0)
+    over_table = np.all(
+        [
+            (tool[:, k] >= facts["table"][axis][0]) & (tool[:, k] <= facts["table"][axis][1])
+            for k, axis in enumerate("xy")
+        ],
+        axis=0,
+    )
     found = np.full(len(points), "", dtype=object)
     found[over_table & (surface[:, 2] < -TIP_M)] = TABLE
     tool[:, 2] = np.where(over_table, np.maximum(tool[:, 2], LOWEST_M), tool[:, 2])
@@ -193,8 +217,15 @@ def _things(facts: Mapping[str, Any], scenery: Scenery, standing: Sequence[str])
     for name in standing:
         pose = np.asarray(facts["objects"][name]["pose"], dtype=float)
         turn = rotation_of(pose[3:])
-        found.append((name, [Solid(one.planes, one.radius, one.round_axes, pose[:3] + turn @ one.position,
-                                   turn @ one.rotation) for one in scenery.objects[name]]))
+        found.append(
+            (
+                name,
+                [
+                    Solid(one.planes, one.radius, one.round_axes, pose[:3] + turn @ one.position, turn @ one.rotation)
+                    for one in scenery.objects[name]
+                ],
+            )
+        )
     for name, item in facts.get("fixtures", {}).items():
         turn = rotation_of(from_rotvec([0, 0, np.radians(item["yaw_deg"])]))
         found.append((name, [box(np.asarray(item["size_m"]), np.asarray(item["position"]), turn)]))

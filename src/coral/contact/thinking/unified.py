@@ -53,9 +53,16 @@ class UnifiedAnswer(PlanAnswer):
         return PlanAnswer(code=self.code, stages=self.stages, explanation=self.explanation)
 
 
-def ask_all(asker: Asker, facts: Mapping[str, Any], shown: Mapping[str, Any], world: PlanningWorld,
-            wrong_plan: Callable[[UnifiedAnswer], Rejection | None], cfg: ThinkCfg,
-            scenery: Scenery, history: Mapping[str, Any] | None = None) -> Outcome[UnifiedAnswer]:
+def ask_all(
+    asker: Asker,
+    facts: Mapping[str, Any],
+    shown: Mapping[str, Any],
+    world: PlanningWorld,
+    wrong_plan: Callable[[UnifiedAnswer], Rejection | None],
+    cfg: ThinkCfg,
+    scenery: Scenery,
+    history: Mapping[str, Any] | None = None,
+) -> Outcome[UnifiedAnswer]:
     """Put the one question. While an answer is checked, the planning world believes what it says.
 
     Args:
@@ -69,9 +76,16 @@ def ask_all(asker: Asker, facts: Mapping[str, Any], shown: Mapping[str, Any], wo
         history: In a repair: attempts, history, code and error.
     """
     objects = {name: {"mass_kg": None, "friction": None, **item} for name, item in shown.items()}
-    prompt = {"task": facts["instruction"], "objects": objects, "hand": facts["hand"],
-              "interface": interface_text(world.schema), "places": cfg.regions, "code": "", "error": "",
-              **(history or {})}
+    prompt = {
+        "task": facts["instruction"],
+        "objects": objects,
+        "hand": facts["hand"],
+        "interface": interface_text(world.schema),
+        "places": cfg.regions,
+        "code": "",
+        "error": "",
+        **(history or {}),
+    }
     sizes = {name: item["size_m"] for name, item in facts["objects"].items()}
 
     def wrong(answer: UnifiedAnswer) -> Rejection | None:

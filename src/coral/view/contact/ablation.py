@@ -44,8 +44,12 @@ def draw_ablation(runs: Mapping[str, Sequence[Path]], path: Path, title: str) ->
         order = sorted(range(len(read)), key=lambda k: len(read[k].column("t")))
         shown = order[len(order) // 2]
         for k, run in enumerate(read):
-            style = {"color": hue, "lw": 1.8 if k == shown else 0.7, "alpha": 1.0 if k == shown else 0.3,
-                     "zorder": 4 if k == shown else 3}
+            style = {
+                "color": hue,
+                "lw": 1.8 if k == shown else 0.7,
+                "alpha": 1.0 if k == shown else 0.3,
+                "zorder": 4 if k == shown else 3,
+            }
             label = name if k == shown else None
             paths.plot(run.column("x"), run.column("z"), label=label, **style)
             plans = run.select("plan")
@@ -84,8 +88,11 @@ def _scene(axes: Any, run: RunFolder) -> None:
         x, z = run.column(f"{name}_x"), run.column(f"{name}_z")
         length, _, height = item["size_m"]
         if len(x):
-            axes.add_patch(Rectangle((x[0] - length / 2, z[0] - height / 2), length, height, fc="#e3b27a", ec="#a6702f",
-                                     lw=0.8, zorder=2))
+            axes.add_patch(
+                Rectangle(
+                    (x[0] - length / 2, z[0] - height / 2), length, height, fc="#e3b27a", ec="#a6702f", lw=0.8, zorder=2
+                )
+            )
 
 
 def _cost(plan: Mapping[str, Any]) -> float:

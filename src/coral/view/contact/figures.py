@@ -39,8 +39,10 @@ def stages_chart(run: RunFolder) -> str:
             body.append(text(axis(start) + 6, top + pitch / 2 + 4, name, "inbar", "start"))
     for touch in touches:
         middle = top + pitch * (1.5 + pairs.index((touch["first"], touch["second"])))
-        said = (f"{touch['begun_s']:.2f} to {touch['ended_s']:.2f} s, mean {touch['mean_n']:.1f} N, "
-                f"at most {touch['peak_n']:.1f} N")
+        said = (
+            f"{touch['begun_s']:.2f} to {touch['ended_s']:.2f} s, mean {touch['mean_n']:.1f} N, "
+            f"at most {touch['peak_n']:.1f} N"
+        )
         body.append(_bar(axis, touch["begun_s"], touch["ended_s"], middle, 10, HUES[0], 0.8, said))
     for event in again:
         said = f"{float(event['t']):.2f} s: {event.get('text') or event.get('reason', '')}"
@@ -65,8 +67,14 @@ def samples_chart(run: RunFolder) -> str:
     """Effective sample size of each plan."""
     plans = run.select("plan")
     t = np.array([float(plan["t"]) for plan in plans])
-    return curves_chart(run, t, {"effective samples": np.array([float(plan["ess"]) for plan in plans])},
-                        "samples", height=150.0, floor=0.0)
+    return curves_chart(
+        run,
+        t,
+        {"effective samples": np.array([float(plan["ess"]) for plan in plans])},
+        "samples",
+        height=150.0,
+        floor=0.0,
+    )
 
 
 def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
@@ -75,8 +83,9 @@ def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
     felt = np.sqrt(sum(np.square(run.column(f"f{axis}")) for axis in "xyz"))
     wanted = [c for c in _conditions(run) if c.get("kind") == "steady-force"]
     bands = [(float(c["newtons"]), float(c["newtons"]) * float(c.get("tolerance", 0.4))) for c in wanted]
-    return curves_chart(run, run.column("t"), {**curves, "felt at the wrist": np.asarray(felt)}, "force, N", floor=0.0,
-                        bands=bands)
+    return curves_chart(
+        run, run.column("t"), {**curves, "felt at the wrist": np.asarray(felt)}, "force, N", floor=0.0, bands=bands
+    )
 
 
 def motion_chart(run: RunFolder, objects: Sequence[str]) -> str:
@@ -101,13 +110,26 @@ def tracking_chart(run: RunFolder, objects: Sequence[str]) -> str:
 
 def tracks(run: RunFolder) -> str:
     """The times at which objects were lost and found again, in a sentence."""
-    said = [f"{event['object']} lost at {event['t']:.2f} s ({event['reason']})" if event["lost"] else
-            f"{event['object']} found at {event['t']:.2f} s" for event in run.select("track")]
+    said = [
+        f"{event['object']} lost at {event['t']:.2f} s ({event['reason']})"
+        if event["lost"]
+        else f"{event['object']} found at {event['t']:.2f} s"
+        for event in run.select("track")
+    ]
     return f"{'; '.join(said[:20])}{' …' if len(said) > 20 else ''}." if said else "Nothing was lost."
 
 
-def curves_chart(run: RunFolder, t: Floats, curves: Mapping[str, Floats], label: str, *, height: float = 216.0,
-                 floor: float | None = None, bands: Sequence[tuple[float, float]] = (), stages: bool = False) -> str:
+def curves_chart(
+    run: RunFolder,
+    t: Floats,
+    curves: Mapping[str, Floats],
+    label: str,
+    *,
+    height: float = 216.0,
+    floor: float | None = None,
+    bands: Sequence[tuple[float, float]] = (),
+    stages: bool = False,
+) -> str:
     """Curves over one scale, with a legend above.
 
     Args:
@@ -128,13 +150,20 @@ def curves_chart(run: RunFolder, t: Floats, curves: Mapping[str, Floats], label:
     everything = np.concatenate([*finite, np.array([value + off for value, off in bands]), np.zeros(1)])
     low = float(everything.min()) if floor is None else min(floor, float(everything.min()))
     y = Span(low, float(everything.max()) + 1e-6, bottom, top)
-    body = [part for value in y.ticks(5)
-            for part in (line(axis.start_px, y(value), axis.end_px, y(value), "grid"),
-                         text(LEFT - 8, y(value) + 4, f"{value:g}", "tick", "end"))]
+    body = [
+        part
+        for value in y.ticks(5)
+        for part in (
+            line(axis.start_px, y(value), axis.end_px, y(value), "grid"),
+            text(LEFT - 8, y(value) + 4, f"{value:g}", "tick", "end"),
+        )
+    ]
     for value, off in bands:
         upper, lower = y(value + off), y(max(value - off, low))
-        body.append(f'<rect x="{LEFT}" y="{upper:.1f}" width="{axis.end_px - LEFT:.1f}" height="{lower - upper:.1f}" '
-                    'style="fill:#17804818"/>')
+        body.append(
+            f'<rect x="{LEFT}" y="{upper:.1f}" width="{axis.end_px - LEFT:.1f}" height="{lower - upper:.1f}" '
+            'style="fill:#17804818"/>'
+        )
         body.append(line(axis.start_px, y(value), axis.end_px, y(value), "limit main"))
     if stages:
         began = [axis(start) for start, _, _ in stage_spans(run) if start > 0]
@@ -171,7 +200,7 @@ def stage_names(run: RunFolder) -> list[str]:
 def stage_spans(run: RunFolder) -> list[tuple[float, float, str]]:
     """Start (s), end (s) and name of every stage as it came on."""
     events = run.select("stage")
-    ends = [*(float(event["t"]) for event in events[1:]), run.duration_s][:len(events)]
+    ends = [*(float(event["t"]) for event in events[1:]), run.duration_s][: len(events)]
     return [(float(event["t"]), end, str(event["stage"])) for event, end in zip(events, ends, strict=True)]
 
 
@@ -181,8 +210,15 @@ def touching(run: RunFolder) -> list[Record]:
     known = {(event["first"], event["second"], round(float(event["begun_s"]), 3)) for event in found}
     for event in run.select("contact"):
         if (event["first"], event["second"], round(float(event["t"]), 3)) not in known and not run.complete:
-            found.append({**event, "begun_s": float(event["t"]), "ended_s": run.duration_s,
-                          "mean_n": float(event["force_n"]), "peak_n": float(event["force_n"])})
+            found.append(
+                {
+                    **event,
+                    "begun_s": float(event["t"]),
+                    "ended_s": run.duration_s,
+                    "mean_n": float(event["force_n"]),
+                    "peak_n": float(event["force_n"]),
+                }
+            )
     return sorted(found, key=lambda event: float(event["begun_s"]))
 
 
@@ -192,9 +228,12 @@ def _conditions(run: RunFolder) -> list[dict[str, Any]]:
     return [item for item in found if isinstance(item, dict)] if isinstance(found, list) else []
 
 
-def _bar(axis: Span, start: float, end: float, middle: float, height: float, hue: str, opacity: float,
-         said: str) -> str:
+def _bar(
+    axis: Span, start: float, end: float, middle: float, height: float, hue: str, opacity: float, said: str
+) -> str:
     x = axis(start)
     width = min(max(3.0 if start == end else 2.0, axis(min(end, axis.high)) - x), WIDTH - RIGHT - x)
-    return (f'<rect x="{x:.1f}" y="{middle - height / 2:.1f}" width="{width:.1f}" '
-            f'height="{height}" rx="2" style="fill:{hue};opacity:{opacity}"><title>{escape(said)}</title></rect>')
+    return (
+        f'<rect x="{x:.1f}" y="{middle - height / 2:.1f}" width="{width:.1f}" '
+        f'height="{height}" rx="2" style="fill:{hue};opacity:{opacity}"><title>{escape(said)}</title></rect>'
+    )

@@ -74,6 +74,6 @@ def sheet(frames: list[Keyframe]) -> Image:
     canvas = np.full((rows * (height + CAPTION), columns * (width + 6) - 6, 3), 255, np.uint8)
     for k, frame in enumerate(frames):
         top, left = (k // COLUMNS) * (height + CAPTION), (k % COLUMNS) * (width + 6)
-        canvas[top + CAPTION:top + CAPTION + height, left:left + width] = frame.picture
+        canvas[top + CAPTION : top + CAPTION + height, left : left + width] = frame.picture
         draw_text(canvas, f"{frame.t:.2f} s   {frame.why}", left + 4, top + CAPTION / 2, size=16)
     return canvas

@@ -49,11 +49,21 @@ class Scene:
         self._data = mujoco.MjData(self._model)
         self._places = np.stack([states[name] for name in states if name.startswith("q")], axis=1)
         if self._places.shape[1] != self._model.nq:
-            raise InputError(str(run.path), "states.csv", f"{self._places.shape[1]} joint positions",
-                             f"the {self._model.nq} of its world")
+            raise InputError(
+                str(run.path),
+                "states.csv",
+                f"{self._places.shape[1]} joint positions",
+                f"the {self._model.nq} of its world",
+            )
         camera = CameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG)
-        self._camera = RayCamera(self._model, camera, _overview(run, self.drawn), {}, colours="shaded",
-                                 hidden=covered(self._model, self.drawn))
+        self._camera = RayCamera(
+            self._model,
+            camera,
+            _overview(run, self.drawn),
+            {},
+            colours="shaded",
+            hidden=covered(self._model, self.drawn),
+        )
 
     def at(self, t: float) -> Image:
         """The picture of the last state until `t`, Shape=(H, W, 3) RGB."""

@@ -37,14 +37,21 @@ from coral.view.report import TEMPLATES, write_page
 from coral.view.run import Record, RunFolder
 
 ENDED = {
-    "success": "done", "timeout": "not done in time", "killed": "cut off",
-    "dropped": "failed: an object fell off the table", "tunnelling": "void: an object went through something solid",
-    "diverged": "void: the simulation diverged", "unreachable": "failed: the arm could not go on",
-    "camera-off": "failed: the camera gave no pictures", "not-found": "failed: an object was not found",
+    "success": "done",
+    "timeout": "not done in time",
+    "killed": "cut off",
+    "dropped": "failed: an object fell off the table",
+    "tunnelling": "void: an object went through something solid",
+    "diverged": "void: the simulation diverged",
+    "unreachable": "failed: the arm could not go on",
+    "camera-off": "failed: the camera gave no pictures",
+    "not-found": "failed: an object was not found",
     "cost-error": "failed: the cost could not be evaluated",
     "no-strategy": "failed: nobody found a way",
-    "no-plan": "failed: no usable rehearsal", "policy": "failed: the served policy gave no actions",
-    "failed": "ended by an error in the program"}
+    "no-plan": "failed: no usable rehearsal",
+    "policy": "failed: the served policy gave no actions",
+    "failed": "ended by an error in the program",
+}
 
 
 def write_contact_report(run_folder: str | Path) -> Path:
@@ -84,26 +91,49 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
     metrics = _metrics(run)
     objects = list(drawn.objects) if drawn is not None else []
     start: Record = (run.select("start") or [{}])[0]
-    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(TEMPLATES), autoescape=True, trim_blocks=True,
-                                     lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
     page = environment.get_template("contact.html.j2")
     return page.render(
         title=str(run.world.get("title") or start.get("task") or run.path.name),
-        instruction=str(run.world.get("instruction", "")), headline=_headline(run, metrics), complete=run.complete,
-        duration=run.duration_s, tiles=_tiles(run, metrics),
+        instruction=str(run.world.get("instruction", "")),
+        headline=_headline(run, metrics),
+        complete=run.complete,
+        duration=run.duration_s,
+        tiles=_tiles(run, metrics),
         frames=[(f"{frame.t:.2f} s", frame.why, _webp(frame)) for frame in frames],
-        thoughts=thoughts(run), answers=(given := answers(run)), counted=counted(given), seen=seen(run),
+        thoughts=thoughts(run),
+        answers=(given := answers(run)),
+        counted=counted(given),
+        seen=seen(run),
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, objects) if svg],
         views=Markup(three_views(run, drawn)) if drawn is not None and len(run.column("t")) else "",
-        touches=[(name, Markup(svg)) for name in objects if drawn is not None
-                 and (svg := touch_views(run, drawn, name))],
-        contacts=[(f"{e['first']} – {e['second']}", f"{float(e['begun_s']):.2f}", f"{float(e['ended_s']):.2f}",
-                   f"{float(e['mean_n']):.1f}", f"{float(e['peak_n']):.1f}") for e in touching(run)][:200],
+        touches=[
+            (name, Markup(svg)) for name in objects if drawn is not None and (svg := touch_views(run, drawn, name))
+        ],
+        contacts=[
+            (
+                f"{e['first']} – {e['second']}",
+                f"{float(e['begun_s']):.2f}",
+                f"{float(e['ended_s']):.2f}",
+                f"{float(e['mean_n']):.1f}",
+                f"{float(e['peak_n']):.1f}",
+            )
+            for e in touching(run)
+        ][:200],
         beliefs=_beliefs(run, start),
         rows=[(_name(key), _show(value), DEFINITIONS.get(key, "")) for key, value in metrics.items()],
-        provenance=_provenance(run, start), notes=notes, video=(run.path / "episode.mp4").is_file(),
+        provenance=_provenance(run, start),
+        notes=notes,
+        video=(run.path / "episode.mp4").is_file(),
         config=yaml.safe_dump(dict(run.config), sort_keys=False, allow_unicode=True) if run.config else "",
-        style=Markup((TEMPLATES / "report.css").read_text("utf-8")))
+        style=Markup((TEMPLATES / "report.css").read_text("utf-8")),
+    )
 
 
 def _metrics(run: RunFolder) -> Mapping[str, Any]:
@@ -138,8 +168,10 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     if not run.complete:
         return f"Cut off after {seconds:.1f} s of simulated time in stage “{stage}”, {strategy}: {how}."
     what = ENDED.get(reason.partition(":")[0], reason).removeprefix("failed: ").removeprefix("void: ")
-    return (f"Ended without success after {seconds:.1f} s of simulated time in stage “{stage}”, because {what}"
-            f"{f' ({detail})' if detail else ''}: {how}.")
+    return (
+        f"Ended without success after {seconds:.1f} s of simulated time in stage “{stage}”, because {what}"
+        f"{f' ({detail})' if detail else ''}: {how}."
+    )
 
 
 def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
@@ -151,14 +183,26 @@ def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, s
     mean = metrics.get("mean_hand_force_n")
     wall = run.timing.get("wall_time_s")
     return [
-        ("yes" if success else "no", ENDED.get(reason.partition(":")[0], reason), "success",
-         "good" if success else "bad"),
-        (f"{float(metrics.get('sim_time_s', 0)):.1f} s",
-         f"simulated; {wall:.0f} s on this machine" if wall else "simulated", "time", ""),
+        (
+            "yes" if success else "no",
+            ENDED.get(reason.partition(":")[0], reason),
+            "success",
+            "good" if success else "bad",
+        ),
+        (
+            f"{float(metrics.get('sim_time_s', 0)):.1f} s",
+            f"simulated; {wall:.0f} s on this machine" if wall else "simulated",
+            "time",
+            "",
+        ),
         (str(metrics.get("plans", 0)), f"{median:.0f} ms each (median)" if median else "", "plans", ""),
         (str(metrics.get("stages", 0)), str(metrics.get("strategy", "")), "changes of stage", ""),
-        (f"{float(metrics.get('peak_hand_force_n', 0)):.0f} N",
-         f"mean {mean:.1f} N" if mean is not None else "no touch", "largest force", ""),
+        (
+            f"{float(metrics.get('peak_hand_force_n', 0)):.0f} N",
+            f"mean {mean:.1f} N" if mean is not None else "no touch",
+            "largest force",
+            "",
+        ),
         (str(metrics.get("advisor_calls", 0)), f"{metrics.get('repairs', 0)} repairs", "advisor calls", ""),
     ]
 
@@ -168,15 +212,26 @@ def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
         return []
     drawn = [
         ("Stages and contacts", "Which stage of the strategy was on, and what touched what.", stages_chart(run)),
-        ("Force", "The hand’s net force on each object, and what the wrist felt; a grasp’s squeeze cancels in it. "
-                  "A green band is what the task asks for.", force_chart(run, objects)),
+        (
+            "Force",
+            "The hand’s net force on each object, and what the wrist felt; a grasp’s squeeze cancels in it. "
+            "A green band is what the task asks for.",
+            force_chart(run, objects),
+        ),
         ("Height above the table", "Of the tool and of each object’s centre.", motion_chart(run, objects)),
-        ("Fingers", "Distance between the finger pads.", opening_chart(run))]
+        ("Fingers", "Distance between the finger pads.", opening_chart(run)),
+    ]
     note = f"Distance of each tracked pose from the true one, modulo symmetry; nothing decides by it. {tracks(run)}"
     drawn.append(("Tracking", note, tracking_chart(run, objects)))
     if run.select("plan"):
-        drawn[1:1] = [("Cost, term by term", "Expected value of each term over the horizon, at every plan; dashed: the "
-                       "stage changed, and with it the terms.", cost_chart(run))]
+        drawn[1:1] = [
+            (
+                "Cost, term by term",
+                "Expected value of each term over the horizon, at every plan; dashed: the "
+                "stage changed, and with it the terms.",
+                cost_chart(run),
+            )
+        ]
         drawn.append(("Effective samples", "How many of the rehearsals shared in each plan.", samples_chart(run)))
     return drawn
 
@@ -191,16 +246,25 @@ def _beliefs(run: RunFolder, start: Record) -> list[tuple[str, str, str, str, st
     for name, item in truth.items():
         believed = held[-1][0].get(name, {})
         size = " × ".join(f"{100 * float(v):.1f}" for v in item["size_m"])
-        rows.append((name, f"{size} cm", f"{item['mass_kg']:.3f} kg", f"{believed.get('mass_kg', float('nan')):.3f} kg",
-                     f"{item['friction']:.2f}", f"{believed.get('friction', float('nan')):.2f}"))
+        rows.append(
+            (
+                name,
+                f"{size} cm",
+                f"{item['mass_kg']:.3f} kg",
+                f"{believed.get('mass_kg', float('nan')):.3f} kg",
+                f"{item['friction']:.2f}",
+                f"{believed.get('friction', float('nan')):.2f}",
+            )
+        )
     return rows
 
 
 def _provenance(run: RunFolder, start: Record) -> list[tuple[str, str]]:
     origin = run.config.get("provenance")
-    facts: list[tuple[str, object]] = [(key, start.get(key, run.config.get(key))) for key in
-                                       ("task", "world", "variant", "advisor", "seed", "poses",
-                                        "tracker")]
+    facts: list[tuple[str, object]] = [
+        (key, start.get(key, run.config.get(key)))
+        for key in ("task", "world", "variant", "advisor", "seed", "poses", "tracker")
+    ]
     facts += list(origin.items()) if isinstance(origin, dict) else []
     facts += list(run.timing.items())
     return [(key.replace("_", " "), str(value)) for key, value in facts if value not in (None, "")]

@@ -13,13 +13,21 @@ from coral.view.run import Record, RunFolder
 from coral.words import many
 
 ASKED = {
-    "object-poses": "where the objects are", "physical-parameters": "masses and frictions", "cost-function": "the cost",
-    "contact-regions": "where to touch", "cost-repair": "a better cost", "parameter-repair": "corrected parameters",
-    "unified": "everything at once"}
+    "object-poses": "where the objects are",
+    "physical-parameters": "masses and frictions",
+    "cost-function": "the cost",
+    "contact-regions": "where to touch",
+    "cost-repair": "a better cost",
+    "parameter-repair": "corrected parameters",
+    "unified": "everything at once",
+}
 """Kinds of question in words."""
 FAILED = {
-    "requeries-used-up": "no answer passed the checks", "deadline": "no answer came in time",
-    "silence": "no answer came", "no-better-fit": "no mass and friction explain the history better"}
+    "requeries-used-up": "no answer passed the checks",
+    "deadline": "no answer came in time",
+    "silence": "no answer came",
+    "no-better-fit": "no mass and friction explain the history better",
+}
 """Why a question was given up; other codes stand as they are."""
 
 
@@ -96,15 +104,23 @@ def answers(run: RunFolder) -> list[Answer]:
     """Every answer that the advisor gave, good or bad."""
     found = []
     for entry in run.attempts:
-        spoilt = [str(fault).removeprefix("spoilt-").replace("-", " ")
-                  for fault in entry.get("usage", {}).get("faults", ()) if str(fault).startswith("spoilt-")]
+        spoilt = [
+            str(fault).removeprefix("spoilt-").replace("-", " ")
+            for fault in entry.get("usage", {}).get("faults", ())
+            if str(fault).startswith("spoilt-")
+        ]
         verdict = str(entry.get("verdict", ""))
         code = str(entry.get("code", ""))
-        found.append(Answer(
-            number=f"{int(entry.get('decision', 0)) + 1}.{int(entry.get('attempt', 0)) + 1}",
-            asked=ASKED.get(str(entry.get("kind")), str(entry.get("kind"))), verdict=verdict,
-            spoilt=", ".join(spoilt), reason=f"{code}: {entry.get('reason', '')}" if code else "",
-            raw=str(entry.get("raw", ""))[:4000] if verdict not in ("accepted", "") else ""))
+        found.append(
+            Answer(
+                number=f"{int(entry.get('decision', 0)) + 1}.{int(entry.get('attempt', 0)) + 1}",
+                asked=ASKED.get(str(entry.get("kind")), str(entry.get("kind"))),
+                verdict=verdict,
+                spoilt=", ".join(spoilt),
+                reason=f"{code}: {entry.get('reason', '')}" if code else "",
+                raw=str(entry.get("raw", ""))[:4000] if verdict not in ("accepted", "") else "",
+            )
+        )
     return found
 
 
@@ -149,29 +165,43 @@ def _why(kinds: list[str], step: int) -> tuple[str, str]:
 
 
 def _beliefs(event: Record) -> Part:
-    named = {key: value for key, value in event.items()
-             if isinstance(value, list) and len(value) == 2 and all(isinstance(one, int | float) for one in value)}
+    named = {
+        key: value
+        for key, value in event.items()
+        if isinstance(value, list) and len(value) == 2 and all(isinstance(one, int | float) for one in value)
+    }
     chips = tuple(f"{name}: {mass:.3g} kg, friction {friction:.2g}" for name, (mass, friction) in named.items())
     source = str(event.get("source", "advisor"))
     if source != "advisor":
-        return Part(title="Masses and frictions", state="bad", chips=chips,
-                    text=f"The middle of what the task states, because {_failed(source)}.", refused=_refused(event))
+        return Part(
+            title="Masses and frictions",
+            state="bad",
+            chips=chips,
+            text=f"The middle of what the task states, because {_failed(source)}.",
+            refused=_refused(event),
+        )
     return Part(title="Masses and frictions", chips=chips, refused=_refused(event), text=_tries(event))
 
 
 def _poses(event: Record) -> Part:
     named = {key: value for key, value in event.items() if isinstance(value, list) and len(value) == 7}
     chips = tuple(f"{name} at {', '.join(f'{100 * v:.1f}' for v in value[:3])} cm" for name, value in named.items())
-    return Part(title="Where the objects are held to be, from now on", state="warn", chips=chips, text=_tries(event),
-                refused=_refused(event))
+    return Part(
+        title="Where the objects are held to be, from now on",
+        state="warn",
+        chips=chips,
+        text=_tries(event),
+        refused=_refused(event),
+    )
 
 
 def _recall(event: Record) -> Part:
     known = f"It is similar by {float(event['similarity']):.2f} and differs by {float(event['distance']):.2f}"
     gain = f"rehearsed, the ways tried lower the cost by {100 * float(event['gain']):.0f} %"
     if event.get("refused"):
-        return Part(title=f"Memory {event['id']} was not used", state="warn", text=f"{known}.",
-                    refused=(str(event["refused"]),))
+        return Part(
+            title=f"Memory {event['id']} was not used", state="warn", text=f"{known}.", refused=(str(event["refused"]),)
+        )
     return Part(title=f"Memory {event['id']} was used", state="good", text=f"{known}; {gain}. No plan was asked for.")
 
 
@@ -179,19 +209,33 @@ def _plan(event: Record) -> Part:
     again = event["kind"] == "cost-repair"
     title, failure = ("A better plan" if again else "The plan"), str(event.get("failure", ""))
     if failure:
-        return Part(title=f"{title}: none", state="bad", text=f"{_failed(failure).capitalize()}.",
-                    refused=_refused(event))
-    return Part(title=title, state="good" if again else "", text=str(event.get("explanation", "")),
-                refused=_refused(event), code=str(event.get("code", "")))
+        return Part(
+            title=f"{title}: none", state="bad", text=f"{_failed(failure).capitalize()}.", refused=_refused(event)
+        )
+    return Part(
+        title=title,
+        state="good" if again else "",
+        text=str(event.get("explanation", "")),
+        refused=_refused(event),
+        code=str(event.get("code", "")),
+    )
 
 
 def _regions(event: Record) -> Part:
     held: Mapping[str, Any] = event.get("regions", {})
-    chips = tuple(f"{name}, {region.get('approach') or 'touch'}{': ' + region['stage'] if region.get('stage') else ''}"
-                  for name, item in held.items() for region in item.get("regions", ()))
+    chips = tuple(
+        f"{name}, {region.get('approach') or 'touch'}{': ' + region['stage'] if region.get('stage') else ''}"
+        for name, item in held.items()
+        for region in item.get("regions", ())
+    )
     failure = str(event.get("failure", ""))
-    return Part(title="Where to touch", state="bad" if failure else "", chips=chips, refused=_refused(event),
-                text=f"Nowhere in particular: {_failed(failure)}." if failure else "")
+    return Part(
+        title="Where to touch",
+        state="bad" if failure else "",
+        chips=chips,
+        refused=_refused(event),
+        text=f"Nowhere in particular: {_failed(failure)}." if failure else "",
+    )
 
 
 def _candidates(event: Record) -> Part:
@@ -199,8 +243,10 @@ def _candidates(event: Record) -> Part:
     for item in event.get("regions", ()):
         lost: Mapping[str, int] = item["lost"]
         stage = f" for {item['stage']}" if item.get("stage") else ""
-        said.append(f"{item['kept']} of {item['kept'] + sum(lost.values())} are left on the {item['object']}{stage}; "
-                    f"{', '.join(f'{count} {reason}' for reason, count in lost.items())}.")
+        said.append(
+            f"{item['kept']} of {item['kept'] + sum(lost.values())} are left on the {item['object']}{stage}; "
+            f"{', '.join(f'{count} {reason}' for reason, count in lost.items())}."
+        )
     return Part(title="Some points cannot be touched", text=" ".join(said))
 
 
@@ -208,14 +254,30 @@ def _stuck(event: Record) -> Part:
     kind = str(event.get("diagnosis", ""))
     said = str(event.get("text", ""))
     rows: list[tuple[str, ...]] = [
-        ("time (s)", "object (m)", "moved (mm)", "hand (m)", "force on the hand (N)", "cost")]
+        ("time (s)", "object (m)", "moved (mm)", "hand (m)", "force on the hand (N)", "cost")
+    ]
     for row in event.get("history", ()):
-        rows.append((f"{row['time_s']:.2f}", _numbers(row["object_pos"], 3), f"{row['object_moved_mm']:.1f}",
-                     _numbers(row["hand_pos"], 3), _numbers(row["force_on_hand_n"], 1),
-                     "–" if row.get("cost") is None else f"{row['cost']:.3g}"))
-    return Part(title=f"Diagnosis: {kind.replace('-', ' ')}", state="warn", text=f"{said[:1].upper()}{said[1:]}.",
-                chips=(f"stage “{event.get('stage')}”", f"{event.get('attempts')} attempts without progress",
-                       f"looked at the {event.get('object')}"), rows=tuple(rows) if len(rows) > 1 else ())
+        rows.append(
+            (
+                f"{row['time_s']:.2f}",
+                _numbers(row["object_pos"], 3),
+                f"{row['object_moved_mm']:.1f}",
+                _numbers(row["hand_pos"], 3),
+                _numbers(row["force_on_hand_n"], 1),
+                "–" if row.get("cost") is None else f"{row['cost']:.3g}",
+            )
+        )
+    return Part(
+        title=f"Diagnosis: {kind.replace('-', ' ')}",
+        state="warn",
+        text=f"{said[:1].upper()}{said[1:]}.",
+        chips=(
+            f"stage “{event.get('stage')}”",
+            f"{event.get('attempts')} attempts without progress",
+            f"looked at the {event.get('object')}",
+        ),
+        rows=tuple(rows) if len(rows) > 1 else (),
+    )
 
 
 def _correction(event: Record) -> Part:
@@ -228,25 +290,35 @@ def _correction(event: Record) -> Part:
     if errors:
         chips += (f"replay error over all windows {errors[0]:.2f} → {errors[1]:.2f}",)
     said = str(event.get("text", ""))
-    return Part(title=f"World model of the {name}: {'corrected' if accepted else 'kept'}", chips=chips,
-                state="good" if accepted else "", refused=_refused(event),
-                text=f"{said[:1].upper()}{said[1:]}{'' if said.endswith('.') or not said else '.'}")
+    return Part(
+        title=f"World model of the {name}: {'corrected' if accepted else 'kept'}",
+        chips=chips,
+        state="good" if accepted else "",
+        refused=_refused(event),
+        text=f"{said[:1].upper()}{said[1:]}{'' if said.endswith('.') or not said else '.'}",
+    )
 
 
 def _cost_error(event: Record) -> Part:
     meanwhile = event.get("meanwhile")
     text = f"In stage “{event.get('stage')}”: {event.get('reason')}."
-    return Part(title="The cost could not be evaluated", state="bad", chips=(str(event.get("code")),),
-                text=f"{text} Meanwhile the last good cost, “{meanwhile}”, took over." if meanwhile else text)
+    return Part(
+        title="The cost could not be evaluated",
+        state="bad",
+        chips=(str(event.get("code")),),
+        text=f"{text} Meanwhile the last good cost, “{meanwhile}”, took over." if meanwhile else text,
+    )
 
 
 def _fallback(event: Record) -> Part:
     why = f"because {_failed(str(event.get('because')))}."
     if event.get("what") == "beliefs":
-        return Part(title="Masses and frictions are those of the task", state="bad",
-                    text=f"The middle of its ranges, {why}")
-    return Part(title=f"The rules of {event.get('by')} took over", state="bad",
-                text=f"For the {event.get('what')}, {why}")
+        return Part(
+            title="Masses and frictions are those of the task", state="bad", text=f"The middle of its ranges, {why}"
+        )
+    return Part(
+        title=f"The rules of {event.get('by')} took over", state="bad", text=f"For the {event.get('what')}, {why}"
+    )
 
 
 def _remembered(event: Record) -> Part:
@@ -259,9 +331,19 @@ def _strategy(event: Record) -> Part | None:
 
 
 _PARTS: Mapping[str, Callable[[Record], Part | None]] = {
-    "poses": _poses, "beliefs": _beliefs, "recall": _recall, "plan_answer": _plan, "regions": _regions,
-    "candidates": _candidates, "stuck": _stuck, "correction": _correction, "cost_error": _cost_error,
-    "fallback": _fallback, "remembered": _remembered, "strategy": _strategy}
+    "poses": _poses,
+    "beliefs": _beliefs,
+    "recall": _recall,
+    "plan_answer": _plan,
+    "regions": _regions,
+    "candidates": _candidates,
+    "stuck": _stuck,
+    "correction": _correction,
+    "cost_error": _cost_error,
+    "fallback": _fallback,
+    "remembered": _remembered,
+    "strategy": _strategy,
+}
 
 
 def _refused(event: Record) -> tuple[str, ...]:
@@ -279,4 +361,3 @@ def _failed(code: str) -> str:
 
 def _numbers(values: list[float], digits: int) -> str:
     return ", ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)
-

@@ -37,9 +37,16 @@ def write_contact_video(run_folder: str | Path) -> Path:
     import imageio_ffmpeg
 
     film = imageio_ffmpeg.write_frames(
-        str(partial), (WIDTH, HEIGHT + STRIP), fps=FPS, codec="libx264", macro_block_size=8, quality=None,
+        str(partial),
+        (WIDTH, HEIGHT + STRIP),
+        fps=FPS,
+        codec="libx264",
+        macro_block_size=8,
+        quality=None,
         pix_fmt_out="yuv420p",
-        output_params=["-crf", "24", "-preset", "veryfast", "-movflags", "+faststart"], ffmpeg_log_level="error")
+        output_params=["-crf", "24", "-preset", "veryfast", "-movflags", "+faststart"],
+        ffmpeg_log_level="error",
+    )
     try:
         film.send(None)
         for picture in pictures(run, scene):
@@ -73,9 +80,11 @@ def pictures(run: RunFolder, scene: Scene) -> Iterator[Image]:
         force = float(forces[row]) if len(forces) else 0.0
         over = t >= run.duration_s - 1e-6 and outcome
         for x, name, value, color in (
-                (16, "time", f"{t:.1f} s", INK), (130, "stage", stage[:28], TEAL),
-                (420, "force", f"{force:.1f} N", INK),
-                (530, "outcome", outcome[:14] if over else "", TEAL if outcome == "success" else RED)):
+            (16, "time", f"{t:.1f} s", INK),
+            (130, "stage", stage[:28], TEAL),
+            (420, "force", f"{force:.1f} N", INK),
+            (530, "outcome", outcome[:14] if over else "", TEAL if outcome == "success" else RED),
+        ):
             draw_text(strip, name, x, 14, size=13, color=MUTED, weight=400)
             draw_text(strip, value, x, 36, size=19, color=color, weight=600)
         if rate > 1:

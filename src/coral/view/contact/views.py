@@ -67,8 +67,10 @@ def three_views(run: RunFolder, drawn: Drawn) -> str:
             body.append(_polygon(_hull(panel(_box(half) + np.asarray(fixture.position))), "#8a95a1", 0.35))
         for row, place in enumerate(drawn.task.places.values()):
             x, y = panel(np.asarray(place, float)[None])[0]
-            body.append(f'<path d="M{x - 5:.1f},{y:.1f}h10m-5,-5v10" style="stroke:#be00aa;stroke-width:2"><title>'
-                        f'{list(drawn.task.places)[row]}</title></path>')
+            body.append(
+                f'<path d="M{x - 5:.1f},{y:.1f}h10m-5,-5v10" style="stroke:#be00aa;stroke-width:2"><title>'
+                f"{list(drawn.task.places)[row]}</title></path>"
+            )
         for number, (thing, points) in enumerate(paths.items()):
             hue = HUES[number % len(HUES)]
             for opacity, outline in zip((0.12, 0.3), shapes.get(thing, ()), strict=False):
@@ -76,8 +78,10 @@ def three_views(run: RunFolder, drawn: Drawn) -> str:
             body.append(_polyline(panel(points), hue))
             if k == 0:
                 x = 10 + 110 * number
-                body += [f'<rect x="{x}" y="{total - 16:.1f}" width="12" height="4" style="fill:{hue}"/>',
-                         text(x + 18, total - 10, thing, "tick", "start")]
+                body += [
+                    f'<rect x="{x}" y="{total - 16:.1f}" width="12" height="4" style="fill:{hue}"/>',
+                    text(x + 18, total - 10, thing, "tick", "start"),
+                ]
         bar = 0.1 * scale
         end = panel.left + PANEL
         body += [line(end - bar, total - 12, end, total - 12, "axis"), text(end - bar / 2, total - 16, "10 cm", "tick")]
@@ -105,8 +109,10 @@ def touch_views(run: RunFolder, drawn: Drawn, name: str) -> str:
         body.append(_polygon(_hull(panel(hull)), "#8a95a1", 0.25))
         for (x, y), newtons, share in zip(panel(points), force, np.linspace(0, 1, len(points)), strict=True):
             radius = 1.8 + 0.25 * min(float(newtons), 30.0) ** 0.7
-            body.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius:.1f}" style="fill:{_ramp(float(share))};'
-                        f'fill-opacity:.55"/>')
+            body.append(
+                f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius:.1f}" style="fill:{_ramp(float(share))};'
+                f'fill-opacity:.55"/>'
+            )
     return _svg(body, height + 50, f"Contact points on the {name}")
 
 
@@ -138,9 +144,11 @@ def _polygon(points: Array, hue: str, opacity: float) -> str:
 def _polyline(points: Array, hue: str) -> str:
     spots = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
     (x0, y0), (x1, y1) = points[0], points[-1]
-    return (f'<polyline points="{spots}" style="fill:none;stroke:{hue};stroke-width:2"/>'
-            f'<circle cx="{x0:.1f}" cy="{y0:.1f}" r="3" style="fill:#fff;stroke:{hue};stroke-width:2"/>'
-            f'<circle cx="{x1:.1f}" cy="{y1:.1f}" r="4" style="fill:{hue}"/>')
+    return (
+        f'<polyline points="{spots}" style="fill:none;stroke:{hue};stroke-width:2"/>'
+        f'<circle cx="{x0:.1f}" cy="{y0:.1f}" r="3" style="fill:#fff;stroke:{hue};stroke-width:2"/>'
+        f'<circle cx="{x1:.1f}" cy="{y1:.1f}" r="4" style="fill:{hue}"/>'
+    )
 
 
 def _ramp(share: float) -> str:
@@ -151,4 +159,4 @@ def _ramp(share: float) -> str:
 
 
 def _svg(body: Sequence[str], height: float, label: str) -> str:
-    return (f'<svg viewBox="0 0 1100 {height:.0f}" class="chart" role="img" aria-label="{label}">{"".join(body)}</svg>')
+    return f'<svg viewBox="0 0 1100 {height:.0f}" class="chart" role="img" aria-label="{label}">{"".join(body)}</svg>'

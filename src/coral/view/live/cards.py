@@ -10,8 +10,13 @@ from coral.view.pictures import RGB
 from coral.view.svg import clock
 
 TONES = {"plain": "inherit", "good": "#0a7d4f", "bad": "#c8352b"}
-VERDICTS = {"accepted": "#0a7d4f", "rejected": "#c8352b", "malformed": "#c8352b", "unavailable": "#c8352b",
-            "withdrawn": "#5d6b7a"}
+VERDICTS = {
+    "accepted": "#0a7d4f",
+    "rejected": "#c8352b",
+    "malformed": "#c8352b",
+    "unavailable": "#c8352b",
+    "withdrawn": "#5d6b7a",
+}
 BOX = "padding:8px 10px;border-radius:6px;border:1px solid rgba(128,140,155,.35);margin:0 0 8px 0;"
 SMALL = "font-size:11px;opacity:.72;"
 
@@ -23,7 +28,9 @@ def head(state: LiveState) -> str:
     tiles = "".join(
         f"<div style='min-width:0'><div style='{SMALL}'>{escape(n.name)}</div>"
         f"<div style='font-size:15px;font-weight:650;color:{TONES[n.tone]};white-space:nowrap'>{escape(n.value)}</div>"
-        "</div>" for n in state.numbers)
+        "</div>"
+        for n in state.numbers
+    )
     return (
         "<div style='padding:4px 12px 8px 12px;line-height:1.35'>"
         f"<div style='font-size:17px;font-weight:700'>{escape(state.title)}</div>"
@@ -33,13 +40,16 @@ def head(state: LiveState) -> str:
         f"{until} <span style='{SMALL}'>simulated</span></div>"
         f"<div id='status' style='color:white;background:{tone};border-radius:10px;padding:1px 9px;font-size:12px'>"
         f"{escape(state.status)}</div></div>"
-        f"<div style='display:grid;grid-template-columns:repeat(3,1fr);gap:6px 8px'>{tiles}</div></div>")
+        f"<div style='display:grid;grid-template-columns:repeat(3,1fr);gap:6px 8px'>{tiles}</div></div>"
+    )
 
 
 def decision(state: LiveState) -> str:
     """The open question, and the last verdict with its reason."""
-    return (f"<div style='padding:2px 12px;line-height:1.4;font-size:13px'>{_asked(state.asked, state.t)}"
-            f"{_answered(state.answered)}</div>")
+    return (
+        f"<div style='padding:2px 12px;line-height:1.4;font-size:13px'>{_asked(state.asked, state.t)}"
+        f"{_answered(state.answered)}</div>"
+    )
 
 
 def _asked(asked: Asked | None, t: float) -> str:
@@ -47,9 +57,11 @@ def _asked(asked: Asked | None, t: float) -> str:
         return f"<div style='{BOX}opacity:.75'><b>No open question</b></div>"
     again = f", attempt {asked.attempt + 1}" if asked.attempt else ""
     cause = f"<div style='{SMALL}'>because {escape(asked.cause)}</div>" if asked.cause else ""
-    return (f"<div style='{BOX}border-left:4px solid #b26a00'><div style='{SMALL}'>OPEN QUESTION</div>"
-            f"<b>{escape(asked.title)}</b> <span style='opacity:.8'>({escape(asked.mode)} mode{again})</span>"
-            f"<div>open since {clock(asked.since_s)}, for {max(t - asked.since_s, 0.0):.0f} s</div>{cause}</div>")
+    return (
+        f"<div style='{BOX}border-left:4px solid #b26a00'><div style='{SMALL}'>OPEN QUESTION</div>"
+        f"<b>{escape(asked.title)}</b> <span style='opacity:.8'>({escape(asked.mode)} mode{again})</span>"
+        f"<div>open since {clock(asked.since_s)}, for {max(t - asked.since_s, 0.0):.0f} s</div>{cause}</div>"
+    )
 
 
 def _answered(answered: Answered | None) -> str:
@@ -57,9 +69,11 @@ def _answered(answered: Answered | None) -> str:
         return ""
     color = VERDICTS.get(answered.verdict, "#5d6b7a")
     reason = f"<div style='{SMALL}'>{escape(answered.reason)}</div>" if answered.reason else ""
-    return (f"<div style='{BOX}border-left:4px solid {color}'><div style='{SMALL}'>LAST VERDICT, "
-            f"{clock(answered.at_s)}</div><b style='color:{color}'>{escape(answered.verdict)}</b>: "
-            f"{escape(answered.said)}{reason}</div>")
+    return (
+        f"<div style='{BOX}border-left:4px solid {color}'><div style='{SMALL}'>LAST VERDICT, "
+        f"{clock(answered.at_s)}</div><b style='color:{color}'>{escape(answered.verdict)}</b>: "
+        f"{escape(answered.said)}{reason}</div>"
+    )
 
 
 def log(state: LiveState) -> str:
@@ -81,5 +95,7 @@ def keys(entries: Iterable[tuple[RGB, str]]) -> str:
 
 
 def _swatch(color: RGB) -> str:
-    return (f"<span style='display:inline-block;width:10px;height:10px;border-radius:2px;margin-right:5px;"
-            f"border:1px solid rgba(128,140,155,.5);background:rgb{color}'></span>")
+    return (
+        f"<span style='display:inline-block;width:10px;height:10px;border-radius:2px;margin-right:5px;"
+        f"border:1px solid rgba(128,140,155,.5);background:rgb{color}'></span>"
+    )

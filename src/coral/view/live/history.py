@@ -28,7 +28,7 @@ class History:
             return
         if self._n == len(self._rows):
             self._n = (self._n + 1) // 2
-            self._rows[:self._n] = self._rows[::2]
+            self._rows[: self._n] = self._rows[::2]
             self._stride *= 2
             if (self._offered - 1) % self._stride:
                 return
@@ -38,7 +38,7 @@ class History:
     def curves(self, names: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Times, Shape=(N,), and values, Shape=(len(names), N), of some of the curves; copies."""
         columns = [1 + self.names.index(name) for name in names]
-        rows = self._rows[:self._n]
+        rows = self._rows[: self._n]
         return rows[:, 0].copy(), rows[:, columns].T.copy()
 
 

@@ -12,8 +12,13 @@ STOPPED = "stopped by the operator"
 class Pace:
     """The wishes of whoever watches; every method may be called from any thread."""
 
-    def __init__(self, speed: float = 0.0, *, clock: Callable[[], float] = time.monotonic,
-                 wait: Callable[[float], object] | None = None) -> None:
+    def __init__(
+        self,
+        speed: float = 0.0,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        wait: Callable[[float], object] | None = None,
+    ) -> None:
         """Start running.
 
         Args:

@@ -17,7 +17,8 @@ CHART_PX = 100
 LAYERS = (
     ("rollouts", "Rollouts", True, "Some of the futures that the controller tried at this moment."),
     ("shapes", "3D shapes", True, "Raise mapped obstacles and oysters. The map knows no heights; these are made up."),
-    ("truth", "Show truth", False, "Outlines of the real oysters and obstacles, which the robot does not know."))
+    ("truth", "Show truth", False, "Outlines of the real oysters and obstacles, which the robot does not know."),
+)
 
 
 class Controls(Protocol):
@@ -41,8 +42,12 @@ class MissionControls:
     def build(self, gui: Any) -> None:
         """Put the buttons where the panel is being built."""
         self._pause = gui.add_button("Pause", icon="player-pause", color="teal")
-        self._stop = gui.add_button("Stop the mission", icon="player-stop-filled", color="red",
-                                    hint="Ends the mission now; what was recorded is kept.")
+        self._stop = gui.add_button(
+            "Stop the mission",
+            icon="player-stop-filled",
+            color="red",
+            hint="Ends the mission now; what was recorded is kept.",
+        )
         choices = {**speeds(self.pace.speed), UNLIMITED: 0.0}
         self._speed = gui.add_dropdown("Speed limit", tuple(choices), initial_value=named(self.pace.speed))
         self._pause.on_click(lambda _: self._toggle())
@@ -64,8 +69,9 @@ class MissionControls:
 class ReplayControls:
     """Time, play and speed of a recording."""
 
-    def __init__(self, pace: Pace, duration_s: float, seek: Callable[[float], None],
-                 play: Callable[[bool], None]) -> None:
+    def __init__(
+        self, pace: Pace, duration_s: float, seek: Callable[[float], None], play: Callable[[bool], None]
+    ) -> None:
         self.pace, self.duration_s, self.seek, self.play = pace, duration_s, seek, play
 
     def build(self, gui: Any) -> None:
@@ -91,8 +97,9 @@ class ReplayControls:
 class Panel:
     """Two columns beside the scene: the mission on the right, its sensors and curves on the left."""
 
-    def __init__(self, server: Any, controls: Controls, hide: Callable[[str, bool], None],
-                 follow: Callable[[bool], None]) -> None:
+    def __init__(
+        self, server: Any, controls: Controls, hide: Callable[[str, bool], None], follow: Callable[[bool], None]
+    ) -> None:
         gui = self._gui = server.gui
         self._controls = controls
         self._charts: dict[str, Any] = {}
@@ -119,8 +126,12 @@ class Panel:
 
     def show(self, state: LiveState) -> None:
         """Bring every element up to date; those that stay the same are not sent."""
-        for handle, content in ((self._head, cards.head(state)), (self._decision, cards.decision(state)),
-                                (self._log, cards.log(state)), (self._legend, cards.legend(state))):
+        for handle, content in (
+            (self._head, cards.head(state)),
+            (self._decision, cards.decision(state)),
+            (self._log, cards.log(state)),
+            (self._legend, cards.legend(state)),
+        ):
             if handle.content != content:
                 handle.content = content
         with self._eyes:
@@ -146,12 +157,24 @@ class Panel:
             handle.data = data
             handle.scales = scales
             return
-        series = [{"label": "t (s)"}, *({"label": name, "stroke": f"rgb{color}", "width": 2, "spanGaps": False}
-                                        for name, color in zip(chart.names, chart.colors, strict=True))]
+        series = [
+            {"label": "t (s)"},
+            *(
+                {"label": name, "stroke": f"rgb{color}", "width": 2, "spanGaps": False}
+                for name, color in zip(chart.names, chart.colors, strict=True)
+            ),
+        ]
         self._charts[chart.title] = self._gui.add_uplot(
-            data, tuple(series), title=chart.title, scales=scales, height=CHART_PX,
-            legend={"show": False}, cursor={"show": False}, padding=(4, 12, 0, 0),
-            axes=({"size": 24, "space": 50}, {"size": 40, "space": 26}))
+            data,
+            tuple(series),
+            title=chart.title,
+            scales=scales,
+            height=CHART_PX,
+            legend={"show": False},
+            cursor={"show": False},
+            padding=(4, 12, 0, 0),
+            axes=({"size": 24, "space": 50}, {"size": 40, "space": 26}),
+        )
         if len(chart.names) > 1:
             self._gui.add_html(cards.keys(zip(chart.colors, chart.names, strict=True)))
 

@@ -51,12 +51,25 @@ class RecordedRun:
         coverage, speed = (_last(run.column(name)[:k]) for name in ("coverage", "u"))
         status = "playing" if playing else "paused"
         return LiveState(
-            title=self.title, about=self._about, status=f"ended: {story.ended}" if story.ended else status, t=t,
-            until_s=self.duration_s, numbers=reef_scene.numbers(story, coverage, speed), asked=story.asked,
-            answered=story.answered, log=story.log, ground=reef_scene.ground(scene),
-            lines=(*reef_scene.lines(scene), *self._truth), markers=reef_scene.markers(scene),
-            bodies=reef_scene.robot(scene.pose), follow="robot", pictures=reef_scene.cameras(self._frame(t)),
-            charts=self._charts(k), legend=reef_scene.LEGEND, note=NOTE)
+            title=self.title,
+            about=self._about,
+            status=f"ended: {story.ended}" if story.ended else status,
+            t=t,
+            until_s=self.duration_s,
+            numbers=reef_scene.numbers(story, coverage, speed),
+            asked=story.asked,
+            answered=story.answered,
+            log=story.log,
+            ground=reef_scene.ground(scene),
+            lines=(*reef_scene.lines(scene), *self._truth),
+            markers=reef_scene.markers(scene),
+            bodies=reef_scene.robot(scene.pose),
+            follow="robot",
+            pictures=reef_scene.cameras(self._frame(t)),
+            charts=self._charts(k),
+            legend=reef_scene.LEGEND,
+            note=NOTE,
+        )
 
     def _frame(self, t: float) -> Frame | None:
         step = step_at(self.run, t)
@@ -68,15 +81,33 @@ class RecordedRun:
 
     def _charts(self, k: int) -> tuple[Chart, ...]:
         run = self.run
-        t, (coverage, commanded, driven, clearance) = thinned(run.column("t")[:k], np.array(
-            [run.column(name)[:k] for name in ("coverage", "v_cmd", "u", "clearance")]))
+        t, (coverage, commanded, driven, clearance) = thinned(
+            run.column("t")[:k], np.array([run.column(name)[:k] for name in ("coverage", "v_cmd", "u", "clearance")])
+        )
         return (
-            Chart(title="Coverage (%)", names=("coverage",), t=t, values=100 * coverage[None], bounds=(0.0, 105.0),
-                  colors=((11, 100, 112),)),
-            Chart(title="Forward speed (m/s)", names=("commanded", "driven"), t=t,
-                  values=np.array([commanded, driven]), colors=((150, 160, 172), (25, 90, 230))),
-            Chart(title="Hull to nearest obstacle (m)", names=("clearance",), t=t, values=clearance[None],
-                  colors=((214, 52, 44),)))
+            Chart(
+                title="Coverage (%)",
+                names=("coverage",),
+                t=t,
+                values=100 * coverage[None],
+                bounds=(0.0, 105.0),
+                colors=((11, 100, 112),),
+            ),
+            Chart(
+                title="Forward speed (m/s)",
+                names=("commanded", "driven"),
+                t=t,
+                values=np.array([commanded, driven]),
+                colors=((150, 160, 172), (25, 90, 230)),
+            ),
+            Chart(
+                title="Hull to nearest obstacle (m)",
+                names=("clearance",),
+                t=t,
+                values=clearance[None],
+                colors=((214, 52, 44),),
+            ),
+        )
 
 
 class Player:

@@ -22,8 +22,14 @@ from coral.view.run import Record
 
 ROLLOUTS = 48
 """Of the sampled ones, how many are drawn."""
-COST_COLORS: tuple[RGB, ...] = ((214, 52, 44), (90, 90, 100), (0, 150, 170), (150, 120, 200), (255, 133, 0),
-                                (120, 170, 60))
+COST_COLORS: tuple[RGB, ...] = (
+    (214, 52, 44),
+    (90, 90, 100),
+    (0, 150, 170),
+    (150, 120, 200),
+    (255, 133, 0),
+    (120, 170, 60),
+)
 
 
 class LiveMission:
@@ -51,8 +57,9 @@ class LiveMission:
         state, plan = mission.simulator.vehicle.state, mission.pilot.plan
         costs = plan.costs if plan is not None else {}
         command = plan.command[0] if plan is not None else math.nan
-        self.history.add(mission.t, 100 * mission.coverage, command, float(state[3]),
-                         *(costs.get(name, math.nan) for name in COSTS))
+        self.history.add(
+            mission.t, 100 * mission.coverage, command, float(state[3]), *(costs.get(name, math.nan) for name in COSTS)
+        )
         if mission.end_reason or self.page.due():
             self.page.show(self.state(mission))
         if mission.end_reason:
@@ -86,13 +93,23 @@ class LiveMission:
         scene = replace(scene, trajectory=np.vstack([scene.trajectory, [belief.pose[:2]]]))
         speed = float(mission.simulator.vehicle.state[3])
         return LiveState(
-            title=mission.world.name, about=self._about(mission), status=status or self._status(mission), t=mission.t,
-            numbers=reef_scene.numbers(story, mission.coverage, speed), asked=story.asked, answered=story.answered,
-            log=story.log, ground=reef_scene.ground(scene),
+            title=mission.world.name,
+            about=self._about(mission),
+            status=status or self._status(mission),
+            t=mission.t,
+            numbers=reef_scene.numbers(story, mission.coverage, speed),
+            asked=story.asked,
+            answered=story.answered,
+            log=story.log,
+            ground=reef_scene.ground(scene),
             lines=(*reef_scene.lines(scene, None if plan is None else plan.path), *self._truth),
-            markers=reef_scene.markers(scene), bodies=reef_scene.robot(belief.pose), follow="robot",
-            pictures=reef_scene.cameras(belief.frame), charts=self._charts(mission),
-            legend=reef_scene.LEGEND + reef_scene.PLANNED)
+            markers=reef_scene.markers(scene),
+            bodies=reef_scene.robot(belief.pose),
+            follow="robot",
+            pictures=reef_scene.cameras(belief.frame),
+            charts=self._charts(mission),
+            legend=reef_scene.LEGEND + reef_scene.PLANNED,
+        )
 
     def _status(self, mission: Mission) -> str:
         if mission.end_reason:
@@ -108,15 +125,17 @@ class LiveMission:
         return "running" if math.isnan(self._factor) else f"running, {self._factor:.1f} × real time"
 
     def _charts(self, mission: Mission) -> tuple[Chart, ...]:
-        def chart(title: str, names: tuple[str, ...], colors: tuple[RGB, ...],
-                  bounds: tuple[float, float] | None = None) -> Chart:
+        def chart(
+            title: str, names: tuple[str, ...], colors: tuple[RGB, ...], bounds: tuple[float, float] | None = None
+        ) -> Chart:
             t, values = self.history.curves(names)
             return Chart(title=title, names=names, t=t, values=values, colors=colors, bounds=bounds)
 
         top = round(1.25 * mission.cfg.simulator.vehicle.max_speed_m_s, 1)
-        charts = [chart("Coverage (%)", ("coverage",), ((11, 100, 112),), (0.0, 105.0)),
-                  chart("Forward speed (m/s)", ("commanded", "driven"), ((150, 160, 172), (25, 90, 230)),
-                        (-0.25 * top, top))]
+        charts = [
+            chart("Coverage (%)", ("coverage",), ((11, 100, 112),), (0.0, 105.0)),
+            chart("Forward speed (m/s)", ("commanded", "driven"), ((150, 160, 172), (25, 90, 230)), (-0.25 * top, top)),
+        ]
         if isinstance(mission.driver, DdpMppi):
             charts.append(chart("Cost of the plan, by term", COSTS, COST_COLORS))
         return tuple(charts)

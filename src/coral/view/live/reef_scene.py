@@ -25,32 +25,47 @@ DEPTH_OF_HULL_M = 0.55
 HULL_M = 0.3
 PICTURE = (320, 240)
 LEGEND: tuple[tuple[RGB, str], ...] = (
-    ((190, 193, 197), "explored"), ((58, 60, 68), "obstacle"), ((38, 166, 76), "oysters"),
-    (YELLOW, "path travelled"), (RED, "robot, forward"), (BLUE, "chain, robot's left"), (ORANGE, "cluster"),
-    (PALE_ORANGE, "cluster, visited"), (MAGENTA, "goal"), (TRUTH, "truth, if shown"))
+    ((190, 193, 197), "explored"),
+    ((58, 60, 68), "obstacle"),
+    ((38, 166, 76), "oysters"),
+    (YELLOW, "path travelled"),
+    (RED, "robot, forward"),
+    (BLUE, "chain, robot's left"),
+    (ORANGE, "cluster"),
+    (PALE_ORANGE, "cluster, visited"),
+    (MAGENTA, "goal"),
+    (TRUTH, "truth, if shown"),
+)
 PLANNED: tuple[tuple[RGB, str], ...] = ((PLAN, "plan"), (ROLLOUT, "rollouts"), (REFERENCE, "path to the goal"))
 
 
 def _rov() -> tuple[Part, ...]:
     """A BlueROV2 from boxes: blue floats on black side plates, a clear dome in front, thrusters; metres, body FLU."""
     blue, black, gray = (28, 110, 190), (34, 36, 40), (120, 126, 134)
-    parts = [Part(shape="box", center=(0.0, 0.0, 0.0), size=(0.34, 0.12, 0.11), color=(225, 228, 232)),
-             Part(shape="ball", center=(0.19, 0.0, 0.0), size=(0.11, 0.11, 0.11), color=(150, 205, 235))]
+    parts = [
+        Part(shape="box", center=(0.0, 0.0, 0.0), size=(0.34, 0.12, 0.11), color=(225, 228, 232)),
+        Part(shape="ball", center=(0.19, 0.0, 0.0), size=(0.11, 0.11, 0.11), color=(150, 205, 235)),
+    ]
     for side in (1.0, -1.0):
         parts += [
             Part(shape="box", center=(0.0, 0.12 * side, 0.10), size=(0.44, 0.11, 0.09), color=blue),
             Part(shape="box", center=(0.0, 0.18 * side, -0.02), size=(0.457, 0.015, 0.24), color=black),
-            Part(shape="cylinder", center=(0.0, 0.12 * side, 0.15), size=(0.10, 0.10, 0.03), color=black)]
-        parts += [Part(shape="cylinder", center=(0.16 * end, 0.13 * side, -0.08), size=(0.09, 0.09, 0.07), color=gray)
-                  for end in (1.0, -1.0)]
+            Part(shape="cylinder", center=(0.0, 0.12 * side, 0.15), size=(0.10, 0.10, 0.03), color=black),
+        ]
+        parts += [
+            Part(shape="cylinder", center=(0.16 * end, 0.13 * side, -0.08), size=(0.09, 0.09, 0.07), color=gray)
+            for end in (1.0, -1.0)
+        ]
     return tuple(parts)
 
 
 ROV = _rov()
 _LOW = 0.17 - DEPTH_OF_HULL_M
-HEADING = (Line(name="hull", segments=ring(0.0, 0.0, HULL_M, _LOW), color=RED, width_px=3),
-           Line(name="forward", segments=arrow(np.zeros(2), np.array([1.2, 0.0]), _LOW), color=RED, width_px=4),
-           Line(name="left", segments=arrow(np.zeros(2), np.array([0.0, 0.9]), _LOW), color=BLUE, width_px=3))
+HEADING = (
+    Line(name="hull", segments=ring(0.0, 0.0, HULL_M, _LOW), color=RED, width_px=3),
+    Line(name="forward", segments=arrow(np.zeros(2), np.array([1.2, 0.0]), _LOW), color=RED, width_px=4),
+    Line(name="left", segments=arrow(np.zeros(2), np.array([0.0, 0.9]), _LOW), color=BLUE, width_px=3),
+)
 """Below the vehicle, on the map: its hull, its +X and its +Y, as the paper draws them."""
 
 
@@ -64,8 +79,15 @@ def robot(pose: Pose | None) -> tuple[Body, ...]:
     if pose is None:
         return ()
     half = 0.5 * pose.theta
-    return (Body(name="robot", parts=ROV, lines=HEADING, position=(pose.x, pose.y, DEPTH_OF_HULL_M),
-                 wxyz=(math.cos(half), 0.0, 0.0, math.sin(half))),)
+    return (
+        Body(
+            name="robot",
+            parts=ROV,
+            lines=HEADING,
+            position=(pose.x, pose.y, DEPTH_OF_HULL_M),
+            wxyz=(math.cos(half), 0.0, 0.0, math.sin(half)),
+        ),
+    )
 
 
 def lines(scene: MapScene, plan: NDArray[np.float64] | None = None) -> tuple[Line, ...]:
@@ -83,10 +105,15 @@ def lines(scene: MapScene, plan: NDArray[np.float64] | None = None) -> tuple[Lin
         Line(name="trajectory", segments=path(scene.trajectory, 0.12), color=YELLOW, width_px=4),
         Line(name="chain", segments=path(dots[order], 0.13), color=BLUE, width_px=3),
         Line(name="rollouts", segments=rollouts, color=ROLLOUT, width_px=1, layer="rollouts"),
-        Line(name="reference", segments=NONE if scene.reference is None else path(scene.reference, 0.15),
-             color=REFERENCE, width_px=2),
+        Line(
+            name="reference",
+            segments=NONE if scene.reference is None else path(scene.reference, 0.15),
+            color=REFERENCE,
+            width_px=2,
+        ),
         Line(name="plan", segments=NONE if plan is None else path(plan[:, :2], 0.18), color=PLAN, width_px=4),
-        Line(name="goal", segments=crosshair(*goal, 0.32, 0.2) if goal else NONE, color=MAGENTA, width_px=4))
+        Line(name="goal", segments=crosshair(*goal, 0.32, 0.2) if goal else NONE, color=MAGENTA, width_px=4),
+    )
 
 
 def markers(scene: MapScene) -> tuple[Marker, ...]:
@@ -94,8 +121,10 @@ def markers(scene: MapScene) -> tuple[Marker, ...]:
     dots = np.asarray(scene.centroids, np.float64).reshape(-1, 2)
     names = scene.indices if scene.indices is not None else range(len(dots))
     seen = scene.visited if scene.visited is not None else [False] * len(dots)
-    return tuple(Marker(label=str(name), position=(float(x), float(y), 0.2), color=PALE_ORANGE if old else ORANGE)
-                 for (x, y), name, old in zip(dots, names, seen, strict=True))
+    return tuple(
+        Marker(label=str(name), position=(float(x), float(y), 0.2), color=PALE_ORANGE if old else ORANGE)
+        for (x, y), name, old in zip(dots, names, seen, strict=True)
+    )
 
 
 def truth(world: ReefWorld | None) -> tuple[Line, ...]:
@@ -117,15 +146,19 @@ def cameras(frame: Frame | None) -> tuple[tuple[str, Image], ...]:
     """What the front camera sees."""
     if frame is None:
         return ()
-    return (("Camera: oysters green, obstacles dark", camera_picture(frame, "segmentation", PICTURE)),
-            ("Depth: near is bright", camera_picture(frame, "depth", PICTURE)))
+    return (
+        ("Camera: oysters green, obstacles dark", camera_picture(frame, "segmentation", PICTURE)),
+        ("Depth: near is bright", camera_picture(frame, "depth", PICTURE)),
+    )
 
 
 def numbers(story: Story, coverage: float, speed_m_s: float) -> tuple[Number, ...]:
     """The head of the page. `coverage`: 0 to 1."""
     repeated = f" ({story.requeries} again)" if story.requeries else ""
-    return (Number(name="coverage", value=f"{100 * coverage:.0f} %", tone="good" if coverage >= 1 - 1e-9 else "plain"),
-            Number(name="clusters", value=f"{story.covered} of {story.clusters}"),
-            Number(name="collisions", value=str(story.collisions), tone="bad" if story.collisions else "plain"),
-            Number(name="advisor calls", value=f"{story.calls}{repeated}"),
-            Number(name="speed", value=f"{speed_m_s:.2f} m/s"))
+    return (
+        Number(name="coverage", value=f"{100 * coverage:.0f} %", tone="good" if coverage >= 1 - 1e-9 else "plain"),
+        Number(name="clusters", value=f"{story.covered} of {story.clusters}"),
+        Number(name="collisions", value=str(story.collisions), tone="bad" if story.collisions else "plain"),
+        Number(name="advisor calls", value=f"{story.calls}{repeated}"),
+        Number(name="speed", value=f"{speed_m_s:.2f} m/s"),
+    )

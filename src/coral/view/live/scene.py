@@ -12,12 +12,14 @@ from coral.view.pictures import RGB
 
 FACES: NDArray[np.uint32] = np.array(
     [(4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7)],
-    np.uint32)
+    np.uint32,
+)
 """Top and sides of a block; nobody sees its bottom."""
 
 
-def blocks(mask: NDArray[np.bool_], cell_m: float, origin: tuple[float, float],
-           height: float) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+def blocks(
+    mask: NDArray[np.bool_], cell_m: float, origin: tuple[float, float], height: float
+) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
     """Cells as upright blocks, one for every run of cells in a row.
 
     Args:
@@ -86,8 +88,16 @@ class Scene:
         if self._ground is None:
             center = (ground.origin[0] + size[0] / 2, ground.origin[1] + size[1] / 2)
             # Half a turn about x: a picture's rows run down, the world's y runs up.
-            self._ground = self._scene.add_image("/ground", rgb, *size, format="png", wxyz=(0.0, 1.0, 0.0, 0.0),
-                                                 position=(*center, 0.0), cast_shadow=False, receive_shadow=False)
+            self._ground = self._scene.add_image(
+                "/ground",
+                rgb,
+                *size,
+                format="png",
+                wxyz=(0.0, 1.0, 0.0, 0.0),
+                position=(*center, 0.0),
+                cast_shadow=False,
+                receive_shadow=False,
+            )
             self._frame(center, size)
         else:
             self._ground.image = rgb
@@ -100,8 +110,15 @@ class Scene:
             self._solids.pop(kind).remove()
         if len(vertices):
             self._solids[kind] = self._scene.add_mesh_simple(
-                f"/solids/{kind}", vertices, faces, color=color, flat_shading=True, cast_shadow=False,
-                receive_shadow=False, visible="shapes" not in self._hidden)
+                f"/solids/{kind}",
+                vertices,
+                faces,
+                color=color,
+                flat_shading=True,
+                cast_shadow=False,
+                receive_shadow=False,
+                visible="shapes" not in self._hidden,
+            )
 
     def _frame(self, center: tuple[float, float], size: tuple[float, float]) -> None:
         """Look at the whole ground from the south, and put an edge and a metre grid about it."""
@@ -109,8 +126,17 @@ class Scene:
         camera = self._server.initial_camera
         camera.position = (cx, cy - 0.56 * span, 0.78 * span)
         camera.look_at = (cx, cy - 0.05 * span, 0.0)
-        self._scene.add_grid("/grid", width=size[0], height=size[1], plane="xy", cell_size=1.0, section_size=5.0,
-                             cell_color=(222, 226, 232), section_color=(196, 202, 210), position=(cx, cy, 0.015))
+        self._scene.add_grid(
+            "/grid",
+            width=size[0],
+            height=size[1],
+            plane="xy",
+            cell_size=1.0,
+            section_size=5.0,
+            cell_color=(222, 226, 232),
+            section_color=(196, 202, 210),
+            position=(cx, cy, 0.015),
+        )
 
     def _show_line(self, line: Line) -> None:
         shown = line.layer not in self._hidden and len(line.segments) > 0
@@ -119,8 +145,13 @@ class Scene:
             if not len(line.segments):
                 return
             handle = self._scene.add_line_segments(
-                f"/lines/{line.name}", line.segments, line.color, thickness=line.width_px, thickness_units="screen",
-                visible=shown)
+                f"/lines/{line.name}",
+                line.segments,
+                line.color,
+                thickness=line.width_px,
+                thickness_units="screen",
+                visible=shown,
+            )
         elif before is not None and before.segments is not line.segments:
             if len(line.segments):
                 handle.points = line.segments
@@ -135,10 +166,17 @@ class Scene:
         for k, marker in enumerate(markers):
             above = np.add(marker.position, (0.0, 0.0, 1.6 * marker.radius_m))
             if k == len(self._markers):
-                ball = self._scene.add_icosphere(f"/markers/{k}", radius=marker.radius_m, color=marker.color,
-                                                 position=marker.position, cast_shadow=False, receive_shadow=False)
-                label = self._scene.add_label(f"/marker-labels/{k}", marker.label, position=above,
-                                              anchor="bottom-center", font_screen_scale=1.1)
+                ball = self._scene.add_icosphere(
+                    f"/markers/{k}",
+                    radius=marker.radius_m,
+                    color=marker.color,
+                    position=marker.position,
+                    cast_shadow=False,
+                    receive_shadow=False,
+                )
+                label = self._scene.add_label(
+                    f"/marker-labels/{k}", marker.label, position=above, anchor="bottom-center", font_screen_scale=1.1
+                )
                 self._markers.append((ball, label, marker))
                 continue
             ball, label, before = self._markers[k]
@@ -154,14 +192,20 @@ class Scene:
             for k, part in enumerate(body.parts):
                 self._add_part(f"{root}/{k}", part)
             for line in body.lines:
-                self._scene.add_line_segments(f"{root}/{line.name}", line.segments, line.color,
-                                              thickness=line.width_px, thickness_units="screen")
+                self._scene.add_line_segments(
+                    f"{root}/{line.name}", line.segments, line.color, thickness=line.width_px, thickness_units="screen"
+                )
         self._bodies[body.name].position = body.position
         self._bodies[body.name].wxyz = body.wxyz
 
     def _add_part(self, name: str, part: Part) -> None:
-        look = {"color": part.color, "opacity": part.opacity if part.opacity < 1 else None, "position": part.center,
-                "cast_shadow": False, "receive_shadow": False}
+        look = {
+            "color": part.color,
+            "opacity": part.opacity if part.opacity < 1 else None,
+            "position": part.center,
+            "cast_shadow": False,
+            "receive_shadow": False,
+        }
         if part.shape == "box":
             self._scene.add_box(name, dimensions=part.size, **look)
         elif part.shape == "ball":

@@ -11,8 +11,13 @@ from coral.view.run import Record
 from coral.view.svg import clock
 
 TITLES = {"centroid": "Which cluster next?", "waypoint": "Where to next?"}
-CAUSES = {"distance": "the goal is near", "stuck": "the robot is stuck", "failure": "the planner found no way",
-          "deviation": "the robot left its path", "first": "the mission began"}
+CAUSES = {
+    "distance": "the goal is near",
+    "stuck": "the robot is stuck",
+    "failure": "the planner found no way",
+    "deviation": "the robot left its path",
+    "first": "the mission began",
+}
 KEPT = 6
 """Lines of the log."""
 
@@ -50,17 +55,30 @@ def _trigger(story: Story, event: Record) -> Story:
 
 def _question(story: Story, event: Record) -> Story:
     mode, attempt = str(event.get("mode", "")), int(event.get("attempt") or 0)
-    asked = Asked(title=TITLES.get(mode, mode), mode=mode, since_s=float(event["t"]), attempt=attempt,
-                  cause=CAUSES.get(story.cause, story.cause))
+    asked = Asked(
+        title=TITLES.get(mode, mode),
+        mode=mode,
+        since_s=float(event["t"]),
+        attempt=attempt,
+        cause=CAUSES.get(story.cause, story.cause),
+    )
     again = f", attempt {attempt + 1}" if attempt else ""
-    return _noted(replace(story, asked=asked, calls=story.calls + 1, requeries=story.requeries + (attempt > 0)),
-                  event, f"asked: {asked.title}{again}")
+    return _noted(
+        replace(story, asked=asked, calls=story.calls + 1, requeries=story.requeries + (attempt > 0)),
+        event,
+        f"asked: {asked.title}{again}",
+    )
 
 
 def _verdict(story: Story, event: Record) -> Story:
     answer = event.get("answer")
-    heard = Try(attempt=0, asked_at_s=0.0, answered_at_s=0.0, verdict=str(event.get("verdict", "")),
-                answer=answer if isinstance(answer, dict) else {"answer": answer} if answer else {})
+    heard = Try(
+        attempt=0,
+        asked_at_s=0.0,
+        answered_at_s=0.0,
+        verdict=str(event.get("verdict", "")),
+        answer=answer if isinstance(answer, dict) else {"answer": answer} if answer else {},
+    )
     reason = str(event.get("reason") or "") or heard.why
     answered = Answered(verdict=heard.verdict, said=heard.said, at_s=float(event["t"]), reason=reason)
     return _noted(replace(story, asked=None, answered=answered), event, f"{heard.verdict}: {heard.said}")
@@ -93,8 +111,15 @@ def _noted(story: Story, event: Record, text: str) -> Story:
 
 
 _FOLDS: dict[str, Callable[[Story, Record], Story]] = {
-    "start": _start, "trigger": _trigger, "question": _question, "verdict": _verdict, "goal": _goal,
-    "cluster_covered": _covered, "collision": _collision, "robot_collision": _collision, "end": _end,
+    "start": _start,
+    "trigger": _trigger,
+    "question": _question,
+    "verdict": _verdict,
+    "goal": _goal,
+    "cluster_covered": _covered,
+    "collision": _collision,
+    "robot_collision": _collision,
+    "end": _end,
     "planner_failure": lambda s, e: _noted(s, e, f"no way found: {e.get('reason', '')}"),
     "fallback": lambda s, e: _noted(s, e, f"the advisor failed ({e.get('failure', '')})"),
     "monitor": lambda s, e: _noted(s, e, "left the planned path, planned again"),

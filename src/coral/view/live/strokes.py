@@ -33,8 +33,12 @@ def ring(x: float, y: float, radius: float, z: float, sides: int = 32) -> Segmen
 def crosshair(x: float, y: float, radius: float, z: float) -> Segments:
     """A ring with four arms, as goals are drawn on maps."""
     inner, outer = 0.6 * radius, 1.5 * radius
-    arms = np.array([[(x + inner * i, y + inner * j), (x + outer * i, y + outer * j)]
-                     for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))])
+    arms = np.array(
+        [
+            [(x + inner * i, y + inner * j), (x + outer * i, y + outer * j)]
+            for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))
+        ]
+    )
     return np.concatenate([ring(x, y, radius, z), bundle(arms, z)])
 
 
