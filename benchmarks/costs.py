@@ -18,13 +18,13 @@ from functools import partial
 
 import numpy as np
 
-from coral.contact.context import Context
-from coral.contact.draw import draw
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.planning import Controls, PlanningCfg, PlanningWorld
-from coral.contact.program import CostProgram, CostWorker
-from coral.contact.scene import prior
-from coral.contact.task import load_task, shipped_tasks
+from coral.contact.control.planning_world import Controls, PlanningCfg, PlanningWorld
+from coral.contact.cost.context import Context
+from coral.contact.cost_program import CostProgram, CostWorker
+from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.trial import draw, prior
+from coral.contact.tasks import load_task
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 PROGRAM = """
 def state_cost(self):

@@ -28,17 +28,17 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.controller import Controller, ControllerCfg
-from coral.contact.draw import Drawn, draw
+from coral.contact.control.controller import Controller, ControllerCfg
+from coral.contact.control.planning_model import reduced
+from coral.contact.control.planning_world import Controls, PlanningCfg, PlanningWorld
+from coral.contact.cost.stages import Stage
 from coral.contact.experts import expert
-from coral.contact.geometry import conjugate, rotate
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.planning import Controls, PlanningCfg, PlanningWorld
-from coral.contact.planning_model import reduced
-from coral.contact.scene import believing, prior
-from coral.contact.strategy import Stage
-from coral.contact.task import load_task, shipped_tasks
-from coral.contact.world import Observation
+from coral.contact.scene.geometry import conjugate, rotate
+from coral.contact.scene.observation import Observation
+from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.trial import Drawn, believing, draw, prior
+from coral.contact.tasks import load_task
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.mppi.knots import KnotMppiCfg
 
 PEER = Path(__file__).parent / "peers" / "judo_rollout.py"

@@ -17,11 +17,10 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-from coral.contact.draw import draw
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.planning import Controls, PlanningCfg, PlanningWorld
-from coral.contact.scene import prior
-from coral.contact.task import load_task
+from coral.contact.control.planning_world import Controls, PlanningCfg, PlanningWorld
+from coral.contact.scene.trial import draw, prior
+from coral.contact.tasks import load_task
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 STIFFNESS = 600.0
 

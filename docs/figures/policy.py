@@ -11,10 +11,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from coral.contact.draw import draw
-from coral.contact.panda.world import PandaWorld
-from coral.contact.policy.eyes import Eyes, EyesCfg
-from coral.contact.task import load_task
+from coral.contact.policy.cameras import Eyes, EyesCfg
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.worlds.panda.world import PandaWorld
 
 IMAGE = Path(__file__).parent.parent / "images" / "policy-sees.png"
 

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from coral.advisor.model_cfg import ModelCfg, SpendCfg
-from coral.contact.variants import contact_model
+from coral.contact.episode.variants import contact_model
 
 PAGE = (Path(__file__).parents[2] / "docs" / "plug-in-a-model.md").read_text()
 

@@ -5,10 +5,11 @@ import copy
 import numpy as np
 import yaml
 
-from coral.contact.draw import Drawn, draw
-from coral.contact.geometry import from_rpy_deg
-from coral.contact.task import Task, load_task
-from coral.contact.world import Body, Contact, Observation, Truth
+from coral.contact.scene.geometry import from_rpy_deg
+from coral.contact.scene.observation import Body, Contact, Observation, Truth
+from coral.contact.scene.task import Task
+from coral.contact.scene.trial import Drawn, draw
+from coral.contact.tasks import load_task
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 

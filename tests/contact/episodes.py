@@ -4,13 +4,13 @@ import dataclasses
 
 import numpy as np
 
-from coral.contact.controller import ControllerCfg
-from coral.contact.draw import draw
-from coral.contact.episode_cfg import EpisodeCfg
-from coral.contact.planning import PlanningCfg
-from coral.contact.strategy import Stage, Strategy
-from coral.contact.task import load_task
-from coral.contact.world import Body, Contact, Observation, Truth
+from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.planning_world import PlanningCfg
+from coral.contact.cost.stages import Stage, Strategy
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.scene.observation import Body, Contact, Observation, Truth
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
 from coral.mppi.knots import KnotMppiCfg
 
 COARSE = EpisodeCfg(

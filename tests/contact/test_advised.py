@@ -10,14 +10,15 @@ import yaml
 from episodes import SLIDE
 
 from coral.advisor.question import Picture
-from coral.contact.conditions import Upright
-from coral.contact.controller import ControllerCfg
-from coral.contact.draw import draw
-from coral.contact.episode import Episode
-from coral.contact.episode_cfg import EpisodeCfg
-from coral.contact.planning import PlanningCfg
-from coral.contact.task import load_task, shipped_tasks
-from coral.contact.variants import Asking, make_mind
+from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.planning_world import PlanningCfg
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.episode import Episode
+from coral.contact.episode.variants import Asking, make_mind
+from coral.contact.scene.conditions import Upright
+from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
 from coral.mppi.knots import KnotMppiCfg
 
 FAST = EpisodeCfg(

@@ -8,10 +8,11 @@ from contact_bench import changed
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
 from coral.commands.contact_bench import ContactBench
-from coral.contact.ends import ENDS
-from coral.contact.episode_cfg import EpisodeCfg
-from coral.contact.task import TASKS_DIR, load_task, shipped_tasks
-from coral.contact.variants import VARIANTS
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.end_reasons import ENDS
+from coral.contact.episode.variants import VARIANTS
+from coral.contact.scene.task_file import TASKS_DIR, shipped_tasks
+from coral.contact.tasks import load_task
 
 COARSE = ["--samples", "6", "--cfg.controller.horizon", "8", "--cfg.planning.threads", "1", "--quiet"]
 

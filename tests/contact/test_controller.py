@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from contact_bench import seen, trial
 
-from coral.contact.controller import Controller, ControllerCfg
-from coral.contact.geometry import angle_between
-from coral.contact.hand import FLANGE_TO_TOOL_M, MAX_OPENING_M
-from coral.contact.planning import PlanningCfg, PlanningWorld
-from coral.contact.scene import prior
-from coral.contact.strategy import Guide, Progress, Stage, Strategy
+from coral.contact.control.controller import Controller, ControllerCfg
+from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M
+from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.cost.stages import Guide, Progress, Stage, Strategy
+from coral.contact.scene.geometry import angle_between
+from coral.contact.scene.trial import prior
 from coral.mppi.knots import KnotMppiCfg
 
 GOAL = np.array([0.1, 0.1, 0.2])

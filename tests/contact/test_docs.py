@@ -6,10 +6,12 @@ from typing import get_args
 
 import pytest
 
-from coral.contact.conditions import Condition
-from coral.contact.draw import draw
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.task import Fixture, Movable, Shape, Task, load_task
+from coral.contact.scene.conditions import Condition
+from coral.contact.scene.shapes import Fixture, Movable, Shape
+from coral.contact.scene.task import Task
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 PAGE = (Path(__file__).parents[2] / "docs" / "contact-tasks.md").read_text(encoding="utf-8")
 KINDS = get_args(get_args(Condition)[0])

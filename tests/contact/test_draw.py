@@ -6,9 +6,12 @@ from contact_bench import body, changed, plain, trial
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coral.contact.draw import draw, part_scale
-from coral.contact.geometry import rotation_of
-from coral.contact.task import Shape, Task, load_task, shipped_tasks
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.shapes import Shape
+from coral.contact.scene.task import Task
+from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.trial import draw, part_scale
+from coral.contact.tasks import load_task
 from coral.errors import InputError
 
 RANGES = plain()["objects"][0] | {

@@ -5,14 +5,15 @@ import numpy as np
 import pytest
 import yaml
 
-from coral.contact import episode as module
-from coral.contact.ends import ENDS
-from coral.contact.episode import Episode
-from coral.contact.mind import Account, Fixed
-from coral.contact.program.errors import CostError
-from coral.contact.reactive import ReactiveCfg
-from coral.contact.strategy import Stage, Strategy
-from coral.contact.world import Body, WorldFault
+from coral.contact.control.reactive import ReactiveCfg
+from coral.contact.cost.stages import Stage, Strategy
+from coral.contact.cost_program.errors import CostError
+from coral.contact.episode import episode as module
+from coral.contact.episode.end_reasons import ENDS
+from coral.contact.episode.episode import Episode
+from coral.contact.scene.observation import Body
+from coral.contact.thinker.strategist import Account, Fixed
+from coral.contact.worlds.evaluation_world import WorldFault
 from coral.errors import InputError
 
 from .episodes import COARSE, ObedientWorld, stay, strategy, trial

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from coral.contact.context import Context
+from coral.contact.cost.context import Context
 from coral.contact.experts.pick import ENOUGH_M, grasp_quaternion, room
-from coral.contact.vocabulary import axis
+from coral.contact.experts.terms import axis
 
 UPRIGHT, DOWN = np.array([1.0, 0.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0, 0.0])
 

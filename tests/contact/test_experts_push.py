@@ -5,15 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.contact.controller import Controller, ControllerCfg
-from coral.contact.draw import draw
+from coral.contact.control.controller import Controller, ControllerCfg
+from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.experts.push import DOWN, SOFT_N_M, ahead_of, behind, fsm, recent
-from coral.contact.geometry import angle_between
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.planning import PlanningCfg, PlanningWorld
-from coral.contact.scene import prior
-from coral.contact.task import load_task
-from coral.contact.world import Body, Observation
+from coral.contact.scene.geometry import angle_between
+from coral.contact.scene.observation import Body, Observation
+from coral.contact.scene.trial import draw, prior
+from coral.contact.tasks import load_task
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.mppi.knots import KnotMppiCfg
 
 TASK = load_task("push-force")

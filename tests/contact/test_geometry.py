@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from coral.contact.geometry import (
+from coral.contact.scene.geometry import (
     angle_between,
     conjugate,
     from_rotvec,

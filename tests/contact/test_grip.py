@@ -1,8 +1,8 @@
 import numpy as np
 
-from coral.contact.grip import GripCfg, gripped
-from coral.contact.perception.shapes import from_primitives
-from coral.contact.perception.solids import Part
+from coral.contact.perception.grasp_detection import GripCfg, gripped
+from coral.contact.perception.object_model import from_primitives
+from coral.contact.perception.ray_solids import Part
 
 CFG = GripCfg()
 

@@ -3,7 +3,7 @@
 import pytest
 from contact_bench import body, plain, touch, trial, truth
 
-from coral.contact.judge import Judge
+from coral.contact.scene.judge import Judge
 
 
 def test_success_needs_an_unbroken_hold():

@@ -1,6 +1,6 @@
 import pytest
 
-from coral.contact.metrics import DEFINITIONS, compute_metrics, metrics_of
+from coral.contact.episode.metrics import DEFINITIONS, compute_metrics, metrics_of
 from coral.errors import InputError
 
 EVENTS = [

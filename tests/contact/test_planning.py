@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from contact_bench import DOWN, body, plain, seen, trial
 
-from coral.contact.draw import Physical
-from coral.contact.hand import set_stiffness
-from coral.contact.planning import Controls, PlanningCfg, PlanningWorld
-from coral.contact.uncertainty import UncertaintyCfg
+from coral.contact.control.hand_model import set_stiffness
+from coral.contact.control.planning_world import Controls, PlanningCfg, PlanningWorld
+from coral.contact.control.uncertainty import UncertaintyCfg
+from coral.contact.scene.trial import Physical
 
 CFG = PlanningCfg(threads=1)
 LIGHT, HEAVY = {"box": Physical(0.1, 0.3)}, {"box": Physical(1.5, 0.6)}
@@ -80,7 +80,7 @@ def test_what_is_near_an_edge_can_fall(x, falls):
 
 
 def test_nothing_sleeps_in_a_mujoco_that_cannot(monkeypatch):
-    monkeypatch.setattr("coral.contact.planning.SLEEP", 0)
+    monkeypatch.setattr("coral.contact.control.planning_world.SLEEP", 0)
     monkeypatch.delattr("mujoco.MjOption.sleep_tolerance", raising=False)  # neither can it be asked for
     tin = {
         "name": "tin",

@@ -4,12 +4,12 @@ import pytest
 
 from coral.cli import main
 from coral.commands import contact_identify
-from coral.contact import probe_episode as module
-from coral.contact.draw import Physical, draw
-from coral.contact.episode_cfg import EpisodeCfg
-from coral.contact.probe_episode import Found, probe_episode
-from coral.contact.task import load_task
-from coral.contact.world import WorldFault
+from coral.contact.episode import identification_episode as module
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.identification_episode import Found, probe_episode
+from coral.contact.scene.trial import Physical, draw
+from coral.contact.tasks import load_task
+from coral.contact.worlds.evaluation_world import WorldFault
 
 TRUTH, FIRST = Physical(0.1, 0.5), Physical(2.0, 0.9)
 

@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coral.contact.geometry import conjugate, from_rotvec, multiply, to_rotvec
-from coral.contact.hand import MAX_OPENING_M, SQUEEZE_M
-from coral.contact.reactive import Reactive, ReactiveCfg
-from coral.contact.world import Body, HandTarget, Observation
+from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
+from coral.contact.control.reactive import Reactive, ReactiveCfg
+from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_rotvec
+from coral.contact.scene.observation import Body, HandTarget, Observation
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 LOW, HIGH = np.full(3, -0.4), np.full(3, 0.5)

@@ -1,7 +1,7 @@
 import numpy as np
 
-from coral.contact.record import Contacts, columns
-from coral.contact.world import Body, Contact, Truth
+from coral.contact.episode.recorder import Contacts, columns
+from coral.contact.scene.observation import Body, Contact, Truth
 
 BODY = Body(np.zeros(3), np.array([1.0, 0, 0, 0]))
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from contact_bench import DOWN, body, plain, seen, trial
 
-from coral.contact.draw import Physical
-from coral.contact.planning import Controls, PlanningCfg, PlanningWorld
-from coral.contact.rollouts import SLEEP, Start, _parts
+from coral.contact.control.planning_world import Controls, PlanningCfg, PlanningWorld
+from coral.contact.control.rollouts import SLEEP, Start, _parts
+from coral.contact.scene.trial import Physical
 
 pytestmark = pytest.mark.skipif(not SLEEP, reason="this MuJoCo cannot sleep")
 SUNK = 2e-5

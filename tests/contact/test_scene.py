@@ -5,13 +5,14 @@ import numpy as np
 import pytest
 from contact_bench import plain, trial
 
-from coral.contact.draw import Physical
-from coral.contact.geometry import from_rotvec
-from coral.contact.hand import FINGER_FRICTION, HandCfg
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.planning_model import build_model
-from coral.contact.scene import add_scene, believing, prior
-from coral.contact.world import HandTarget, WorldFault
+from coral.contact.control.hand_model import FINGER_FRICTION, HandCfg
+from coral.contact.control.planning_model import build_model
+from coral.contact.scene.geometry import from_rotvec
+from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.observation import HandTarget
+from coral.contact.scene.trial import Physical, believing, prior
+from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 
 def scene(drawn):

@@ -12,9 +12,10 @@ from contact_bench import changed, plain, written
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from coral.contact.draw import draw
-from coral.contact.quantities import task_schema_of
-from coral.contact.task import TASKS_DIR, load_task, shipped_tasks, task_schema
+from coral.contact.control.quantities import task_schema_of
+from coral.contact.scene.task_file import TASKS_DIR, shipped_tasks, task_schema
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
 from coral.errors import InputError
 
 
@@ -35,7 +36,9 @@ def test_shipped_tasks_load_and_can_be_drawn(name):
 
 
 def test_the_schema_file_is_current():
-    assert json.loads((TASKS_DIR / "schema.json").read_text()) == task_schema(), "run python -m coral.contact.task"
+    assert json.loads((TASKS_DIR / "schema.json").read_text()) == task_schema(), (
+        "run python -m coral.contact.scene.task"
+    )
 
 
 def test_a_required_key_that_is_misspelt_is_named(tmp_path):

@@ -4,16 +4,17 @@ import json
 import numpy as np
 import pytest
 
-from coral.contact import episode as module
-from coral.contact.draw import draw
-from coral.contact.episode import Episode
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.mind import Fixed
+from coral.contact.episode import episode as module
+from coral.contact.episode.episode import Episode
 from coral.contact.perception.camera import CameraCfg, RgbdFrame
-from coral.contact.task import load_task
-from coral.contact.tracked import TrackedWorld
-from coral.contact.tracked_cfg import TrackedCfg, make_camera
-from coral.contact.world import HandTarget, WorldFault
+from coral.contact.perception.tracked_cfg import TrackedCfg, make_camera
+from coral.contact.perception.tracked_world import TrackedWorld
+from coral.contact.scene.observation import HandTarget
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.thinker.strategist import Fixed
+from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.errors import InputError
 
 from .episodes import COARSE, ObedientWorld, strategy, trial

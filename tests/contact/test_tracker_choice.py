@@ -11,13 +11,13 @@ from stub_foundationpose import Oracle, serving
 from coral.cli import main
 from coral.commands.contact_bench import ContactBench
 from coral.commands.contact_run import with_tracker
-from coral.contact.episode import Episode
-from coral.contact.geometry import rotation_of
-from coral.contact.mind import Fixed
+from coral.contact.episode.campaign_trial import run_trial
+from coral.contact.episode.episode import Episode
 from coral.contact.perception.camera import CameraCfg, look_at
 from coral.contact.perception.rotation import inverse, pose
-from coral.contact.tracked_cfg import TrackedCfg, viewpoint
-from coral.contact.trial import run_trial
+from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.thinker.strategist import Fixed
 from coral.errors import InputError, RunError
 from coral.view.contact.report import write_contact_report
 

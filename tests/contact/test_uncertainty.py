@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from coral.contact.draw import Physical
-from coral.contact.uncertainty import UncertaintyCfg, around
+from coral.contact.control.uncertainty import UncertaintyCfg, around
+from coral.contact.scene.trial import Physical
 
 BELIEF = {"box": Physical(0.5, 0.4), "tin": Physical(0.1, 0.8)}
 

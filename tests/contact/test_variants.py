@@ -5,10 +5,10 @@ import pytest
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.registry import rules_alone
-from coral.contact.task import load_task
-from coral.contact.thinking.think_cfg import ThinkCfg
-from coral.contact.thinking.thinker import Thinker
-from coral.contact.variants import DESK_S, Asking, make_mind
+from coral.contact.episode.variants import DESK_S, Asking, make_mind
+from coral.contact.tasks import load_task
+from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.thinker.thinker import Thinker
 
 SERVER = "local:http://127.0.0.1:1/v1#m"
 

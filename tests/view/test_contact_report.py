@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from coral.cli import main
-from coral.contact.controller import ControllerCfg
-from coral.contact.draw import draw
-from coral.contact.episode import Episode
-from coral.contact.episode_cfg import EpisodeCfg
-from coral.contact.mind import Fixed
-from coral.contact.planning import PlanningCfg
-from coral.contact.strategy import Guide, Stage, Strategy
-from coral.contact.task import load_task
+from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.planning_world import PlanningCfg
+from coral.contact.cost.stages import Guide, Stage, Strategy
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.episode import Episode
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.thinker.strategist import Fixed
 from coral.errors import InputError
 from coral.mppi.knots import KnotMppiCfg
 from coral.view.contact.figures import curves_chart, stage_spans, touching

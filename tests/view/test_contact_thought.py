@@ -2,16 +2,16 @@ import json
 
 import pytest
 
-from coral.contact.conditions import Upright
-from coral.contact.controller import ControllerCfg
-from coral.contact.draw import draw
-from coral.contact.episode import Episode
-from coral.contact.episode_cfg import EpisodeCfg
-from coral.contact.planning import PlanningCfg
-from coral.contact.task import load_task
-from coral.contact.thinking.outer import OuterCfg
-from coral.contact.thinking.think_cfg import ThinkCfg
-from coral.contact.variants import Asking, make_mind
+from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.planning_world import PlanningCfg
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.episode import Episode
+from coral.contact.episode.variants import Asking, make_mind
+from coral.contact.scene.conditions import Upright
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.thinker.progress_monitor import OuterCfg
+from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.mppi.knots import KnotMppiCfg
 from coral.view.contact.report import write_contact_report
 from coral.view.contact.thought import answers, counted, seen, thoughts

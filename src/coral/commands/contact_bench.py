@@ -29,16 +29,18 @@ from coral.campaign.version import code_version
 from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_run import with_poses, with_samples, with_tracker
 from coral.config import checked, to_mapping
-from coral.contact.draw import draw
-from coral.contact.episode_cfg import EpisodeCfg
+from coral.contact.episode.campaign_trial import run_trial
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.policy_trial import run_policy_trial
+from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_mind
+from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.memory import FORMAT, Memory
 from coral.contact.policy.address import Address, parse_address
-from coral.contact.policy.trial import run_policy_trial
-from coral.contact.task import Task, load_task, shipped_tasks
-from coral.contact.thinking.embedding import HashedWords
-from coral.contact.thinking.memory import FORMAT, Memory
-from coral.contact.trial import run_trial
-from coral.contact.variants import ALONE, VARIANTS, check_variant, contact_model, make_mind
-from coral.contact.worlds import check_world
+from coral.contact.scene.task import Task
+from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.worlds.registry import check_world
 from coral.errors import InputError, RunError
 from coral.runs import provenance
 from coral.words import many

@@ -13,14 +13,14 @@ import numpy as np
 from coral.commands.contact_progress import EpisodeProgress
 from coral.commands.contact_run import with_poses, with_samples
 from coral.config import checked
-from coral.contact.draw import Drawn, Physical, draw
-from coral.contact.episode_cfg import EpisodeCfg
-from coral.contact.probe_episode import probe_episode
-from coral.contact.task import load_task
-from coral.contact.thinking.identify import Fit
-from coral.contact.thinking.probe import ProbeCfg, probe
-from coral.contact.world import WorldFault
-from coral.contact.worlds import check_world
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.identification_episode import probe_episode
+from coral.contact.scene.trial import Drawn, Physical, draw
+from coral.contact.tasks import load_task
+from coral.contact.world_model.identification import Fit
+from coral.contact.world_model.touch_probe import ProbeCfg, probe
+from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.registry import check_world
 from coral.errors import InputError, RunError
 
 

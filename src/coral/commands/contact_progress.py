@@ -8,8 +8,8 @@ from typing import Protocol
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from coral.contact.draw import Drawn
-from coral.contact.judge import Judge
+from coral.contact.scene.judge import Judge
+from coral.contact.scene.trial import Drawn
 
 
 class Running(Protocol):

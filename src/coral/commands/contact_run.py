@@ -16,19 +16,19 @@ from coral.advisor.registry import make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.contact_progress import EpisodeProgress
 from coral.config import checked
-from coral.contact.draw import Drawn, draw
-from coral.contact.ends import ENDS
-from coral.contact.episode import Episode
-from coral.contact.episode_cfg import EpisodeCfg
-from coral.contact.perception.choice import choose
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.end_reasons import ENDS
+from coral.contact.episode.episode import Episode
+from coral.contact.episode.policy_episode import PolicyEpisode
+from coral.contact.episode.policy_trial import serving
+from coral.contact.episode.variants import ALONE, REMEMBERING, VARIANTS, Asking, check_variant, contact_model, make_mind
+from coral.contact.perception.tracker_registry import choose
 from coral.contact.policy.address import parse_address
-from coral.contact.policy.episode import PolicyEpisode
-from coral.contact.policy.trial import serving
-from coral.contact.task import load_task
-from coral.contact.thinking.given import parse_beliefs
-from coral.contact.thinking.think_cfg import within
-from coral.contact.variants import ALONE, REMEMBERING, VARIANTS, Asking, check_variant, contact_model, make_mind
-from coral.contact.worlds import check_world
+from coral.contact.scene.trial import Drawn, draw
+from coral.contact.tasks import load_task
+from coral.contact.thinker.think_cfg import within
+from coral.contact.world_model.given_beliefs import parse_beliefs
+from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
 from coral.runs import new_run_folder
 from coral.words import many

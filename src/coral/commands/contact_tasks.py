@@ -8,8 +8,10 @@ from typing import Annotated, Any
 
 import tyro
 
-from coral.contact.draw import draw
-from coral.contact.task import Task, load_task, shipped_tasks
+from coral.contact.scene.task import Task
+from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
 
 DRAWN = 5
 """Trials that are drawn to see whether everything finds its place."""

@@ -12,7 +12,7 @@ import tyro
 from coral.errors import InputError
 
 if TYPE_CHECKING:
-    from coral.contact.perception.shapes import ObjectModel
+    from coral.contact.perception.object_model import ObjectModel
     from coral.contact.perception.tracker import PoseTracker
 
 
@@ -43,13 +43,14 @@ class ContactTrack:
 
     def __call__(self) -> Mapping[str, Any]:
         """Measure."""
-        from coral.contact.draw import draw
-        from coral.contact.perception.accuracy import AccuracyCfg, measure
         from coral.contact.perception.camera import CameraCfg
-        from coral.contact.perception.choice import choose
         from coral.contact.perception.depth_noise import DepthNoise
-        from coral.contact.perception.losing import lose
-        from coral.contact.task import load_task, shipped_tasks
+        from coral.contact.perception.tracker_registry import choose
+        from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure
+        from coral.contact.perception.tracking_loss import lose
+        from coral.contact.scene.task_file import shipped_tasks
+        from coral.contact.scene.trial import draw
+        from coral.contact.tasks import load_task
 
         choice = choose(self.tracker)
         if self.width < 64:

@@ -10,9 +10,9 @@ from typing import Annotated, Any
 
 import tyro
 
-from coral.contact.thinking.embedding import HashedWords
-from coral.contact.thinking.memory import Memory, Stored
-from coral.contact.thinking.store_sqlite import SqliteStore
+from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.memory import Memory, Stored
+from coral.contact.memory.store_sqlite import SqliteStore
 from coral.errors import InputError
 from coral.words import many
 

@@ -4,11 +4,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from coral.contact.draw import draw
-from coral.contact.geometry import rotation_of
 from coral.contact.libero.package import find_package
-from coral.contact.scene import add_scene
-from coral.contact.task import load_task
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
 
 pytestmark = pytest.mark.libero
 

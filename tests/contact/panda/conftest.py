@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from coral.contact.draw import draw
-from coral.contact.panda.world import PandaWorld
-from coral.contact.task import load_task
-from coral.contact.world import HandTarget, Observation
+from coral.contact.scene.observation import HandTarget, Observation
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.worlds.panda.world import PandaWorld
 
 SCENE = """
 format: coral-contact/1

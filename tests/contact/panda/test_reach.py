@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from coral.contact.controller import ControllerCfg
-from coral.contact.geometry import from_rotvec, multiply, rotation_of
-from coral.contact.hand import FLANGE_TO_TOOL_M
-from coral.contact.panda.reach import Reach, ReachCfg, rotation_vector, tool_rotation
+from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
+from coral.contact.scene.geometry import from_rotvec, multiply, rotation_of
+from coral.contact.worlds.panda.reach import Reach, ReachCfg, rotation_vector, tool_rotation
 
 DOWN = (0.0, 0.0, -1.0)
 
@@ -37,7 +37,7 @@ def test_the_pinch_of_an_overhanging_board_keeps_clear_of_the_table(panda):
 def test_what_is_found_takes_the_pose(panda, reach):
     import mujoco
 
-    from coral.contact.panda.names import JOINTS, SITE, TOOL_IN_SITE
+    from coral.contact.worlds.panda.names import JOINTS, SITE, TOOL_IN_SITE
 
     position, rotation = np.array([0.1, -0.15, 0.2]), tool_rotation((0.3, 0.0, -1.0), (0.2, -1.0, 0.0))
     found = reach.find(position, rotation)

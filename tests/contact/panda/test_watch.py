@@ -2,7 +2,7 @@
 
 import pytest
 
-from coral.contact.world import WorldFault
+from coral.contact.worlds.evaluation_world import WorldFault
 
 
 def fault_of(go, *arguments, **options):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from coral.contact.panda.reach import tool_rotation
-from coral.contact.panda.world import PandaWorld, PandaWorldCfg
-from coral.contact.world import HandTarget
+from coral.contact.scene.observation import HandTarget
+from coral.contact.worlds.panda.reach import tool_rotation
+from coral.contact.worlds.panda.world import PandaWorld, PandaWorldCfg
 
 
 def test_it_begins_with_the_hand_above_the_table_and_the_objects_at_rest(world):
@@ -75,7 +75,7 @@ def test_a_force_fed_forward_arrives_at_what_the_hand_touches(go):
 
 
 def test_a_torque_fed_forward_turns_the_free_hand_against_its_spring(go):
-    from coral.contact.geometry import conjugate, multiply, to_rotvec
+    from coral.contact.scene.geometry import conjugate, multiply, to_rotvec
 
     rest = go([0.0, 0.0, 0.25], 60, stiffness=300.0)
     turned = go([0.0, 0.0, 0.25], 60, stiffness=300.0, torque=(0.0, 0.0, 1.5))

@@ -54,8 +54,8 @@ def mug_obj(tmp_path_factory):
 @pytest.fixture(scope="session")
 def trial():
     """A box in front of a wall, and a can."""
-    from coral.contact.draw import draw
-    from coral.contact.task import Task
+    from coral.contact.scene.task import Task
+    from coral.contact.scene.trial import draw
 
     def thing(name, part, **more):
         return {"name": name, "parts": [part], "mass_kg": 0.2, "friction": 0.5, **more}

@@ -6,12 +6,12 @@ import pytest
 from coral.contact.perception import align_kernels as kernels
 from coral.contact.perception.agreement_kernels import RESIDUAL
 from coral.contact.perception.camera import CameraCfg
+from coral.contact.perception.image_patch import cut
+from coral.contact.perception.object_model import from_mesh, from_primitives
+from coral.contact.perception.ray_solids import Part
 from coral.contact.perception.raycast_kernels import render
 from coral.contact.perception.registration import RegistrationCfg, misfit, orientations
 from coral.contact.perception.rotation import about, from_vector, inverse, pose, spread
-from coral.contact.perception.shapes import from_mesh, from_primitives
-from coral.contact.perception.solids import Part
-from coral.contact.perception.view import cut
 
 LENS = CameraCfg(width=160, height=120).lens
 BOX = from_primitives("box", [Part("box", (0.06, 0.04, 0.03))])

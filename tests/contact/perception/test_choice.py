@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from stub_foundationpose import serving
 
-from coral.contact.perception.choice import choose
 from coral.contact.perception.foundationpose import FoundationPoseCfg
-from coral.contact.perception.shapes import from_mesh
+from coral.contact.perception.model_tracker import ModelTracker, TrackerCfg
+from coral.contact.perception.object_model import from_mesh
 from coral.contact.perception.tracker import TrackerFailed
-from coral.contact.perception.tracking import ModelTracker, TrackerCfg
+from coral.contact.perception.tracker_registry import choose
 from coral.errors import InputError
 
 

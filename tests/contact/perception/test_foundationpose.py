@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from stub_foundationpose import Oracle, serving
 
+from coral.contact.perception.benchmark_motions import motion_of
 from coral.contact.perception.camera import CameraCfg
 from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker
 from coral.contact.perception.foundationpose_server import Sessions, decode, encode
-from coral.contact.perception.motions import motion_of
+from coral.contact.perception.posed_scene import Stage, object_model
 from coral.contact.perception.rotation import inverse
-from coral.contact.perception.stage import Stage, object_model
 from coral.contact.perception.tracker import TrackerFailed
 from coral.errors import InputError
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from coral.contact.perception.camera import CameraCfg, RayCamera, look_at
-from coral.contact.perception.solids import from_mujoco
+from coral.contact.perception.ray_solids import from_mujoco
 from coral.errors import InputError
 
 SCENE = """<mujoco><asset><mesh name="m" vertex="0 0 0 .1 0 0 0 .1 0 0 0 .1"/></asset><worldbody>

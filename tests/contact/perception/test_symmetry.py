@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coral.contact.perception.metrics import add, add_s, mssd
+from coral.contact.perception.object_model import from_mesh, from_primitives
+from coral.contact.perception.pose_error import add, add_s, mssd
+from coral.contact.perception.ray_solids import Part
 from coral.contact.perception.rotation import about, angle, pose, spread
-from coral.contact.perception.shapes import from_mesh, from_primitives
-from coral.contact.perception.solids import Part
 from coral.contact.perception.symmetry import Symmetry, of_kind
 from coral.errors import InputError
 

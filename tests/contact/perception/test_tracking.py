@@ -3,15 +3,15 @@ import itertools
 import numpy as np
 import pytest
 
-from coral.contact.perception.accuracy import AccuracyCfg, measure
+from coral.contact.perception.benchmark_motions import MOTIONS, Moment, motion_of
 from coral.contact.perception.camera import CameraCfg
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.follow import Followed
-from coral.contact.perception.losing import lose
-from coral.contact.perception.motions import MOTIONS, Moment, motion_of
+from coral.contact.perception.model_tracker import ModelTracker
+from coral.contact.perception.posed_scene import Stage, object_model
 from coral.contact.perception.rotation import about, pose
-from coral.contact.perception.stage import Stage, object_model
-from coral.contact.perception.tracking import ModelTracker
+from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure
+from coral.contact.perception.tracking_loss import lose
 from coral.errors import InputError
 
 CFG = AccuracyCfg(camera=CameraCfg(width=240, height=180), noise=DepthNoise(), period_s=0.2, registrations=3)

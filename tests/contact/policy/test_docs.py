@@ -10,7 +10,7 @@ import pytest
 import websockets.sync.server
 
 from coral.contact.policy.client import PolicyClient
-from coral.contact.policy.libero import LiberoCfg, actions_of
+from coral.contact.policy.libero_convention import LiberoCfg, actions_of
 
 PAGE = (Path(__file__).parents[3] / "docs" / "contact-policy-server.md").read_text(encoding="utf-8")
 

@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from coral.contact.policy.eyes import Eyes, EyesCfg, wrist_pose
-from coral.contact.world import Body
+from coral.contact.policy.cameras import Eyes, EyesCfg, wrist_pose
+from coral.contact.scene.observation import Body
 from coral.errors import InputError
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from coral.contact.geometry import angle_between, from_rotvec, multiply
 from coral.contact.policy.client import PolicyError
-from coral.contact.policy.libero import LiberoCfg, actions_of, axis_angle, opened, state, target
-from coral.contact.world import Body, Observation
+from coral.contact.policy.libero_convention import LiberoCfg, actions_of, axis_angle, opened, state, target
+from coral.contact.scene.geometry import angle_between, from_rotvec, multiply
+from coral.contact.scene.observation import Body, Observation
 
 CFG = LiberoCfg()
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])

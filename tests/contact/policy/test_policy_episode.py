@@ -8,18 +8,18 @@ import yaml
 
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
-from coral.contact.draw import draw
-from coral.contact.ends import ENDS
-from coral.contact.episode_cfg import EpisodeCfg
-from coral.contact.hand_world import HandWorld
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.end_reasons import ENDS
+from coral.contact.episode.policy_episode import PolicyEpisode
 from coral.contact.policy.address import Address
+from coral.contact.policy.cameras import EyesCfg
 from coral.contact.policy.cfg import PolicyCfg
 from coral.contact.policy.client import PolicyError
-from coral.contact.policy.episode import PolicyEpisode
-from coral.contact.policy.eyes import EyesCfg
-from coral.contact.policy.libero import LiberoCfg
-from coral.contact.task import load_task
-from coral.contact.world import WorldFault
+from coral.contact.policy.libero_convention import LiberoCfg
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import InputError
 
 CFG = EpisodeCfg(policy=PolicyCfg(eyes=EyesCfg(pixels=16)))

@@ -10,7 +10,8 @@ import types
 import numpy as np
 import pytest
 
-from coral.contact.context import HAND, Context, object_quantities
+from coral.contact.cost.context import Context
+from coral.contact.cost.schema import HAND, object_quantities
 
 SCHEMA = {
     **HAND,

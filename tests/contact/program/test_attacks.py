@@ -9,7 +9,7 @@ import textwrap
 import numpy as np
 import pytest
 
-from coral.contact.program import CostError, CostProgram
+from coral.contact.cost_program import CostError, CostProgram
 
 
 def body(code):
@@ -222,7 +222,7 @@ def test_there_are_enough_attacks():
 
 
 def test_the_package_runs_no_text_as_python():
-    folder = os.path.dirname(__import__("coral.contact.program", fromlist=["x"]).__file__)
+    folder = os.path.dirname(__import__("coral.contact.cost_program", fromlist=["x"]).__file__)
     for name in os.listdir(folder):
         if name.endswith(".py"):
             with open(os.path.join(folder, name)) as file:

@@ -8,8 +8,8 @@ import random
 import numpy as np
 import pytest
 
-from coral.contact.program import CostError, CostProgram
-from coral.contact.program.errors import CODES
+from coral.contact.cost_program import CostError, CostProgram
+from coral.contact.cost_program.errors import CODES
 
 PROGRAMS = int(os.environ.get("CORAL_FUZZ", "60"))
 NUMBERS = ["self.time", "self.gripper_opening", "self.box_pos[2]", "self.ee_pos[0]", "self.box_mass", "0.5", "2.0", "3"]

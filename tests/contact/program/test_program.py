@@ -5,8 +5,8 @@ import textwrap
 import numpy as np
 import pytest
 
-from coral.contact.context import Context
-from coral.contact.program import CostError, CostProgram
+from coral.contact.cost.context import Context
+from coral.contact.cost_program import CostError, CostProgram
 
 
 def test_the_board_example_agrees_with_every_single_state_bit_for_bit(board, schema, states, exactly):

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from coral.contact.program import CostProgram
-from coral.contact.program.reference import interface, updated
+from coral.contact.cost_program import CostProgram
+from coral.contact.plan.cost_reference import interface, updated
 
 PAGE = (Path(__file__).parents[3] / "docs" / "contact-costs.md").read_text()
 

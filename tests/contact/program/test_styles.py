@@ -7,7 +7,7 @@ import textwrap
 import numpy as np
 import pytest
 
-from coral.contact.program import CostError, CostProgram
+from coral.contact.cost_program import CostError, CostProgram
 
 REFUSED = {"try and except", "scipy rotation", "while loop", "f-string keys"}
 

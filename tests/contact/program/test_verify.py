@@ -7,8 +7,10 @@ import textwrap
 import numpy as np
 import pytest
 
-from coral.contact.context import Context
-from coral.contact.program import CostError, CostProgram, CostWorker, LastGoodCost, verify_cost
+from coral.contact.cost.context import Context
+from coral.contact.cost_program import CostError, CostProgram, CostWorker
+from coral.contact.plan.cost_check import verify_cost
+from coral.contact.plan.last_good_cost import LastGoodCost
 
 GOOD = """
     def state_cost(self):

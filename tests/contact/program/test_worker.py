@@ -12,10 +12,10 @@ import sys
 import numpy as np
 import pytest
 
-from coral.contact.context import Context
-from coral.contact.program import CostError, CostProgram, CostWorker, LimitsCfg, WorkerCfg
-from coral.contact.program.sandbox import KEPT
-from coral.contact.program.seccomp import MACHINES, filter_program
+from coral.contact.cost.context import Context
+from coral.contact.cost_program import CostError, CostProgram, CostWorker, LimitsCfg, WorkerCfg
+from coral.contact.cost_program.sandbox import KEPT
+from coral.contact.cost_program.seccomp import MACHINES, filter_program
 
 LINUX = sys.platform.startswith("linux")
 
@@ -133,7 +133,7 @@ def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(reply, schem
             '    send(b\'{"reads": [], "source": ""}\' if n == 1 else r)\n'
         )
     )
-    monkeypatch.setattr("coral.contact.program.worker.START", honest)
+    monkeypatch.setattr("coral.contact.cost_program.worker.START", honest)
     with CostWorker() as one:
         cost = one.load("def state_cost(self):\n    return 1.0", schema)
         with pytest.raises(CostError) as caught:
@@ -157,7 +157,8 @@ def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(reply, schem
 )
 def test_the_filter_kills_what_reaches_for_more(code):
     script = (
-        f"import os, socket, mmap\nfrom coral.contact.program.seccomp import install\ninstall() or os._exit(77)\n{code}"
+        "import os, socket, mmap\nfrom coral.contact.cost_program.seccomp import install\n"
+        f"install() or os._exit(77)\n{code}"
     )
     done = subprocess.run(
         [sys.executable, "-c", script],

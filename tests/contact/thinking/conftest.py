@@ -1,13 +1,12 @@
 import numpy as np
 import pytest
 
-from coral.contact.draw import draw
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.planning import PlanningCfg, PlanningWorld
-from coral.contact.scene import prior
-from coral.contact.task import load_task
-from coral.contact.thinking.rehearse import sample_states
-from coral.contact.thinking.scene_facts import scene_facts
+from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.plan.rehearsal import sample_states
+from coral.contact.scene.trial import draw, prior
+from coral.contact.tasks import load_task
+from coral.contact.thinker.scene_facts import scene_facts
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 
 class Scene:

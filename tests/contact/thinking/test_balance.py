@@ -3,12 +3,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from coral.contact.draw import Physical, draw
-from coral.contact.mind import Step
-from coral.contact.task import load_task
-from coral.contact.thinking.balance import Balance, BalanceCfg, above_table, balances, solve, unbalanced
-from coral.contact.thinking.identify import IdentifyCfg
-from coral.contact.world import Body, HandTarget, Observation
+from coral.contact.scene.observation import Body, HandTarget, Observation, Step
+from coral.contact.scene.trial import Physical, draw
+from coral.contact.tasks import load_task
+from coral.contact.world_model.force_balance import Balance, BalanceCfg, above_table, balances, solve, unbalanced
+from coral.contact.world_model.identification import IdentifyCfg
 
 CFG = BalanceCfg()
 BOUNDS = np.log([IdentifyCfg().mass_kg, IdentifyCfg().friction])

@@ -5,12 +5,13 @@ import pytest
 
 from coral.advisor.question import Reply
 from coral.advisor.rules import RuleAdvisor
-from coral.contact.draw import draw
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.task import load_task
-from coral.contact.thinking.ask import Asker
-from coral.contact.thinking.beliefs import Estimates, belief_prompt, estimate, verify_estimates
-from coral.contact.thinking.scene_facts import interface_text, scene_facts
+from coral.contact.rules.estimates import estimate
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.scene_facts import interface_text, scene_facts
+from coral.contact.world_model.parameter_estimates import Estimates, belief_prompt, verify_estimates
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 SIZES = {"mug": (0.08, 0.08, 0.1)}
 
@@ -112,7 +113,7 @@ def test_an_advisor_without_the_rule_fails_by_name():
 
 def test_interface_names_every_quantity():
     drawn, _ = clutter()
-    from coral.contact.quantities import task_schema_of
+    from coral.contact.control.quantities import task_schema_of
 
     schema = task_schema_of(drawn.task)
     text = interface_text(schema)

@@ -3,16 +3,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.contact.geometry import multiply, rotate
-from coral.contact.strategy import Progress
-from coral.contact.task import Task, shipped_tasks
-from coral.contact.thinking.compose import NoRule, compose
-from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer, make_strategy, verify_plan
-from coral.contact.thinking.region_check import verify_regions
-from coral.contact.thinking.regions import tool_quaternion
-from coral.contact.thinking.repair import choice_after
-from coral.contact.thinking.rules import RULES
-from coral.contact.thinking.setting import Choice, Thing
+from coral.contact.cost.stages import Progress
+from coral.contact.plan.contact_regions import tool_quaternion
+from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, make_strategy, verify_plan
+from coral.contact.plan.region_validation import verify_regions
+from coral.contact.rules.adjustments import choice_after
+from coral.contact.rules.answers import RULES
+from coral.contact.rules.composition import NoRule, compose
+from coral.contact.rules.scene_reading import Choice, Thing
+from coral.contact.scene.geometry import multiply, rotate
+from coral.contact.scene.task import Task
+from coral.contact.scene.task_file import shipped_tasks
 
 
 @pytest.mark.parametrize("task", shipped_tasks())

@@ -1,19 +1,19 @@
 import numpy as np
 import pytest
 
-from coral.contact.context import Context
-from coral.contact.draw import draw
-from coral.contact.geometry import from_rotvec, multiply
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.planning import PlanningCfg, PlanningWorld
-from coral.contact.program import CostProgram
-from coral.contact.scene import prior
-from coral.contact.task import load_task, shipped_tasks
-from coral.contact.thinking.compose_outcome import outcome_plan
-from coral.contact.thinking.plan_answer import verify_plan
-from coral.contact.thinking.rehearse import sample_states
-from coral.contact.thinking.rules import RULES
-from coral.contact.thinking.scene_facts import scene_facts
+from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.cost.context import Context
+from coral.contact.cost_program import CostProgram
+from coral.contact.plan.cost_plan import verify_plan
+from coral.contact.plan.rehearsal import sample_states
+from coral.contact.rules.answers import RULES
+from coral.contact.rules.outcome_cost import outcome_plan
+from coral.contact.scene.geometry import from_rotvec, multiply
+from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.trial import draw, prior
+from coral.contact.tasks import load_task
+from coral.contact.thinker.scene_facts import scene_facts
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 
 def scene(name):

@@ -1,8 +1,8 @@
 import pytest
 
-from coral.contact.draw import Physical
-from coral.contact.task import load_task
-from coral.contact.thinking.given import parse_beliefs
+from coral.contact.scene.trial import Physical
+from coral.contact.tasks import load_task
+from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.errors import InputError
 
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from coral.contact.program import CostProgram
-from coral.contact.task import Task
-from coral.contact.thinking.compose import NoRule, compose
-from coral.contact.thinking.compose_outcome import outcome_plan
-from coral.contact.thinking.goals import goal_words, wanted
-from coral.contact.thinking.plan_answer import verify_plan
-from coral.contact.thinking.region_check import verify_regions
-from coral.contact.thinking.touch import Scenery
+from coral.contact.cost_program import CostProgram
+from coral.contact.plan.cost_plan import verify_plan
+from coral.contact.plan.region_validation import verify_regions
+from coral.contact.plan.touchable_points import Scenery
+from coral.contact.rules.composition import NoRule, compose
+from coral.contact.rules.goals import goal_words, wanted
+from coral.contact.rules.outcome_cost import outcome_plan
+from coral.contact.scene.task import Task
 
 TRAY = [{"name": "tray_floor", "size": [0.14, 0.14, 0.01], "position": [0.1, 0.16, 0.005]}] + [
     {"name": f"tray_side{k}", "size": size, "position": [0.1 + x, 0.16 + y, 0.03]}

@@ -4,19 +4,27 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from coral.contact.draw import Physical, draw
-from coral.contact.mind import Step
-from coral.contact.planning import PlanningCfg, PlanningWorld
-from coral.contact.rollouts import SLEEP
-from coral.contact.task import load_task
-from coral.contact.thinking import identify as module
-from coral.contact.thinking.balance import Balance
-from coral.contact.thinking.history import Window, most_telling, windows
-from coral.contact.thinking.identify import Corrections, Fit, IdentifyCfg, compare, correction, explained, weighed
-from coral.contact.thinking.probe import ProbeCfg, probe
-from coral.contact.thinking.repair import choice_after, diagnose, recent
-from coral.contact.thinking.replay import Replay
-from coral.contact.world import HandTarget
+from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.control.rollouts import SLEEP
+from coral.contact.rules.adjustments import choice_after
+from coral.contact.scene.observation import HandTarget, Step
+from coral.contact.scene.trial import Physical, draw
+from coral.contact.tasks import load_task
+from coral.contact.world_model import identification as module
+from coral.contact.thinker.diagnosis import diagnose, recent
+from coral.contact.world_model.force_balance import Balance
+from coral.contact.world_model.history import Window, most_telling, windows
+from coral.contact.world_model.history_replay import Replay
+from coral.contact.world_model.identification import (
+    Corrections,
+    Fit,
+    IdentifyCfg,
+    compare,
+    correction,
+    explained,
+    weighed,
+)
+from coral.contact.world_model.touch_probe import ProbeCfg, probe
 
 TRUTH, FIRST = Physical(0.1, 0.5), Physical(2.0, 0.9)
 

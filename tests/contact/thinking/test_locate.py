@@ -6,25 +6,25 @@ import pytest
 from episodes import COARSE, short_task
 
 from coral.advisor.consult import Outcome
-from coral.contact.draw import draw
-from coral.contact.episode import Episode
-from coral.contact.geometry import rotation_of
-from coral.contact.guessed import GuessedWorld
-from coral.contact.hand_world import HandWorld, HandWorldCfg
-from coral.contact.sight import SightCfg, eyes
-from coral.contact.task import load_task
-from coral.contact.thinking.locate import (
+from coral.contact.episode.episode import Episode
+from coral.contact.episode.variants import Asking, make_mind
+from coral.contact.perception.advisor_camera import SightCfg, eyes
+from coral.contact.perception.guessed_world import GuessedWorld
+from coral.contact.perception.tracked_cfg import TrackedCfg
+from coral.contact.rules.poses import locate
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.observation import HandTarget
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
+from coral.contact.thinker.pose_question import (
     ObjectPose,
     PosesAnswer,
     ask_poses,
-    locate,
     pose_facts,
     pose_prompt,
     verify_poses,
 )
-from coral.contact.tracked_cfg import TrackedCfg
-from coral.contact.variants import Asking, make_mind
-from coral.contact.world import HandTarget
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,7 @@ def test_an_answer_is_the_middle_of_the_object_and_becomes_its_origin(board):
             assert verify(answer) is None
             return Outcome(answer=answer, question=None, attempts=1)
 
-    found = ask_poses(Model(), drawn, first, frame, lambda *given, **fields: None)["board"]
+    found = ask_poses(Model(), drawn, first, frame, locate, lambda *given, **fields: None)["board"]
     np.testing.assert_allclose(found.position, true.position, atol=1e-5)
     np.testing.assert_allclose(found.quaternion, true.quaternion, atol=1e-9)
 

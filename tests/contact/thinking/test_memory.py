@@ -8,12 +8,12 @@ import pytest
 
 from coral.cli import main
 from coral.commands.contact_bench import read_memory
-from coral.contact.thinking.compose import compose
-from coral.contact.thinking.embedding import HashedWords
-from coral.contact.thinking.memory import FORMAT, Experience, Memory, scene_numbers
-from coral.contact.thinking.plan_answer import verify_plan
-from coral.contact.thinking.recall import adapted, renamed
-from coral.contact.thinking.region_check import verify_regions
+from coral.contact.memory.adaptation import adapted, renamed
+from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.memory import FORMAT, Experience, Memory, scene_numbers
+from coral.contact.plan.cost_plan import verify_plan
+from coral.contact.plan.region_validation import verify_regions
+from coral.contact.rules.composition import compose
 from coral.errors import InputError
 
 
@@ -264,7 +264,7 @@ def test_a_file_that_another_process_is_just_making_is_waited_for(scene, tmp_pat
         waited.append(seconds)
         other.execute("COMMIT")
 
-    monkeypatch.setattr("coral.contact.thinking.store_sqlite.time.sleep", wait)
+    monkeypatch.setattr("coral.contact.memory.store_sqlite.time.sleep", wait)
     assert memory.add(experience(scene("pick-box"))) == 1
     assert len(waited) == 1
     other.close()

@@ -1,9 +1,9 @@
 import pytest
 
-from coral.contact.thinking.compose import compose
-from coral.contact.thinking.region_check import verify_regions
-from coral.contact.thinking.regions import RegionsAnswer
-from coral.contact.thinking.rules import RULES
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.region_validation import verify_regions
+from coral.contact.rules.answers import RULES
+from coral.contact.rules.composition import compose
 
 TOP = {"center": [0, 0, 0.03], "normal": [0, 0, 1]}
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from coral.contact.geometry import rotate, rotation_of
-from coral.contact.thinking.regions import Region, candidates, guide, tangents
+from coral.contact.plan.contact_regions import Region, candidates, guide, tangents
+from coral.contact.scene.geometry import rotate, rotation_of
 
 
 def test_few_candidates_lie_on_the_rim_of_eq_3():

@@ -3,11 +3,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from coral.contact.task import shipped_tasks
-from coral.contact.thinking.compose import compose
-from coral.contact.thinking.compose_outcome import outcome_plan
-from coral.contact.thinking.plan_answer import PlanAnswer, make_strategy
-from coral.contact.thinking.rehearse import gain
+from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
+from coral.contact.plan.rehearsal import gain
+from coral.contact.rules.composition import compose
+from coral.contact.rules.outcome_cost import outcome_plan
+from coral.contact.scene.task_file import shipped_tasks
 
 CLOSER = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)"
 FOREVER = "def state_cost(self):\n    return 100.0 + norm(self.box_pos - np.array([0.0, 0.0, 5.0]))"

@@ -2,11 +2,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from coral.contact.draw import draw
-from coral.contact.geometry import rotation_of
-from coral.contact.scene import add_scene
-from coral.contact.task import Task, load_task
-from coral.contact.thinking.solid import box, pieces
+from coral.contact.plan.convex_pieces import box, pieces
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.task import Task
+from coral.contact.scene.trial import draw
+from coral.contact.tasks import load_task
 
 UP, SIDE = np.array([0.0, 0, 1]), np.array([1.0, 0, 0])
 

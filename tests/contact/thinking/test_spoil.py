@@ -3,12 +3,12 @@ import pytest
 from pydantic import ValidationError
 
 from coral.advisor.question import Question
-from coral.contact.thinking.beliefs import Estimates, verify_estimates
-from coral.contact.thinking.plan_answer import PlanAnswer, verify_plan
-from coral.contact.thinking.region_check import verify_regions
-from coral.contact.thinking.regions import RegionsAnswer
-from coral.contact.thinking.rules import RULES
-from coral.contact.thinking.spoil import SPOILT, spoil
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_plan import PlanAnswer, verify_plan
+from coral.contact.plan.region_validation import verify_regions
+from coral.contact.rules.answers import RULES
+from coral.contact.rules.spoilt_answers import SPOILT, spoil
+from coral.contact.world_model.parameter_estimates import Estimates, verify_estimates
 
 ERRORS = ("wrong_type", "out_of_range", "backward", "stale")
 

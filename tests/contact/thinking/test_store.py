@@ -7,7 +7,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from coral.contact.thinking.store import Row, store_of
+from coral.contact.memory.store import Row, store_of
 from coral.errors import InputError
 
 VECTOR = np.array([0.25, -1.5], np.float32)

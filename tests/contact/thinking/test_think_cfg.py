@@ -1,6 +1,6 @@
-from coral.contact.controller import ControllerCfg
-from coral.contact.thinking.regions import RegionCfg
-from coral.contact.thinking.think_cfg import ThinkCfg, within
+from coral.contact.control.controller import ControllerCfg
+from coral.contact.plan.contact_regions import RegionCfg
+from coral.contact.thinker.think_cfg import ThinkCfg, within
 
 WIDE = ControllerCfg(workspace_high_m=(0.8, 0.8, 0.6))
 

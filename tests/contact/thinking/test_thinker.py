@@ -7,24 +7,24 @@ from pydantic import ValidationError
 
 from coral.advisor.question import AdvisorUnavailable, Reply
 from coral.advisor.rules import RuleAdvisor
-from coral.contact.context import Context
-from coral.contact.controller import Plan
-from coral.contact.draw import Physical
-from coral.contact.mind import Moment, Step
-from coral.contact.program import CostError, CostWorker
-from coral.contact.strategy import Progress
-from coral.contact.task import shipped_tasks
-from coral.contact.thinking import thinker as thinking
-from coral.contact.thinking.ask import Asker
-from coral.contact.thinking.beliefs import Estimate
-from coral.contact.thinking.embedding import HashedWords
-from coral.contact.thinking.memory import Memory
-from coral.contact.thinking.outer import OuterCfg, Watch
-from coral.contact.thinking.plan_answer import PlanAnswer, StageAnswer, in_process
-from coral.contact.thinking.rules import RULES
-from coral.contact.thinking.think_cfg import ThinkCfg
-from coral.contact.thinking.thinker import Thinker
-from coral.contact.world import HandTarget
+from coral.contact.control.controller import Plan
+from coral.contact.cost.context import Context
+from coral.contact.cost.stages import Progress
+from coral.contact.cost_program import CostError, CostWorker
+from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.memory import Memory
+from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process
+from coral.contact.rules.answers import RULES
+from coral.contact.scene.observation import HandTarget, Step
+from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.trial import Physical
+from coral.contact.thinker import thinker as thinking
+from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.progress_monitor import OuterCfg, Watch
+from coral.contact.thinker.strategist import Moment
+from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.thinker.thinker import Thinker
+from coral.contact.world_model.parameter_estimates import Estimate
 from coral.errors import InputError
 from coral.mppi.knots import Update
 
@@ -35,6 +35,7 @@ def thinker(one, advisor=None, memory=None, given=None, **cfg):
         Asker(advisor or RuleAdvisor(RULES)),
         ThinkCfg(**cfg),
         np.random.default_rng(0),
+        RULES,
         memory,
         provenance={"world": "hand", "seed": 0},
         given=given,
@@ -196,6 +197,7 @@ def confining(one, memory, **cfg):
         Asker(RuleAdvisor(RULES)),
         ThinkCfg(**cfg),
         np.random.default_rng(0),
+        RULES,
         memory,
         load,
         {"world": "hand", "seed": 0},

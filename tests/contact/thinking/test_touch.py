@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
 
-from coral.contact.draw import draw
-from coral.contact.task import Task, shipped_tasks
-from coral.contact.thinking.compose import compose
-from coral.contact.thinking.region_check import verify_regions
-from coral.contact.thinking.regions import Region, RegionCfg, RegionsAnswer, candidates, guide
-from coral.contact.thinking.touch import Scenery, candidates_of, off_surface, project
+from coral.contact.plan.contact_regions import Region, RegionCfg, RegionsAnswer, candidates, guide
+from coral.contact.plan.region_validation import verify_regions
+from coral.contact.plan.touchable_points import Scenery, candidates_of, off_surface, project
+from coral.contact.rules.composition import compose
+from coral.contact.scene.task import Task
+from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.trial import draw
 
 
 def thing(*parts, **more):

@@ -6,11 +6,11 @@ from typing import Literal
 
 import numpy as np
 
-from coral.contact.context import Context
+from coral.contact.control.quantities import task_schema_of
+from coral.contact.cost.context import Context
+from coral.contact.cost.stages import Strategy
 from coral.contact.experts import board, flip, pick, place, push, wall
-from coral.contact.quantities import task_schema_of
-from coral.contact.strategy import Strategy
-from coral.contact.task import Task
+from coral.contact.scene.task import Task
 from coral.errors import InputError
 
 Kind = Literal["expert", "expert-fsm"]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.context import Context, Terms
-from coral.contact.geometry import quaternion_of
-from coral.contact.strategy import Guide, Stage, Strategy
-from coral.contact.task import Task
-from coral.contact.vocabulary import axis, near, norm, turned
+from coral.contact.cost.context import Context, Terms
+from coral.contact.cost.stages import Guide, Stage, Strategy
+from coral.contact.experts.terms import axis, near, norm, turned
+from coral.contact.scene.geometry import quaternion_of
+from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
 

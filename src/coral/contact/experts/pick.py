@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.conditions import Grasped, Lifted
-from coral.contact.context import Context, Terms
-from coral.contact.geometry import conjugate, multiply, rotate, rotation_of
-from coral.contact.strategy import Guide, Stage, Strategy
-from coral.contact.task import Task
-from coral.contact.vocabulary import axis, dot, near, norm
+from coral.contact.cost.context import Context, Terms
+from coral.contact.cost.stages import Guide, Stage, Strategy
+from coral.contact.experts.terms import axis, dot, near, norm
+from coral.contact.scene.conditions import Grasped, Lifted
+from coral.contact.scene.geometry import conjugate, multiply, rotate, rotation_of
+from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
 FINGER_OUT_M = 0.05

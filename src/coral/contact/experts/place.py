@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.conditions import At, Inside, Released
-from coral.contact.context import Context, Terms
+from coral.contact.cost.context import Context, Terms
+from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts import pick
-from coral.contact.strategy import Guide, Stage, Strategy
-from coral.contact.task import Task
-from coral.contact.vocabulary import axis, level, near, norm
+from coral.contact.experts.terms import axis, level, near, norm
+from coral.contact.scene.conditions import At, Inside, Released
+from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
 CARRY_M = 0.14

@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.context import Context, Terms
-from coral.contact.geometry import from_rotvec, multiply, rotate
-from coral.contact.strategy import Guide, Stage, Strategy
-from coral.contact.task import Task
-from coral.contact.vocabulary import axis, dot, near, norm
+from coral.contact.cost.context import Context, Terms
+from coral.contact.cost.stages import Guide, Stage, Strategy
+from coral.contact.experts.terms import axis, dot, near, norm
+from coral.contact.scene.geometry import from_rotvec, multiply, rotate
+from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])

@@ -15,8 +15,8 @@ from coral.contact.perception import raycast_kernels as kernels
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.gl_colours import GlColours
 from coral.contact.perception.normal_kernels import normals
+from coral.contact.perception.ray_solids import from_mujoco
 from coral.contact.perception.shading import shade
-from coral.contact.perception.solids import from_mujoco
 from coral.errors import InputError
 
 Array = NDArray[np.float64]

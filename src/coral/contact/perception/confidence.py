@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from coral.config import Count, Fraction, Positive
 from coral.contact.perception import agreement_kernels as kernels
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.shapes import ObjectModel
-from coral.contact.perception.view import View, box_of, cut, project
+from coral.contact.perception.image_patch import View, box_of, cut, project
+from coral.contact.perception.object_model import ObjectModel
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.geometry import quaternion_of, rotation_of
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.rotation import vector
 from coral.contact.perception.tracker import Estimate, PoseTracker
-from coral.contact.world import Body
+from coral.contact.scene.geometry import quaternion_of, rotation_of
+from coral.contact.scene.observation import Body
 
 Array = NDArray[np.float64]
 

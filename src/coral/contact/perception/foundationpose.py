@@ -18,8 +18,8 @@ from coral.config import Count, Positive
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.confidence import ConfidenceCfg, judge, unseen, view_of
 from coral.contact.perception.foundationpose_server import LIMIT_BYTES, Arrays, decode, encode
+from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.rotation import inverse
-from coral.contact.perception.shapes import ObjectModel
 from coral.contact.perception.tracker import Estimate, TrackerFailed
 from coral.errors import InputError
 

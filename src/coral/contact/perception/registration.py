@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from coral.config import Count, NonNegative, Positive
 from coral.contact.perception import agreement_kernels as kernels
+from coral.contact.perception.image_patch import View, box_of, cut
+from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.rotation import about, spread
-from coral.contact.perception.shapes import ObjectModel
-from coral.contact.perception.view import View, box_of, cut
 
 Array = NDArray[np.float64]
 

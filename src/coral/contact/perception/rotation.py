@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.geometry import from_rotvec, quaternion_of, rotation_of, to_rotvec
+from coral.contact.scene.geometry import from_rotvec, quaternion_of, rotation_of, to_rotvec
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.geometry import quaternion_of
 from coral.contact.perception import rotation
+from coral.contact.scene.geometry import quaternion_of
 from coral.errors import InputError
 
 Array = NDArray[np.float64]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from coral.contact.policy.cameras import EyesCfg
 from coral.contact.policy.client import ClientCfg
-from coral.contact.policy.eyes import EyesCfg
-from coral.contact.policy.libero import LiberoCfg
+from coral.contact.policy.libero_convention import LiberoCfg
 
 
 @dataclass(frozen=True, kw_only=True)

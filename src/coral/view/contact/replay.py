@@ -8,11 +8,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.draw import Drawn, draw
 from coral.contact.perception.camera import CameraCfg, RayCamera, look_at
-from coral.contact.perception.stage import covered
-from coral.contact.task import load_task
-from coral.contact.worlds import make_world
+from coral.contact.perception.posed_scene import covered
+from coral.contact.scene.trial import Drawn, draw
+from coral.contact.tasks import load_task
+from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
 from coral.view.pictures import Image
 from coral.view.run import RunFolder, read_table

@@ -13,8 +13,8 @@ import jinja2
 import yaml
 from markupsafe import Markup
 
-from coral.contact.draw import Drawn
-from coral.contact.metrics import DEFINITIONS, metrics_of
+from coral.contact.episode.metrics import DEFINITIONS, metrics_of
+from coral.contact.scene.trial import Drawn
 from coral.errors import InputError, RunError
 from coral.view.contact.figures import (
     cost_chart,

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.draw import Drawn, corners
-from coral.contact.geometry import rotation_of
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.trial import Drawn, corners
 from coral.view.contact.figures import HUES
 from coral.view.run import RunFolder
 from coral.view.svg import line, text

@@ -1,0 +1,286 @@
+"""MPPI in the planning world: which pose the hand is pulled to, replanned at every control step (Eqs. 4-6)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from coral.config import Fraction, NonNegative, Positive, Signed
+from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M, SQUEEZE_M
+from coral.contact.control.planning_world import Controls, PlanningWorld
+from coral.contact.cost.context import Context, Terms
+from coral.contact.cost.stages import Guide, Stage
+from coral.contact.scene.geometry import column_of, conjugate, from_rotvec, multiply, to_rotvec
+from coral.contact.scene.observation import HandTarget, Observation
+from coral.errors import InputError
+from coral.mppi.knots import KnotMppi, KnotMppiCfg, Update
+from coral.mppi.risk import RiskCfg, risk
+from coral.mppi.spline import interpolate
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControllerCfg:
+    """The planner of hand motions.
+
+    Args:
+        horizon: H control steps (paper, section 4).
+        mppi: The sampler; K and lambda are in it.
+        sigma_m: Noise on the target's x, y, z (measured to work, with a table 5 cm below the hand as without).
+        sigma_rad: On its rotation about x, y, z of the hand.
+        sigma_opening_m: On the opening.
+        speed_m_s, turn_rad_s, opening_m_s: How fast a target may move.
+        lead_m, lead_rad: How far the target may be ahead of the measured hand when a plan begins (no wind-up).
+        workspace_low_m, workspace_high_m: Corners of the box that targets stay in.
+        shoulder_m, reach_m: The wrist is led no further from there: the Panda's shoulder in robosuite, and how far its
+            flange can be from it by its data sheet. 0: no such limit. Within it, too, joint limits and its own links
+            keep the arm from some poses.
+        guided: Share of the samples that head for points of contact, where a stage has any.
+        terminal: Weight of the last state (phi of Eq. 4) against the mean over the horizon.
+        risk: Over several beliefs.
+    """
+
+    horizon: Annotated[int, Field(ge=1, le=10_000)] = 50
+    mppi: KnotMppiCfg = field(default_factory=KnotMppiCfg)
+    sigma_m: tuple[NonNegative, NonNegative, NonNegative] = (0.04, 0.04, 0.04)
+    sigma_rad: tuple[NonNegative, NonNegative, NonNegative] = (0.12, 0.12, 0.2)
+    sigma_opening_m: NonNegative = 0.025
+    speed_m_s: Positive = 0.5
+    turn_rad_s: Positive = 2.5
+    opening_m_s: Positive = 0.2
+    lead_m: Positive = 0.06
+    lead_rad: Positive = 0.5
+    workspace_low_m: tuple[Signed, Signed, Signed] = (-0.35, -0.45, -0.15)
+    workspace_high_m: tuple[Signed, Signed, Signed] = (0.4, 0.5, 0.6)
+    shoulder_m: tuple[Signed, Signed, Signed] = (-0.5, 0.0, 0.333)
+    reach_m: NonNegative = 0.855
+    guided: Fraction = 0.2
+    terminal: NonNegative = 1.0
+    risk: RiskCfg = field(default_factory=RiskCfg)
+
+    def __post_init__(self) -> None:
+        """The corners make a box."""
+        if any(low >= high for low, high in zip(self.workspace_low_m, self.workspace_high_m, strict=True)):
+            raise InputError(
+                "--cfg",
+                "controller.workspace_low_m",
+                list(self.workspace_low_m),
+                f"numbers below those of workspace_high_m, {list(self.workspace_high_m)}",
+            )
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What came of one plan.
+
+    Args:
+        targets: One for each control step of the horizon.
+        expected_position: Shape=(H, 3) m, where the rehearsals expect the tool.
+        expected_quaternion: Shape=(H, 4), how they expect it turned.
+        expected_force: Shape=(H, 3) N, what they expect the hand to feel.
+        expected_torque: Shape=(H, 3) N m, likewise.
+        update: The sampler's account.
+        terms: The expected value of each term of the cost, over the horizon.
+        now: The state after one step, a batch of one: what a stage's tests read.
+        diverged: Rehearsals that were left out.
+    """
+
+    targets: tuple[HandTarget, ...]
+    expected_position: Array
+    expected_quaternion: Array
+    expected_force: Array
+    expected_torque: Array
+    update: Update
+    terms: dict[str, float]
+    now: Context
+    diverged: int
+
+    @property
+    def cost(self) -> float:
+        """Expected cost of the plan."""
+        return float(sum(self.terms.values()))
+
+
+class Controller:
+    """Keeps a plan over poses of the hand.
+
+    Knots hold a position in the world, a rotation vector about the present target's orientation, and an opening, so
+    that the sampler works on plain vectors and no orientation is singular.
+    """
+
+    def __init__(self, world: PlanningWorld, cfg: ControllerCfg, rng: np.random.Generator) -> None:
+        self.world, self.cfg, self._rng = world, cfg, rng
+        sigma = np.array([*cfg.sigma_m, *cfg.sigma_rad, cfg.sigma_opening_m])
+        self._sigma = sigma
+        self.mppi = KnotMppi(cfg.mppi, sigma, rng)
+        self.span_s = cfg.horizon * world.cfg.step_s
+        self._times: Array = world.cfg.step_s * np.arange(1.0, cfg.horizon + 1)
+        self._target: HandTarget | None = None
+        self._centre: Array | None = None
+
+    def restart(self, now: Observation) -> None:
+        """Forget the plan: stay where the hand is."""
+        self._target = HandTarget(
+            now.tool.position.copy(), now.tool.quaternion.copy(), now.opening_m, self.world.cfg.hand.stiffness_n_m
+        )
+        self.mppi.knots[:] = np.concatenate([now.tool.position, np.zeros(3), [now.opening_m]])
+
+    def plan(self, now: Observation, stage: Stage, step: int) -> Plan:
+        """Rehearse and improve the plan from the measured state.
+
+        Args:
+            now: What the sensors say.
+            stage: What is wanted.
+            step: Control steps since the episode began.
+
+        Raises:
+            CostError: The stage's cost cannot be evaluated.
+        """
+        if self._target is None:
+            self.restart(now)
+        assert self._target is not None
+        start = self._bounded_start(now, self._target)
+        self._recentre(start)
+        self.mppi.sigma = self._sigma * np.asarray(stage.sigma)
+        rehearsed: list[tuple[Context, NDArray[np.bool_], Terms, Controls]] = []
+
+        def evaluate(knots: Array) -> Array:
+            controls = self._controls(knots, start.quaternion, stage.stiffness_n_m)
+            context, sane = self.world.rollout(now, controls, step)
+            terms = stage.cost(context)
+            rehearsed[:] = [(context, sane, terms, controls)]
+            each = self._total(terms, context.shape)
+            each[~sane] = np.inf
+            return risk(each.reshape(len(self.world.models), -1), self.cfg.risk)
+
+        guides = stage.guides
+        propose = None
+        if guides and self.cfg.guided > 0:
+            present = self.world.present(now, step)
+            aims = [
+                (guide, guide.points(present), guide.quaternion(present) if guide.quaternion else None)
+                for guide in guides
+            ]
+            propose = lambda sampled: self._towards(sampled, start, aims)  # noqa: E731
+        update = self.mppi.improve(evaluate, propose, lambda knots: self._bound(knots, start))
+        context, sane, terms, _ = rehearsed[0]
+        # Where no rehearsal counted the plan before is kept: the first of the samples.
+        each = update.weights if update.ok else np.eye(1, len(update.weights))[0]
+        weights = np.tile(each, len(self.world.models)) / len(self.world.models)
+        counted = weights > 0  # what else there is may be no number
+        targets = self._targets(update.knots, start.quaternion, stage.stiffness_n_m)
+        return Plan(
+            targets=targets,
+            expected_position=np.tensordot(weights[counted], context.ee_pos[counted], axes=1),
+            expected_quaternion=_mean_turn(context.ee_quat[counted], weights[counted]),
+            expected_force=np.tensordot(weights[counted], context.ee_force[counted], axes=1),
+            expected_torque=np.tensordot(weights[counted], context.ee_torque[counted], axes=1),
+            update=update,
+            terms={
+                name: float(weights[counted] @ self._total({name: term}, context.shape)[counted])
+                for name, term in terms.items()
+            },
+            now=context.first(),
+            diverged=int((~sane).sum()),
+        )
+
+    def executed(self, target: HandTarget, steps: int) -> None:
+        """Say what was commanded last and how many steps of the plan have passed."""
+        self._target = target
+        self.mppi.advance(steps * self.world.cfg.step_s, self.span_s)
+
+    def _total(self, terms: Terms, shape: tuple[int, int]) -> Array:
+        total = np.zeros(shape)
+        for term in terms.values():
+            total = total + term
+        return np.asarray(total.mean(axis=1) + self.cfg.terminal * total[:, -1])
+
+    def _bounded_start(self, now: Observation, target: HandTarget) -> HandTarget:
+        """The present target, no further ahead of the hand than allowed."""
+        ahead = target.position - now.tool.position
+        length = float(np.linalg.norm(ahead))
+        position = now.tool.position + ahead * min(1.0, self.cfg.lead_m / max(length, 1e-9))
+        turn = to_rotvec(multiply(conjugate(now.tool.quaternion), target.quaternion))
+        angle = float(np.linalg.norm(turn))
+        quaternion = multiply(now.tool.quaternion, from_rotvec(turn * min(1.0, self.cfg.lead_rad / max(angle, 1e-9))))
+        return HandTarget(position, quaternion, target.opening_m, target.stiffness)
+
+    def _recentre(self, start: HandTarget) -> None:
+        knots = self.mppi.knots
+        if self._centre is not None:
+            absolute = multiply(self._centre, from_rotvec(knots[:, 3:6]))
+            knots[:, 3:6] = to_rotvec(multiply(conjugate(start.quaternion), absolute))
+        self._centre = start.quaternion
+
+    def _bound(self, knots: Array, start: HandTarget) -> Array:
+        """Begin at the present target, and move no faster than allowed, within the workspace."""
+        cfg = self.cfg
+        knots = knots.copy()
+        before = np.tile(np.concatenate([start.position, np.zeros(3), [start.opening_m]]), (len(knots), 1))
+        span = self.span_s / (knots.shape[1] - 1)
+        # A value that is held begins at once: held at the present target, the hand would never leave it.
+        first = 0 if cfg.mppi.spline == "hold" else 1
+        knots[:, :first] = before[:, None]
+        for k in range(first, knots.shape[1]):
+            for part, speed in zip(
+                (slice(0, 3), slice(3, 6), slice(6, 7)), (cfg.speed_m_s, cfg.turn_rad_s, cfg.opening_m_s), strict=True
+            ):
+                move = knots[:, k, part] - before[:, part]
+                share = np.minimum(1.0, speed * span / np.maximum(np.linalg.norm(move, axis=-1, keepdims=True), 1e-9))
+                knots[:, k, part] = before[:, part] + move * share
+            knots[:, k, :3] = np.clip(knots[:, k, :3], cfg.workspace_low_m, cfg.workspace_high_m)
+            if cfg.reach_m:
+                knots[:, k, :3] = self._within_reach(knots[:, k], start.quaternion)
+            knots[:, k, 6] = np.clip(knots[:, k, 6], SQUEEZE_M, MAX_OPENING_M)
+            before = knots[:, k]
+        return knots
+
+    def _within_reach(self, knots: Array, centre: Array) -> Array:
+        """Positions, Shape=(K, 3), with those drawn in at which the wrist would be out of the arm's reach."""
+        shoulder, reach = np.asarray(self.cfg.shoulder_m), self.cfg.reach_m
+        wrist = knots[:, :3] - FLANGE_TO_TOOL_M * column_of(multiply(centre, from_rotvec(knots[:, 3:6])), 2)
+        away = wrist - shoulder
+        far = np.linalg.norm(away, axis=-1, keepdims=True)
+        return np.where(far > reach, knots[:, :3] - away * (1 - reach / np.maximum(far, reach)), knots[:, :3])
+
+    def _towards(self, sampled: Array, start: HandTarget, aims: list[tuple[Guide, Array, Array | None]]) -> Array:
+        """Turn the last samples into motions towards points of contact, at a random pace, with half the noise kept."""
+        chosen = range(len(sampled) - int(self.cfg.guided * len(sampled)), len(sampled))
+        times = np.linspace(0.0, 1.0, sampled.shape[1])
+        noises = 0.5 * (sampled - self.mppi.knots)
+        turns = [
+            None if quaternion is None else to_rotvec(multiply(conjugate(start.quaternion), quaternion))
+            for _, _, quaternion in aims
+        ]
+        for row in chosen:
+            aim = int(self._rng.integers(len(aims)))
+            (guide, points, _), turn, noise = aims[aim], turns[aim], noises[row]
+            goal = points[int(self._rng.integers(len(points)))]
+            pace = np.minimum(1.0, times * self._rng.uniform(1.0, 3.0))[:, None]
+            sampled[row, :, :3] = start.position + pace * (goal - start.position) + noise[:, :3]
+            if turn is not None:
+                sampled[row, :, 3:6] = pace * turn + noise[:, 3:6]
+            if guide.opening_m is not None:
+                sampled[row, :, 6] = guide.opening_m + noise[:, 6]
+        return sampled
+
+    def _controls(self, knots: Array, centre: Array, stiffness: float) -> Controls:
+        values = interpolate(knots, self._times, self.span_s, self.cfg.mppi.spline)
+        return Controls(values[..., :3], multiply(centre, from_rotvec(values[..., 3:6])), values[..., 6], stiffness)
+
+    def _targets(self, knots: Array, centre: Array, stiffness: float) -> tuple[HandTarget, ...]:
+        controls = self._controls(knots[None], centre, stiffness)
+        rows = zip(controls.position[0], controls.quaternion[0], controls.opening[0], strict=True)
+        return tuple(HandTarget(position, turn, float(opening), stiffness) for position, turn, opening in rows)
+
+
+def _mean_turn(quaternions: Array, weights: Array) -> Array:
+    """Shape=(H, 4): weighted mean of orientations that lie near each other, Shape=(K, H, 4)."""
+    same = np.where((quaternions * quaternions[:1]).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+    mean = np.tensordot(weights, same * quaternions, axes=1)
+    return np.asarray(mean / np.linalg.norm(mean, axis=-1, keepdims=True))

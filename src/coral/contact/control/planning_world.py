@@ -1,0 +1,360 @@
+"""The planning world: a reduced model of hand and scene, built from beliefs, in which action sequences are rehearsed.
+
+It is MuJoCo with the floating hand of `hand.py`, coarse steps and cheap contacts, rolled out in a batch on all cores by
+`mujoco.rollout`. Contacts are read by sensors, as a rollout has no other way out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Annotated
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from coral.config import NonNegative, Positive, TimeStep, whole_steps
+from coral.contact.control.hand_model import HandCfg, set_stiffness
+from coral.contact.control.planning_model import Index, build_model, pair
+from coral.contact.control.quantities import constants, task_schema_of
+from coral.contact.control.rollouts import FULL, SLEEP, Rollouts, Start
+from coral.contact.control.uncertainty import UncertaintyCfg, around
+from coral.contact.cost.context import Context, Lazy, Quantity
+from coral.contact.scene.geometry import multiply, rotate
+from coral.contact.scene.mujoco_scene import contact_pairs
+from coral.contact.scene.observation import Body, Observation
+from coral.contact.scene.trial import Drawn, Physical, believing
+
+Array = NDArray[np.float64]
+CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_MOCAP_POS | mujoco.mjtState.mjSTATE_MOCAP_QUAT)
+FORCE, TORQUE, PLACE = slice(1, 4), slice(4, 7), slice(7, 10)
+"""Of a contact sensor: after whether there is one, the net force, its torque about a place, and that place."""
+SANE_SPEED_M_S = 8.0
+"""A rollout in which anything moves faster has diverged."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanningCfg:
+    """How coarse the rehearsal is.
+
+    Args:
+        step_s: One control step of the plan.
+        physics_dt_s: Step of the physics; a whole number of them makes a control step. 10 ms keeps the box within 12 mm
+            of a 1 ms reference over a second of pushing (measured), and costs a fifth of 2 ms.
+        inland_m: While the hand and everything that moves are this far from the table's edges, it is rehearsed as a
+            plane: where a cylinder touches a box is a general search, where it touches a plane a formula. That matters
+            for cylinders that do not sleep. A hand at full speed goes so far in a quarter of the horizon; by then it is
+            planned anew six times.
+        rest_m_s: Among several objects, one that lies still is asleep in a rehearsal until something touches it: half
+            of the time of pick-clutter is saved (benchmarks/planning_parts.py). Still is what no point of its rim
+            exceeds this speed in; 0 keeps all awake.
+        threads: Of the rollout; 0 takes every core.
+        hand: The hand's apparent dynamics.
+        uncertainty: Other beliefs that a plan is rehearsed under, over which its risk is taken.
+    """
+
+    step_s: TimeStep = 0.02
+    physics_dt_s: TimeStep = 0.01
+    inland_m: Positive = 0.12
+    rest_m_s: NonNegative = 0.01
+    threads: Annotated[int, Field(ge=0, le=1024)] = 0
+    hand: HandCfg = field(default_factory=HandCfg)
+    uncertainty: UncertaintyCfg = field(default_factory=UncertaintyCfg)
+
+
+@dataclass(frozen=True)
+class Controls:
+    """What a batch of rehearsals does, one row for each control step.
+
+    Args:
+        position: Shape=(K, H, 3) m, target of the tool.
+        quaternion: Shape=(K, H, 4).
+        opening: Shape=(K, H) m.
+        stiffness: N/m, for all.
+    """
+
+    position: Array
+    quaternion: Array
+    opening: Array
+    stiffness: float
+
+
+class PlanningWorld:
+    """A belief about the scene in which action sequences can be tried.
+
+    Args:
+        drawn: The trial; its sizes and shapes are known, its masses and frictions are replaced by `beliefs`.
+        beliefs: One belief for each object, or several sets of them, over which a plan's risk is taken. The first set
+            is what is believed.
+        start: The first observation; what the costs call `_init_`.
+        cfg: How coarse.
+        rng: Draws the other beliefs around a single one, where `uncertainty` asks for them.
+    """
+
+    def __init__(
+        self,
+        drawn: Drawn,
+        beliefs: Mapping[str, Physical] | Sequence[Mapping[str, Physical]],
+        start: Observation,
+        cfg: PlanningCfg,
+        rng: np.random.Generator | None = None,
+    ) -> None:
+        self.cfg = cfg
+        self._rng = rng or np.random.default_rng(0)
+        self._drawn, self._start = drawn, start
+        self.edges = False
+        """Whether the table has its edges however far they are."""
+        self._substeps = whole_steps(cfg.step_s, cfg.physics_dt_s, "--cfg", "planning.physics_dt_s")
+        self._rollouts = Rollouts(cfg.threads)
+        self._names = [item.name for item in drawn.task.objects]
+        self._corners = {name: drawn.corners(name) for name in self._names}
+        self.believe(beliefs)
+        self._scratch = mujoco.MjData(self.models[0])
+
+    def believe(self, beliefs: Mapping[str, Physical] | Sequence[Mapping[str, Physical]]) -> None:
+        """Rebuild the models with new masses and frictions."""
+        self.beliefs: list[Mapping[str, Physical]] = (
+            around(beliefs, self.cfg.uncertainty, self._rng) if isinstance(beliefs, Mapping) else list(beliefs)
+        )
+        self.models = self._build(endless=False)
+        self._endless: list[mujoco.MjModel] = []
+        self._fixed: dict[int, Mapping[str, Callable[[], Array]]] = {}
+        self._index = Index(self.models[0], self._names)
+        self._last: tuple[Observation, Array] | None = None
+
+    def _build(self, endless: bool) -> list[mujoco.MjModel]:
+        models = [
+            build_model(believing(self._drawn, one), self.cfg.hand, self.cfg.physics_dt_s, endless)
+            for one in self.beliefs
+        ]
+        if SLEEP and len(self._names) > 1 and self.cfg.rest_m_s > 0:
+            for model in models:
+                model.opt.enableflags |= SLEEP
+                model.opt.sleep_tolerance = self.cfg.rest_m_s
+        return models
+
+    def close(self) -> None:
+        """Stop the rollout's threads."""
+        self._rollouts.close()
+
+    @property
+    def schema(self) -> dict[str, Quantity]:
+        """What a cost can read here."""
+        return task_schema_of(self._drawn.task)
+
+    def rollout(self, now: Observation, controls: Controls, step: int = 0) -> tuple[Context, NDArray[np.bool_]]:
+        """Rehearse K sequences from the state now, under each belief.
+
+        Args:
+            now: The measured state.
+            controls: What each rehearsal does.
+            step: Control steps since the episode began.
+
+        Returns:
+            The states after each control step, K being beliefs x sequences in that order, and which rehearsals hold,
+            Shape=(K,): those that diverged do not, and their states are repeated from the last sane one.
+        """
+        count, horizon = controls.opening.shape
+        total = count * len(self.models)
+        chosen = self.models
+        if not self.edges and self._inland(now):
+            self._endless = chosen = self._endless or self._build(endless=True)
+        for model in chosen:
+            set_stiffness(model, self.cfg.hand, controls.stiffness)
+        initial = self._initial(now)
+        control = np.zeros((len(self.models), count, horizon, self._substeps, self.models[0].nu + 7))
+        control[..., 0] = control[..., 1] = controls.opening[..., None] / 2
+        control[..., -7:-4] = controls.position[:, :, None]
+        control[..., -4:] = controls.quaternion[:, :, None]
+        rolled = self._rollouts.run(
+            [Start.at(model, initial) for model in chosen],
+            control.reshape(total, horizon * self._substeps, -1),
+            CONTROL,
+            self._substeps,
+            partial(_without_divergence, self._index.speeds, initial, self.cfg.step_s),
+        )
+        values = self._values(rolled.states, rolled.sensors, controls, now, step)
+        return Context(values, (total, horizon)), rolled.sane
+
+    def present(self, now: Observation, step: int = 0) -> Context:
+        """The measured state as a batch of one; contacts as the first belief has them after a step of keeping still."""
+        still = Controls(
+            now.tool.position[None, None],
+            now.tool.quaternion[None, None],
+            np.full((1, 1), now.opening_m),
+            self.cfg.hand.stiffness_n_m,
+        )
+        context, _ = self.rollout(now, still, step)
+        return context.first() if len(self.models) > 1 else context
+
+    def _inland(self, now: Observation) -> bool:
+        """Whether nothing comes near an edge of the table for a while."""
+        table = self._drawn.task.table
+        half, center = np.asarray(table.size)[:2] / 2 - self.cfg.inland_m, np.asarray(table.center)
+        points = [
+            now.tool.position[None],
+            *(body.position + rotate(body.quaternion, self._corners[name]) for name, body in now.objects.items()),
+        ]
+        return all(bool((np.abs(each[:, :2] - center) < half).all()) for each in points)
+
+    def _initial(self, now: Observation) -> Array:
+        """Shape=(S,): MuJoCo's full physics state where rehearsals begin."""
+        if self._last is not None and self._last[0] is now:
+            return self._last[1]  # a plan asks for it twice
+        model, data = self.models[0], self._scratch
+        mujoco.mj_resetData(model, data)
+        data.time = now.time_s
+        put_state(model, data, now)
+        _shift_fingers(model, data)
+        state = np.zeros(mujoco.mj_stateSize(model, FULL))
+        mujoco.mj_getState(model, data, state, FULL)
+        self._last = now, state
+        return state
+
+    def _values(
+        self, states: Array, sensors: Array, controls: Controls, now: Observation, step: int
+    ) -> Mapping[str, Array]:
+        index, horizon = self._index, states.shape[1]
+        qpos, qvel = states[..., 1 : 1 + index.nq], states[..., 1 + index.nq : 1 + index.nq + index.nv]
+
+        def sensed(name: str, part: slice = slice(None)) -> Array:
+            return np.asarray(sensors[..., index.sensor[name]][..., part])
+
+        def touches(name: str) -> Array:
+            return np.asarray((sensors[..., index.sensor[name].start] > 0).astype(float))
+
+        def placed(name: str, local: Array) -> Array:
+            start = index.pose[name].start
+            return np.asarray(qpos[..., start : start + 3] + rotate(qpos[..., start + 3 : start + 7], local))
+
+        def spin(name: str) -> Array:
+            start = index.pose[name].start  # a free joint's angular velocity is held in the body's own axes
+            return rotate(qpos[..., start + 3 : start + 7], qvel[..., index.speed[name]][..., 3:])
+
+        def wrung() -> Array:
+            lever = sensed("hand_anything", PLACE) - sensed("ee_pos")
+            return np.asarray(-sensed("hand_anything", TORQUE) - np.cross(lever, sensed("hand_anything", FORCE)))
+
+        makers: dict[str, Callable[[], Array]] = {
+            **{name: partial(sensed, name) for name in ("ee_pos", "ee_quat", "ee_vel", "ee_angvel")},
+            "gripper_opening": lambda: qpos[..., index.left] + qpos[..., index.right],
+            "gripper_target": lambda: np.tile(controls.opening, (len(self.models), 1)),
+            "ee_force": lambda: -sensed("hand_anything", FORCE),
+            "ee_torque": wrung,
+            "time": lambda: (now.time_s + self.cfg.step_s * np.arange(1, horizon + 1))[None],
+            "current_step": lambda: (step + np.arange(1.0, horizon + 1))[None],
+            "last_action": lambda: _action(controls, len(self.models), self.cfg.step_s),
+        }
+        for name in self._names:
+            pose, speed = index.pose[name].start, index.speed[name].start
+            makers[f"{name}_pos"] = partial(_part, qpos, slice(pose, pose + 3))
+            makers[f"{name}_quat"] = partial(_part, qpos, slice(pose + 3, pose + 7))
+            makers[f"{name}_vel"] = partial(_part, qvel, slice(speed, speed + 3))
+            makers[f"{name}_angvel"] = partial(spin, name)
+            makers[f"{name}_hand_contact"] = partial(touches, pair("hand", name))
+            makers[f"{name}_hand_force"] = partial(sensed, pair("hand", name), FORCE)
+            for side in ("left", "right"):
+                makers[f"{name}_{side}_contact"] = partial(touches, pair(side, name))
+            for point, local in self._drawn.task.object(name).points.items():
+                offset = np.asarray(local) * self._drawn.objects[name].scale
+                makers[f"{name}_{point}_pos"] = partial(placed, name, offset)
+        for name, other in contact_pairs(self._drawn):
+            shared = pair(name, other) if pair(name, other) in index.sensor else pair(other, name)
+            makers[f"{name}_{other}_contact"] = partial(touches, shared)
+        return Lazy({**makers, **self._constants(len(states))})
+
+    def _constants(self, total: int) -> Mapping[str, Callable[[], Array]]:
+        if total not in self._fixed:
+            found = constants(self._drawn, self._start, self.beliefs, total)
+            self._fixed[total] = {name: partial(_itself, value) for name, value in found.items()}
+        return self._fixed[total]
+
+
+def _part(values: Array, part: slice) -> Array:
+    return values[..., part]
+
+
+def _itself(value: Array) -> Array:
+    return value
+
+
+def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation) -> None:
+    """Write a measured state into a model that has the floating hand."""
+    start = int(model.joint("hand_x").qposadr[0])
+    data.qpos[start : start + 3] = now.tool.position
+    data.qpos[start + 3 : start + 7] = now.tool.quaternion
+    dof = int(model.joint("hand_x").dofadr[0])
+    data.qvel[dof : dof + 3] = now.tool.velocity
+    data.qvel[dof + 3 : dof + 6] = _own_axes(now.tool)
+    for side in ("left", "right"):
+        data.qpos[int(model.joint(f"{side}_slide").qposadr[0])] = now.opening_m / 2
+    for name, body in now.objects.items():
+        joint = model.joint(f"{name}_free")
+        place, speed = int(joint.qposadr[0]), int(joint.dofadr[0])
+        data.qpos[place : place + 3] = body.position
+        data.qpos[place + 3 : place + 7] = body.quaternion
+        data.qvel[speed : speed + 3] = body.velocity
+        data.qvel[speed + 3 : speed + 6] = _own_axes(body)
+
+
+def _shift_fingers(model: mujoco.MjModel, data: mujoco.MjData, most_m: float = 0.015) -> None:
+    """Shift the pair of fingers out of what one of them would be inside of, keeping the opening.
+
+    Only the sum of the fingers' ways is measured. Held off-centre, an object would start deep inside one finger and be
+    thrown out of the rehearsed grasp, so that no lift could be found.
+    """
+    mujoco.mj_fwdPosition(model, data)
+    depth = {"left": 0.0, "right": 0.0}
+    for contact in data.contact:
+        bodies = [model.body(model.geom_bodyid[geom]).name for geom in contact.geom]
+        for side, other in (bodies, bodies[::-1]):
+            if side in depth and other not in ("world", "hand", "left", "right"):
+                # The contact's x axis points from the first geom to the second: out of a second finger's way.
+                outward = contact.frame[:3] * (1.0 if side == bodies[1] else -1.0)
+                along = data.joint(f"{side}_slide").xaxis @ outward
+                if along > 0.7:
+                    depth[side] = max(depth[side], -contact.dist / along)
+    shift = np.clip((depth["left"] - depth["right"]) / (1.0 if min(depth.values()) == 0.0 else 2.0), -most_m, most_m)
+    data.joint("left_slide").qpos[0] += shift
+    data.joint("right_slide").qpos[0] -= shift
+
+
+def _own_axes(body: Body) -> Array:
+    return rotate(body.quaternion * np.array([1.0, -1, -1, -1]), body.angular_velocity)
+
+
+def _without_divergence(
+    speeds: NDArray[np.int_], initial: Array, step_s: float, states: Array, sensors: Array
+) -> NDArray[np.bool_]:
+    """Which rollouts hold, Shape=(K,); the others' states are repeated from the last sane one, in place."""
+    # MuJoCo resets a state that has diverged and its rollout then stands still: only its clock tells.
+    clock = initial[0] + step_s * np.arange(1.0, states.shape[1] + 1)
+    if (
+        np.isfinite(states.sum())
+        and np.isfinite(sensors.sum())
+        and np.abs(states[..., 0] - clock).max() < 0.1 * step_s
+        and max(float(np.abs(states[..., k]).max()) for k in speeds) <= SANE_SPEED_M_S
+    ):
+        return np.ones(len(states), dtype=bool)  # as a rule nothing is wrong: that is told faster
+    bad: NDArray[np.bool_] = ~(np.abs(states[..., 0] - clock) < 0.1 * step_s)
+    bad |= ~np.isfinite(states).all(axis=-1) | ~np.isfinite(sensors).all(axis=-1)
+    bad |= np.asarray(np.abs(states[..., speeds]) > SANE_SPEED_M_S).any(axis=-1)
+    sane: NDArray[np.bool_] = np.logical_not(bad.any(axis=1))
+    for k in np.flatnonzero(~sane):
+        first = int(np.argmax(bad[k]))
+        states[k, first:] = states[k, first - 1] if first else np.nan_to_num(initial, posinf=0.0, neginf=0.0)
+        sensors[k, first:] = sensors[k, first - 1] if first else 0.0
+    return sane
+
+
+def _action(controls: Controls, repeats: int, step_s: float) -> Array:
+    """Shape=(K, H, 7): speeds of the commanded pose and opening."""
+    move = np.diff(controls.position, axis=1, prepend=controls.position[:, :1]) / step_s
+    q = controls.quaternion
+    before = np.concatenate([q[:, :1], q[:, :-1]], axis=1) * np.array([1.0, -1, -1, -1])
+    turn = 2.0 * multiply(q, before)[..., 1:] / step_s
+    grip = np.diff(controls.opening, axis=1, prepend=controls.opening[:, :1])[..., None] / step_s
+    return np.tile(np.concatenate([move, turn, grip], axis=-1), (repeats, 1, 1))

@@ -1,0 +1,54 @@
+"""What a cost for one task can read beyond the hand: its names, and the values that stay the same in a rehearsal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.cost.context import Quantity
+from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
+from coral.contact.scene.observation import Observation
+from coral.contact.scene.task import Task
+from coral.contact.scene.trial import Drawn, Physical
+
+Array = NDArray[np.float64]
+
+
+def constants(
+    drawn: Drawn, start: Observation, beliefs: Sequence[Mapping[str, Physical]], total: int
+) -> dict[str, Array]:
+    """What does not change in a rollout: sizes, beliefs, first poses, places and numbers of the task."""
+    task = drawn.task
+    found: dict[str, Array] = {}
+    for item in task.objects:
+        name, body = item.name, start.objects[item.name]
+        found[f"{name}_init_pos"] = body.position[None, None]
+        found[f"{name}_init_quat"] = body.quaternion[None, None]
+        found[f"{name}_size"] = drawn.size(name)[None, None]
+        masses, frictions = zip(*((one[name].mass_kg, one[name].friction) for one in beliefs), strict=True)
+        found[f"{name}_mass"] = np.repeat(np.array(masses), total // len(beliefs))[:, None]
+        found[f"{name}_friction"] = np.repeat(np.array(frictions), total // len(beliefs))[:, None]
+    half = np.asarray(task.table.size) / 2
+    center: Array = np.array([*task.table.center, 0.0])
+    found["table_min"] = (center - np.array([half[0], half[1], 2 * half[2]]))[None, None]
+    found["table_max"] = (center + np.array([half[0], half[1], 0.0]))[None, None]
+    for fixture in task.fixtures:
+        found[f"{fixture.name}_pos"] = np.asarray(fixture.position)[None, None]
+        found[f"{fixture.name}_size"] = np.asarray(fixture.size)[None, None]
+    for name, place in task.places.items():
+        found[f"{name}_pos"] = np.asarray(place)[None, None]
+    for name, number in task.numbers.items():
+        found[name] = np.full((1, 1), number)
+    return found
+
+
+def task_schema_of(task: Task) -> dict[str, Quantity]:
+    """What a cost for this task can read."""
+    schema = dict(HAND)
+    for item in task.objects:
+        others = [other.name for other in task.objects if other.name != item.name]
+        schema |= object_quantities(item.name, item.points, task.things, others)
+    schema |= scenery_quantities((item.name for item in task.fixtures), task.places, task.numbers)
+    return schema

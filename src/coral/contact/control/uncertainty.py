@@ -1,0 +1,45 @@
+"""Beliefs around a belief: what else masses and frictions may be, for plans that have to hold for all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from coral.config import Count, NonNegative
+from coral.contact.scene.trial import Physical
+
+
+@dataclass(frozen=True, kw_only=True)
+class UncertaintyCfg:
+    """How many beliefs a plan is rehearsed under, and how far apart they are.
+
+    Args:
+        sets: Beliefs: what is believed, and others drawn around it. Each costs as many rehearsals again. 1: the belief
+            alone, as in the paper; `risk` then has nothing to weigh.
+        mass: Standard deviation of the logarithm of a mass: about the share by which it may be off.
+        friction: Of a friction.
+    """
+
+    sets: Count = 1
+    mass: NonNegative = 0.3
+    friction: NonNegative = 0.2
+
+
+def around(
+    belief: Mapping[str, Physical], cfg: UncertaintyCfg, rng: np.random.Generator
+) -> list[Mapping[str, Physical]]:
+    """The belief, and others that are drawn around it: every mass and friction by itself, log-normal.
+
+    Args:
+        belief: What is believed of each object.
+        cfg: How many, how far.
+        rng: Draws them.
+    """
+
+    def other(one: Physical) -> Physical:
+        mass, friction = np.exp(rng.normal(scale=[cfg.mass, cfg.friction]))
+        return Physical(one.mass_kg * float(mass), one.friction * float(friction))
+
+    return [belief, *({name: other(one) for name, one in belief.items()} for _ in range(cfg.sets - 1))]

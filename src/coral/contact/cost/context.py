@@ -1,0 +1,114 @@
+"""What a cost function may read: named quantities over a batch of rolled-out states.
+
+Every value is an array whose first two axes are rollout and time step, Shape=(K, H) for a number or a truth value and
+(K, H, n) for a vector; a quantity that does not change in a rollout has K = H = 1 and broadcasts. Frames: world,
+metres, z up, the table's top at z = 0. Quaternions are (w, x, y, z).
+
+The names are the same for expert costs, for programs that a model writes and for the reference page.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Terms = dict[str, Array]
+"""Named terms of a running cost, each broadcastable to Shape=(K, H); the cost of a state is their sum."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One name that a cost may read.
+
+    Args:
+        size: 0 for a number per state, n for a vector of n.
+        unit: SI unit, or "" where there is none.
+        text: What it is, in which frame.
+        truth: Whether it is a yes or no (0 or 1 in the array).
+        constant: Whether it stays the same during a rollout.
+    """
+
+    size: int
+    unit: str
+    text: str
+    truth: bool = False
+    constant: bool = False
+
+
+Schema = Mapping[str, Quantity]
+
+
+class Lazy(Mapping[str, Array]):
+    """Values that are made when they are first read: a cost reads a few of the dozens of names that it may."""
+
+    def __init__(self, makers: Mapping[str, Callable[[], Array]]) -> None:
+        self._makers = makers
+        self._made: dict[str, Array] = {}
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._made:
+            self._made[name] = self._makers[name]()
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._makers
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._makers)
+
+    def __len__(self) -> int:
+        return len(self._makers)
+
+
+class Context:
+    """A batch of states under their names; `state.box_pos` reads one."""
+
+    def __init__(self, values: Mapping[str, Array], shape: tuple[int, int]) -> None:
+        self._values = values
+        self.shape = shape
+
+    def __getattr__(self, name: str) -> Array:
+        try:
+            return self._values[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def __getitem__(self, name: str) -> Array:
+        return self._values[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._values
+
+    def names(self) -> list[str]:
+        """Everything that can be read."""
+        return sorted(self._values)
+
+    def first(self) -> Context:
+        """The first state of the first sequence, as a batch of one."""
+        return Context(Lazy({name: partial(self._corner, name) for name in self._values}), (1, 1))
+
+    def _corner(self, name: str) -> Array:
+        return self._values[name][:1, :1]
+
+
+class Cost(Protocol):
+    """A running cost over a batch of states (Eq. 5), as named terms."""
+
+    name: str
+
+    def __call__(self, state: Context) -> Terms:
+        """The terms of every state.
+
+        Raises:
+            CostError: The cost cannot be evaluated on this state.
+        """
+        ...
+
+
+Gains = Literal["stiff", "soft"]

@@ -1,0 +1,76 @@
+"""The names that a cost may read: quantities of the hand, of each object, and of what stays where it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from coral.contact.cost.context import Quantity, Schema
+
+HAND: Schema = {
+    "ee_pos": Quantity(3, "m", "point midway between the two fingertips"),
+    "ee_quat": Quantity(
+        4, "", "orientation of the hand; its z axis points out of the palm, its y axis along the fingers' opening"
+    ),
+    "ee_vel": Quantity(3, "m/s", "velocity of ee_pos"),
+    "ee_angvel": Quantity(3, "rad/s", "angular velocity of the hand, world axes"),
+    "gripper_opening": Quantity(0, "m", "distance between the finger pads, 0 to 0.08"),
+    "gripper_target": Quantity(0, "m", "commanded distance between the finger pads; below gripper_opening it squeezes"),
+    "ee_force": Quantity(3, "N", "force that everything touched exerts on the hand, world axes"),
+    "ee_torque": Quantity(3, "N m", "torque that everything touched exerts on the hand about ee_pos, world axes"),
+    "time": Quantity(0, "s", "time since the episode began"),
+    "current_step": Quantity(0, "", "control steps since the episode began"),
+    "last_action": Quantity(
+        7, "", "what is commanded over this step: hand velocity (m/s), angular velocity (rad/s), opening speed (m/s)"
+    ),
+}
+
+
+def object_quantities(
+    name: str, points: Iterable[str] = (), fixtures: Iterable[str] = (), others: Iterable[str] = ()
+) -> dict[str, Quantity]:
+    """The quantities of one movable object.
+
+    Args:
+        name: Its name in the task.
+        points: Named points on it, as `handle` on a board.
+        fixtures: Things that do not move and that it may touch, as `table` and `wall`.
+        others: Other movable objects that it may touch.
+    """
+    found = {
+        f"{name}_pos": Quantity(3, "m", f"origin of the {name}'s frame: its middle, unless its parts lie elsewhere"),
+        f"{name}_quat": Quantity(4, "", f"orientation of the {name}"),
+        f"{name}_vel": Quantity(3, "m/s", f"velocity of the {name}"),
+        f"{name}_angvel": Quantity(3, "rad/s", f"angular velocity of the {name}, world axes"),
+        f"{name}_init_pos": Quantity(3, "m", f"{name}_pos when the episode began", constant=True),
+        f"{name}_init_quat": Quantity(4, "", f"{name}_quat when the episode began", constant=True),
+        f"{name}_size": Quantity(3, "m", f"full extents of the {name} along its own axes", constant=True),
+        f"{name}_mass": Quantity(0, "kg", f"believed mass of the {name}", constant=True),
+        f"{name}_friction": Quantity(0, "", f"believed friction coefficient of the {name}", constant=True),
+        f"{name}_hand_force": Quantity(3, "N", f"net contact force of the hand on the {name}, world axes"),
+        f"{name}_hand_contact": Quantity(0, "", f"whether the hand touches the {name}", truth=True),
+        f"{name}_left_contact": Quantity(0, "", f"whether the left finger touches the {name}", truth=True),
+        f"{name}_right_contact": Quantity(0, "", f"whether the right finger touches the {name}", truth=True),
+    }
+    for point in points:
+        found[f"{name}_{point}_pos"] = Quantity(3, "m", f"the {point} of the {name}")
+    for thing in (*fixtures, *others):
+        found[f"{name}_{thing}_contact"] = Quantity(0, "", f"whether the {name} touches the {thing}", truth=True)
+    return found
+
+
+def scenery_quantities(
+    fixtures: Iterable[str] = (), places: Iterable[str] = (), numbers: Iterable[str] = ()
+) -> dict[str, Quantity]:
+    """The quantities of what stays where it is: the table, fixtures, and places and numbers of the task file."""
+    found = {
+        "table_min": Quantity(3, "m", "corner of the table with the smallest coordinates", constant=True),
+        "table_max": Quantity(3, "m", "corner of the table with the largest coordinates", constant=True),
+    }
+    for name in fixtures:
+        found[f"{name}_pos"] = Quantity(3, "m", f"centre of the {name}", constant=True)
+        found[f"{name}_size"] = Quantity(3, "m", f"full extents of the {name}", constant=True)
+    for name in places:
+        found[f"{name}_pos"] = Quantity(3, "m", f"the place {name} of the task", constant=True)
+    for name in numbers:
+        found[name] = Quantity(0, "", f"the number {name} of the task", constant=True)
+    return found

@@ -1,0 +1,90 @@
+"""What the planner is to do, stage by stage: a cost, where to touch, how stiff to be, and when the stage is over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.cost.context import Context, Terms
+
+Array = NDArray[np.float64]
+CostFunction = Callable[[Context], Terms]
+Test = Callable[[Context], bool]
+
+
+@dataclass(frozen=True)
+class Guide:
+    """Points towards which some of the samples are drawn (Eq. 3's candidates, or any others).
+
+    Args:
+        points: From the state now, Shape=(n, 3) m in the world for the tool to reach.
+        quaternion: From the state now, Shape=(4,) for the tool to take there; None leaves it.
+        opening_m: Wanted there; None leaves it.
+    """
+
+    points: Callable[[Context], Array]
+    quaternion: Callable[[Context], Array] | None = None
+    opening_m: float | None = None
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One phase of a task.
+
+    Args:
+        name: For logs.
+        cost: Running cost (Eq. 5) as named terms.
+        guides: Where to touch.
+        stiffness_n_m: Of the hand; soft where a force matters.
+        until: Over when this holds of the state now; None: never.
+        back: Another stage to return to when its test holds, as after a lost grasp.
+        sigma: Factor on the sampling noise; or seven, for the target's x, y, z, its rotation about x, y, z of the hand
+            and the opening.
+    """
+
+    name: str
+    cost: CostFunction
+    guides: tuple[Guide, ...] = ()
+    stiffness_n_m: float = 600.0
+    until: Test | None = None
+    back: tuple[str, Test] | None = None
+    sigma: float | tuple[float, float, float, float, float, float, float] = 1.0
+
+
+@dataclass(frozen=True)
+class Strategy:
+    """Stages in order; one alone is a single-stage cost."""
+
+    name: str
+    stages: tuple[Stage, ...]
+    notes: str = field(default="", compare=False)
+
+    def stage(self, name: str) -> int:
+        """Index of a stage by its name."""
+        return next(k for k, stage in enumerate(self.stages) if stage.name == name)
+
+
+class Progress:
+    """Which stage of a strategy is on."""
+
+    def __init__(self, strategy: Strategy) -> None:
+        self.strategy, self.index = strategy, 0
+
+    @property
+    def stage(self) -> Stage:
+        """The stage that is on."""
+        return self.strategy.stages[self.index]
+
+    def update(self, now: Context) -> bool:
+        """Look at the state now, a batch of one; true when the stage changed."""
+        stage = self.stage
+        if stage.back is not None and stage.back[1](now):
+            self.index = self.strategy.stage(stage.back[0])
+            return True
+        if stage.until is not None and self.index + 1 < len(self.strategy.stages) and stage.until(now):
+            self.index += 1
+            return True
+        return False

@@ -1,0 +1,185 @@
+"""Making and rearranging vectors: np.array, np.zeros, np.concatenate, reshape and the like."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from coral.contact.cost_program.arithmetic import as_vector, components, each, number, transposed
+from coral.contact.cost_program.functions import flat
+from coral.contact.cost_program.limits import Meter
+from coral.contact.cost_program.values import NUMBER, Body, Number, Seq, Table, Value, Vec, bounded, is_matrix, kind
+
+
+def array(meter: Meter, value: Value, dtype: Value = None, copy: Value = None) -> Value:
+    """A new vector or matrix of a list, tuple or vector; a number stays a number."""
+    found = as_vector(meter, value)
+    if isinstance(found, Vec):
+        return Vec(tuple(array(meter, item) for item in found.items), order=found.order)
+    return number(meter, found) if not isinstance(found, bool | np.ndarray) else found
+
+
+def asarray(meter: Meter, value: Value, dtype: Value = None) -> Value:
+    """The vector itself, or a new one of a list."""
+    return value if isinstance(value, Vec) else array(meter, value)
+
+
+def to_float(meter: Meter, value: Value = 0.0) -> Value:
+    """float(...): a number stays one, a truth value becomes 0 or 1, "inf" becomes infinity."""
+    if isinstance(value, str):
+        if value.strip().lower().lstrip("+-") in ("inf", "infinity"):
+            return -math.inf if value.strip().startswith("-") else math.inf
+        raise meter.fault("wrong_type", "float takes a number")
+    found = number(meter, value)
+    return float(found) if isinstance(found, int) else found
+
+
+def to_int(meter: Meter, value: Value = 0) -> Value:
+    """int(...): a number without its decimals."""
+    found = number(meter, value)
+    if isinstance(found, float):
+        if not math.isfinite(found):
+            raise meter.fault("wrong_type", "int takes a finite number")
+        return int(found)
+    if isinstance(found, np.ndarray):
+        meter.made()
+        return np.trunc(found)
+    return found
+
+
+def as_type(meter: Meter, value: Value, dtype: Value = None) -> Value:
+    """astype(float): truth values become numbers."""
+
+    def change(item: Number) -> Number:
+        return float(item) if isinstance(item, int) else item
+
+    return each(meter, change, value)
+
+
+def _size(meter: Meter, value: Value) -> int:
+    if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= meter.cfg.items:
+        return value
+    raise meter.fault("not_fixed", f"a size is a whole number from 0 to {meter.cfg.items}")
+
+
+def full(meter: Meter, shape: Value, fill_value: Value, dtype: Value = None) -> Value:
+    """A vector (n) or matrix ((m, n)) of one number."""
+    sizes = [_size(meter, item) for item in (shape.items if isinstance(shape, Seq) else (shape,))]
+    if not 1 <= len(sizes) <= 2 or math.prod(sizes) > meter.cfg.items:
+        raise meter.fault("wrong_size", f"an array has one or two axes and at most {meter.cfg.items} entries")
+    row: Value = Vec((number(meter, fill_value),) * sizes[-1])
+    return row if len(sizes) == 1 else Vec((row,) * sizes[0])
+
+
+def zeros(meter: Meter, shape: Value, dtype: Value = None) -> Value:
+    """Zeros."""
+    return full(meter, shape, 0.0)
+
+
+def ones(meter: Meter, shape: Value, dtype: Value = None) -> Value:
+    """Ones."""
+    return full(meter, shape, 1.0)
+
+
+def like(fill: float) -> Callable[..., Value]:
+    """np.zeros_like or np.ones_like."""
+
+    def call(meter: Meter, value: Value, dtype: Value = None) -> Value:
+        return each(meter, lambda _: fill, value)
+
+    return call
+
+
+def eye(meter: Meter, n: Value, dtype: Value = None) -> Value:
+    """The unit matrix."""
+    size = _size(meter, n)
+    if size > 8:
+        raise meter.fault("wrong_size", "eye takes at most 8")
+    return Vec(tuple(Vec(tuple(float(i == j) for j in range(size))) for i in range(size)))
+
+
+def concatenate(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
+    """Vectors one after the other."""
+    if axis not in (0, -1) or not isinstance(arrays, Seq | Vec):
+        raise meter.fault("wrong_call", "concatenate takes a list of vectors and axis 0")
+    parts = [asarray(meter, part) for part in arrays.items]
+    found: tuple[Value, ...] = ()
+    for part in parts:
+        found += part.items if isinstance(part, Vec) else (part,)
+    result = as_vector(meter, Seq(found))
+    return bounded(meter, result)
+
+
+def stack(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
+    """Vectors as the rows (axis 0) or columns (axis 1) of a matrix."""
+    if not isinstance(arrays, Seq | Vec):
+        raise meter.fault("wrong_call", "stack takes a list of vectors")
+    found = as_vector(meter, Seq(tuple(arrays.items)))
+    if not isinstance(found, Vec) or axis not in (0, 1, -1):
+        raise meter.fault("wrong_call", "stack takes a list of vectors and axis 0 or 1")
+    return transposed(meter, found) if axis != 0 else found
+
+
+def reshape(meter: Meter, value: Value, *shape: Value) -> Value:
+    """The same numbers as a vector or as the rows of a matrix."""
+    sizes = shape[0].items if len(shape) == 1 and isinstance(shape[0], Seq) else shape
+    items = flat(meter, value)
+    if not 1 <= len(sizes) <= 2 or not all(isinstance(n, int) and (n > 0 or n == -1) for n in sizes):
+        raise meter.fault("wrong_size", "reshape takes one or two whole numbers")
+    wanted = [int(number(meter, n)) for n in sizes]
+    if -1 in wanted:
+        rest = math.prod(n for n in wanted if n != -1)
+        wanted[wanted.index(-1)] = len(items) // rest if rest else 0
+    if any(n <= 0 for n in wanted) or math.prod(wanted) != len(items):
+        raise meter.fault("wrong_size", f"{len(items)} numbers do not fill the shape {tuple(wanted)}")
+    if len(wanted) == 1:
+        return Vec(items)
+    columns = wanted[1]
+    return Vec(tuple(Vec(items[i * columns : (i + 1) * columns]) for i in range(wanted[0])))
+
+
+def ravel(meter: Meter, value: Value) -> Value:
+    """All numbers as one vector."""
+    return Vec(flat(meter, value))
+
+
+def transpose(meter: Meter, value: Value) -> Value:
+    """Rows and columns exchanged."""
+    found = as_vector(meter, value)
+    return transposed(meter, found) if isinstance(found, Vec) else found
+
+
+def diag(meter: Meter, value: Value) -> Value:
+    """The diagonal of a matrix, or the matrix with a diagonal."""
+    found = as_vector(meter, value)
+    if is_matrix(found):
+        assert isinstance(found, Vec)
+        rows = [components(meter, row) for row in found.items]
+        return Vec(tuple(row[i] for i, row in enumerate(rows) if i < len(row)))
+    items = components(meter, found)
+    if len(items) > 8:
+        raise meter.fault("wrong_size", "diag takes at most 8")
+    return Vec(tuple(Vec(tuple(item if i == j else 0.0 for j in range(len(items)))) for i, item in enumerate(items)))
+
+
+def shape_of(value: Value) -> Seq:
+    """What numpy's shape would be for one state."""
+    if isinstance(value, Vec):
+        first = value.items[0] if value.items else None
+        return Seq((len(value.items), len(first.items)) if isinstance(first, Vec) else (len(value.items),), "tuple")
+    return Seq((), "tuple")
+
+
+def copied(meter: Meter, value: Value) -> Value:
+    """A value that can be changed without changing the original."""
+    if isinstance(value, Vec):
+        return array(meter, value)
+    if isinstance(value, Seq):
+        return Seq(value.items, value.kind)
+    if isinstance(value, Table):
+        return Table(dict(value.items))
+    if isinstance(value, NUMBER) or value is None or isinstance(value, Body):
+        return value
+    raise meter.fault("wrong_type", f"{kind(value)} cannot be copied")

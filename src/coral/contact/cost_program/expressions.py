@@ -1,0 +1,386 @@
+"""Evaluating an expression for all states of the batch."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+
+from coral.contact.cost_program.arithmetic import binary, both, dot, either, invert, negative, number, truth
+from coral.contact.cost_program.calls import attribute, call
+from coral.contact.cost_program.library import entries
+from coral.contact.cost_program.limits import Mask
+from coral.contact.cost_program.machine import Machine
+from coral.contact.cost_program.merging import merge
+from coral.contact.cost_program.subscripts import subscript
+from coral.contact.cost_program.values import (
+    NUMBER,
+    Frame,
+    Function,
+    Partial,
+    Poison,
+    Seq,
+    Table,
+    Value,
+    Vec,
+    bounded,
+    kind,
+)
+
+SYMBOLS: dict[type[ast.AST], str] = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.FloorDiv: "//",
+    ast.Mod: "%",
+    ast.Pow: "**",
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+    ast.Eq: "==",
+    ast.NotEq: "!=",
+}
+
+
+def evaluate(machine: Machine, node: ast.expr) -> Value:
+    """The value of an expression.
+
+    Raises:
+        CostError: It has none.
+    """
+    machine.meter.step(node.lineno)
+    found = EVALUATORS[type(node)](machine, node)
+    if machine.meter.trace is not None and isinstance(node, ast.BinOp | ast.Call):
+        _watch(machine, node, found)
+    return found
+
+
+def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
+    """Note the first expression that is not finite in a state in which it counts."""
+    trace = machine.meter.trace
+    if trace is None or trace.lost is not None or not isinstance(value, (*NUMBER, Vec)):
+        return
+    for item in value.items if isinstance(value, Vec) else (value,):
+        if isinstance(item, NUMBER):
+            lost = ~np.isfinite(item)
+            if machine.meter.mask is not None:
+                lost = np.logical_and(lost, machine.meter.mask)
+            if np.any(lost):
+                trace.lost = (node.lineno, ast.unparse(node)[:80])
+                return
+
+
+def _constant(machine: Machine, node: Any) -> Value:
+    return cast(Value, node.value)
+
+
+def _name(machine: Machine, node: Any) -> Value:
+    return machine.lookup(node.id)
+
+
+def _attribute(machine: Machine, node: Any) -> Value:
+    base = evaluate(machine, node.value)
+    machine.meter.line = node.lineno
+    return attribute(machine, base, node.attr)
+
+
+def _call(machine: Machine, node: Any) -> Value:
+    return call(machine, node, evaluate)
+
+
+def _binary(machine: Machine, node: Any) -> Value:
+    chain = []
+    while isinstance(node, ast.BinOp):
+        chain.append(node)
+        node = node.left
+    found = evaluate(machine, node)
+    for link in reversed(chain):
+        right = evaluate(machine, link.right)
+        machine.meter.step(link.lineno)
+        found = operate(machine, link.op, found, right)
+        if machine.meter.trace is not None:
+            _watch(machine, link, found)
+    return found
+
+
+def operate(machine: Machine, operator: ast.operator, left: Value, right: Value) -> Value:
+    """One operator of Python on two values.
+
+    Raises:
+        CostError: It does not apply to them.
+    """
+    meter = machine.meter
+    if isinstance(operator, ast.MatMult):
+        return dot(meter, left, right)
+    if isinstance(operator, ast.BitAnd | ast.BitOr):
+        for value in (left, right):
+            if not (isinstance(value, bool) or (isinstance(value, np.ndarray) and value.dtype == np.bool_)):
+                raise meter.fault("wrong_type", f"& and | join truth values, not {kind(value)}; use and, or")
+        return (both if isinstance(operator, ast.BitAnd) else either)(meter, cast(Mask, left), cast(Mask, right))
+    return binary(meter, SYMBOLS[type(operator)], left, right)
+
+
+def _unary(machine: Machine, node: Any) -> Value:
+    value = evaluate(machine, node.operand)
+    machine.meter.line = node.lineno
+    if isinstance(node.op, ast.Not):
+        return invert(machine.meter, value)
+    if isinstance(node.op, ast.USub):
+        return negative(machine.meter, value)
+    if isinstance(node.op, ast.UAdd):
+        return value if isinstance(value, Vec) else number(machine.meter, value)
+    if isinstance(value, np.ndarray) and value.dtype == np.bool_:
+        return invert(machine.meter, value)
+    raise machine.meter.fault("wrong_type", "~ applies to truth values of the state; use not")
+
+
+def _bool(machine: Machine, node: Any) -> Value:
+    """`and`, `or`: as in Python the value that decides, per state."""
+    found = evaluate(machine, node.values[0])
+    for other in node.values[1:]:
+        met = truth(machine.meter, found)
+        if isinstance(met, bool):
+            if met == isinstance(node.op, ast.Or):
+                return found
+            found = evaluate(machine, other)
+            continue
+        go_on = met if isinstance(node.op, ast.And) else ~met
+        right = _under(machine, go_on, other)
+        found = _joined(machine, go_on, right, found)
+    return found
+
+
+def _joined(machine: Machine, condition: Mask, a: Value, b: Value) -> Value:
+    found = merge(machine.meter, condition, a, b)
+    if isinstance(found, Poison):
+        raise machine.meter.fault("mixed", f"both sides must be of one kind: {found.reason}")
+    return found
+
+
+def _under(machine: Machine, condition: Mask, node: ast.expr) -> Value:
+    """An expression that counts only where a condition holds."""
+    before = machine.meter.mask
+    machine.meter.mask = machine.narrowed(condition, before)
+    machine.branching += 1
+    found = evaluate(machine, node)
+    machine.branching -= 1
+    machine.meter.mask = before
+    return found
+
+
+def _if(machine: Machine, node: Any) -> Value:
+    met = truth(machine.meter, evaluate(machine, node.test))
+    if isinstance(met, bool):
+        return evaluate(machine, node.body if met else node.orelse)
+    return _joined(machine, met, _under(machine, met, node.body), _under(machine, ~met, node.orelse))
+
+
+def _compare(machine: Machine, node: Any) -> Value:
+    left = evaluate(machine, node.left)
+    found: Value = True
+    for operator, right_node in zip(node.ops, node.comparators, strict=True):
+        right = evaluate(machine, right_node)
+        machine.meter.line = node.lineno
+        step = _relation(machine, operator, left, right)
+        if len(node.ops) == 1:
+            return step
+        found = both(machine.meter, truth(machine.meter, found), truth(machine.meter, step))
+        left = right
+    return found
+
+
+def _relation(machine: Machine, operator: ast.cmpop, left: Value, right: Value) -> Value:
+    if isinstance(operator, ast.Is | ast.IsNot):
+        if not any(value is None or isinstance(value, bool) for value in (left, right)):
+            raise machine.meter.fault("wrong_type", "`is` compares with None; use ==")
+        if left is None or right is None:
+            return (left is right) == isinstance(operator, ast.Is)
+        same = binary(machine.meter, "==", left, right)
+        return same if isinstance(operator, ast.Is) else invert(machine.meter, same)
+    if isinstance(operator, ast.In | ast.NotIn):
+        found = _contains(machine, left, right)
+        return found if isinstance(operator, ast.In) else invert(machine.meter, found)
+    return binary(machine.meter, SYMBOLS[type(operator)], left, right)
+
+
+def _contains(machine: Machine, item: Value, container: Value) -> Value:
+    if isinstance(container, Table):
+        if not isinstance(item, str | int):
+            raise machine.meter.fault("wrong_type", "the keys of a dict are constant texts or whole numbers")
+        held = container.items.get(item)
+        return held.mask if isinstance(held, Partial) else item in container.items
+    if isinstance(container, Seq):
+        found: bool | Mask = False
+        for other in container.items:
+            found = either(machine.meter, found, truth(machine.meter, binary(machine.meter, "==", item, other)))
+        return found
+    raise machine.meter.fault("wrong_type", f"`in` looks into lists and dicts, not into {kind(container)}")
+
+
+def _items(machine: Machine, nodes: list[ast.expr]) -> tuple[Value, ...]:
+    found: list[Value] = []
+    for node in nodes:
+        if isinstance(node, ast.Starred):
+            found.extend(entries(machine.meter, evaluate(machine, node.value)))
+        else:
+            found.append(evaluate(machine, node))
+    return tuple(found)
+
+
+def _list(machine: Machine, node: Any) -> Value:
+    return bounded(machine.meter, Seq(_items(machine, node.elts)))
+
+
+def _tuple(machine: Machine, node: Any) -> Value:
+    return bounded(machine.meter, Seq(_items(machine, node.elts), "tuple"))
+
+
+def _dict(machine: Machine, node: Any) -> Value:
+    items: dict[Value, Value] = {}
+    for key_node, value_node in zip(node.keys, node.values, strict=True):
+        if key_node is None:
+            other = evaluate(machine, value_node)
+            if not isinstance(other, Table):
+                raise machine.meter.fault("wrong_type", f"** takes a dict, not {kind(other)}")
+            items.update(other.items)
+        else:
+            key = evaluate(machine, key_node)
+            items[checked_key(machine, key)] = evaluate(machine, value_node)
+    return bounded(machine.meter, Table(items))
+
+
+def checked_key(machine: Machine, key: Value) -> Value:
+    """The key of a dict.
+
+    Raises:
+        CostError: It is not a constant text or whole number.
+    """
+    if isinstance(key, str | int) and not isinstance(key, bool):
+        return key
+    raise machine.meter.fault("wrong_type", f"the keys of a dict are constant texts or whole numbers, not {kind(key)}")
+
+
+def _lambda(machine: Machine, node: Any) -> Value:
+    return make_function(machine, "lambda", node.args, node.body, frozenset())
+
+
+def make_function(
+    machine: Machine, name: str, arguments: ast.arguments, body: list[ast.stmt] | ast.expr, names: frozenset[str]
+) -> Function:
+    """The function that a `def` or `lambda` makes; its defaults are evaluated now."""
+    positional = [*arguments.posonlyargs, *arguments.args]
+    defaults: dict[str, Value] = {}
+    first = len(positional) - len(arguments.defaults)
+    for argument, default in zip(positional[first:], arguments.defaults, strict=True):
+        defaults[argument.arg] = evaluate(machine, default)
+    for argument, kw_default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True):
+        if kw_default is not None:
+            defaults[argument.arg] = evaluate(machine, kw_default)
+    own = frozenset(a.arg for a in [*positional, *arguments.kwonlyargs])
+    return Function(name, arguments, body, defaults, machine.frame, names | own)
+
+
+def _comprehension(machine: Machine, node: Any) -> Value:
+    names = frozenset(
+        item.id for generator in node.generators for item in ast.walk(generator.target) if isinstance(item, ast.Name)
+    )
+    inner = Frame(machine.frame, names)
+    found: list[tuple[Value, Value]] = []
+    outermost = evaluate(machine, node.generators[0].iter)  # in the scope around, as in Python
+    machine.stack.append(inner)
+    machine.branching += 1
+
+    def generate(level: int, mask: Mask | None) -> None:
+        if level == len(node.generators):
+            if isinstance(node, ast.DictComp):
+                pair = checked_key(machine, evaluate(machine, node.key)), evaluate(machine, node.value)
+            else:
+                pair = None, evaluate(machine, node.elt)
+            found.append((pair[0], pair[1] if mask is None else Partial(pair[1], mask)))
+            return
+        generator = node.generators[level]
+        source = evaluate(machine, generator.iter) if level else outermost
+        for item in entries(machine.meter, source):
+            unpack(machine, generator.target, item)
+            before, inside = machine.meter.mask, mask
+            keep = True
+            for test in generator.ifs:
+                met = truth(machine.meter, evaluate(machine, test))
+                if isinstance(met, bool):
+                    keep = keep and met
+                else:
+                    machine.meter.mask = machine.narrowed(met, machine.meter.mask)
+                    inside = machine.narrowed(met, inside)
+                if not keep:
+                    break
+            if keep:
+                generate(level + 1, inside)
+            machine.meter.mask = before
+
+    generate(0, None)
+    machine.branching -= 1
+    machine.stack.pop()
+    if isinstance(node, ast.DictComp):
+        return bounded(machine.meter, Table(dict(found)))
+    return bounded(machine.meter, Seq(tuple(value for _, value in found)))
+
+
+def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
+    """Set the name, or the names of a tuple, of an assignment or loop.
+
+    Raises:
+        CostError: The target is no name, or the lengths differ.
+    """
+    if isinstance(target, ast.Name):
+        machine.frame.variables[target.id] = value
+        return
+    if not isinstance(target, ast.Tuple | ast.List):
+        raise machine.meter.fault(
+            "not_allowed",
+            "only variables and entries of the program's own lists, dicts and "
+            "arrays can be set; the state cannot be changed",
+        )
+    items = entries(machine.meter, value)
+    if any(isinstance(part, ast.Starred) for part in target.elts) or len(items) != len(target.elts):
+        raise machine.meter.fault("wrong_size", f"{len(target.elts)} names cannot take {len(items)} values")
+    for part, item in zip(target.elts, items, strict=True):
+        unpack(machine, part, item)
+
+
+def _walrus(machine: Machine, node: Any) -> Value:
+    if machine.branching:
+        raise machine.meter.fault("not_allowed", "`:=` is not available inside a condition or comprehension")
+    value = evaluate(machine, node.value)
+    machine.frame.variables[node.target.id] = value
+    return value
+
+
+def _subscript(machine: Machine, node: Any) -> Value:
+    base = evaluate(machine, node.value)
+    return subscript(machine, base, node.slice, evaluate)
+
+
+EVALUATORS: dict[type[ast.AST], Callable[[Machine, Any], Value]] = {
+    ast.Constant: _constant,
+    ast.Name: _name,
+    ast.Attribute: _attribute,
+    ast.Call: _call,
+    ast.BinOp: _binary,
+    ast.UnaryOp: _unary,
+    ast.BoolOp: _bool,
+    ast.IfExp: _if,
+    ast.Compare: _compare,
+    ast.List: _list,
+    ast.Tuple: _tuple,
+    ast.Dict: _dict,
+    ast.Lambda: _lambda,
+    ast.ListComp: _comprehension,
+    ast.GeneratorExp: _comprehension,
+    ast.DictComp: _comprehension,
+    ast.NamedExpr: _walrus,
+    ast.Subscript: _subscript,
+}

@@ -1,0 +1,361 @@
+"""Functions of numbers and vectors that a cost may call: what `math` and `numpy` have of them, and a few of our own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+
+from coral.contact.cost_program.arithmetic import (
+    as_vector,
+    binary,
+    both,
+    components,
+    each,
+    either,
+    elementwise,
+    invert,
+    norm,
+    number,
+    scalar,
+    total,
+    truth,
+    unary,
+    where,
+)
+from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.values import NUMBER, Contacts, Number, Partial, Seq, Table, Value, Vec, is_matrix, kind
+
+Call = Callable[..., Value]
+"""Takes the meter, then the arguments of the program."""
+
+UNARY: dict[str, Callable[[Any], Any]] = {
+    "sqrt": np.sqrt,
+    "exp": np.exp,
+    "expm1": np.expm1,
+    "log": np.log,
+    "log1p": np.log1p,
+    "log10": np.log10,
+    "log2": np.log2,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "arcsin": np.arcsin,
+    "arccos": np.arccos,
+    "arctan": np.arctan,
+    "sinh": np.sinh,
+    "cosh": np.cosh,
+    "tanh": np.tanh,
+    "abs": np.abs,
+    "square": np.square,
+    "sign": np.sign,
+    "floor": np.floor,
+    "ceil": np.ceil,
+    "trunc": np.trunc,
+    "rint": np.rint,
+    "deg2rad": np.deg2rad,
+    "rad2deg": np.rad2deg,
+    "isfinite": np.isfinite,
+    "isnan": np.isnan,
+    "isinf": np.isinf,
+    "nan_to_num": np.nan_to_num,
+}
+BINARY: dict[str, Callable[[Any, Any], Any]] = {
+    "maximum": np.maximum,
+    "minimum": np.minimum,
+    "arctan2": np.arctan2,
+    "hypot": np.hypot,
+    "fmod": np.fmod,
+    "copysign": np.copysign,
+    "heaviside": np.heaviside,
+    "logaddexp": np.logaddexp,
+}
+
+
+def of_one(name: str) -> Call:
+    """A numpy function of one number, on every component."""
+    function = UNARY[name]
+
+    def call(meter: Meter, value: Value) -> Value:
+        def apply(item: Number) -> Number:
+            meter.made()
+            return unary(function, item)
+
+        return each(meter, apply, value)
+
+    return call
+
+
+def of_two(name: str) -> Call:
+    """A numpy function of two numbers, on every pair of components."""
+    function = BINARY[name]
+
+    def call(meter: Meter, a: Value, b: Value) -> Value:
+        def apply(x: Value, y: Value) -> Value:
+            meter.made()
+            x, y = number(meter, x), number(meter, y)
+            found = function(x, y) if isinstance(x, np.ndarray) or isinstance(y, np.ndarray) else float(function(x, y))
+            return cast(Number, found)
+
+        return elementwise(meter, apply, a, b)
+
+    return call
+
+
+def power(meter: Meter, a: Value, b: Value) -> Value:
+    """`a ** b`."""
+    return binary(meter, "**", a, b)
+
+
+def operator_call(symbol: str) -> Call:
+    """np.add and the like."""
+
+    def call(meter: Meter, a: Value, b: Value) -> Value:
+        return binary(meter, symbol, as_vector(meter, a), as_vector(meter, b))
+
+    return call
+
+
+def clip(meter: Meter, value: Value, a_min: Value = None, a_max: Value = None) -> Value:
+    """The value kept between two bounds, either of them None."""
+    if a_min is not None:
+        value = of_two("maximum")(meter, value, a_min)
+    if a_max is not None:
+        value = of_two("minimum")(meter, value, a_max)
+    return value
+
+
+def clip01(meter: Meter, value: Value) -> Value:
+    """The value kept between 0 and 1."""
+    return clip(meter, value, 0.0, 1.0)
+
+
+def sigmoid(meter: Meter, value: Value) -> Value:
+    """1 / (1 + exp(-x)), without overflow."""
+    half = binary(meter, "*", 0.5, of_one("tanh")(meter, binary(meter, "*", 0.5, value)))
+    return binary(meter, "+", 0.5, half)
+
+
+def near(meter: Meter, distance: Value, scale: Value) -> Value:
+    """exp(-(distance / scale)^2): 1 at 0, almost 0 beyond twice the scale."""
+    ratio = binary(meter, "/", distance, scale)
+    return of_one("exp")(meter, binary(meter, "*", -1.0, binary(meter, "*", ratio, ratio)))
+
+
+def select(meter: Meter, condition: Value, a: Value, b: Value) -> Value:
+    """np.where with three arguments."""
+    condition = as_vector(meter, condition)
+    if isinstance(condition, Vec):
+        if not isinstance(as_vector(meter, a), Vec) and not isinstance(as_vector(meter, b), Vec):
+            return Vec(tuple(select(meter, item, a, b) for item in condition.items))
+        n = len(condition.items)
+        left, right = _stretched(meter, a, n), _stretched(meter, b, n)
+        return Vec(tuple(select(meter, c, x, y) for c, x, y in zip(condition.items, left, right, strict=True)))
+    met = truth(meter, condition)
+
+    def choose(x: Value, y: Value) -> Value:
+        if isinstance(met, np.ndarray):
+            return where(meter, met, x, y)
+        return x if met else y
+
+    return elementwise(meter, choose, a, b)
+
+
+def _stretched(meter: Meter, value: Value, n: int) -> tuple[Value, ...]:
+    value = as_vector(meter, value)
+    if not isinstance(value, Vec):
+        return (value,) * n
+    if len(value.items) != n:
+        raise meter.fault("wrong_size", f"a vector of {len(value.items)} and a vector of {n} do not match")
+    return value.items
+
+
+def largest(meter: Meter, items: tuple[Value, ...], symbol: str) -> Value:
+    """Python's max (symbol ">") or min ("<"): the first of the best ones."""
+    found = items[0]
+    for item in items[1:]:
+        better = scalar(meter, symbol, item, found)
+        if isinstance(better, np.ndarray):
+            found = where(meter, cast(Mask, better), item, found)
+        else:
+            found = item if better else found
+    return found
+
+
+def linalg_norm(meter: Meter, x: Value, ord: Value = None, axis: Value = None) -> Value:
+    """np.linalg.norm of a vector; of a matrix the Frobenius norm, or that of every row (axis 1) or column (axis 0)."""
+    vector = as_vector(meter, x)
+    if isinstance(vector, NUMBER):
+        return of_one("abs")(meter, vector)
+    if is_matrix(vector):
+        assert isinstance(vector, Vec)
+        lines = along(meter, vector, axis)
+        if lines is not None:
+            return Vec(tuple(linalg_norm(meter, line, ord) for line in lines))
+        vector = Vec(tuple(item for row in vector.items for item in components(meter, row)))
+    along(meter, vector, axis)
+    if ord is None or ord == 2:
+        return norm(meter, vector)
+    sizes = components(meter, of_one("abs")(meter, vector))
+    if ord == 1:
+        return total(meter, sizes)
+    if ord == math.inf:
+        return largest(meter, sizes, ">")
+    raise meter.fault("wrong_call", "norm takes ord 1, 2 or np.inf")
+
+
+def along(meter: Meter, value: Value, axis: Value) -> tuple[Value, ...] | None:
+    """The lines of a matrix that a reduction over `axis` runs along; None for all components together.
+
+    Raises:
+        CostError: The value has no such axis.
+    """
+    if axis is None:
+        return None
+    depth = 2 if is_matrix(value) else 1
+    if not isinstance(axis, int) or not -depth <= axis < depth:
+        raise meter.fault("wrong_size", f"{kind(value)} has no axis {axis}")
+    if depth == 1 or not isinstance(value, Vec):
+        return None
+    if axis in (1, -1):
+        return value.items
+    return tuple(Vec(column) for column in zip(*(components(meter, row) for row in value.items), strict=True))
+
+
+def flat(meter: Meter, value: Value) -> tuple[Value, ...]:
+    """All numbers of a vector, matrix, list or number.
+
+    Raises:
+        CostError: There is something else in it.
+    """
+    value = as_vector(meter, value)
+    if isinstance(value, Vec):
+        return tuple(number_ for item in value.items for number_ in flat(meter, item))
+    if isinstance(value, np.ndarray | bool):
+        return (value,)
+    return (number(meter, value),)
+
+
+def reduction(name: str) -> Call:
+    """np.sum, np.mean, np.max, np.min, np.prod, np.any or np.all."""
+
+    def reduce(meter: Meter, items: tuple[Value, ...]) -> Value:
+        if not items and name in ("max", "min", "mean"):
+            raise meter.fault("wrong_size", f"{name} of nothing")
+        if name in ("any", "all"):
+            return fold_truth(meter, items, name)
+        if name == "prod":
+            found: Value = 1.0
+            for item in items:
+                found = scalar(meter, "*", found, item)
+            return found
+        if name in ("max", "min"):
+            found = items[0]
+            for item in items[1:]:
+                found = of_two("maximum" if name == "max" else "minimum")(meter, found, item)
+            return number(meter, found)
+        summed = total(meter, items)
+        return summed if name == "sum" else scalar(meter, "/", summed, len(items))
+
+    def call(meter: Meter, a: Value, axis: Value = None, keepdims: Value = False) -> Value:
+        value = as_vector(meter, a)
+        if keepdims is not False:
+            raise meter.fault("wrong_call", "keepdims is not available")
+        lines = along(meter, value, axis)
+        if lines is not None:
+            return Vec(tuple(reduce(meter, flat(meter, line)) for line in lines))
+        return reduce(meter, flat(meter, value))
+
+    return call
+
+
+def fold_truth(meter: Meter, items: tuple[Value, ...], name: str) -> Value:
+    """Any or all of truth values."""
+    found: bool | Mask = name == "all"
+    for item in items:
+        found = (both if name == "all" else either)(meter, found, truth(meter, item))
+    return found
+
+
+def cross(meter: Meter, a: Value, b: Value) -> Value:
+    """Vector product of two vectors of three."""
+    left, right = components(meter, a), components(meter, b)
+    if len(left) != 3 or len(right) != 3:
+        raise meter.fault("wrong_size", f"cross takes two vectors of 3, not of {len(left)} and {len(right)}")
+
+    def minor(i: int, j: int) -> Value:
+        return scalar(meter, "-", scalar(meter, "*", left[i], right[j]), scalar(meter, "*", left[j], right[i]))
+
+    return Vec((minor(1, 2), minor(2, 0), minor(0, 1)))
+
+
+def outer(meter: Meter, a: Value, b: Value) -> Value:
+    """Every component of one vector times the other vector."""
+    return Vec(tuple(binary(meter, "*", item, Vec(components(meter, b))) for item in components(meter, a)))
+
+
+def dist(meter: Meter, a: Value, b: Value) -> Value:
+    """Distance of two points, m."""
+    return norm(meter, binary(meter, "-", as_vector(meter, a), as_vector(meter, b)))
+
+
+def isclose(meter: Meter, a: Value, b: Value, atol: Value = 1e-8, rtol: Value = 1e-5) -> Value:
+    """Whether |a - b| <= atol + rtol |b|."""
+    gap = of_one("abs")(meter, binary(meter, "-", a, b))
+    return binary(meter, "<=", gap, binary(meter, "+", atol, binary(meter, "*", rtol, of_one("abs")(meter, b))))
+
+
+def logical(name: str) -> Call:
+    """np.logical_and, np.logical_or."""
+
+    def call(meter: Meter, a: Value, b: Value) -> Value:
+        def apply(x: Value, y: Value) -> Value:
+            return (both if name == "and" else either)(meter, truth(meter, x), truth(meter, y))
+
+        return elementwise(meter, apply, a, b)
+
+    return call
+
+
+def negation(meter: Meter, value: Value) -> Value:
+    """np.logical_not."""
+    value = as_vector(meter, value)
+    return Vec(tuple(negation(meter, item) for item in value.items)) if isinstance(value, Vec) else invert(meter, value)
+
+
+def round_to(meter: Meter, value: Value, decimals: Value = 0) -> Value:
+    """The value rounded to some decimals."""
+    if not isinstance(decimals, int) or not 0 <= decimals <= 12:
+        raise meter.fault("wrong_call", "round takes 0 to 12 decimals")
+
+    def apply(item: Number) -> Number:
+        meter.made()
+        return unary(lambda x: np.round(x, decimals), item)
+
+    return each(meter, apply, value)
+
+
+def length(meter: Meter, value: Value) -> Value:
+    """Entries of a container; contact points count 1 when there are any."""
+    if isinstance(value, Contacts):
+        return number(meter, value.touching)
+    if isinstance(value, Vec | Seq | Table):
+        return len(value.items)
+    raise meter.fault("wrong_type", f"{kind(value)} has no length")
+
+
+def add_up(meter: Meter, value: Value, start: Value = 0) -> Value:
+    """Python's sum; an entry that is set in some states only counts 0 in the others."""
+    items = value.items if isinstance(value, Seq | Vec) else None
+    if items is None:
+        raise meter.fault("wrong_type", f"sum takes a list, not {kind(value)}")
+    found = start
+    for item in items:
+        if isinstance(item, Partial):
+            item = where(meter, item.mask, item.value, 0.0)
+        found = (
+            item if isinstance(found, int) and found == 0 and isinstance(item, Vec) else binary(meter, "+", found, item)
+        )
+    return found

@@ -1,0 +1,91 @@
+"""How much a cost program may use, and the meter that holds it to that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.cost.context import Context
+from coral.contact.cost_program.errors import CostError
+from coral.contact.cost_program.trace import Trace
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitsCfg:
+    """Bounds on one program. The paper's example (A.6) takes about 550 steps and 350 arrays.
+
+    Args:
+        characters: Longest source text.
+        nodes: Most syntax nodes in it.
+        depth: Deepest nesting of expressions and blocks.
+        steps: Most nodes evaluated for one batch.
+        arrays: Most arrays made for one batch, so that memory stays below arrays * K * H * 8 bytes.
+        loop: Most turns of one loop.
+        items: Most entries of one list, tuple, dict or vector, nested ones counted.
+        calls: Deepest nesting of the program's own functions.
+        terms: Most named terms.
+    """
+
+    characters: int = 20_000
+    nodes: int = 6_000
+    depth: int = 48
+    steps: int = 20_000
+    arrays: int = 4_000
+    loop: int = 64
+    items: int = 1_024
+    calls: int = 8
+    terms: int = 64
+
+
+@dataclass
+class Meter:
+    """One evaluation: what it reads, where it is, what it has used.
+
+    Args:
+        context: The batch of states.
+        cfg: The bounds.
+        line: Line being evaluated.
+        mask: States for which the present statement counts, Shape=(K, H); None for all.
+        steps: Nodes evaluated so far.
+        arrays: Arrays made so far.
+        cache: Components of the quantities read so far.
+        trace: Notes for the checks, where they are asked for.
+    """
+
+    context: Context
+    cfg: LimitsCfg
+    line: int = 0
+    mask: Mask | None = None
+    steps: int = 0
+    arrays: int = 0
+    cache: dict[str, object] = field(default_factory=dict)
+    trace: Trace | None = None
+
+    def step(self, line: int) -> None:
+        """Count one node.
+
+        Raises:
+            CostError: The steps are used up.
+        """
+        self.line = line
+        self.steps += 1
+        if self.steps > self.cfg.steps:
+            raise self.fault("steps", f"the cost takes more than {self.cfg.steps} steps; shorten its loops")
+
+    def made(self, count: int = 1) -> None:
+        """Count arrays about to be made.
+
+        Raises:
+            CostError: There would be too many.
+        """
+        self.arrays += count
+        if self.arrays > self.cfg.arrays:
+            raise self.fault("memory", f"the cost makes more than {self.cfg.arrays} arrays; shorten its loops")
+
+    def fault(self, code: str, text: str) -> CostError:
+        """The error for the line being evaluated."""
+        return CostError(code, text, self.line)

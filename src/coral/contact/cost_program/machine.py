@@ -1,0 +1,209 @@
+"""A running program: its variables, and how branches that only some states take are kept apart and joined."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from coral.contact.cost_program.arithmetic import both
+from coral.contact.cost_program.labels import TermNames
+from coral.contact.cost_program.library import BUILTINS, MODULE_NAMES
+from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.merging import merge_variables
+from coral.contact.cost_program.pybullet import PyBullet
+from coral.contact.cost_program.state import StateSpace
+from coral.contact.cost_program.values import Frame, Function, Module, Partial, Poison, Seq, Table, Value, Vec
+from coral.errors import nearest
+
+Snapshot = list[dict[str, Value]]
+Exit = tuple[Mask | None, Snapshot]
+
+
+@dataclass
+class Loop:
+    """States that left the present turn of a loop, or the loop."""
+
+    continues: list[Exit] = field(default_factory=list)
+    breaks: list[Exit] = field(default_factory=list)
+
+
+@dataclass
+class Machine:
+    """One evaluation of one program.
+
+    Args:
+        meter: What it has used, and where it is.
+        space: What `self` answers.
+        bullet: What `p` answers.
+        terms: Names of the addends.
+        sums: Variables of the cost function whose addends are kept.
+        own_names: Variables of every function, by the identity of its node.
+        run: Runs the body of a function.
+        stack: Frames of the running functions, the present one last.
+        loops: Loops of the present function, the innermost last.
+        exited: How often some states have left a block so far.
+        branching: Depth of expressions that count for some states only.
+    """
+
+    meter: Meter
+    space: StateSpace
+    bullet: PyBullet
+    terms: TermNames
+    sums: frozenset[str]
+    own_names: Mapping[int, frozenset[str]]
+    run: Callable[[Machine, list[ast.stmt]], bool]
+    stack: list[Frame] = field(default_factory=list)
+    loops: list[Loop] = field(default_factory=list)
+    exited: int = 0
+    branching: int = 0
+
+    @property
+    def frame(self) -> Frame:
+        """The present function's variables."""
+        return self.stack[-1]
+
+    def owner(self, name: str) -> Frame | None:
+        """The frame that holds a name, from the inside out.
+
+        Raises:
+            CostError: It is a variable that is not set yet.
+        """
+        frame: Frame | None = self.frame
+        while frame is not None:
+            if name in frame.variables:
+                return frame
+            if name in frame.names:
+                raise self.meter.fault("unset", f"{name!r} is read before it is set")
+            frame = frame.parent
+        return None
+
+    def lookup(self, name: str) -> Value:
+        """The value of a name.
+
+        Raises:
+            CostError: There is none, or not in every state that reads it.
+        """
+        frame = self.owner(name)
+        if frame is not None:
+            return self.usable(frame.variables[name], name)
+        if name in BUILTINS:
+            return BUILTINS[name]
+        if name in MODULE_NAMES:
+            return Module(MODULE_NAMES[name])
+        if self.space.has(name):
+            raise self.meter.fault("unknown_name", f"{name!r} is not a variable; did you mean self.{name}?")
+        known = [*self.frame.names, *BUILTINS]
+        raise self.meter.fault(
+            "unknown_name",
+            f"{name!r} is not a variable and not a function{nearest(name, known)}; "
+            f"there are {', '.join(sorted(BUILTINS))}, np and math",
+        )
+
+    def usable(self, value: Value, name: str) -> Value:
+        """A value about to be read.
+
+        Raises:
+            CostError: It is not there in every state that reads it, or of two kinds.
+        """
+        if isinstance(value, Partial):
+            if self.meter.mask is None or bool(np.any(np.logical_and(self.meter.mask, ~value.mask))):
+                raise self.meter.fault("unset", f"{name!r} is set in some states only; give it a value before the `if`")
+            return value.value
+        if isinstance(value, Poison):
+            raise self.meter.fault("mixed", f"{name!r} cannot be used: {value.reason}")
+        return value
+
+    def narrowed(self, condition: Mask, mask: Mask | None) -> Mask:
+        """States of `mask` in which the condition holds."""
+        if mask is None:
+            return condition
+        found = both(self.meter, mask, condition)
+        assert isinstance(found, np.ndarray)
+        return found
+
+    def snapshot(self) -> Snapshot:
+        """The variables of all running functions."""
+        return [dict(frame.variables) for frame in self.stack]
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back to the variables of a snapshot."""
+        for frame, variables in zip(self.stack, snapshot, strict=True):
+            frame.variables = dict(variables)
+
+    def join(self, condition: Mask, snapshot: Snapshot) -> None:
+        """Take the snapshot's variables in the states where the condition holds."""
+        for frame, variables in zip(self.stack, snapshot, strict=True):
+            frame.variables = merge_variables(self.meter, condition, variables, frame.variables)
+
+    def collect(self, exits: list[Exit], falls: bool) -> bool:
+        """Join the states that left a block with those that reached its end; whether there are any."""
+        exits = list(exits)
+        if not falls:
+            if not exits:
+                return False
+            self.meter.mask, last = exits.pop()
+            self.restore(last)
+        for mask, snapshot in reversed(exits):
+            if mask is None:
+                self.restore(snapshot)
+                self.meter.mask = None
+            else:
+                self.join(mask, snapshot)
+                if self.meter.mask is not None:
+                    self.meter.mask = np.logical_or(mask, self.meter.mask)
+        return True
+
+    def check_unshared(self, value: Value, name: str) -> None:
+        """Refuse to change in place what a second name sees, since here every name holds a value of its own.
+
+        Raises:
+            CostError: Another variable, container or default argument holds it.
+        """
+        seen: set[int] = set()
+        found = 0
+        for frame in [*self.stack, *(self.stack[-1:] and _parents(self.frame))]:
+            if id(frame) in seen:
+                continue
+            seen.add(id(frame))
+            found += sum(_holds(held, value) for held in frame.variables.values())
+        if found > 1:
+            raise self.meter.fault(
+                "shared",
+                f"{name!r} would change in place while another name holds the same value; "
+                f"copy it first, as with {name}.copy()",
+            )
+
+
+def _parents(frame: Frame) -> list[Frame]:
+    found = []
+    parent = frame.parent
+    while parent is not None:
+        found.append(parent)
+        parent = parent.parent
+    return found
+
+
+def _holds(held: Value, value: Value) -> int:
+    """How often a value is found in a variable, as itself, inside it, or as what one of the two is a view of."""
+    if held is value or _is_view(held, value) or _is_view(value, held):
+        return 1
+    if isinstance(held, Partial):
+        return _holds(held.value, value)
+    if isinstance(held, Seq | Vec):
+        return sum(_holds(item, value) for item in held.items if isinstance(item, Seq | Vec | Table))
+    if isinstance(held, Table):
+        return sum(_holds(item, value) for item in held.items.values() if isinstance(item, Seq | Vec | Table | Partial))
+    if isinstance(held, Function):
+        return sum(_holds(item, value) for item in held.defaults.values())
+    return 0
+
+
+def _is_view(view: Value, base: Value) -> bool:
+    while isinstance(view, Vec) and view.base is not None:
+        if view.base is base:
+            return True
+        view = view.base
+    return False

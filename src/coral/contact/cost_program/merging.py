@@ -1,0 +1,89 @@
+"""Joining what two branches left behind: each state keeps the values of the branch that it took."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coral.contact.cost_program.arithmetic import where
+from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.values import NUMBER, Contacts, Partial, Poison, Seq, Table, Value, Vec, kind
+
+MISSING = object()
+
+
+def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
+    """`a` where the condition holds and `b` elsewhere, for any two values.
+
+    What cannot be joined becomes a value that may not be read, so that a branch may leave unused things behind.
+    """
+    if a is b:
+        return a
+    if a is MISSING:
+        return _partial(~condition, b)
+    if b is MISSING:
+        return _partial(condition, a)
+    if isinstance(a, Partial) or isinstance(b, Partial):
+        return _merge_partial(meter, condition, a, b)
+    if isinstance(a, NUMBER) and isinstance(b, NUMBER):
+        if not isinstance(a, np.ndarray) and not isinstance(b, np.ndarray) and type(a) is type(b) and a == b:
+            return a
+        return where(meter, condition, a, b)
+    if isinstance(a, Vec) and isinstance(b, Vec) and len(a.items) == len(b.items):
+        items = _merge_items(meter, condition, a.items, b.items)
+        return Vec(items, order=a.order if a.order == b.order else "")
+    if isinstance(a, Seq) and isinstance(b, Seq) and a.kind == b.kind and len(a.items) == len(b.items):
+        return Seq(_merge_items(meter, condition, a.items, b.items), a.kind)
+    if isinstance(a, Table) and isinstance(b, Table):
+        return merge_tables(meter, condition, a, b)
+    if isinstance(a, str) and isinstance(b, str) and a == b:
+        return a
+    if isinstance(a, Contacts) and isinstance(b, Contacts):
+        meter.made()
+        return Contacts(np.where(condition, a.touching, b.touching))
+    if isinstance(a, Poison):
+        return a
+    if isinstance(b, Poison):
+        return b
+    return Poison(f"it is {kind(a)} in some states and {kind(b)} in others")
+
+
+def _merge_items(meter: Meter, condition: Mask, a: tuple[Value, ...], b: tuple[Value, ...]) -> tuple[Value, ...]:
+    return tuple(merge(meter, condition, x, y) for x, y in zip(a, b, strict=True))
+
+
+def merge_tables(meter: Meter, condition: Mask, a: Table, b: Table) -> Table:
+    """Dicts joined key by key; a key of only one of them is set in some states only."""
+    keys = [*a.items, *(key for key in b.items if key not in a.items)]
+    return Table({key: merge(meter, condition, a.items.get(key, MISSING), b.items.get(key, MISSING)) for key in keys})
+
+
+def _partial(mask: Mask, value: Value) -> Value:
+    if isinstance(value, Poison):
+        return value
+    if isinstance(value, Partial):
+        return Partial(value.value, np.logical_and(mask, value.mask))
+    return Partial(value, mask)
+
+
+def _merge_partial(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
+    meter.made(2)
+    everywhere = np.ones((1, 1), dtype=np.bool_)
+    mask_a, value_a = (a.mask, a.value) if isinstance(a, Partial) else (everywhere, a)
+    mask_b, value_b = (b.mask, b.value) if isinstance(b, Partial) else (everywhere, b)
+    joined = merge(meter, condition, value_a, value_b)
+    if isinstance(joined, Poison):
+        return joined
+    return Partial(joined, np.where(condition, mask_a, mask_b))
+
+
+def merge_variables(meter: Meter, condition: Mask, a: dict[str, Value], b: dict[str, Value]) -> dict[str, Value]:
+    """Variables after an `if` whose branches left `a` and `b`."""
+    names = [*a, *(name for name in b if name not in a)]
+    return {name: merge(meter, condition, a.get(name, MISSING), b.get(name, MISSING)) for name in names}
+
+
+def filled(meter: Meter, value: Value, otherwise: Value) -> Value:
+    """A value that is set in some states only, with something else in the others."""
+    if isinstance(value, Partial):
+        return merge(meter, value.mask, value.value, otherwise)
+    return value

@@ -1,0 +1,271 @@
+"""From text to a syntax tree that holds nothing but the parts of Python that costs have."""
+
+from __future__ import annotations
+
+import ast
+import warnings
+from dataclasses import dataclass
+
+from coral.contact.cost_program.errors import CostError
+from coral.contact.cost_program.extract import WRAPPED, extract
+from coral.contact.cost_program.library import IMPORTABLE
+from coral.contact.cost_program.limits import LimitsCfg
+
+ALLOWED: tuple[type[ast.AST], ...] = (
+    ast.Module,
+    ast.FunctionDef,
+    ast.arguments,
+    ast.arg,
+    ast.Return,
+    ast.Assign,
+    ast.AugAssign,
+    ast.AnnAssign,
+    ast.For,
+    ast.If,
+    ast.Expr,
+    ast.Pass,
+    ast.Break,
+    ast.Continue,
+    ast.Import,
+    ast.ImportFrom,
+    ast.alias,
+    ast.BoolOp,
+    ast.BinOp,
+    ast.UnaryOp,
+    ast.Lambda,
+    ast.IfExp,
+    ast.Dict,
+    ast.ListComp,
+    ast.DictComp,
+    ast.GeneratorExp,
+    ast.comprehension,
+    ast.Compare,
+    ast.Call,
+    ast.keyword,
+    ast.Constant,
+    ast.Attribute,
+    ast.Subscript,
+    ast.Starred,
+    ast.Name,
+    ast.List,
+    ast.Tuple,
+    ast.Slice,
+    ast.NamedExpr,
+    ast.Load,
+    ast.Store,
+    ast.And,
+    ast.Or,
+    ast.Not,
+    ast.USub,
+    ast.UAdd,
+    ast.Invert,
+    ast.Add,
+    ast.Sub,
+    ast.Mult,
+    ast.Div,
+    ast.FloorDiv,
+    ast.Mod,
+    ast.Pow,
+    ast.MatMult,
+    ast.BitAnd,
+    ast.BitOr,
+    ast.Eq,
+    ast.NotEq,
+    ast.Lt,
+    ast.LtE,
+    ast.Gt,
+    ast.GtE,
+    ast.Is,
+    ast.IsNot,
+    ast.In,
+    ast.NotIn,
+)
+WORDS: dict[type[ast.AST], str] = {
+    ast.While: "while loops (use for over a range)",
+    ast.Try: "try",
+    ast.With: "with",
+    ast.ClassDef: "classes",
+    ast.Global: "global",
+    ast.Nonlocal: "nonlocal (return the value instead)",
+    ast.Raise: "raise",
+    ast.Delete: "del",
+    ast.Assert: "assert",
+    ast.JoinedStr: "f-strings",
+    ast.Yield: "yield",
+    ast.YieldFrom: "yield",
+    ast.Await: "await",
+    ast.AsyncFunctionDef: "async",
+    ast.Match: "match",
+    ast.SetComp: "sets",
+    ast.Set: "sets",
+}
+BRACKETS = 60
+
+
+@dataclass(frozen=True)
+class Parsed:
+    """A program that passed the checks.
+
+    Args:
+        source: Its text, to which line numbers refer.
+        tree: Its module.
+        entry: The cost function.
+    """
+
+    source: str
+    tree: ast.Module
+    entry: ast.FunctionDef
+
+
+def parse(text: str, cfg: LimitsCfg) -> Parsed:
+    """Read a program.
+
+    Raises:
+        CostError: It is too large, is not Python, or uses a part of Python that costs do not have.
+    """
+    if len(text) > cfg.characters:
+        raise CostError("too_large", f"a cost has at most {cfg.characters} characters, this reply has {len(text)}")
+    source = extract(text)
+    if not source.strip():
+        raise CostError("empty", "the reply holds no code; answer with `def state_cost(self):`")
+    _check_nesting(source)
+    try:
+        tree = _tree(source)
+    except CostError:
+        if "def " not in source.replace(WRAPPED, "") and "=" not in source and "return" not in source:
+            raise CostError("no_function", "the reply holds no code; answer with `def state_cost(self):`") from None
+        raise
+    try:
+        _check(tree, cfg, source)
+    except RecursionError:
+        raise CostError("too_large", "the program is nested too deeply") from None
+    return Parsed(source, tree, _entry(tree))
+
+
+def _check_nesting(source: str) -> None:
+    """Refuse before Python's own parser what only serves to exhaust it."""
+    depth = 0
+    for number, line in enumerate(source.split("\n"), 1):
+        for character in line:
+            depth += (character in "([{") - (character in ")]}")
+            if depth > BRACKETS:
+                raise CostError("too_large", f"more than {BRACKETS} brackets inside one another", number)
+            if character == "\0":
+                raise CostError("syntax", "a zero byte", number)
+
+
+def _tree(source: str) -> ast.Module:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return ast.parse(source)
+    except SyntaxError as error:
+        line = error.lineno or 0
+        raise CostError("syntax", f"not Python: {error.msg}", line, _line(source, line)) from None
+    except (RecursionError, MemoryError):
+        raise CostError("too_large", "the program is nested too deeply") from None
+    except (ValueError, OverflowError):
+        raise CostError("syntax", "not Python: it holds characters or numbers that cannot be read") from None
+
+
+def _line(source: str, number: int) -> str:
+    lines = source.split("\n")
+    return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
+
+
+def _check(tree: ast.Module, cfg: LimitsCfg, source: str) -> None:
+    pending: list[tuple[ast.AST, int, int]] = [(tree, 0, 1)]
+    count = 0
+    while pending:
+        node, depth, line = pending.pop()
+        line = getattr(node, "lineno", line)
+        count += 1
+        try:
+            if count > cfg.nodes:
+                raise CostError("too_large", f"a cost has at most {cfg.nodes} syntax nodes", line)
+            if depth > cfg.depth:
+                raise CostError("too_large", f"more than {cfg.depth} levels of nesting; use more variables", line)
+            _check_node(node, line)
+        except CostError as error:
+            raise CostError(error.code, error.text, error.line, _line(source, error.line)) from None
+        chain = isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub)
+        for child in ast.iter_child_nodes(node):
+            if isinstance(node, ast.arg | ast.FunctionDef) and child is getattr(node, "annotation", None):
+                continue
+            if child is getattr(node, "returns", None) or (
+                isinstance(node, ast.AnnAssign) and child is node.annotation
+            ):
+                continue
+            flat = chain and isinstance(node, ast.BinOp) and child is node.left
+            pending.append((child, depth if flat else depth + 1, line))
+
+
+def _check_node(node: ast.AST, line: int) -> None:
+    if not isinstance(node, ALLOWED):
+        word = WORDS.get(type(node), f"`{type(node).__name__}`")
+        raise CostError("not_allowed", f"a cost has no {word}", line)
+    for name in _names(node):
+        if "__" in name:
+            raise CostError("not_allowed", f"names with two underscores, as {name!r}, are not available", line)
+    if isinstance(node, ast.FunctionDef):
+        _check_function(node, line)
+    elif isinstance(node, ast.Lambda):
+        _check_arguments(node.args, line)
+    elif isinstance(node, ast.Constant):
+        _check_constant(node, line)
+    elif isinstance(node, ast.Import | ast.ImportFrom):
+        _check_import(node, line)
+    elif isinstance(node, ast.comprehension) and node.is_async:
+        raise CostError("not_allowed", "a cost has no async", line)
+    elif isinstance(node, ast.For) and node.orelse:
+        raise CostError("not_allowed", "a cost has no else after a loop", line)
+
+
+def _names(node: ast.AST) -> list[str]:
+    found = [getattr(node, key, None) for key in ("id", "attr", "arg", "name", "asname")]
+    return [name for name in found if isinstance(name, str)]
+
+
+def _check_function(node: ast.FunctionDef, line: int) -> None:
+    if node.decorator_list:
+        raise CostError("not_allowed", "a cost has no decorators", line)
+    _check_arguments(node.args, line)
+
+
+def _check_arguments(arguments: ast.arguments, line: int) -> None:
+    if arguments.vararg or arguments.kwarg:
+        raise CostError("not_allowed", "a cost has no *args and **kwargs in definitions", line)
+
+
+def _check_constant(node: ast.Constant, line: int) -> None:
+    value = node.value
+    if not (value is None or isinstance(value, bool | int | float | str)):
+        raise CostError("not_allowed", f"a cost has no {type(value).__name__} constants", line)
+    if isinstance(value, int) and abs(value) > 2**53:
+        raise CostError("too_large_number", "whole numbers reach to 2**53", line)
+
+
+def _check_import(node: ast.Import | ast.ImportFrom, line: int) -> None:
+    if isinstance(node, ast.ImportFrom):
+        if node.module in ("typing", "__future__") and not node.level:
+            return
+        modules = [node.module or "."]
+    else:
+        modules = [alias.name for alias in node.names]
+    for module in modules:
+        if module not in IMPORTABLE:
+            raise CostError("not_allowed", f"{module!r} cannot be imported; np and math are there already", line)
+
+
+def _entry(tree: ast.Module) -> ast.FunctionDef:
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    named = [node for node in functions if node.name == "state_cost"]
+    found = named[-1] if named else functions[0] if len(functions) == 1 else None
+    if found is None:
+        raise CostError("no_function", "there is no `def state_cost(self):`")
+    arguments = found.args
+    positional = [*arguments.posonlyargs, *arguments.args]
+    without = len(positional) - len(arguments.defaults)
+    if not positional or without > 1 or any(default is None for default in arguments.kw_defaults):
+        raise CostError("no_function", f"{found.name} takes one argument: `def state_cost(self):`", found.lineno)
+    return found

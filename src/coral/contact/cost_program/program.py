@@ -1,0 +1,227 @@
+"""A cost that a language model wrote, as a cost of the planner: text in, named terms over a batch of states out."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass
+
+import numpy as np
+
+from coral.contact.cost.context import Array, Context, Schema, Terms
+from coral.contact.cost_program.arithmetic import binary
+from coral.contact.cost_program.calls import leave, outcome
+from coral.contact.cost_program.errors import CostError
+from coral.contact.cost_program.labels import TermNames
+from coral.contact.cost_program.limits import LimitsCfg, Meter
+from coral.contact.cost_program.machine import Machine
+from coral.contact.cost_program.merging import filled
+from coral.contact.cost_program.parse import parse
+from coral.contact.cost_program.pybullet import PyBullet
+from coral.contact.cost_program.state import HANDLES, StateSpace
+from coral.contact.cost_program.statements import own_names, run_block
+from coral.contact.cost_program.sums import summed_variables
+from coral.contact.cost_program.trace import Trace, Traced
+from coral.contact.cost_program.values import NUMBER, Frame, Seq, State, Table, Value, kind
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluated:
+    """The cost of a batch.
+
+    Args:
+        cost: What the function returns, Shape=(K, H).
+        terms: Its named terms, each Shape=(K, H); they add up to the cost but for rounding.
+        steps: Syntax nodes evaluated.
+        arrays: Arrays made.
+    """
+
+    cost: Array
+    terms: Terms
+    steps: int
+    arrays: int
+
+
+class CostProgram:
+    """A cost program, checked and ready to be evaluated in this process.
+
+    It satisfies `coral.contact.cost.context.Cost`. Code for one state is run for all states at once: a number is an
+    array over the batch, a vector a tuple of them, and an `if` on the state runs both branches and joins them.
+
+    Args:
+        source: A model's reply that holds `def state_cost(self)`.
+        schema: The quantities that the state has.
+        name: Name for reports.
+        limits: Bounds on its size and work.
+
+    Raises:
+        CostError: The text is no program of the accepted language.
+    """
+
+    def __init__(self, source: str, schema: Schema, name: str = "program", limits: LimitsCfg | None = None) -> None:
+        self.name, self.schema, self.limits = name, dict(schema), limits or LimitsCfg()
+        self.parsed = parse(source, self.limits)
+        self.source = self.parsed.source
+        self.space = StateSpace(self.schema)
+        self.bullet = PyBullet(self.space)
+        self.names = TermNames(self.source)
+        self.sums = summed_variables(self.parsed.entry)
+        self.module_names = own_names(self.parsed.tree.body)
+        self.own_names = {
+            id(node): own_names(node.body) for node in ast.walk(self.parsed.tree) if isinstance(node, ast.FunctionDef)
+        }
+        self.reads = self._reads()
+
+    def __call__(self, state: Context) -> Terms:
+        """The terms of every state, each Shape=(K, H).
+
+        Raises:
+            CostError: The cost cannot be evaluated on this batch, or is not finite.
+        """
+        found = self.evaluate(state)
+        if not np.isfinite(found.cost).all() or not all(np.isfinite(term).all() for term in found.terms.values()):
+            raise self.not_finite(state)
+        return found.terms
+
+    def evaluate(self, state: Context, trace: Trace | None = None) -> Evaluated:
+        """The cost and its terms, finite or not.
+
+        Raises:
+            CostError: The cost cannot be evaluated on this batch.
+        """
+        meter = Meter(state, self.limits, trace=trace)
+        try:
+            with np.errstate(all="ignore"):
+                return self._run(meter)
+        except CostError as error:
+            raise CostError(error.code, error.text, error.line, self.line(error.line)) from None
+        except RecursionError:
+            raise CostError("too_large", "too deeply nested", meter.line, self.line(meter.line)) from None
+        except MemoryError:
+            raise CostError("memory", "the program needs too much memory", meter.line, self.line(meter.line)) from None
+
+    def trace(self, state: Context, zeroed: int = -1) -> Traced:
+        """The terms with the distances taken on the way, finite or not.
+
+        Args:
+            state: The batch.
+            zeroed: Number of the distance to take as 0; -1 for none.
+
+        Raises:
+            CostError: The cost cannot be evaluated on this batch.
+        """
+        trace = Trace(zeroed=zeroed)
+        return Traced(self.evaluate(state, trace).terms, trace.distances)
+
+    def not_finite(self, state: Context) -> CostError:
+        """Where the cost stops being finite."""
+        trace = Trace()
+        self.evaluate(state, trace)
+        if trace.lost is None:
+            return CostError("not_finite", "the cost is nan or infinite in some state")
+        line, text = trace.lost
+        return CostError(
+            "not_finite",
+            f"`{text}` is nan or infinite in some state; guard divisions, logarithms, roots "
+            "and arc cosines with max, min or a small number",
+            line,
+            self.line(line),
+        )
+
+    def line(self, number: int) -> str:
+        """The text of a line."""
+        lines = self.source.split("\n")
+        return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
+
+    def term_line(self, term: str) -> int:
+        """The line that a term of a sum comes from; 0 where it is not known."""
+        return self.names.line_of.get(term, 0)
+
+    def _run(self, meter: Meter) -> Evaluated:
+        module = Frame(None, self.module_names)
+        machine = Machine(meter, self.space, self.bullet, self.names, self.sums, self.own_names, run_block, [module])
+        run_block(machine, self.parsed.tree.body)
+        entry = self.parsed.entry
+        arguments = [*entry.args.posonlyargs, *entry.args.args]
+        function = module.variables[entry.name]
+        defaults = getattr(function, "defaults", {})
+        variables: dict[str, Value] = {**defaults, arguments[0].arg: State()}
+        frame = Frame(module, self.own_names[id(entry)] | {argument.arg for argument in arguments}, True, variables)
+        if "terms" not in frame.names and "terms" not in module.names:
+            variables["terms"] = Table({})
+        machine.stack.append(frame)
+        if run_block(machine, entry.body):
+            leave(machine, *self._at_end(machine, frame))
+        value, ledger = outcome(machine, frame, entry.name)
+        meter.line = 0
+        return self._evaluated(machine, value, ledger)
+
+    def _at_end(self, machine: Machine, frame: Frame) -> tuple[Value, Value]:
+        """A function that ends without a return has given its cost if it filled `terms`."""
+        terms = frame.variables.get("terms")
+        return (terms, None) if isinstance(terms, Table) and terms.items else (None, None)
+
+    def _evaluated(self, machine: Machine, value: Value, ledger: Value) -> Evaluated:
+        meter = machine.meter
+        if (
+            isinstance(value, Seq)
+            and value.kind == "tuple"
+            and len(value.items) == 2
+            and isinstance(value.items[1], Table)
+        ):
+            value, ledger = value.items[0], None  # cost, parts: the cost counts
+        if value is None:
+            raise meter.fault("no_return", "some state reaches the end of the function without a return")
+        if isinstance(value, Table):
+            terms = self._terms(machine, value)
+            total: Value = 0.0
+            for term in terms.values():
+                total = binary(meter, "+", total, term)
+        else:
+            if not isinstance(value, NUMBER):
+                raise meter.fault("wrong_return", f"the cost is a number or a dict of named numbers, not {kind(value)}")
+            total = value
+            named = isinstance(ledger, Table) and 0 < len(ledger.items) <= self.limits.terms
+            terms = self._terms(machine, ledger) if named and isinstance(ledger, Table) else {"cost": value}
+        cost = self._batch(machine, total)
+        return Evaluated(
+            cost, {name: self._batch(machine, term) for name, term in terms.items()}, meter.steps, meter.arrays
+        )
+
+    def _terms(self, machine: Machine, table: Table) -> dict[str, Value]:
+        meter = machine.meter
+        if len(table.items) > self.limits.terms:
+            raise meter.fault("memory", f"a cost has at most {self.limits.terms} terms")
+        found: dict[str, Value] = {}
+        for name, value in table.items.items():
+            term = filled(meter, value, 0.0)
+            if not isinstance(term, NUMBER) or not isinstance(name, str):
+                raise meter.fault("wrong_return", f"the term {name!r} is {kind(term)}, not a number")
+            found[name] = term
+        return found
+
+    def _batch(self, machine: Machine, value: Value) -> Array:
+        machine.meter.made()
+        return np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), machine.meter.context.shape))
+
+    def _reads(self) -> list[str]:
+        """Quantities of the schema that the program may read."""
+        found: set[str] = set()
+        for node in ast.walk(self.parsed.tree):
+            name = node.attr if isinstance(node, ast.Attribute) else None
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                name = node.value
+            if name is None or name in HANDLES:
+                continue
+            found.update(self.space.quantities(name))
+            found.update(self._read_by_bullet(name))
+        return sorted(found)
+
+    def _read_by_bullet(self, name: str) -> list[str]:
+        things = self.space.objects
+        needed = {
+            "getLinkState": ["ee_pos", "ee_quat", "ee_vel", "ee_angvel"],
+            "getBasePositionAndOrientation": [f"{t}_{part}" for t in things for part in ("pos", "quat")],
+            "getBaseVelocity": [f"{t}_{part}" for t in things for part in ("vel", "angvel")],
+            "getContactPoints": [quantity for quantity in self.schema if quantity.endswith("_contact")],
+        }
+        return [quantity for quantity in needed.get(name, []) if quantity in self.schema]

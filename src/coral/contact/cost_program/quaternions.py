@@ -1,0 +1,174 @@
+"""Rotations for costs, on four numbers per quaternion, and the guard against mixing up the two orders.
+
+Quantities of the state are (w, x, y, z). PyBullet's functions and the `..._ori` names of the paper are (x, y, z, w).
+"""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+
+from coral.contact.cost_program.arithmetic import (
+    binary,
+    components,
+    negative,
+    number,
+    root,
+    scalar,
+    total,
+    unary,
+    where,
+)
+from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.values import Number, Value, Vec
+
+Quat = tuple[Value, Value, Value, Value]
+"""Four numbers (w, x, y, z)."""
+
+
+def read_quat(meter: Meter, value: Value, order: str) -> Quat:
+    """A quaternion argument, in (w, x, y, z).
+
+    Args:
+        meter: The evaluation.
+        value: The argument.
+        order: Order that the function takes, "wxyz" or "xyzw".
+
+    Raises:
+        CostError: It is no vector of four, or it is known to have the other order.
+    """
+    items = components(meter, value, "a quaternion")
+    if len(items) != 4:
+        raise meter.fault("wrong_size", f"a quaternion has 4 components, not {len(items)}")
+    if isinstance(value, Vec) and value.order not in ("", order):
+        hint = (
+            "PyBullet's functions take (x, y, z, w): read NAME_ori instead of NAME_quat"
+            if order == "xyzw"
+            else "this function takes (w, x, y, z): read NAME_quat instead of NAME_ori or an answer of PyBullet"
+        )
+        raise meter.fault("quaternion_order", hint)
+    if order == "wxyz":
+        return items[0], items[1], items[2], items[3]
+    return items[3], items[0], items[1], items[2]
+
+
+def write_quat(q: Quat, order: str) -> Vec:
+    """A quaternion as a value of the program, in the order asked for."""
+    w, x, y, z = q
+    return Vec((w, x, y, z) if order == "wxyz" else (x, y, z, w), order=order)
+
+
+def conjugate(meter: Meter, q: Quat) -> Quat:
+    """The reverse rotation of a unit quaternion."""
+    w, x, y, z = q
+    return w, negative(meter, x), negative(meter, y), negative(meter, z)
+
+
+def product(meter: Meter, a: Quat, b: Quat) -> Quat:
+    """Rotation `b` followed by rotation `a`."""
+
+    def signed(signs: str, pairs: tuple[tuple[int, int], ...]) -> Value:
+        terms = [scalar(meter, "*", a[i], b[j]) for i, j in pairs]
+        found: Value = terms[0]
+        for sign, term in zip(signs, terms[1:], strict=True):
+            found = scalar(meter, sign, found, term)
+        return found
+
+    return (
+        signed("---", ((0, 0), (1, 1), (2, 2), (3, 3))),
+        signed("++-", ((0, 1), (1, 0), (2, 3), (3, 2))),
+        signed("-++", ((0, 2), (1, 3), (2, 0), (3, 1))),
+        signed("+-+", ((0, 3), (1, 2), (2, 1), (3, 0))),
+    )
+
+
+def difference(meter: Meter, start: Quat, end: Quat) -> Quat:
+    """The shorter rotation that leads from `start` to `end`: end * start^-1, with w >= 0."""
+    along = total(meter, tuple(scalar(meter, "*", a, b) for a, b in zip(start, end, strict=True)))
+    opposite = scalar(meter, "<", along, 0.0)
+    if isinstance(opposite, np.ndarray):
+        flipped: tuple[Value, ...] = tuple(where(meter, cast(Mask, opposite), negative(meter, x), x) for x in end)
+    else:
+        flipped = tuple(negative(meter, x) if opposite else x for x in end)
+    w, x, y, z = flipped
+    return product(meter, (w, x, y, z), conjugate(meter, start))
+
+
+def angle(meter: Meter, a: Quat, b: Quat) -> Value:
+    """Angle between two orientations, rad, 0 to pi. Stays smooth at 0 where an arc cosine would not."""
+    w, x, y, z = product(meter, b, conjugate(meter, a))
+    sine = root(meter, number(meter, total(meter, tuple(scalar(meter, "*", v, v) for v in (x, y, z)))))
+    meter.made(2)
+    cosine = unary(np.abs, number(meter, w))
+    if isinstance(sine, np.ndarray) or isinstance(cosine, np.ndarray):
+        half: Number = cast(Number, np.arctan2(sine, cosine))
+    else:
+        half = float(np.arctan2(np.float64(sine), np.float64(cosine)))
+    return scalar(meter, "*", 2.0, half)
+
+
+def matrix(meter: Meter, q: Quat) -> list[list[Value]]:
+    """Rotation matrix of a unit quaternion, row by row."""
+    w, x, y, z = q
+
+    def twice(a: Value, b: Value) -> Value:
+        return scalar(meter, "*", 2.0, scalar(meter, "*", a, b))
+
+    def add(symbol: str, a: Value, b: Value) -> Value:
+        return scalar(meter, symbol, a, b)
+
+    xx, yy, zz = twice(x, x), twice(y, y), twice(z, z)
+    xy, xz, yz, wx, wy, wz = twice(x, y), twice(x, z), twice(y, z), twice(w, x), twice(w, y), twice(w, z)
+    return [
+        [add("-", 1.0, add("+", yy, zz)), add("-", xy, wz), add("+", xz, wy)],
+        [add("+", xy, wz), add("-", 1.0, add("+", xx, zz)), add("-", yz, wx)],
+        [add("-", xz, wy), add("+", yz, wx), add("-", 1.0, add("+", xx, yy))],
+    ]
+
+
+def rotate(meter: Meter, q: Quat, v: tuple[Value, ...]) -> Vec:
+    """A vector of the body in world axes."""
+    return Vec(
+        tuple(
+            total(meter, tuple(scalar(meter, "*", a, b) for a, b in zip(row, v, strict=True)))
+            for row in matrix(meter, q)
+        )
+    )
+
+
+def euler(meter: Meter, q: Quat) -> Vec:
+    """Roll, pitch and yaw about the fixed x, y and z axes, rad."""
+    rows = matrix(meter, q)
+    meter.made(6)
+
+    def arctan2(y: Value, x: Value) -> Value:
+        return cast(Number, np.arctan2(np.asarray(number(meter, y)), np.asarray(number(meter, x))))
+
+    sine = np.clip(np.asarray(number(meter, negative(meter, rows[2][0]))), -1.0, 1.0)
+    found = arctan2(rows[2][1], rows[2][2]), cast(Number, np.arcsin(sine)), arctan2(rows[1][0], rows[0][0])
+    return Vec(tuple(plain(item) for item in found))
+
+
+def from_euler(meter: Meter, angles: tuple[Value, ...]) -> Quat:
+    """The quaternion of roll, pitch and yaw about the fixed x, y and z axes."""
+    meter.made(6)
+    halves = [scalar(meter, "*", 0.5, angle_) for angle_ in angles]
+    cosines = [unary(np.cos, half) for half in halves]
+    sines = [unary(np.sin, half) for half in halves]
+    roll: Quat = (cosines[0], sines[0], 0.0, 0.0)
+    pitch: Quat = (cosines[1], 0.0, sines[1], 0.0)
+    yaw: Quat = (cosines[2], 0.0, 0.0, sines[2])
+    return product(meter, yaw, product(meter, pitch, roll))
+
+
+def plain(value: Value) -> Value:
+    """A zero-dimensional array as a plain number."""
+    return float(value) if isinstance(value, np.ndarray) and value.ndim == 0 else value
+
+
+def normalised(meter: Meter, q: Quat) -> Quat:
+    """The quaternion scaled to length 1."""
+    length = root(meter, number(meter, total(meter, tuple(scalar(meter, "*", x, x) for x in q))))
+    w, x, y, z = (binary(meter, "/", item, length) for item in q)
+    return w, x, y, z

@@ -1,0 +1,190 @@
+"""The addends of a scalar cost, so that `cost += ...` can be reported and drawn term by term.
+
+Beside the cost itself, which is computed exactly as Python would, a ledger keeps what each statement added. The terms
+add up to the cost but for rounding, and exactly where each statement runs once.
+"""
+
+from __future__ import annotations
+
+import ast
+
+from coral.contact.cost_program.arithmetic import binary, negative, number
+from coral.contact.cost_program.arrays import to_float
+from coral.contact.cost_program.expressions import evaluate, operate
+from coral.contact.cost_program.machine import Machine
+from coral.contact.cost_program.merging import filled
+from coral.contact.cost_program.values import NUMBER, Builtin, Table, Value
+
+LEDGER = "terms of "
+"""Prefix of the hidden variable that holds a ledger; not a name that a program could write."""
+
+
+def summed_variables(entry: ast.FunctionDef) -> frozenset[str]:
+    """Variables of the cost function whose addends become terms: what it returns, and what it adds that up from."""
+    augmented = {
+        node.target.id
+        for node in ast.walk(entry)
+        if isinstance(node, ast.AugAssign)
+        and isinstance(node.op, ast.Add | ast.Sub)
+        and isinstance(node.target, ast.Name)
+    }
+    found: set[str] = set()
+    for node in ast.walk(entry):
+        if isinstance(node, ast.Return) and node.value is not None:
+            parts = addends(node.value)
+            found |= {
+                part.id for part in parts if isinstance(part, ast.Name) and (len(parts) == 1 or part.id in augmented)
+            }
+    while True:
+        more = {
+            part.id
+            for node in ast.walk(entry)
+            if isinstance(node, ast.Assign)
+            and len(node.targets) == 1
+            and isinstance(node.targets[0], ast.Name)
+            and node.targets[0].id in found
+            for part in addends(node.value)
+            if isinstance(part, ast.Name) and part.id in augmented
+        }
+        if more <= found:
+            return frozenset(found)
+        found |= more
+
+
+def addends(node: ast.expr) -> list[ast.expr]:
+    """The parts of a sum, looking through signs and float(...)."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+        parts: list[ast.expr] = []
+        rest: ast.expr = node
+        while isinstance(rest, ast.BinOp) and isinstance(rest.op, ast.Add | ast.Sub):
+            parts.append(rest.right)
+            rest = rest.left
+        return [*addends(rest), *reversed(parts)]
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        return addends(node.operand)
+    inner = _converted(node)
+    return addends(inner) if inner is not None else [node]
+
+
+def _converted(node: ast.expr) -> ast.expr | None:
+    """The argument of float(x) or np.float64(x)."""
+    if isinstance(node, ast.Call) and len(node.args) == 1 and not node.keywords:
+        name = (
+            node.func.id
+            if isinstance(node.func, ast.Name)
+            else (node.func.attr if isinstance(node.func, ast.Attribute) else "")
+        )
+        if name in ("float", "float64") and not isinstance(node.args[0], ast.Starred):
+            return node.args[0]
+    return None
+
+
+def evaluate_sum(machine: Machine, node: ast.expr, variable: str) -> tuple[Value, Table | None]:
+    """A value together with its addends by name; None for the addends of what is no number.
+
+    Args:
+        machine: The evaluation.
+        node: The expression.
+        variable: Variable that it is assigned to, or "" in a return.
+    """
+    whole = len(addends(node)) == 1
+    return _sum(machine, node, variable, whole)
+
+
+def _sum(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple[Value, Table | None]:
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+        chain: list[ast.BinOp] = []
+        rest: ast.expr = node
+        while isinstance(rest, ast.BinOp) and isinstance(rest.op, ast.Add | ast.Sub):
+            chain.append(rest)
+            rest = rest.left
+        value, ledger = _sum(machine, rest, variable, whole)
+        for link in reversed(chain):
+            right, more = _leaf(machine, link.right, variable, False)
+            machine.meter.step(link.lineno)
+            value = operate(machine, link.op, value, right)
+            ledger = _joined(machine, ledger, more, isinstance(link.op, ast.Sub))
+        return value, ledger if isinstance(value, NUMBER) else None
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        value, ledger = _sum(machine, node.operand, variable, whole)
+        return negative(machine.meter, value), _joined(machine, Table({}), ledger, True)
+    inner = _converted(node)
+    if inner is not None and _plain_float(machine, node):
+        value, ledger = _sum(machine, inner, variable, whole)
+        return to_float(machine.meter, value), ledger
+    return _leaf(machine, node, variable, whole)
+
+
+def _plain_float(machine: Machine, node: ast.expr) -> bool:
+    assert isinstance(node, ast.Call)
+    if not isinstance(node.func, ast.Name):
+        return True
+    found = machine.lookup("float")
+    return isinstance(found, Builtin) and found.name == "float"
+
+
+def _leaf(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple[Value, Table | None]:
+    value = evaluate(machine, node)
+    if isinstance(node, ast.Name) and node.id in machine.sums:
+        kept = machine.frame.variables.get(LEDGER + node.id)
+        if isinstance(kept, Table):
+            return value, kept
+    table = _summed_table(machine, node)
+    if table is not None:
+        return value, table
+    return value, ledger_of(machine, node, value, variable, whole)
+
+
+def ledger_of(machine: Machine, node: ast.expr, value: Value, variable: str, whole: bool) -> Table | None:
+    """The ledger of a single addend; a constant zero adds nothing."""
+    if not isinstance(value, NUMBER):
+        return None
+    if isinstance(value, int | float) and value == 0:
+        return Table({})
+    return Table({machine.terms.of(node, whole, variable): number(machine.meter, value)})
+
+
+def _summed_table(machine: Machine, node: ast.expr) -> Table | None:
+    """The dict of `sum(terms.values())`, whose entries have names already."""
+    if not (
+        isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and node.func.id == "sum"
+        and len(node.args) == 1
+        and isinstance(node.args[0], ast.Call)
+        and not node.args[0].args
+    ):
+        return None
+    inner = node.args[0].func
+    if not (isinstance(inner, ast.Attribute) and inner.attr == "values" and isinstance(inner.value, ast.Name)):
+        return None
+    table = machine.lookup(inner.value.id)
+    if isinstance(table, Table) and all(isinstance(key, str) for key in table.items):
+        return Table(dict(table.items))
+    return None
+
+
+def _joined(machine: Machine, ledger: Table | None, more: Table | None, minus: bool) -> Table | None:
+    if ledger is None or more is None:
+        return None
+    items = dict(ledger.items)
+    for name, value in more.items.items():
+        amount = filled(machine.meter, value, 0.0)
+        amount = negative(machine.meter, amount) if minus else amount
+        if name in items:
+            amount = binary(machine.meter, "+", filled(machine.meter, items[name], 0.0), amount)
+        items[name] = amount
+    return Table(items)
+
+
+def added(machine: Machine, variable: str, node: ast.expr, value: Value, minus: bool) -> None:
+    """Enter what `variable += node` adds."""
+    before = machine.frame.variables.get(LEDGER + variable)
+    more = ledger_of(machine, node, value, variable, True)
+    joined = _joined(machine, before if isinstance(before, Table) else None, more, minus)
+    machine.frame.variables[LEDGER + variable] = joined
+
+
+def forgotten(machine: Machine, variable: str) -> None:
+    """The variable changed in another way than by adding: its value is one term from now on."""
+    machine.frame.variables[LEDGER + variable] = None

@@ -1,0 +1,56 @@
+"""What a traced evaluation notes for the checks: every distance taken, and where a value stopped being finite."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.cost.context import Terms
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Distance:
+    """One length of a vector that the program took.
+
+    Args:
+        line: Line of the call.
+        vector: Components, each broadcastable to Shape=(K, H).
+        value: Length, broadcastable to Shape=(K, H).
+    """
+
+    line: int
+    vector: tuple[Floats, ...]
+    value: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """Terms of a batch with the distances that the program took."""
+
+    terms: Terms
+    distances: list[Distance]
+
+
+@dataclass
+class Trace:
+    """Notes of one evaluation.
+
+    Args:
+        zeroed: Number of the distance to answer with 0 instead, as if the hand were at its target; -1 for none.
+        distances: In the order of evaluation, which is the same for every batch.
+        lost: Line and text of the first expression that was not finite in some state in which it counted.
+    """
+
+    zeroed: int = -1
+    distances: list[Distance] = field(default_factory=list)
+    lost: tuple[int, str] | None = None
+
+    def distance(self, line: int, vector: tuple[object, ...], value: object) -> object:
+        """Note one; returns the value to go on with."""
+        parts = tuple(np.atleast_2d(np.asarray(item, dtype=np.float64)) for item in vector)
+        self.distances.append(Distance(line, parts, np.atleast_2d(np.asarray(value, dtype=np.float64))))
+        return 0.0 if self.zeroed == len(self.distances) - 1 else value

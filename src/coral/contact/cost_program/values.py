@@ -1,0 +1,194 @@
+"""The values a cost program can hold: a closed set, so that nothing else can be reached from inside it.
+
+A number is a Python number, or an array of one number per state, Shape=(K, H). A vector is a tuple of numbers, never an
+array with one more axis, so that code written for one state runs on a batch without any guess about axes.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.cost_program.limits import Mask, Meter
+
+Value = object
+Number = bool | int | float | NDArray[np.float64] | NDArray[np.bool_]
+NUMBER = (bool, int, float, np.ndarray)
+
+
+class Vec:
+    """A vector, or a matrix as a vector of rows: what numpy calls an array.
+
+    Args:
+        items: Numbers, or vectors of one length.
+        base: The vector that this one is a view of, in numpy's terms.
+        order: "wxyz" or "xyzw" when it is known to be a quaternion.
+    """
+
+    __slots__ = ("base", "items", "order")
+
+    def __init__(self, items: tuple[Value, ...], base: Vec | None = None, order: str = "") -> None:
+        self.items, self.base, self.order = items, base, order
+
+
+class Seq:
+    """A list or a tuple."""
+
+    __slots__ = ("items", "kind")
+
+    def __init__(self, items: tuple[Value, ...], kind: str = "list") -> None:
+        self.items, self.kind = items, kind
+
+
+class Table:
+    """A dict with texts or whole numbers as keys."""
+
+    __slots__ = ("items",)
+
+    def __init__(self, items: dict[Value, Value]) -> None:
+        self.items = items
+
+
+@dataclass(frozen=True, eq=False)
+class Partial:
+    """A value that is set in some states only.
+
+    Args:
+        value: The value.
+        mask: Where it is set, Shape=(K, H).
+    """
+
+    value: Value
+    mask: Mask
+
+
+@dataclass(frozen=True, eq=False)
+class Poison:
+    """A value that cannot be used, and why."""
+
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """What PyBullet calls a body id, or another handle of the simulator: `hand`, an object, a fixture, or `other`."""
+
+    name: str
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """A list of contact points of which only its being empty or not is known."""
+
+    touching: Mask
+
+
+@dataclass(frozen=True, eq=False)
+class Module:
+    """`np`, `math`, `p` or one of their parts."""
+
+    name: str
+
+
+class State:
+    """What `self` is."""
+
+
+@dataclass(frozen=True, eq=False)
+class Builtin:
+    """A function of the language."""
+
+    name: str
+    call: Callable[[Meter, list[Value], dict[str, Value]], Value]
+
+
+@dataclass(eq=False)
+class Frame:
+    """The variables of one running function.
+
+    Args:
+        parent: Frame of the function around its definition.
+        names: Names that are its own.
+        entry: Whether it is the cost function itself, whose sums are kept as named terms.
+    """
+
+    parent: Frame | None
+    names: frozenset[str]
+    entry: bool = False
+    variables: dict[str, Value] = field(default_factory=dict)
+    exits: list[tuple[Mask | None, Value, Value]] = field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
+class Function:
+    """A function that the program defines."""
+
+    name: str
+    arguments: ast.arguments
+    body: list[ast.stmt] | ast.expr
+    defaults: dict[str, Value]
+    frame: Frame
+    names: frozenset[str]
+
+
+def kind(value: Value) -> str:
+    """The word for a value in an error."""
+    if isinstance(value, np.ndarray):
+        return "a truth value" if value.dtype == np.bool_ else "a number"
+    if isinstance(value, bool):
+        return "a truth value"
+    if isinstance(value, int | float):
+        return "a number"
+    if isinstance(value, Vec):
+        return f"a matrix of {len(value.items)} rows" if is_matrix(value) else f"a vector of {len(value.items)}"
+    if isinstance(value, Seq):
+        return f"a {value.kind} of {len(value.items)}"
+    words = {
+        Table: "a dict",
+        str: "a text",
+        Function: "a function",
+        Builtin: "a function",
+        Module: "a module",
+        State: "self",
+        Body: "a body id",
+        Contacts: "a list of contact points",
+        type(None): "None",
+        Partial: "a value that is not set in every state",
+        Poison: "a value of two kinds",
+    }
+    return words.get(type(value), "such a value")
+
+
+def is_matrix(value: Value) -> bool:
+    """Whether it is a vector of vectors."""
+    return isinstance(value, Vec) and bool(value.items) and isinstance(value.items[0], Vec)
+
+
+def weight(value: Value, cap: int) -> int:
+    """Entries of a container, nested ones counted, up to a little above `cap`."""
+    total = 1
+    items: tuple[Value, ...] = ()
+    if isinstance(value, Vec | Seq):
+        items = value.items
+    elif isinstance(value, Table):
+        items = tuple(value.items.values())
+    for item in items:
+        total += 1 if isinstance(item, NUMBER) else weight(item, cap - total)
+        if total > cap:
+            break
+    return total
+
+
+def bounded(meter: Meter, value: Value) -> Value:
+    """The container itself.
+
+    Raises:
+        CostError: It holds more than the limit.
+    """
+    if weight(value, meter.cfg.items) > meter.cfg.items:
+        raise meter.fault("memory", f"{kind(value)} holds more than {meter.cfg.items} entries")
+    return value

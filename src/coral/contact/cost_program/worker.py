@@ -1,0 +1,378 @@
+"""Costs in a process of their own: a program that hangs, swells or breaks out takes only that process down."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import weakref
+from dataclasses import asdict, dataclass, field
+from mmap import mmap
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.cost.context import Context, Schema, Terms
+from coral.contact.cost_program.errors import CODES, CostError
+from coral.contact.cost_program.limits import LimitsCfg
+from coral.contact.cost_program.sandbox import HEADER, LONGEST_MESSAGE, Reply, Request
+from coral.contact.cost_program.trace import Distance, Traced
+
+START = "from coral.contact.cost_program.sandbox import main; main()"
+KEPT_ENVIRONMENT = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # nothing else: keys of model providers stay outside
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorkerCfg:
+    """One process for costs.
+
+    Args:
+        cpu_s: Processor time of one batch, after which the process is killed; a cost takes some 0.01 s.
+        wait_s: Longest wait for one batch, on a machine that is busy with other things.
+        start_s: Longest wait for the process to start.
+        memory_bytes: What it may use beyond what it starts with.
+        shared_bytes: Size of the shared arrays; it grows when a batch needs more.
+        limits: Bounds on a program.
+    """
+
+    cpu_s: float = 1.0
+    wait_s: float = 10.0
+    start_s: float = 60.0
+    memory_bytes: int = 1 << 30
+    shared_bytes: int = 32 << 20
+    limits: LimitsCfg = field(default_factory=LimitsCfg)
+
+
+class CostWorker:
+    """A persistent process that loads and evaluates cost programs.
+
+    It is started at the first use, and started again after it was killed. Use it as a context manager, or close it.
+
+    Args:
+        cfg: Limits and waiting times.
+    """
+
+    def __init__(self, cfg: WorkerCfg | None = None) -> None:
+        self.cfg = cfg or WorkerCfg()
+        self.starts = 0
+        self.filtered = False
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._shared_bytes = self.cfg.shared_bytes
+        self._memory: NDArray[np.float64] = np.zeros(0)
+        self._loaded: set[int] = set()
+        self._next = 1
+        self._finalizer: weakref.finalize[Any, CostWorker] | None = None
+
+    def __enter__(self) -> CostWorker:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @property
+    def pid(self) -> int | None:
+        """Process id, None while none runs."""
+        return self._process.pid if self._process else None
+
+    def load(self, source: str, schema: Schema, name: str = "program") -> WorkerCost:
+        """A program, checked and ready.
+
+        Raises:
+            CostError: The text is no program of the accepted language.
+        """
+        with self._lock:
+            number, self._next = self._next, self._next + 1
+            cost = WorkerCost(self, number, source, schema, name)
+            reply = self._load(cost)
+            cost.reads = [str(item) for item in reply["reads"] if item in schema]
+            cost.source = str(reply["source"])
+            return cost
+
+    def close(self) -> None:
+        """End the process."""
+        with self._lock:
+            self._stop()
+
+    def _load(self, cost: WorkerCost) -> Reply:
+        self._start()
+        schema = {key: [q.size, q.truth, q.constant] for key, q in cost.schema.items()}
+        reply = self._ask(
+            {"op": "load", "id": cost.number, "source": cost.given, "schema": schema, "limits": asdict(self.cfg.limits)}
+        )
+        dropped = reply.get("dropped")
+        self._loaded -= {one for one in dropped if isinstance(one, int)} if isinstance(dropped, list) else set()
+        self._loaded.add(cost.number)
+        return reply
+
+    def _evaluate(self, cost: WorkerCost, state: Context, zeroed: int | None) -> tuple[Reply, int]:
+        sizes = {name: math.prod(state[name].shape) for name in cost.reads if name in state}
+        inputs = sum(sizes.values())
+        room = (self.cfg.limits.terms + (300 if zeroed is not None else 1)) * math.prod(state.shape)
+        needed = 8 * (inputs + room)
+        if needed > self._shared_bytes:
+            self._stop()
+            self._shared_bytes = needed
+        self._start()
+        if cost.number not in self._loaded:
+            self._load(cost)
+        listed, offset = [], 0
+        for name in sizes:
+            values = np.asarray(state[name], dtype=np.float64)
+            size = cost.schema[name].size
+            if values.ndim != (3 if size else 2) or (size and values.shape[2] != size):
+                raise CostError("missing_state", f"{name} has shape {values.shape} in a batch of {state.shape}")
+            parts = np.moveaxis(values, -1, 0) if size else values
+            np.copyto(self._memory[offset : offset + values.size].reshape(parts.shape), parts)
+            listed.append([name, offset, list(values.shape[:2]), size])
+            offset += values.size
+        reply = self._ask(
+            {
+                "op": "run",
+                "id": cost.number,
+                "shape": list(state.shape),
+                "inputs": listed,
+                "output": offset,
+                "zeroed": zeroed,
+            }
+        )
+        return reply, offset
+
+    def run(self, cost: WorkerCost, state: Context, zeroed: int | None = None) -> Traced:
+        """Evaluate a program.
+
+        Args:
+            cost: The program.
+            state: The batch.
+            zeroed: For a traced evaluation, the distance to take as 0, or -1.
+
+        Raises:
+            CostError: It cannot be evaluated, is not finite, or took its process down.
+        """
+        with self._lock:
+            reply, offset = self._evaluate(cost, state, zeroed)
+            try:
+                return self._taken(cost, reply, offset, state.shape)
+            except (KeyError, TypeError, ValueError, IndexError):
+                self._stop()
+                raise CostError("killed", "the process of the cost answered nonsense and was killed") from None
+
+    def _taken(self, cost: WorkerCost, reply: Reply, offset: int, shape: tuple[int, int]) -> Traced:
+        """The answer, checked: a process that was taken over could say anything."""
+        names = [str(name)[:200] for name in reply["terms"]]
+        if len(names) > self.cfg.limits.terms or len(set(names)) != len(names) or not names:
+            raise ValueError("terms")
+        terms: Terms = {}
+        for name in names:
+            terms[name], offset = self._copied(offset, shape)
+        lines = reply["lines"]
+        cost.lines = {name: int(lines[name]) for name in names}
+        distances = []
+        for line, shapes in reply["distances"]:
+            parts = []
+            for k, h in shapes:
+                part, offset = self._copied(offset, (int(k), int(h)))
+                parts.append(part)
+            distances.append(Distance(int(line), tuple(parts[:-1]), parts[-1]))
+        return Traced(terms, distances)
+
+    def _copied(self, offset: int, shape: tuple[int, int]) -> tuple[NDArray[np.float64], int]:
+        end = offset + math.prod(shape)
+        return self._memory[offset:end].reshape(shape).copy(), end
+
+    def _start(self) -> None:
+        if self._process is not None and self._process.poll() is None:
+            return
+        self._stop()
+        descriptor = _unnamed_file(self._shared_bytes)
+        shared = mmap(descriptor, self._shared_bytes)
+        self._memory = np.frombuffer(shared, dtype=np.float64)
+        environment = {name: os.environ[name] for name in KEPT_ENVIRONMENT if name in os.environ}
+        environment |= {
+            "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
+            "OPENBLAS_NUM_THREADS": "1",
+            "OMP_NUM_THREADS": "1",
+        }
+        command = [
+            sys.executable,
+            "-P",
+            "-c",
+            START,
+            str(descriptor),
+            str(self._shared_bytes),
+            str(self.cfg.memory_bytes),
+        ]
+        try:
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                pass_fds=(descriptor,),
+                env=environment,
+                cwd="/",
+                start_new_session=True,
+            )
+        finally:
+            os.close(descriptor)
+        self._process = process
+        self._finalizer = weakref.finalize(self, _end, process)
+        self._loaded.clear()
+        self.starts += 1
+        reply = self._receive(time.monotonic() + self.cfg.start_s)
+        self.filtered = reply.get("filtered") is True
+
+    def _stop(self) -> None:
+        if self._process is not None:
+            if self._finalizer is not None:
+                self._finalizer.detach()
+            _end(self._process)
+            self._process = None
+        self._loaded.clear()
+
+    def _ask(self, request: Request) -> Reply:
+        assert self._process is not None
+        assert self._process.stdin is not None
+        body = json.dumps({**request, "cpu_s": self.cfg.cpu_s}).encode()
+        try:
+            self._process.stdin.write(HEADER.pack(len(body)) + body)
+            self._process.stdin.flush()
+        except OSError:
+            raise self._died() from None
+        reply = self._receive(time.monotonic() + self.cfg.wait_s)
+        if "error" in reply:
+            raise self._told(reply["error"])
+        return reply
+
+    def _told(self, error: Any) -> CostError:
+        """The error that the process tells of."""
+        try:
+            code, text, line, shown = error
+            return CostError(code if code in CODES else "internal", str(text)[:4000], int(line), str(shown)[:200])
+        except (TypeError, ValueError):
+            self._stop()
+            return CostError("killed", "the process of the cost answered nonsense and was killed")
+
+    def _receive(self, until: float) -> Reply:
+        try:
+            size = HEADER.unpack(self._bytes(HEADER.size, until))[0]
+            if size > LONGEST_MESSAGE:
+                raise ValueError("length")
+            reply = json.loads(self._bytes(size, until))
+            if not isinstance(reply, dict):
+                raise ValueError("no object")
+            return reply
+        except (ValueError, RecursionError):
+            self._stop()
+            raise CostError("killed", "the process of the cost answered nonsense and was killed") from None
+
+    def _bytes(self, size: int, until: float) -> bytes:
+        assert self._process is not None
+        assert self._process.stdout is not None
+        descriptor, found = self._process.stdout.fileno(), b""
+        while len(found) < size:
+            ready, _, _ = select.select([descriptor], [], [], max(0.0, until - time.monotonic()))
+            if not ready:
+                self._stop()
+                raise CostError("deadline", f"the cost gave no answer within {self.cfg.wait_s:g} s and was killed")
+            piece = os.read(descriptor, size - len(found))
+            if not piece:
+                raise self._died()
+            found += piece
+        return found
+
+    def _died(self) -> CostError:
+        process = self._process
+        code = process.wait(timeout=5.0) if process is not None else 0
+        self._stop()
+        if code == -signal.SIGPROF:
+            return CostError(
+                "deadline",
+                f"the cost took more than {self.cfg.cpu_s:g} s of processor time and was killed; use fewer loops",
+            )
+        if code == -signal.SIGSYS:
+            return CostError("killed", "the process of the cost asked for a system call that costs may not use")
+        return CostError("killed", "the process of the cost died; it may have used too much memory")
+
+
+class WorkerCost:
+    """A cost program that lives in a worker. It satisfies `coral.contact.cost.context.Cost`.
+
+    Args:
+        worker: Its process.
+        number: Its number there.
+        given: The text as it was given.
+        schema: The quantities that the state has.
+        name: Name for reports.
+    """
+
+    def __init__(self, worker: CostWorker, number: int, given: str, schema: Schema, name: str) -> None:
+        self.worker, self.number, self.given, self.name = worker, number, given, name
+        self.schema = dict(schema)
+        self.source = given
+        self.reads: list[str] = []
+        self.lines: dict[str, int] = {}
+
+    def __call__(self, state: Context) -> Terms:
+        """The terms of every state, each Shape=(K, H).
+
+        Raises:
+            CostError: It cannot be evaluated, is not finite, or took its process down.
+        """
+        terms = self.worker.run(self, state).terms
+        if not all(np.isfinite(term).all() for term in terms.values()):
+            raise CostError("not_finite", "the cost is nan or infinite in some state")
+        return terms
+
+    def trace(self, state: Context, zeroed: int = -1) -> Traced:
+        """The terms with the distances taken on the way.
+
+        Args:
+            state: A small batch.
+            zeroed: Number of the distance to take as 0; -1 for none.
+
+        Raises:
+            CostError: As for a call.
+        """
+        return self.worker.run(self, state, zeroed)
+
+    def line(self, number: int) -> str:
+        """The text of a line."""
+        lines = self.source.split("\n")
+        return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
+
+    def term_line(self, term: str) -> int:
+        """The line that a term of a sum comes from; 0 where it is not known."""
+        return self.lines.get(term, 0)
+
+
+def _unnamed_file(size: int) -> int:
+    """Descriptor of a file in memory that has no name."""
+    if hasattr(os, "memfd_create"):
+        descriptor = os.memfd_create("coral-cost")
+    else:
+        with tempfile.TemporaryFile() as file:
+            descriptor = os.dup(file.fileno())
+    os.ftruncate(descriptor, size)
+    return descriptor
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """Kill the process and take it off the system's list."""
+    with contextlib.suppress(OSError):
+        process.kill()
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        process.wait(timeout=5.0)
+    for stream in (process.stdin, process.stdout):
+        if stream is not None:
+            with contextlib.suppress(OSError):
+                stream.close()

@@ -1,0 +1,89 @@
+"""One episode as a campaign runs it: no report, everything that the tables need returned."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.episode import Episode
+from coral.contact.episode.variants import REMEMBERING, Asking, contact_model, make_mind
+from coral.contact.memory.memory import Memory
+from coral.contact.scene.task import Task
+from coral.contact.scene.trial import draw
+from coral.contact.thinker.think_cfg import within
+from coral.errors import RunError
+
+
+def run_trial(
+    task: Task,
+    cfg: EpisodeCfg,
+    folder: Path,
+    *,
+    world: str,
+    variant: str,
+    advisor: str,
+    seed: int,
+    memory: Mapping[str, Any] | None = None,
+    model: ModelCfg | None = None,
+) -> dict[str, Any]:
+    """Run an episode; the same arguments give the same episode as `coral contact run`.
+
+    Args:
+        task: What is asked for.
+        cfg: Of the episode.
+        folder: Run folder; it keeps logs, states and metrics.
+        world: Name of the evaluation world.
+        variant: Name of the variant.
+        advisor: As on the command line; "none" for a variant that asks nobody.
+        seed: Of everything random.
+        memory: What a variant that remembers begins with, as `Memory.export` gives it; None for nothing. The trial has
+            it to itself, so that trials do not depend on each other or on their order; what it adds is written into
+            `remembered.json` of the run folder.
+        model: How a real model is called.
+
+    Returns:
+        Metrics and timing, with `evaluation_world`, and `memory_known`, the number of experiences at the start.
+
+    Raises:
+        RunError: The episode was interrupted, or its tracker failed: that says nothing of the variant.
+    """
+    cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
+    with tempfile.TemporaryDirectory() as aside:
+        own = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None
+        known = own.load(memory, "memory") if own is not None and memory is not None else 0
+        mind = make_mind(
+            variant,
+            task,
+            Asking(
+                advisor=advisor,
+                seed=seed,
+                world=world,
+                folder=folder,
+                think=within(cfg.controller, cfg.think),
+                memory=None if own is None else own.where,
+                model=model or contact_model(),
+            ),
+        )
+        episode = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor)
+        result = episode.run()
+        if own is not None:
+            _keep_new(own, known, folder)
+    if result["end_reason"].startswith("stopped by"):
+        raise RunError(result["end_reason"])
+    if result["end_reason"] == "tracker-failed":
+        raise RunError(f"tracker-failed: {episode.detail}")
+    return {**result, "evaluation_world": world, "memory_known": None if own is None else known}
+
+
+def _keep_new(own: Memory, known: int, folder: Path) -> None:
+    everything = own.export()
+    new = everything["experiences"][known:]
+    if new:
+        text = json.dumps({**everything, "experiences": new}, indent=1)
+        (folder / "remembered.json").write_text(f"{text}\n", encoding="utf-8")

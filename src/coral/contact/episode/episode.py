@@ -1,0 +1,384 @@
+"""One contact episode, end to end: a trial of a task, a world to judge it in and a mind, in; a run folder out."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from coral.config import to_mapping, whole_steps
+from coral.contact.control.controller import Controller, Plan
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.control.reactive import Reactive
+from coral.contact.cost.stages import Progress, Strategy
+from coral.contact.cost_program.errors import CostError
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.metrics import compute_metrics
+from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
+from coral.contact.perception.advisor_camera import eyes
+from coral.contact.perception.guessed_world import GuessedWorld
+from coral.contact.perception.tracked_world import Seen, TrackedWorld
+from coral.contact.scene.judge import Judge
+from coral.contact.scene.observation import HandTarget, Observation, Step, Truth
+from coral.contact.scene.trial import Drawn, Physical, believing, prior
+from coral.contact.thinker.strategist import Mind, Moment, NoStrategy
+from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldFault
+from coral.contact.worlds.registry import make_world
+from coral.errors import InputError, RunError
+from coral.runs import RunWriter, provenance
+
+
+class Observer(Protocol):
+    """Anything that watches an episode: a progress bar, a live view."""
+
+    def tick(self, episode: Episode) -> None:
+        """Called after every plan and the control steps taken from it."""
+        ...
+
+    def stop_requested(self) -> str:
+        """Reason to stop now, or ""."""
+        ...
+
+
+class Episode:
+    """Couples a world with the planner and writes what happens.
+
+    Args:
+        drawn: The trial.
+        world: Name of the evaluation world.
+        mind: Who decides on strategies.
+        cfg: The rest.
+        folder: Run folder, new or empty.
+        variant: For the record.
+        advisor: For the record.
+    """
+
+    def __init__(
+        self,
+        drawn: Drawn,
+        world: str,
+        mind: Mind,
+        cfg: EpisodeCfg,
+        folder: Path,
+        *,
+        variant: str,
+        advisor: str = "none",
+    ) -> None:
+        self.drawn, self.mind, self.cfg = drawn, mind, cfg
+        self.variant, self.advisor = variant, advisor
+        self.time_limit_s = drawn.task.time_limit_s
+        self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
+        self.plan_ms: list[float] = []
+        self.judge = Judge(drawn)
+        whole_steps(cfg.planning.step_s, cfg.planning.physics_dt_s, "--cfg", "planning.physics_dt_s")
+        whole_steps(cfg.planning.step_s, cfg.think.outer.replay_dt_s, "--cfg", "think.outer.replay_dt_s")
+        self.world: EvaluationWorld = make_world(world, drawn, cfg.planning.step_s)
+        self.look = eyes(self.world, drawn, cfg.tracked, cfg.sight, np.random.default_rng([drawn.seed, 5]))
+        self.tracked: TrackedWorld | None = None
+        self.guessed: GuessedWorld | None = None
+        if mind.guesses:
+            self.world = self.guessed = GuessedWorld(self.world, drawn)
+        elif cfg.poses == "tracked":
+            self.world = self.tracked = TrackedWorld(
+                self.world, drawn, cfg.tracked, np.random.default_rng([drawn.seed, 4])
+            )
+        # All that can be refused has been looked at: only now is a folder made.
+        objects = [item.name for item in drawn.task.objects]
+        self.writer = RunWriter(folder, columns(objects))
+        self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
+        self._without_plan = 0
+        self._taken: list[Step] = []
+        self._wall = 0.0
+        self._late: InputError | RunError | None = None
+        self.now: Observation
+        self.planner: PlanningWorld
+        self.controller: Controller
+        self.reactive: Reactive
+        self.progress: Progress
+
+    @property
+    def stage(self) -> str:
+        """Name of the stage that is on."""
+        return self.progress.stage.name
+
+    def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
+        """Run to the end; returns metrics and timing together.
+
+        Raises:
+            InputError, RunError: What the mind wanted to do at the end failed; the run folder is complete all the same.
+        """
+        started = time.perf_counter()
+        try:
+            try:
+                self._begin()
+            except WorldFault as fault:
+                self.end_reason, self.detail = fault.code, str(fault)
+            except NoStrategy as none:
+                self.end_reason, self.detail = "no-strategy", str(none)
+            except CostError as error:  # of a process that died though its programs had been checked
+                self.end_reason, self.detail = "cost-error", str(error)
+            while not self.end_reason:
+                self.advance()
+                for observer in observers:
+                    observer.tick(self)
+                    self.end_reason = self.end_reason or observer.stop_requested()
+        except KeyboardInterrupt:
+            self.end_reason = "stopped by the operator"
+        finally:
+            self._end()
+            self._wall = time.perf_counter() - started
+        made = self._finish()
+        if self._late is not None:
+            raise self._late
+        return made
+
+    def advance(self) -> None:
+        """Plan once, and take the plan's first steps."""
+        plan = self._plan()
+        if plan is None:
+            return
+        taken = 0
+        for k in range(min(self.cfg.replan_steps, len(plan.targets))):
+            if not self._act(plan, k):
+                break
+            taken = k + 1
+            if self.end_reason:
+                break
+        self.controller.executed(plan.targets[max(taken - 1, 0)], taken)
+
+    def emit(self, event: str, **fields: Any) -> None:
+        """Append an event at the present step."""
+        self.writer.event(self.step, self.t, event, **fields)
+
+    def _plan(self) -> Plan | None:
+        stage = self.progress.stage
+        begun = time.perf_counter()
+        try:
+            plan = self.controller.plan(self.now, stage, self.step)
+            changed = self.progress.update(plan.now)
+        except CostError as error:
+            other = self.mind.failed(error, stage.name, self.now)
+            if other is None:
+                self._cost_error(error, stage.name)
+            else:
+                self._follow(other)
+            return None
+        self.plan_ms.append(1e3 * (time.perf_counter() - begun))
+        self.emit(
+            "plan",
+            stage=stage.name,
+            cost=_number(plan.cost),
+            ess=round(plan.update.effective_samples, 2),
+            diverged=plan.diverged,
+            ok=plan.update.ok,
+            terms={name: _number(value) for name, value in plan.terms.items()},
+            aim=numbers(plan.targets[-1].position, 4),
+        )
+        if not all(
+            np.isfinite([*target.position, *target.quaternion, target.opening_m]).all()
+            for target in plan.targets[: self.cfg.replan_steps]
+        ):
+            self.end_reason, self.detail = "no-plan", "the plan holds something that is no number"
+            return None
+        self._without_plan = 0 if plan.update.ok else self._without_plan + 1
+        if self._without_plan >= self.cfg.patience_plans:
+            self.end_reason = "no-plan"
+            self.detail = f"no rehearsal could be used for {self._without_plan} plans in a row"
+            return None
+        if changed:
+            self.emit("stage", before=stage.name, stage=self.stage, index=self.progress.index)
+        try:
+            other = self.mind.after(Moment(self.step, self.now, plan, stage.name, tuple(self._taken)))
+        except CostError as error:
+            self._cost_error(error, stage.name)
+            return None
+        self._taken.clear()
+        if other is not None:
+            self._follow(other)
+        return plan
+
+    def _cost_error(self, error: CostError, stage: str) -> None:
+        self.end_reason, self.detail = "cost-error", f"stage {stage!r}: {error}"
+
+    def _act(self, plan: Plan, k: int) -> bool:
+        """One control step; false when the world could not take it."""
+        before = self.now
+        target = planned = plan.targets[k]
+        if self.tracked is not None:
+            target = self.tracked.retreat(planned, before)
+        command = self.reactive.command(target, before)
+        try:
+            self.now = self.world.step(command)
+            truth = self.world.truth()
+        except WorldFault as fault:
+            self.end_reason, self.detail = fault.code, str(fault)
+            return False
+        self._taken.append(Step(before, command, self.now))
+        self.step += 1
+        self.t = self.now.time_s
+        if target is planned:
+            self.reactive.observe(
+                plan.expected_position[k],
+                plan.expected_force[k],
+                self.now,
+                k,
+                plan.expected_quaternion[k],
+                plan.expected_torque[k],
+            )
+        else:
+            self.reactive.reset()  # the plan expected something else of this step
+        self._tell_tracks()
+        self.recorder.row(self.step, self.now, truth, command, self.progress.index, self._off(truth))
+        self.recorder.state(self.step, self.t, self.world)
+        self.recorder.contacts(self.step, truth)
+        done, lost = self.judge.success(truth), self.judge.failure(truth)
+        if lost is not None:
+            self.end_reason = lost
+        elif done:
+            self.end_reason = "success"
+        elif self.t >= self.time_limit_s - 1e-9:
+            self.end_reason = "timeout"
+        return True
+
+    def _begin(self) -> None:
+        cfg = self.cfg
+        self._write_head()
+        self._say_start()
+        self.mind.listen(self.emit)
+        self.mind.open_eyes(self.look)
+        self.now = self.world.reset()
+        self.t = self.now.time_s
+        if self.guessed is not None:
+            self.now = self.guessed.settle(self.mind.locate(self.drawn, self.now), self.now)
+        self._tell_tracks()
+        self.planner = PlanningWorld(
+            self.drawn, prior(self.drawn), self.now, cfg.planning, np.random.default_rng([self.drawn.seed, 6])
+        )
+        self.controller = Controller(self.planner, cfg.controller, np.random.default_rng([self.drawn.seed, 1]))
+        self.reactive = Reactive(
+            cfg.reactive,
+            cfg.planning.step_s,
+            np.asarray(cfg.controller.workspace_low_m),
+            np.asarray(cfg.controller.workspace_high_m),
+        )
+        first = HandTarget(
+            self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, cfg.planning.hand.stiffness_n_m
+        )
+        truth = self.world.truth()
+        self.recorder.row(0, self.now, truth, first, 0, self._off(truth))
+        self.recorder.state(0, self.t, self.world)
+        self.recorder.contacts(0, truth)
+        self._follow(self.mind.begin(known(self.drawn, self.now), self.now, self.planner))
+
+    def _write_head(self) -> None:
+        self.writer.yaml("task.yaml", self.drawn.task.model_dump(mode="json"))
+        self.writer.yaml(
+            "config.yaml",
+            {
+                "system": "contact",
+                "task": self.drawn.task.name,
+                "world": self.world.name,
+                "advisor": self.advisor,
+                "variant": self.variant,
+                "seed": self.drawn.seed,
+                "episode": to_mapping(self.cfg),
+                "provenance": provenance(),
+            },
+        )
+
+    def _say_start(self) -> None:
+        task = self.drawn.task
+        self.emit(
+            "start",
+            task=task.name,
+            instruction=task.instruction,
+            world=self.world.name,
+            variant=self.variant,
+            advisor=self.advisor,
+            seed=self.drawn.seed,
+            poses=self.cfg.poses if self.guessed is None else "guessed",
+            **({} if self.tracked is None else {"tracker": self.tracked.tracker}),
+            time_limit_s=task.time_limit_s,
+            trial={
+                name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
+                for name, item in self.drawn.objects.items()
+            },
+        )
+
+    def _tell_tracks(self) -> None:
+        """Report objects that were lost or found again."""
+        for fields in self.tracked.news() if self.tracked is not None else ():
+            self.emit("track", **fields)
+
+    def _off(self, truth: Truth) -> Mapping[str, Seen] | None:
+        """How far tracked poses are from the truth: for the record, and seen by nobody who decides."""
+        seen = self.tracked or self.guessed
+        return None if seen is None else seen.compare(self.now, truth)
+
+    def _follow(self, strategy: Strategy) -> None:
+        """Begin a strategy."""
+        self.progress = Progress(strategy)
+        self.reactive.reset()
+        self.emit(
+            "strategy",
+            name=strategy.name,
+            stages=[stage.name for stage in strategy.stages],
+            beliefs=[{name: _physical(held) for name, held in one.items()} for one in self.planner.beliefs],
+        )
+        self.emit("stage", before=None, stage=self.stage, index=0)
+
+    def _end(self) -> None:
+        try:
+            self.mind.ended(self.end_reason or "failed")
+        except (InputError, RunError) as error:
+            # As a memory that cannot be written: said when the record is complete.
+            self._late = error
+        account = self.mind.account
+        self.recorder.state(self.step, self.t, self.world, last=True)
+        self.recorder.close(self.step)
+        self.emit(
+            "end",
+            reason=self.end_reason or "failed",
+            detail=self.detail,
+            advisor_calls=account.advisor_calls,
+            repairs=account.repairs,
+            memory_hit=account.memory_hit,
+        )
+        self.writer.close()
+        self.world.close()
+        if hasattr(self, "planner"):
+            self.planner.close()
+
+    def _finish(self) -> dict[str, Any]:
+        plans = np.array(self.plan_ms) if self.plan_ms else np.zeros(1)
+        timing = {
+            "wall_time_s": round(self._wall, 3),
+            "realtime_factor": round(self.t / self._wall, 3) if self._wall else 0.0,
+            "plan_ms_median": round(float(np.median(plans)), 3),
+            "plan_ms_p99": round(float(np.percentile(plans, 99)), 3),
+        }
+        metrics = compute_metrics(self.writer.folder)
+        self.writer.json("metrics.json", metrics)
+        self.writer.json("timing.json", timing)
+        return {**metrics, **timing}
+
+
+def known(drawn: Drawn, now: Observation) -> Drawn:
+    """The trial as the robot knows it at first: seen poses, and masses and frictions in the middle of their ranges."""
+    held = believing(drawn, prior(drawn))
+    return dataclasses.replace(
+        held, objects={name: dataclasses.replace(item, pose=now.objects[name]) for name, item in held.objects.items()}
+    )
+
+
+def _number(value: float) -> float | None:
+    """A number for JSON; None for a cost that is none."""
+    return round(value, 5) if np.isfinite(value) else None
+
+
+def _physical(held: Physical) -> dict[str, float]:
+    return {"mass_kg": round(held.mass_kg, 5), "friction": round(held.friction, 4)}

@@ -1,0 +1,73 @@
+"""Mass and friction of an object found while a task is done with it, from a belief that is far off (Fig. 4).
+
+Nothing is done for the sake of knowing: the object is pushed, pinched and lifted as the task wants it, and what was
+felt so far is replayed at intervals.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.episode import Episode, Observer
+from coral.contact.episode.variants import Asking, make_mind
+from coral.contact.scene.trial import Drawn, Physical, believing
+from coral.contact.thinker.think_cfg import within
+
+
+@dataclasses.dataclass(frozen=True)
+class Found:
+    """What an episode told.
+
+    Args:
+        corrections: Events `correction` with their time `t`, of those that had something to replay.
+        end_reason: How the episode ended.
+        sim_time_s: How long it took.
+    """
+
+    corrections: tuple[Mapping[str, Any], ...]
+    end_reason: str
+    sim_time_s: float
+
+
+def probe_episode(
+    drawn: Drawn,
+    name: str,
+    truth: Physical,
+    first: Physical,
+    cfg: EpisodeCfg,
+    folder: Path,
+    world: str = "panda",
+    observer: Observer | None = None,
+) -> Found:
+    """Do a task and correct what is believed meanwhile.
+
+    Args:
+        drawn: The trial; everything but the object's true parameters is taken from it.
+        name: The object.
+        truth: What it really is: in the evaluation world, and nowhere else.
+        first: What is believed at first: in the planning world, and nowhere else.
+        cfg: The episode; its `think` says how often to correct.
+        folder: Run folder, new or empty.
+        world: The evaluation world.
+        observer: Watches the episode.
+    """
+    real = believing(drawn, {**{key: item.physical for key, item in drawn.objects.items()}, name: truth})
+    mind = make_mind(
+        "full",
+        drawn.task,
+        Asking(
+            seed=drawn.seed, world=world, folder=folder, think=within(cfg.controller, cfg.think), believe={name: first}
+        ),
+    )
+    episode = Episode(real, world, mind, cfg, folder, variant="full", advisor="heuristic")
+    result = episode.run([] if observer is None else [observer])
+    events = (json.loads(line) for line in (folder / "events.jsonl").read_text(encoding="utf-8").splitlines())
+    told = tuple(
+        event for event in events if event["event"] == "correction" and event["object"] == name and "after" in event
+    )
+    return Found(told, str(result["end_reason"]), float(result["sim_time_s"]))

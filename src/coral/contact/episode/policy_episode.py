@@ -1,0 +1,258 @@
+"""One contact episode driven by a served policy: the same trial, world, judge, limits and run folder, no planner."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Protocol
+
+import cv2
+import numpy as np
+
+from coral.config import to_mapping
+from coral.contact.control.reactive import Reactive
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.metrics import compute_metrics
+from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
+from coral.contact.policy import libero_convention as libero
+from coral.contact.policy.address import Address
+from coral.contact.policy.cameras import Eyes
+from coral.contact.policy.client import PolicyError, printable
+from coral.contact.scene.judge import Judge
+from coral.contact.scene.observation import Array, HandTarget, Observation
+from coral.contact.scene.trial import Drawn
+from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.registry import make_world
+from coral.errors import InputError
+from coral.runs import RunWriter, provenance
+
+
+class Policy(Protocol):
+    """Anything that answers observations with chunks of actions."""
+
+    metadata: dict[str, Any]
+
+    def infer(self, observation: Mapping[str, Any]) -> Mapping[Any, Any]:
+        """An answer with `actions`, Shape=(n, 7).
+
+        Raises:
+            PolicyError: There is none.
+        """
+        ...
+
+
+class Observer(Protocol):
+    """Anything that watches; see `coral.contact.episode.episode.Observer`."""
+
+    def tick(self, episode: PolicyEpisode) -> None:
+        """Called after every chunk."""
+        ...
+
+    def stop_requested(self) -> str:
+        """Reason to stop now, or ""."""
+        ...
+
+
+class PolicyEpisode:
+    """Couples a world with a policy and writes what happens.
+
+    The world stands still while the policy thinks, as in LIBERO.
+
+    Args:
+        drawn: The trial.
+        world: Name of the evaluation world.
+        policy: Who acts.
+        cfg: The rest; nothing of the planner in it is used but the workspace.
+        folder: Run folder, new or empty.
+        address: For the record.
+
+    Raises:
+        InputError: The world cannot be seen, or the folder is not empty.
+    """
+
+    stage = "policy"
+
+    def __init__(
+        self, drawn: Drawn, world: str, policy: Policy, cfg: EpisodeCfg, folder: Path, address: Address
+    ) -> None:
+        self.drawn, self.policy, self.cfg, self.address = drawn, policy, cfg, address
+        self.time_limit_s = drawn.task.time_limit_s
+        self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
+        self.calls = 0
+        self.judge = Judge(drawn)
+        means = cfg.policy.libero
+        if means.tick_s < 0.002:
+            raise InputError("--cfg", "policy.libero.ticks", means.ticks, "at most 500 ticks a second in all")
+        self.world = make_world(world, drawn, means.tick_s)
+        self._model, self._data = getattr(self.world, "model", None), getattr(self.world, "data", None)
+        if self._model is None or self._data is None:
+            raise InputError("--world", "", repr(world), "a simulated world, of which pictures can be made")
+        self.eyes = Eyes(self._model, cfg.policy.eyes)
+        # Nothing is rehearsed, so that nothing can be fed back: the limits stay.
+        low, high = np.asarray(cfg.controller.workspace_low_m), np.asarray(cfg.controller.workspace_high_m)
+        self.reactive = Reactive(replace(cfg.reactive, enabled=False), means.tick_s, low, high)
+        objects = [item.name for item in drawn.task.objects]
+        self.writer = RunWriter(folder, columns(objects))
+        self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
+        self.now: Observation
+        self._opening = 0.0
+        self._look_ms: list[float] = []
+        self._ask_ms: list[float] = []
+
+    def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
+        """Run to the end; returns metrics and timing together."""
+        started = time.perf_counter()
+        try:
+            self._begin()
+            while not self.end_reason:
+                self.advance()
+                for observer in observers:
+                    observer.tick(self)
+                    self.end_reason = self.end_reason or observer.stop_requested()
+        except WorldFault as fault:
+            self.end_reason, self.detail = fault.code, str(fault)
+        except PolicyError as error:
+            self.end_reason, self.detail = f"policy: {error.code}", str(error)
+        except KeyboardInterrupt:
+            self.end_reason = "stopped by the operator"
+        finally:
+            self._end()
+        return self._finish(time.perf_counter() - started)
+
+    def advance(self) -> None:
+        """Ask once, and take the first actions of the answer.
+
+        Raises:
+            PolicyError: No actions came that can be taken.
+            WorldFault: The world cannot go on.
+        """
+        means = self.cfg.policy.libero
+        actions = self._ask()[: means.execute]
+        for action in actions:
+            wanted = libero.target(self.now, action, means)
+            for _ in range(means.ticks):
+                self._opening = libero.opened(self._opening, action, means)
+                self._act(replace(wanted, opening_m=self._opening))
+                if self.end_reason:
+                    return
+
+    def emit(self, event: str, **fields: Any) -> None:
+        """Append an event at the present step."""
+        self.writer.event(self.step, self.t, event, **fields)
+
+    def _ask(self) -> Array:
+        begun = time.perf_counter()
+        outside, wrist = self.eyes.look(self._data, self.now.tool)
+        if not self.calls:
+            both = np.concatenate([outside, wrist], axis=1)
+            self.writer.bytes("seen.png", cv2.imencode(".png", both[..., ::-1])[1].tobytes())
+        looked = time.perf_counter()
+        answer = self.policy.infer(
+            {
+                "observation/image": outside,
+                "observation/wrist_image": wrist,
+                "observation/state": libero.state(self.now, self.cfg.policy.libero),
+                "prompt": self.drawn.task.instruction,
+            }
+        )
+        self.calls += 1
+        self._look_ms.append(1e3 * (looked - begun))
+        self._ask_ms.append(1e3 * (time.perf_counter() - looked))
+        actions = libero.actions_of(answer)
+        self.emit(
+            "policy",
+            call=self.calls,
+            chunk=len(actions),
+            actions=[numbers(action, 5) for action in actions[: self.cfg.policy.libero.execute]],
+        )
+        return actions
+
+    def _act(self, target: HandTarget) -> None:
+        command = self.reactive.command(target, self.now)
+        self.now = self.world.step(command)
+        truth = self.world.truth()
+        self.step += 1
+        self.t = self.now.time_s
+        self.recorder.row(self.step, self.now, truth, command, 0)
+        self.recorder.state(self.step, self.t, self.world)
+        self.recorder.contacts(self.step, truth)
+        done, lost = self.judge.success(truth), self.judge.failure(truth)
+        if lost is not None:
+            self.end_reason = lost
+        elif done:
+            self.end_reason = "success"
+        elif self.t >= self.time_limit_s - 1e-9:
+            self.end_reason = "timeout"
+
+    def _begin(self) -> None:
+        task = self.drawn.task
+        self.now = self.world.reset()
+        self.t, self._opening = self.now.time_s, self.now.opening_m
+        self.writer.yaml("task.yaml", task.model_dump(mode="json"))
+        self.writer.yaml(
+            "config.yaml",
+            {
+                "system": "contact",
+                "task": task.name,
+                "world": self.world.name,
+                "advisor": "none",
+                "variant": self.address.name,
+                "seed": self.drawn.seed,
+                "policy": self.address.url,
+                "server": printable(repr(self.policy.metadata), 2000),
+                "episode": to_mapping(self.cfg),
+                "provenance": provenance(),
+            },
+        )
+        self.emit(
+            "start",
+            task=task.name,
+            instruction=task.instruction,
+            world=self.world.name,
+            variant=self.address.name,
+            advisor="none",
+            seed=self.drawn.seed,
+            poses="pictures",
+            time_limit_s=task.time_limit_s,
+            trial={
+                name: {
+                    "mass_kg": round(item.physical.mass_kg, 5),
+                    "friction": round(item.physical.friction, 4),
+                    "size_m": numbers(self.drawn.size(name), 4),
+                }
+                for name, item in self.drawn.objects.items()
+            },
+        )
+        self.emit("strategy", name=self.address.name, stages=[self.stage], beliefs=[])
+        self.emit("stage", before=None, stage=self.stage, index=0)
+        truth = self.world.truth()
+        rest = HandTarget(
+            self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, self.cfg.policy.libero.stiffness_n_m
+        )
+        self.recorder.row(0, self.now, truth, rest, 0)
+        self.recorder.state(0, self.t, self.world)
+        self.recorder.contacts(0, truth)
+
+    def _end(self) -> None:
+        self.recorder.state(self.step, self.t, self.world, last=True)
+        self.recorder.close(self.step)
+        self.emit("end", reason=self.end_reason or "failed", detail=self.detail)
+        self.writer.close()
+        self.world.close()
+
+    def _finish(self, wall_s: float) -> dict[str, Any]:
+        asked = np.array(self._ask_ms) if self._ask_ms else np.zeros(1)
+        looked = np.array(self._look_ms) if self._look_ms else np.zeros(1)
+        timing = {
+            "wall_time_s": round(wall_s, 3),
+            "realtime_factor": round(self.t / wall_s, 3) if wall_s else 0.0,
+            "plan_ms_median": round(float(np.median(asked)), 3),
+            "plan_ms_p99": round(float(np.percentile(asked, 99)), 3),
+            "pictures_ms_median": round(float(np.median(looked)), 3),
+        }
+        metrics = compute_metrics(self.writer.folder)
+        self.writer.json("metrics.json", metrics)
+        self.writer.json("timing.json", timing)
+        return {**metrics, **timing}

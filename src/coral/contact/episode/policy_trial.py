@@ -1,0 +1,53 @@
+"""A served policy from connection to metrics: for one run, and for a campaign."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.policy_episode import PolicyEpisode
+from coral.contact.policy.address import Address
+from coral.contact.policy.client import OUTAGES, ClientCfg, PolicyClient, PolicyError
+from coral.contact.scene.task import Task
+from coral.contact.scene.trial import draw
+from coral.errors import RunError
+
+
+@contextmanager
+def serving(address: Address, cfg: ClientCfg) -> Iterator[PolicyClient]:
+    """A connected client; it leaves the server in the end.
+
+    Raises:
+        RunError: There is no policy server.
+    """
+    client = PolicyClient(address.url, cfg)
+    try:
+        try:
+            client.connect()
+        except PolicyError as error:
+            raise RunError(f"no policy: {error.code}: {error}") from None
+        yield client
+    finally:
+        client.close()
+
+
+def run_policy_trial(
+    task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, address: Address, seed: int
+) -> dict[str, Any]:
+    """Run an episode as a campaign does; see `coral.contact.episode.campaign_trial.run_trial`.
+
+    Raises:
+        RunError: The episode was interrupted, or the server was out of reach: that says nothing of the policy.
+    """
+    cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
+    with serving(address, cfg.policy.client) as client:
+        episode = PolicyEpisode(draw(task, seed), world, client, cfg, folder, address)
+        result = episode.run()
+    reason = str(result["end_reason"])
+    if reason.startswith("stopped by") or reason.removeprefix("policy: ") in OUTAGES:
+        raise RunError(f"{reason}: {episode.detail}" if episode.detail else reason)
+    return {**result, "evaluation_world": world}

@@ -1,0 +1,223 @@
+"""Writes a contact episode into its run folder while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import IO, Any
+
+import numpy as np
+
+from coral.config import Positive
+from coral.contact.perception.tracked_world import Seen
+from coral.contact.scene.conditions import hand_force
+from coral.contact.scene.geometry import conjugate, rotate
+from coral.contact.scene.observation import Array, Body, Contact, HandTarget, Observation, Truth
+from coral.runs import RunWriter
+
+POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordCfg:
+    """What a run folder holds beyond its logs.
+
+    Args:
+        states: Keep the simulator's joint positions at intervals; the report's pictures and the video need them.
+        state_period_s: These intervals.
+        report: Write keyframes.png and report.html at the end.
+        video: Write episode.mp4 at the end.
+    """
+
+    states: bool = True
+    state_period_s: Positive = 0.08
+    report: bool = True
+    video: bool = False
+
+
+def columns(objects: Sequence[str]) -> tuple[str, ...]:
+    """trajectory.csv: SI units, world frame; a row for each control step.
+
+    The measured tool pose and opening, the command, the wrench on the hand, the index of the stage, then of each object
+    its pose, the hand's net force on it, and in its own frame the mean point of that touch, empty where there is none;
+    last how far its tracked pose is off (m, rad; modulo symmetry) and whether it is lost, empty where none is tracked.
+    """
+    found = [
+        "step",
+        "t",
+        *POSE,
+        "opening",
+        *(f"cmd_{name}" for name in (*POSE, "opening", "stiffness")),
+        "fx",
+        "fy",
+        "fz",
+        "tx",
+        "ty",
+        "tz",
+        "stage",
+    ]
+    for name in objects:
+        found += [
+            *(f"{name}_{part}" for part in POSE),
+            f"{name}_hand_force",
+            *(f"{name}_touch_{axis}" for axis in "xyz"),
+        ]
+    for name in objects:
+        found += [f"{name}_{part}" for part in ("off_m", "off_rad", "lost")]
+    return tuple(found)
+
+
+class EpisodeRecorder:
+    """Appends the rows of an episode, the states of its simulator and its contacts.
+
+    Args:
+        writer: The run folder.
+        cfg: What is kept.
+        objects: Names of the movable objects.
+    """
+
+    def __init__(self, writer: RunWriter, cfg: RecordCfg, objects: Sequence[str]) -> None:
+        self._writer, self._cfg, self._objects = writer, cfg, tuple(objects)
+        self._states: IO[str] | None = None
+        self._due = 0.0
+        self._contacts = Contacts()
+
+    def row(
+        self,
+        step: int,
+        now: Observation,
+        truth: Truth,
+        command: HandTarget,
+        stage: int,
+        seen: Mapping[str, Seen] | None = None,
+    ) -> None:
+        """One control step."""
+        values: list[float | str] = [
+            step,
+            now.time_s,
+            *_pose(now.tool),
+            now.opening_m,
+            *command.position,
+            *command.quaternion,
+            command.opening_m,
+            command.stiffness,
+            *now.wrench,
+            stage,
+        ]
+        for name in self._objects:
+            values += [*_pose(truth.objects[name]), hand_force(truth, name) or 0.0, *_touch_point(truth, name)]
+        for name in self._objects:
+            one = None if seen is None else seen[name]
+            values += ["", "", ""] if one is None else [one.off_m, one.off_rad, int(one.lost)]
+        self._writer.row(*(value if isinstance(value, str) else float(value) for value in values))
+
+    def state(self, step: int, t: float, world: Any, last: bool = False) -> None:
+        """Joint positions of a world that is simulated by MuJoCo, when it is time; nothing of another."""
+        data = getattr(world, "data", None)
+        if not self._cfg.states or data is None or (t < self._due - 1e-9 and not last):
+            return
+        self._due = t + self._cfg.state_period_s
+        if self._states is None:
+            path = self._writer.folder / "states.csv"
+            self._states = open(path, "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+            self._states.write(",".join(["step", "t", *(f"q{k}" for k in range(len(data.qpos)))]) + "\n")
+        self._states.write(",".join([str(step), f"{t:.6g}", *(f"{value:.6g}" for value in data.qpos)]) + "\n")
+
+    def contacts(self, step: int, truth: Truth) -> None:
+        """Tell of contacts that have begun or ended."""
+        for t, event, fields in self._contacts.update(truth):
+            self._writer.event(step, t, event, **fields)
+
+    def close(self, step: int) -> None:
+        """End the contacts that are left and close the file of states."""
+        for t, event, fields in self._contacts.finish():
+            self._writer.event(step, t, event, **fields)
+        if self._states is not None:
+            self._states.close()
+
+
+@dataclass
+class _Touch:
+    begun_s: float
+    seen_s: float
+    peak_n: float = 0.0
+    total: float = 0.0
+    count: int = 0
+
+
+@dataclass
+class Contacts:
+    """Contacts as stretches of time.
+
+    Args:
+        gap_s: A contact that is back within this time never ended: touch flickers where a rigid body rocks.
+    """
+
+    gap_s: float = 0.1
+    _on: dict[tuple[str, str], _Touch] = field(default_factory=dict)
+
+    def update(self, truth: Truth) -> list[tuple[float, str, dict[str, Any]]]:
+        """Time, event and its fields of what has begun or ended, the former with force and point."""
+        said: list[tuple[float, str, dict[str, Any]]] = []
+        for contact in truth.contacts:
+            pair = contact.first, contact.second
+            newtons = float(np.linalg.norm(contact.force))
+            if pair not in self._on:
+                self._on[pair] = _Touch(truth.time_s, truth.time_s)
+                said.append((truth.time_s, "contact", _begun(contact, newtons)))
+            touch = self._on[pair]
+            touch.seen_s, touch.peak_n = truth.time_s, max(touch.peak_n, newtons)
+            touch.total, touch.count = touch.total + newtons, touch.count + 1
+        for pair, touch in list(self._on.items()):
+            if truth.time_s - touch.seen_s > self.gap_s:
+                said.append((truth.time_s, "contact_end", _ended(pair, touch)))
+                del self._on[pair]
+        return said
+
+    def finish(self) -> list[tuple[float, str, dict[str, Any]]]:
+        """The contacts that are still on, ended."""
+        said = [(touch.seen_s, "contact_end", _ended(pair, touch)) for pair, touch in self._on.items()]
+        self._on.clear()
+        return said
+
+
+def _begun(contact: Contact, newtons: float) -> dict[str, Any]:
+    return {
+        "first": contact.first,
+        "second": contact.second,
+        "force_n": round(newtons, 3),
+        "point": numbers(contact.point, 4),
+    }
+
+
+def _ended(pair: tuple[str, str], touch: _Touch) -> dict[str, Any]:
+    return {
+        "first": pair[0],
+        "second": pair[1],
+        "begun_s": round(touch.begun_s, 4),
+        "ended_s": round(touch.seen_s, 4),
+        "peak_n": round(touch.peak_n, 3),
+        "mean_n": round(touch.total / max(touch.count, 1), 3),
+    }
+
+
+def numbers(values: Array, digits: int) -> list[float]:
+    """Rounded plain numbers, as events hold them."""
+    return [round(float(value), digits) for value in values]
+
+
+def _touch_point(truth: Truth, name: str) -> list[float] | list[str]:
+    """Where the hand touches the object, in the object's frame, its parts weighted by force."""
+    total, weight = np.zeros(3), 0.0
+    for contact in truth.contacts:
+        if name in (contact.first, contact.second) and {"hand", "left", "right"} & {contact.first, contact.second}:
+            newtons = float(np.linalg.norm(contact.force)) + 1e-9
+            total, weight = total + newtons * contact.point, weight + newtons
+    if not weight:
+        return ["", "", ""]
+    body = truth.objects[name]
+    return numbers(rotate(conjugate(body.quaternion), total / weight - body.position), 6)
+
+
+def _pose(body: Body) -> list[float]:
+    return [*map(float, body.position), *map(float, body.quaternion)]

@@ -1,0 +1,176 @@
+"""Baselines and ablations of the contact pipeline by name (Table 1)."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from coral.advisor.consult import Attempt
+from coral.advisor.log import AttemptRecorder
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.registry import make_advisor, rules_alone
+from coral.contact.cost_program import CostWorker
+from coral.contact.experts import expert
+from coral.contact.memory.memory import Memory
+from coral.contact.plan.cost_plan import in_process
+from coral.contact.rules.answers import RULES
+from coral.contact.rules.spoilt_answers import SPOILT
+from coral.contact.scene.task import Task
+from coral.contact.scene.trial import Physical
+from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.strategist import Fixed, Mind
+from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.thinker.thinker import Thinker
+from coral.errors import InputError, nearest
+
+
+def contact_model() -> ModelCfg:
+    """How a real model is called here: it writes programs, and simulated time does not pass while it does."""
+    return ModelCfg(attempt_timeout_s=120.0, deadline_s=180.0, max_output_tokens=16_384)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asking:
+    """Who is asked, and what goes with it.
+
+    Args:
+        advisor: As on the command line.
+        seed: Of the trial; what is drawn while thinking follows from it.
+        world: Where it takes place, for the record of a success.
+        memory: The experience memory, as `store_of` takes it; None for none.
+        folder: Run folder, in which every attempt is logged; None for no log.
+        inbox: Of the advisor `desk`.
+        think: What of the thinking is on, and its thresholds.
+        believe: What is believed of objects at first, instead of the advisor's estimate.
+        model: Of real models.
+    """
+
+    advisor: str = "heuristic"
+    seed: int = 0
+    world: str = ""
+    memory: str | Path | None = None
+    folder: Path | None = None
+    inbox: Path | None = None
+    think: ThinkCfg = field(default_factory=ThinkCfg)
+    believe: Mapping[str, Physical] = field(default_factory=dict)
+    model: ModelCfg = field(default_factory=contact_model)
+
+
+Make = Callable[[Task, Asking], Mind]
+DESK_S = 86_400.0
+"""A person at the desk may take a day, unless the configuration says otherwise."""
+
+
+def _thinking(
+    variant: str,
+    *,
+    remember: bool = True,
+    strategy: bool = True,
+    regions: bool = True,
+    refine: bool = True,
+    unified: bool = False,
+    tracking: bool = True,
+) -> Make:
+    """A variant that asks, with what is switched off in it."""
+
+    def make(task: Task, asking: Asking) -> Mind:
+        memory = Memory(asking.memory) if asking.memory is not None and remember else None
+        think = dataclasses.replace(
+            asking.think,
+            strategy=strategy and asking.think.strategy,
+            regions=regions and strategy and asking.think.regions,
+            refine=refine and asking.think.refine,
+            unified=unified or asking.think.unified,
+            tracking=tracking and asking.think.tracking,
+        )
+        advisor = make_advisor(
+            asking.advisor,
+            rules=RULES,
+            rng=np.random.default_rng([asking.seed, 2]),
+            inbox=asking.inbox,
+            cfg=asking.model,
+            spoil=SPOILT,
+        )
+        # What rules compose needs no confinement; what a model writes gets it, and so does what is remembered.
+        worker = CostWorker()
+        load = in_process if rules_alone(asking.advisor) else worker.load
+        budget = asking.think.budget
+        if asking.advisor.rsplit(":", 1)[-1] == "desk" and budget == ThinkCfg().budget:
+            budget = dataclasses.replace(budget, deadline_s=DESK_S)
+        return Thinker(
+            Asker(advisor, budget, _logging(asking.folder)),
+            think,
+            np.random.default_rng([asking.seed, 3]),
+            RULES,
+            memory,
+            load,
+            {
+                "world": asking.world,
+                "seed": asking.seed,
+                "variant": variant,
+                "advisor": asking.advisor,
+                "run": "" if asking.folder is None else asking.folder.name,
+            },
+            asking.believe,
+            worker,
+        )
+
+    return make
+
+
+def _logging(folder: Path | None) -> Callable[[Attempt], None] | None:
+    """Into the run folder, which exists by the time that something is asked."""
+    if folder is None:
+        return None
+    recorders: list[AttemptRecorder] = []
+
+    def log(attempt: Attempt) -> None:
+        if not recorders:
+            recorders.append(AttemptRecorder(folder))
+        recorders[0](attempt)
+
+    return log
+
+
+VARIANTS: dict[str, Make] = {
+    "expert": lambda task, asking: Fixed(expert(task, "expert")),
+    "expert-fsm": lambda task, asking: Fixed(expert(task, "expert-fsm")),
+    "full": _thinking("full"),
+    "no-memory": _thinking("no-memory", remember=False),
+    "no-refinement": _thinking("no-refinement", refine=False),
+    # What is remembered are plans with a contact strategy.
+    "unguided": _thinking("unguided", remember=False, strategy=False),
+    "no-regions": _thinking("no-regions", regions=False),
+    # Memory is looked up by masses and frictions, which only the one answer that it would save could give.
+    "unified": _thinking("unified", remember=False, unified=True),
+    "no-tracking": _thinking("no-tracking", tracking=False),
+}
+"""Who decides in each variant."""
+ALONE = ("expert", "expert-fsm")
+"""Variants that ask no advisor."""
+REMEMBERING = ("full", "no-refinement", "no-regions", "no-tracking")
+"""Variants that look into the experience memory; all but `no-regions` add to it."""
+
+
+def make_mind(variant: str, task: Task, asking: Asking | None = None) -> Mind:
+    """Who decides in a variant.
+
+    Raises:
+        InputError: There is no such variant, or it has nothing for this task.
+    """
+    check_variant(variant)
+    return VARIANTS[variant](task, asking or Asking())
+
+
+def check_variant(variant: str, where: str = "--variant") -> None:
+    """See that a variant exists.
+
+    Raises:
+        InputError: It does not.
+    """
+    if variant not in VARIANTS:
+        raise InputError(where, "", repr(variant), f"one of {', '.join(VARIANTS)}{nearest(variant, VARIANTS)}")

@@ -1,0 +1,259 @@
+"""A task of LIBERO-OBJECT in one of the benchmark's initial states, as a task of ours.
+
+Frames: LIBERO's Panda stands at x = -0.6 m on the floor, ours at -0.5 m: everything is moved by the difference, and its
+floor is our table. An object's frame is LIBERO's turned upright, its origin LIBERO's, as its success test wants it.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from coral.contact.libero.object_model import Array, Box, Model, read_model
+from coral.contact.libero.package import Package, find_package
+from coral.contact.libero.problem import Problem, read_problem
+from coral.contact.libero.simplification import SolidCfg, simplified
+from coral.contact.scene.conditions import Grasped, Inside, Lifted
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.shapes import Fixture, Movable, Shape, Table
+from coral.contact.scene.task import Success, Task
+from coral.contact.scene.task_validation import check_task
+from coral.contact.scene.trial import corners
+from coral.errors import InputError
+
+PREFIX = "libero:"
+SHIFT_M = np.array([0.1, 0.0])
+BELOW_REGION_M = 0.01
+"""LIBERO's `in_box` grants so much below a region."""
+ROBOT_JOINTS = 9
+SPREAD = 0.25
+"""LIBERO's masses and frictions are the same in every trial; ours vary by this share about them, unknown to the
+planner."""
+HEAVIEST_FRICTION = 2.0
+LIGHTEST_KG = 0.02
+"""A butter of 5 g, as LIBERO has it, is thrown by the contacts of a rehearsal's coarse steps."""
+COLORS = (
+    (0.75, 0.22, 0.2),
+    (0.85, 0.78, 0.6),
+    (0.45, 0.55, 0.75),
+    (0.6, 0.6, 0.62),
+    (0.9, 0.75, 0.3),
+    (0.5, 0.65, 0.45),
+    (0.65, 0.5, 0.65),
+)
+
+
+def load_libero(text: str) -> Task:
+    """The task of `libero:object/TASK/STATE`, or of `libero:pick/TASK/STATE`, which asks to lift the object only.
+
+    Args:
+        text: TASK counts the suite's tasks, STATE the benchmark's initial states, both from 0; STATE may be left out.
+
+    Raises:
+        InputError: No such task, or the package is not installed or not as expected.
+    """
+    match = re.fullmatch(rf"{PREFIX}(object|pick)/(\d{{1,3}})(?:/(\d{{1,3}}))?", text)
+    if match is None:
+        raise InputError(
+            "task",
+            "",
+            text,
+            "libero:object/TASK or libero:pick/TASK, such as libero:object/0; with a state, libero:object/0/3",
+        )
+    package = find_package(text)
+    names = package.tasks()
+    index, state = int(match[2]), int(match[3] or 0)
+    if index >= len(names):
+        raise InputError(text, "task", index, f"a number from 0 to {len(names) - 1}")
+    task = libero_task(package, names[index], f"libero-{match[1]}-{index}-{state}", state)
+    return task if match[1] == "object" else lifting(task)
+
+
+def lifting(task: Task) -> Task:
+    """The same scene, asking what pick-box asks: to hold the object 10 cm up for half a second."""
+    item = task.objects[0]
+    conditions = (Lifted(object=item.name, height_m=0.1), Grasped(object=item.name))
+    return task.model_copy(
+        update={
+            "instruction": f"Pick up the {item.label} and hold it 12 cm above the table.",
+            "numbers": {"lift_height": 0.12},
+            "success": Success(hold_s=0.5, conditions=conditions),
+        }
+    )
+
+
+def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCfg | None = None) -> Task:
+    """A task of the package in an initial state.
+
+    Args:
+        package: The package.
+        task: Its name there.
+        name: What we call it.
+        state: Which initial state.
+        cfg: Of the simplification of shapes.
+
+    Raises:
+        InputError: A file is missing or not as expected.
+    """
+    problem = read_problem(package.problem(task))
+    poses = _poses(package.states(task), problem, state)
+    models = {key: read_model(package.model(kind)) for key, kind in problem.objects.items()}
+    region = models[problem.container].regions.get(problem.region)
+    if region is None:
+        raise InputError(str(package.model(problem.objects[problem.container])), "site", "none", problem.region)
+    position, rotation = poses[problem.container]
+    label = _plain(problem.container)
+    fixtures, lift = _container(models[problem.container], position, rotation, label)
+    middle = rotation @ region.position + np.array([*(position[:2] + SHIFT_M), lift])
+    # LIBERO takes the absolute value of the turned half edges, exact for quarter turns.
+    half = np.abs(rotation @ region.rotation @ region.size) / 2
+    floor = max(fixture.position[2] + fixture.size[2] / 2 for fixture in fixtures if fixture.name.endswith("bottom"))
+    rim = max(fixture.position[2] + fixture.size[2] / 2 for fixture in fixtures)
+    order = [problem.target, *(key for key in problem.objects if key not in (problem.target, problem.container))]
+    objects = tuple(
+        _movable(_plain(key), models[key], poses[key], COLORS[k % len(COLORS)], cfg or SolidCfg())
+        for k, key in enumerate(order)
+    )
+    made = Task(
+        name=name,
+        title="LIBERO-OBJECT",
+        instruction=_instruction(problem),
+        time_limit_s=40.0,
+        table=Table(size=(1.0, 1.1, 0.05), center=(0.1, 0.0)),
+        fixtures=fixtures,
+        objects=objects,
+        places={"goal": (float(middle[0]), float(middle[1]), float(floor))},
+        numbers={"carry_height": round(rim + _above(objects[0]), 3)},
+        success=Success(
+            hold_s=0.0,
+            conditions=(
+                Inside(
+                    object=objects[0].name,
+                    low=_triple(middle - half - np.array([0, 0, BELOW_REGION_M])),
+                    high=_triple(middle + half),
+                ),
+            ),
+        ),
+    )
+    check_task(made, name)
+    return made
+
+
+def _poses(path: Path, problem: Problem, state: int) -> dict[str, tuple[Array, Array]]:
+    """Position and rotation of every object: MuJoCo's state is time, qpos, qvel, the robot's joints coming first."""
+    count = len(problem.objects)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            states = np.asarray(file["states"], dtype=float)
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(str(path), "states", type(error).__name__, "the benchmark's initial states") from None
+    width = 1 + 2 * ROBOT_JOINTS + 13 * count
+    if states.ndim != 2 or states.shape[1] != width or not np.isfinite(states).all():
+        raise InputError(str(path), "states", f"shape {states.shape}", f"{width} numbers a state, of {count} objects")
+    if state >= len(states):
+        raise InputError(str(path), "state", state, f"a number from 0 to {len(states) - 1}")
+    rows = states[state, 1 + ROBOT_JOINTS : 1 + ROBOT_JOINTS + 7 * count].reshape(count, 7)
+    return {
+        name: (row[:3], rotation_of(row[3:] / max(float(np.linalg.norm(row[3:])), 1e-9)))
+        for name, row in zip(problem.objects, rows, strict=True)
+    }
+
+
+def _movable(
+    name: str, model: Model, pose: tuple[Array, Array], color: tuple[float, float, float], cfg: SolidCfg
+) -> Movable:
+    position, rotation = pose
+    upright = _quarter_turns(rotation)
+    yaw = _yaw_deg(rotation @ upright.T)
+    x, y = position[:2] + SHIFT_M
+    mass, friction = max(model.mass_kg, LIGHTEST_KG), model.friction
+    parts = simplified([box.turned(upright) for box in model.boxes], cfg)
+    return Movable(
+        name=name,
+        label=name.replace("_", " "),
+        parts=parts,
+        symmetry=_symmetry(parts),
+        mass_kg=(mass * (1 - SPREAD), mass * (1 + SPREAD)),
+        friction=(friction * (1 - SPREAD), min(friction * (1 + SPREAD), HEAVIEST_FRICTION)),
+        x=(float(x), float(x)),
+        y=(float(y), float(y)),
+        yaw_deg=(yaw, yaw),
+        color=color,
+    )
+
+
+def _symmetry(parts: tuple[Shape, ...]) -> Literal["none", "box", "cylinder"]:
+    """As which the tracker may take it; a body of several boxes has none, nor one whose box stands askew."""
+    if len(parts) > 1 or any(abs(angle) % 90 > 1e-3 for angle in parts[0].rpy_deg):
+        return "none"
+    return "cylinder" if parts[0].shape == "cylinder" else "box"
+
+
+def _container(model: Model, position: Array, rotation: Array, name: str) -> tuple[tuple[Fixture, ...], float]:
+    """Its boxes as things that do not move, and the height of its frame's origin when it stands on the table.
+
+    A fixture stands upright, so that sides that lean by a few degrees are set straight.
+    """
+    straight = [Box(box.position, np.eye(3), np.abs(_quarter_turns(box.rotation)) @ box.size) for box in model.boxes]
+    upright = _quarter_turns(rotation)
+    yaw = _yaw_deg(rotation @ upright.T)
+    placed = [box.turned(upright) for box in straight]
+    low = min(float(box.corners[:, 2].min()) for box in placed)
+    turn = rotation @ upright.T
+    lowest = min(range(len(placed)), key=lambda k: placed[k].position[2])
+    found, side = [], 0
+    for k, box in enumerate(placed):
+        if k == lowest:
+            part = "bottom"
+        else:
+            side += 1
+            part = f"side{side}"
+        centre = turn @ box.position + np.array([*(position[:2] + SHIFT_M), -low])
+        found.append(
+            Fixture(
+                name=f"{name}_{part}",
+                size=_triple(np.abs(box.rotation) @ box.size),
+                position=_triple(centre),
+                yaw_deg=yaw,
+                friction=min(model.friction, HEAVIEST_FRICTION),
+                color=(0.66, 0.5, 0.34),
+            )
+        )
+    return tuple(found), -low
+
+
+def _above(item: Movable) -> float:
+    """How high over a rim its origin is carried (m): its lower half and 3 cm."""
+    return float(-corners(item, np.ones(3))[:, 2].min()) + 0.03
+
+
+def _quarter_turns(rotation: Array) -> Array:
+    """The rotation by quarter turns that is nearest: of each axis its largest coordinate, the rest by right hand."""
+    rows = np.zeros((3, 3))
+    first = int(np.abs(rotation[2]).argmax())
+    rows[2, first] = np.sign(rotation[2, first])
+    rest = np.abs(rotation[0]) * (np.arange(3) != first)
+    second = int(rest.argmax())
+    rows[0, second] = np.sign(rotation[0, second])
+    rows[1] = np.cross(rows[2], rows[0])
+    return rows
+
+
+def _yaw_deg(rotation: Array) -> float:
+    return round(float(np.degrees(np.arctan2(rotation[1, 0], rotation[0, 0]))), 4) + 0.0
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"_\d+$", "", name)
+
+
+def _instruction(problem: Problem) -> str:
+    return problem.language.strip().rstrip(".") + "."
+
+
+def _triple(values: Array) -> tuple[float, float, float]:
+    x, y, z = (round(float(value), 6) + 0.0 for value in values)
+    return x, y, z

@@ -1,0 +1,328 @@
+"""The experience memory (Eq. 1): plans that have succeeded, found again by task and numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError, field_validator
+
+from coral.config import Fraction, Positive
+from coral.contact.memory.embedding import Embedder, Vector, best_embedder
+from coral.contact.memory.store import Store, store_of
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_plan import PlanAnswer
+from coral.errors import InputError
+
+FORMAT = "coral-memory/1"
+
+
+class Experience(BaseModel):
+    """One success.
+
+    Args:
+        task, instruction: What was asked.
+        goals: The task file's conditions.
+        numbers: What the scene measures, by name (`box.size_m.0`, `box.mass_kg`).
+        plan, regions: What succeeded.
+        beliefs: Mass and friction as believed at the end.
+        provenance: Where it was proved: world, seed, variant, advisor, run, metrics.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+    task: str
+    instruction: str
+    goals: list[dict[str, Any]]
+    numbers: dict[str, FiniteFloat]
+    plan: PlanAnswer
+    regions: RegionsAnswer
+    beliefs: dict[str, tuple[FiniteFloat, FiniteFloat]]
+    provenance: dict[str, Any]
+
+    @field_validator("goals")
+    @classmethod
+    def _of_objects(cls, goals: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        # What is looked up by; the rest of a goal only has to be the same.
+        if not all(isinstance(goal.get(key), str) for goal in goals for key in ("kind", "object")):
+            raise ValueError("a goal has a kind and an object")
+        return goals
+
+
+@dataclass(frozen=True)
+class Stored:
+    """An experience as the memory holds it, with how often it was used and how often that ended in success.
+
+    Args:
+        id: Its number.
+        created: When it was stored, UTC.
+        experience: It.
+        used, helped: How often it was used, and how often that ended in success.
+        embedder: Who made the vector.
+        vector: Of the instruction, Shape=(n,); vectors of different embedders cannot be compared.
+    """
+
+    id: int
+    created: str
+    experience: Experience
+    used: int
+    helped: int
+    embedder: str
+    vector: Vector = field(compare=False, repr=False)
+
+
+@dataclass(frozen=True)
+class Match:
+    """A remembered experience that fits.
+
+    Args:
+        stored: It.
+        similarity: Cosine of the texts.
+        distance: Largest of the numbers' differences, 1 being the most that is allowed.
+    """
+
+    stored: Stored
+    similarity: float
+    distance: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemoryCfg:
+    """When an experience fits.
+
+    Args:
+        similarity: Least cosine of the instructions.
+        size_factor, mass_factor, friction_factor: Most that a number may differ by, as a factor.
+        number_factor: The same for what the goals ask (heights, forces, tolerances) and the task's own numbers.
+        place_m: Most that places and fixtures may lie apart.
+    """
+
+    similarity: Fraction = 0.5
+    size_factor: Positive = 1.35
+    mass_factor: Positive = 4.0
+    friction_factor: Positive = 2.5
+    number_factor: Positive = 1.3
+    place_m: Positive = 0.08
+
+
+class Memory:
+    """A store of experiences, and how they are found in it.
+
+    Args:
+        where: The SQLite file, or what `store_of` takes; made at the first success.
+        cfg: When an experience fits.
+        embedder: For texts; by default the best that is installed.
+    """
+
+    def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
+        self.store: Store = store_of(where)
+        self.cfg, self.embedder = cfg or MemoryCfg(), embedder or best_embedder()
+
+    @property
+    def where(self) -> str:
+        """The store, as a user writes it."""
+        return self.store.name
+
+    def add(self, experience: Experience) -> int:
+        """Store a success; its id.
+
+        Raises:
+            InputError: It is no verified success, or the store cannot be written.
+        """
+        if experience.provenance.get("success") is not True or not experience.provenance.get("world"):
+            raise InputError(
+                "memory", "provenance", dict(experience.provenance), "success: true and the world that it was judged in"
+            )
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        return self.store.insert(
+            now, experience.model_dump_json(), self.embedder.name, self.embedder.embed(experience.instruction)
+        )
+
+    def all(self) -> list[Stored]:
+        """Everything that is remembered and can be read, oldest first."""
+        found = []
+        for row in self.store.rows():
+            try:
+                found.append(
+                    Stored(
+                        row.id,
+                        row.created,
+                        Experience.model_validate_json(row.record),
+                        row.used,
+                        row.helped,
+                        row.embedder,
+                        row.vector,
+                    )
+                )
+            except ValidationError:
+                continue  # of another version: kept in the store, of no use here
+        return found
+
+    def get(self, number: int) -> Stored:
+        """One experience.
+
+        Raises:
+            InputError: There is none of this id.
+        """
+        for stored in self.all():
+            if stored.id == number:
+                return stored
+        raise InputError(self.where, "id", number, f"one of {', '.join(str(s.id) for s in self.all()) or 'none'}")
+
+    def forget(self, number: int) -> None:
+        """Remove one experience.
+
+        Raises:
+            InputError: There is none of this id.
+        """
+        self.get(number)
+        self.store.delete(number)
+
+    def used(self, number: int, helped: bool) -> None:
+        """Note that an experience was used, and whether the episode succeeded."""
+        self.store.count(number, helped)
+
+    def find(self, facts: Mapping[str, Any], most: int = 3) -> list[Match]:
+        """Experiences that fit a scene, best first: same goals, numbers near, then by the texts.
+
+        Args:
+            facts: The scene (`scene_facts`).
+            most: How many.
+        """
+        goals, numbers = facts["goals"], scene_numbers(facts)
+        candidates = []
+        for stored in self.all():
+            held = stored.experience
+            distance = _distance(held.numbers, numbers, self.cfg) if _shape(held.goals) == _shape(goals) else math.inf
+            if distance <= 1.0:
+                candidates.append((stored, distance))
+        here = self.embedder.embed(facts["instruction"])
+        found = []
+        for stored, distance in candidates:
+            there = self._vector(stored, len(here))
+            similarity = float(np.dot(here, there))
+            if similarity >= self.cfg.similarity:
+                found.append(Match(stored, round(similarity, 4), round(distance, 4)))
+
+        def rank(match: Match) -> tuple[float, int]:
+            # An experience that was used and did not help counts less.
+            luck = (match.stored.helped + 1) / (match.stored.used + 1)
+            return (-(match.similarity - 0.5 * match.distance + 0.3 * luck), -match.stored.id)
+
+        return sorted(found, key=rank)[:most]
+
+    def _vector(self, stored: Stored, size: int) -> Vector:
+        """What was stored with it, unless another embedder made it."""
+        if stored.embedder == self.embedder.name and len(stored.vector) == size:
+            return stored.vector
+        return self.embedder.embed(stored.experience.instruction)
+
+    def export(self) -> dict[str, Any]:
+        """Everything as JSON."""
+        return {
+            "format": FORMAT,
+            "experiences": [
+                {"created": stored.created, **stored.experience.model_dump(mode="json")} for stored in self.all()
+            ],
+        }
+
+    def load(self, content: Mapping[str, Any], where: str) -> int:
+        """Take in what `export` gave; how many were new.
+
+        Raises:
+            InputError: It is no export, or an experience in it is wrong.
+        """
+        if content.get("format") != FORMAT or not isinstance(content.get("experiences"), list):
+            raise InputError(where, "format", content.get("format"), FORMAT)
+        known = {stored.experience.model_dump_json() for stored in self.all()}
+        count = 0
+        for index, item in enumerate(content["experiences"]):
+            try:
+                one = Experience.model_validate({key: value for key, value in dict(item).items() if key != "created"})
+            except (ValidationError, TypeError, ValueError) as error:
+                path, why = f"experiences[{index}]", str(error)
+                if isinstance(error, ValidationError):
+                    first = error.errors(include_url=False)[0]
+                    path, why = ".".join([path, *map(str, first["loc"])]), first["msg"]
+                raise InputError(where, path, why, "an exported experience") from None
+            if (text := one.model_dump_json()) not in known:
+                self.add(one)
+                known.add(text)
+                count += 1
+        return count
+
+
+def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:
+    """The numbers of a scene by name, objects by their place in the goals so that names do not matter."""
+    order = {name: index for index, name in enumerate(roles(facts))}
+    found: dict[str, float] = {}
+    for name, item in facts["objects"].items():
+        if name not in order:
+            continue
+        key = f"object{order[name]}"
+        found |= {f"{key}.size.{k}": float(value) for k, value in enumerate(item["size_m"])}
+        found |= {f"{key}.{name}": float(item[name]) for name in ("mass_kg", "friction") if name in item}
+    for index, goal in enumerate(facts["goals"]):
+        found |= {
+            f"goal{index}.{key}": float(value)
+            for key, value in goal.items()
+            if isinstance(value, int | float) and not isinstance(value, bool)
+        }
+    found |= {f"number.{key}": float(value) for key, value in facts["numbers"].items()}
+    for name, item in facts["fixtures"].items():
+        found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(item["position"])}
+    for name, place in facts["places"].items():
+        found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(place)}
+    return found
+
+
+def roles(facts: Mapping[str, Any]) -> list[str]:
+    """The objects that goals ask to be moved, in the order of the goals."""
+    return list(dict.fromkeys(goal["object"] for goal in facts["goals"] if goal["kind"] != "undisturbed"))
+
+
+def _shape(goals: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
+    """The goals without numbers and names: kinds, which role they are about, what words they hold besides."""
+    order = {name: f"object{k}" for k, name in enumerate(dict.fromkeys(goal["object"] for goal in goals))}
+    return [
+        (
+            goal["kind"],
+            order[goal["object"]],
+            *(
+                f"{key}={value}"
+                for key, value in sorted(goal.items())
+                if isinstance(value, str) and key not in ("kind", "object")
+            ),
+        )
+        for goal in goals
+        if goal["kind"] != "undisturbed"
+    ]
+
+
+def _distance(one: Mapping[str, float], other: Mapping[str, float], cfg: MemoryCfg) -> float:
+    """The largest difference, 1 being the most that is allowed; infinite where something is missing."""
+    if set(one) != set(other):
+        return math.inf
+    worst = 0.0
+    for key, a in one.items():
+        b = other[key]
+        if key.startswith("place."):
+            worst = max(worst, abs(a - b) / cfg.place_m)
+            continue
+        factor = (
+            cfg.size_factor
+            if ".size." in key
+            else cfg.mass_factor
+            if key.endswith("mass_kg")
+            else (cfg.friction_factor if key.endswith(".friction") else cfg.number_factor)
+        )
+        if a == b:
+            continue
+        if a <= 0 or b <= 0:
+            return math.inf
+        worst = max(worst, abs(math.log(a / b)) / math.log(factor))
+    return worst

@@ -1,0 +1,86 @@
+"""Where experiences are kept: what a store does, and which one a word names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+from coral.contact.memory.embedding import Vector
+from coral.errors import InputError
+
+BUSY_S = 30.0
+"""Longest wait for others that write."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """An experience as it is written.
+
+    Args:
+        id: Its number, from 1.
+        created: When it was stored, UTC.
+        record: The experience as JSON.
+        embedder: Who made the vector.
+        vector: Of the instruction, Shape=(n,); vectors of different embedders cannot be compared.
+        used, helped: How often it was used, and how often that ended in success.
+    """
+
+    id: int
+    created: str
+    record: str
+    embedder: str
+    vector: Vector = field(compare=False, repr=False)
+    used: int = 0
+    helped: int = 0
+
+
+class Store(Protocol):
+    """Keeps rows. Many processes may write at once; what a call has acknowledged is not lost by a kill.
+
+    Every call raises `InputError`, which names the store, where it cannot be read or written.
+    """
+
+    name: str
+    """As a user writes it."""
+
+    def exists(self) -> bool:
+        """Whether anything was ever written."""
+        ...
+
+    def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
+        """Write a row that was never used; its number. The store is made if it is not there."""
+        ...
+
+    def rows(self) -> list[Row]:
+        """All of them, by their numbers; none where nothing was ever written."""
+        ...
+
+    def delete(self, number: int) -> None:
+        """Remove a row, if it is there."""
+        ...
+
+    def count(self, number: int, helped: bool) -> None:
+        """Note that a row was used, if it is still there."""
+        ...
+
+
+def store_of(where: str | Path) -> Store:
+    """The store that a word names.
+
+    Args:
+        where: `lance:` before a folder or URI for LanceDB; else the path of an SQLite file, as any `Path` is.
+
+    Raises:
+        InputError: No folder is named, or the package for it is not installed.
+    """
+    kind, colon, rest = ("", "", "") if isinstance(where, Path) else where.partition(":")
+    if kind == "lance" and colon:
+        from coral.contact.memory.store_lance import LanceStore
+
+        if not rest:
+            raise InputError(str(where), "", "no folder", "lance:FOLDER or lance:URI, such as lance:memory")
+        return LanceStore(rest)
+    from coral.contact.memory.store_sqlite import SqliteStore
+
+    return SqliteStore(Path(where))

@@ -1,0 +1,177 @@
+"""Experiences in a LanceDB table, in a folder or an object store that several machines share.
+
+Writers do not lock: each commits the version that it has made, and one whose version was made by another meanwhile
+tries again on top of that one (optimistic concurrency). A row is there once its commit is.
+"""
+
+from __future__ import annotations
+
+import random
+import time
+from collections.abc import Callable
+from datetime import timedelta
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import pyarrow as pa
+
+from coral.contact.memory.embedding import Vector
+from coral.contact.memory.store import BUSY_S, Row
+from coral.errors import InputError, first_line
+
+T = TypeVar("T")
+TABLE = "experience"
+# With the key told, two writers that take the same number at once conflict; without, both rows would be written.
+KEY = {"lance-schema:unenforced-primary-key": "true"}
+SCHEMA = pa.schema(
+    [
+        pa.field("id", pa.int64(), nullable=False, metadata=KEY),
+        pa.field("created", pa.string()),
+        pa.field("record", pa.string()),
+        pa.field("embedder", pa.string()),
+        # Of no fixed length: embedders differ, and nothing is searched by nearness alone.
+        pa.field("vector", pa.list_(pa.float32())),
+        pa.field("used", pa.int64()),
+        pa.field("helped", pa.int64()),
+    ]
+)
+ALL = 2**31 - 1
+
+
+class LanceStore:
+    """See `Store`.
+
+    Args:
+        uri: A folder, or what LanceDB connects to (`s3://BUCKET/PATH`, ...; it reads keys from the environment).
+
+    Raises:
+        InputError: LanceDB is not installed.
+    """
+
+    def __init__(self, uri: str) -> None:
+        self.name = f"lance:{uri}"
+        self._folder = None if "://" in uri else Path(uri).expanduser()
+        self._uri = uri if self._folder is None else str(self._folder)
+        self._base: Any = None
+        try:
+            import lancedb  # type: ignore[import-not-found,unused-ignore]
+        except ImportError:
+            raise InputError(
+                self.name, "", "no package lancedb", "the extra installed: pip install -e '.[lance]'"
+            ) from None
+        self._lance: Any = lancedb
+
+    def exists(self) -> bool:
+        """See `Store.exists`."""
+        return self._told(self._table) is not None
+
+    def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
+        """See `Store.insert`."""
+
+        def written() -> int | None:
+            table = self._connected().create_table(TABLE, schema=SCHEMA, exist_ok=True)
+            ids = table.search().select(["id"]).limit(ALL).to_arrow()["id"].to_pylist()
+            number = max(ids, default=0) + 1
+            row = {
+                "id": number,
+                "created": created,
+                "record": record,
+                "embedder": embedder,
+                "vector": vector.tolist(),
+                "used": 0,
+                "helped": 0,
+            }
+            merged = (
+                table.merge_insert("id")
+                .when_not_matched_insert_all()
+                .execute(pa.Table.from_pylist([row], schema=SCHEMA))
+            )
+            return number if merged.num_inserted_rows == 1 else None  # None: the number was taken meanwhile
+
+        return self._committed(written)
+
+    def rows(self) -> list[Row]:
+        """See `Store.rows`."""
+        table = self._told(self._table)
+        if table is None:
+            return []
+        found = self._told(lambda: table.to_arrow().select(SCHEMA.names).sort_by("id").to_pylist())
+        return [Row(**{**row, "vector": np.asarray(row["vector"], np.float32)}) for row in found]
+
+    def delete(self, number: int) -> None:
+        """See `Store.delete`."""
+        self._change(lambda table: table.delete(f"id = {int(number)}"))
+
+    def count(self, number: int, helped: bool) -> None:
+        """See `Store.count`."""
+        self._change(
+            lambda table: table.update(
+                where=f"id = {int(number)}", values_sql={"used": "used + 1", "helped": f"helped + {int(helped)}"}
+            )
+        )
+
+    def _change(self, act: Callable[[Any], object]) -> None:
+        def changed() -> bool:
+            table = self._table()
+            if table is not None:
+                act(table)
+            return True
+
+        self._committed(changed)
+
+    def _connected(self) -> Any:
+        """The database, whose tables are always looked up anew."""
+        if self._base is None:
+            self._base = self._lance.connect(self._uri, read_consistency_interval=timedelta(0))
+        return self._base
+
+    def _table(self) -> Any:
+        """The table as it is now; None where there is none, of which nothing is made."""
+        if self._folder is not None and not self._folder.exists():
+            return None
+        if self._folder is not None and not self._folder.is_dir():
+            raise NotADirectoryError("a file")
+        try:
+            return self._connected().open_table(TABLE)
+        except ValueError as error:
+            if "not found" in str(error):
+                return None
+            raise
+
+    def _committed(self, act: Callable[[], T | None]) -> T:
+        """Do it until nobody was faster.
+
+        Raises:
+            InputError: It cannot be done, or others were faster all the time.
+        """
+        until, wait_s = time.monotonic() + BUSY_S, 0.01
+        while True:
+            try:
+                done = act()
+                if done is not None:
+                    return done
+            except Exception as error:
+                if not _faster(error) or time.monotonic() > until:
+                    raise self._refused(error) from None
+            if time.monotonic() > until:
+                raise self._refused("others that write all the time")
+            # Chance only keeps writers apart that would collide again; no result depends on it.
+            time.sleep(wait_s * random.random())
+            wait_s = min(2 * wait_s, 0.5)
+
+    def _told(self, act: Callable[[], T]) -> T:
+        try:
+            return act()
+        except Exception as error:  # whatever a store somewhere does when it cannot be read
+            raise self._refused(error) from None
+
+    def _refused(self, why: object) -> InputError:
+        found = first_line(why) if isinstance(why, Exception) else str(why)
+        return InputError(self.name, "", found[:300], "a LanceDB table of experiences that can be opened")
+
+
+def _faster(error: Exception) -> bool:
+    """Whether a commit failed because another one came first; LanceDB has no exception of its own for that."""
+    text = str(error).lower()
+    return any(word in text for word in ("conflict", "concurrent", f"'{TABLE}' already exists"))

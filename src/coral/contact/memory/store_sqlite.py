@@ -1,0 +1,113 @@
+"""Experiences in one SQLite file, for one machine.
+
+Rows are written in one transaction each, with a write-ahead log that is synchronised fully: a process killed at any
+moment loses nothing that was acknowledged, and several processes may write.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from coral.contact.memory.embedding import Vector
+from coral.contact.memory.store import BUSY_S, Row
+from coral.errors import InputError
+
+TABLE = """CREATE TABLE IF NOT EXISTS experience (
+    id INTEGER PRIMARY KEY AUTOINCREMENT, created TEXT NOT NULL, record TEXT NOT NULL, embedder TEXT NOT NULL,
+    vector BLOB NOT NULL, used INTEGER NOT NULL DEFAULT 0, helped INTEGER NOT NULL DEFAULT 0)"""
+
+
+class SqliteStore:
+    """See `Store`.
+
+    Args:
+        path: The file; made at the first row.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.name = path, str(path)
+
+    def exists(self) -> bool:
+        """See `Store.exists`."""
+        return self.path.is_file()
+
+    def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
+        """See `Store.insert`."""
+        with self._open(write=True) as base:
+            row = base.execute(
+                "INSERT INTO experience (created, record, embedder, vector) VALUES (?, ?, ?, ?)",
+                (created, record, embedder, vector.astype("<f4").tobytes()),
+            )
+            return int(row.lastrowid or 0)
+
+    def rows(self) -> list[Row]:
+        """See `Store.rows`."""
+        if not self.path.exists():
+            return []
+        with self._open() as base:
+            found = base.execute(
+                "SELECT id, created, record, embedder, vector, used, helped FROM experience ORDER BY id"
+            ).fetchall()
+        return [
+            Row(number, created, record, embedder, _vector(blob), used, helped)
+            for number, created, record, embedder, blob, used, helped in found
+        ]
+
+    def delete(self, number: int) -> None:
+        """See `Store.delete`."""
+        with self._open(write=True) as base:
+            base.execute("DELETE FROM experience WHERE id = ?", (number,))
+
+    def count(self, number: int, helped: bool) -> None:
+        """See `Store.count`."""
+        with self._open(write=True) as base:
+            base.execute(
+                "UPDATE experience SET used = used + 1, helped = helped + ? WHERE id = ?", (int(helped), number)
+            )
+
+    @contextmanager
+    def _open(self, write: bool = False) -> Iterator[sqlite3.Connection]:
+        try:
+            if write:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+            with closing(sqlite3.connect(self.path, timeout=BUSY_S)) as base:
+                if write:
+                    _ahead(base)
+                if write or not base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                    base.execute(TABLE)  # not when reading what is somebody else's
+                with base:
+                    yield base
+        except (sqlite3.Error, OSError) as error:
+            raise InputError(self.name, "", error, "an SQLite file of experiences that can be opened") from None
+
+
+def _vector(blob: bytes) -> Vector:
+    """As many numbers as there are; what another program wrote may break off."""
+    return np.frombuffer(blob[: len(blob) // 4 * 4], "<f4")
+
+
+def _ahead(base: sqlite3.Connection) -> None:
+    """Write ahead, synchronised fully.
+
+    SQLite does not wait for its lock when it changes the journal, but gives up at once where another process writes
+    into a new file at the same moment.
+
+    Raises:
+        sqlite3.OperationalError: The file stays locked.
+    """
+    until = time.monotonic() + BUSY_S
+    while True:
+        try:
+            base.execute("PRAGMA journal_mode=WAL")
+            base.execute("PRAGMA synchronous=FULL")
+            return
+        except sqlite3.OperationalError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(0.005)

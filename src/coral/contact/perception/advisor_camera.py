@@ -1,0 +1,82 @@
+"""What a fixed camera shows an advisor: an RGB-D picture of the scene, when it is asked (section 4). No OpenGL."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import mujoco
+import numpy as np
+
+from coral.advisor.question import Picture
+from coral.contact.perception.camera import CameraCfg, RayCamera, RgbdFrame, look_at
+from coral.contact.perception.depth_noise import DepthNoise
+from coral.contact.perception.posed_scene import covered, instances
+from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
+from coral.contact.scene.trial import Drawn
+from coral.contact.worlds.evaluation_world import EvaluationWorld
+
+Look = Callable[[], RgbdFrame | None]
+"""A picture of the world as it stands; None where there is no camera."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SightCfg:
+    """The pictures that go with questions; the camera stands where the tracker's does.
+
+    Args:
+        width, height: Pixels; 640 by 480 is what vision models see without scaling it down.
+    """
+
+    width: int = 640
+    height: int = 480
+
+
+def eyes(world: EvaluationWorld, drawn: Drawn, tracked: TrackedCfg, cfg: SightCfg, rng: np.random.Generator) -> Look:
+    """The advisor's camera. It is made with the first picture: many episodes take none.
+
+    Args:
+        world: A world that is simulated by MuJoCo has pictures, another has none.
+        drawn: The trial.
+        tracked: Where the camera stands, and how its depth is measured.
+        cfg: Its pictures.
+        rng: Of the depth's noise; its own, so that looking changes nothing else.
+    """
+    model, data = getattr(world, "model", None), getattr(world, "data", None)
+    camera: list[RayCamera] = []
+
+    def look() -> RgbdFrame | None:
+        if not isinstance(model, mujoco.MjModel) or not isinstance(data, mujoco.MjData):
+            return None
+        if not camera:
+            lens = CameraCfg(
+                width=cfg.width,
+                height=cfg.height,
+                vfov_deg=tracked.camera.vfov_deg,
+                near_m=tracked.camera.near_m,
+                far_m=tracked.camera.far_m,
+            )
+            noise = DepthNoise(tracked.depth_noise) if tracked.noise else None
+            camera.append(
+                RayCamera(
+                    model,
+                    lens,
+                    look_at(*viewpoint(drawn, tracked)),
+                    instances(model, drawn),
+                    noise=noise,
+                    colours="shaded",
+                    hidden=covered(model, drawn),
+                )
+            )
+        return camera[0].take(data, rng)
+
+    return look
+
+
+def picture(frame: RgbdFrame) -> Picture:
+    """The colours of a frame as they go with a question."""
+    assert frame.rgb is not None
+    done, data = cv2.imencode(".png", frame.rgb[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 6])
+    assert done
+    return Picture(name="scene", png=bytes(data), caption="The scene as the robot's camera sees it.")

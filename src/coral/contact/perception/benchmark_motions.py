@@ -1,0 +1,245 @@
+"""What a tracker must follow: objects moved as the six tasks move them, with a two-finger hand in the way.
+
+The motions are kinematic: nothing is simulated, so that a motion is the same on every machine. Frames: world, metres, z
+up; the tool frame has z out of the palm and y along the opening.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.perception.rotation import about, pose
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.trial import Drawn
+from coral.errors import InputError, nearest
+
+Array = NDArray[np.float64]
+_X, _Y, _Z = np.eye(3)
+_DOWN = np.diag([-1.0, 1.0, -1.0])
+"""The hand pointing down with its fingers left and right, seen from the robot."""
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where everything is at one time.
+
+    Args:
+        objects: T_world_object by name, Shape=(4, 4).
+        tool: T_world_tool, Shape=(4, 4).
+        opening_m: Between the fingers.
+    """
+
+    objects: dict[str, Array]
+    tool: Array
+    opening_m: float
+
+
+Phase = tuple[float, Callable[[float], Moment]]
+"""How long (s), and where everything is as the share of it that has passed goes from 0 to 1."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Phases, one after the other, each begun and ended at rest."""
+
+    phases: tuple[Phase, ...]
+
+    @property
+    def duration_s(self) -> float:
+        """How long all phases take."""
+        return sum(duration for duration, _ in self.phases)
+
+    def at(self, time_s: float) -> Moment:
+        """Where everything is; before the beginning and after the end, where it is then."""
+        for duration, place in self.phases:
+            if time_s <= duration:
+                share = min(1.0, max(0.0, time_s / duration))
+                return place(share * share * (3.0 - 2.0 * share))
+            time_s -= duration
+        return self.phases[-1][1](1.0)
+
+
+def motion_of(drawn: Drawn, kind: str | None = None) -> Motion:
+    """The motion of a trial's first object; the others stand where they stand.
+
+    Args:
+        drawn: The trial.
+        kind: Name of the task whose motion it is; the trial's own by default, and that of `pick-box` for other tasks.
+
+    Raises:
+        InputError: There is no motion of that name.
+    """
+    name = kind or (drawn.task.name if drawn.task.name in MOTIONS else "pick-box")
+    if name not in MOTIONS:
+        raise InputError("motion", "", name, f"one of {', '.join(MOTIONS)}{nearest(name, MOTIONS)}")
+    return Motion(tuple(MOTIONS[name](_Scene(drawn))))
+
+
+class _Scene:
+    """A trial in the heading of its first object: the heading nearest the world's among those of the object's sides."""
+
+    def __init__(self, drawn: Drawn) -> None:
+        self.main = drawn.task.objects[0].name
+        self.poses = {
+            name: pose(rotation_of(item.pose.quaternion), item.pose.position) for name, item in drawn.objects.items()
+        }
+        start = self.poses[self.main]
+        corners = drawn.corners(self.main) @ start[:3, :3].T + start[:3, 3]
+        self.fixtures = drawn.task.fixtures
+        side = max((s * start[:3, k] for k in range(3) for s in (1.0, -1.0)), key=lambda axis: float(axis @ _X))
+        self.heading = math.atan2(side[1], side[0])
+        turn = about(_Z, self.heading)
+        low, high = (corners @ turn).min(0), (corners @ turn).max(0)
+        self.middle = turn @ ((low + high) / 2)
+        self.extent = high - low
+        self.turn = turn
+
+    def moment(self, tool: Array, opening: float, moved: Array | None = None) -> Moment:
+        """Everything at the start, but the object moved by a transform of the world."""
+        objects = dict(self.poses)
+        if moved is not None:
+            objects[self.main] = moved @ objects[self.main]
+        return Moment(objects, tool, opening)
+
+    def tool(self, offset: Array, orientation: Array = _DOWN) -> Array:
+        """A tool pose given in the object's heading, its offset (m) from the object's middle."""
+        return pose(self.turn @ orientation, self.middle + self.turn @ offset)
+
+    def approach(self, tool: Array, opening: float, moved: Array | None = None, seconds: float = 1.5) -> Phase:
+        """The hand comes from 15 cm behind and above, while the object rests."""
+        away = pose(np.eye(3), -0.1 * self.turn[:, 0] + 0.15 * _Z) @ tool
+
+        def place(share: float) -> Moment:
+            return self.moment(pose(tool[:3, :3], (1 - share) * away[:3, 3] + share * tool[:3, 3]), opening, moved)
+
+        return seconds, place
+
+    def carry(
+        self,
+        tool: Array,
+        opening: float,
+        seconds: float,
+        shift: Array,
+        turns: tuple[tuple[Array, float, Array], ...],
+        before: Array | None = None,
+        upright: bool = False,
+    ) -> tuple[Phase, Array]:
+        """Hand and object move as one; the phase, and what the object has been moved by at its end.
+
+        Args:
+            tool: T_world_tool when the object is not moved.
+            opening: Between the fingers.
+            seconds: Duration.
+            shift: Shape=(3,) m, world.
+            turns: Axis and angle (rad) of rotations about points, Shape=(3,), all in the world; applied in order.
+            before: What the object has been moved by.
+            upright: Whether the hand keeps its orientation and only its tip goes along.
+        """
+        first = np.eye(4) if before is None else before
+
+        def moved(share: float) -> Array:
+            total = np.eye(4)
+            for axis, angle, point in turns:
+                r = about(axis, share * angle)
+                total = pose(r, point - r @ point) @ total
+            return np.asarray(pose(np.eye(3), share * shift) @ total @ first)
+
+        def place(share: float) -> Moment:
+            hand = moved(share) @ tool
+            return self.moment(pose(tool[:3, :3], hand[:3, 3]) if upright else hand, opening, moved(share))
+
+        return (seconds, place), moved(1.0)
+
+
+def _push(scene: _Scene) -> list[Phase]:
+    """Pushed from behind with closed fingers: 20 cm ahead and a turn left, then another way with a turn right."""
+    tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.0]))
+    first, moved = scene.carry(tool, 0.0, 2.5, 0.12 * scene.turn[:, 0], ((_Z, 0.35, scene.middle),))
+    ahead = 0.08 * scene.turn[:, 0] + 0.05 * scene.turn[:, 1]
+    second, _ = scene.carry(tool, 0.0, 2.0, ahead, ((_Z, -0.5, moved[:3, :3] @ scene.middle + moved[:3, 3]),), moved)
+    return [scene.approach(tool, 0.0), first, second]
+
+
+def _pick(scene: _Scene) -> list[Phase]:
+    """Grasped from above, lifted, carried with a turn, put down, let go."""
+    tool = scene.tool(np.array([0.0, 0.0, max(0.0, scene.extent[2] / 2 - 0.03)]))
+    width = min(0.08, float(scene.extent[1]))
+    up, moved = scene.carry(tool, width, 1.5, 0.14 * _Z, ())
+    point = moved[:3, 3] + scene.middle
+    across, moved = scene.carry(tool, width, 2.0, 0.15 * scene.turn[:, 1], ((_Z, 0.7, point), (_X, 0.25, point)), moved)
+    point = moved[:3, :3] @ scene.middle + moved[:3, 3]
+    down, moved = scene.carry(tool, width, 1.5, -0.14 * _Z, ((_X, -0.25, point),), moved)
+    gone = moved @ tool
+
+    def leave(share: float) -> Moment:
+        return scene.moment(pose(gone[:3, :3], gone[:3, 3] + 0.2 * share * _Z), 0.08, moved)
+
+    return [scene.approach(tool, 0.08), up, across, down, (1.0, leave)]
+
+
+def _pick_clutter(scene: _Scene) -> list[Phase]:
+    """Lifted out from among the others, and held aslant."""
+    tool = scene.tool(np.array([0.0, 0.0, max(0.0, scene.extent[2] / 2 - 0.03)]))
+    width = min(0.08, float(scene.extent[1]))
+    up, moved = scene.carry(tool, width, 2.0, 0.16 * _Z, ())
+    point = moved[:3, 3] + scene.middle
+    aslant, _ = scene.carry(tool, width, 2.0, -0.08 * scene.turn[:, 0], ((_Y, 0.6, point), (_Z, 0.4, point)), moved)
+    return [scene.approach(tool, 0.08), up, aslant]
+
+
+def _push_pick(scene: _Scene) -> list[Phase]:
+    """Slid under closed fingers that press from above, then gripped at its far end and lifted aslant."""
+    press = scene.tool(np.array([-0.2 * scene.extent[0], 0.0, scene.extent[2] / 2]))
+    ahead = 0.18 * scene.turn[:, 0]
+    slide, moved = scene.carry(press, 0.0, 3.0, ahead, ((_Z, 0.3, scene.middle),))
+    back = np.stack([_Z, -_Y, -_X], 1) @ about(_Z, math.pi / 2)  # out of the palm is back to the robot, fingers astride
+    grip = scene.tool(np.array([scene.extent[0] / 2 - 0.02, 0.0, 0.0]), back)
+    start, end = moved @ press, moved @ grip
+
+    def regrasp(share: float) -> Moment:
+        over = 0.15 * math.sin(math.pi * share) * _Z
+        orientation = start[:3, :3] if share < 0.5 else end[:3, :3]
+        return scene.moment(pose(orientation, (1 - share) * start[:3, 3] + share * end[:3, 3] + over), 0.04, moved)
+
+    point = end[:3, 3]
+    lift, _ = scene.carry(grip, 0.02, 2.5, 0.15 * _Z, ((about(_Z, 0.3) @ scene.turn[:, 1], 0.35, point),), moved)
+    return [scene.approach(press, 0.0), slide, (1.5, regrasp), lift]
+
+
+def _flip(scene: _Scene) -> list[Phase]:
+    """Tilted over its far lower edge by a hand that pushes high up, until it lies on its far side."""
+    tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.3 * scene.extent[2]]))
+    edge = scene.middle + scene.turn @ np.array([scene.extent[0] / 2, 0.0, -scene.extent[2] / 2])
+    over, _ = scene.carry(tool, 0.0, 3.0, np.zeros(3), ((scene.turn[:, 1], math.pi / 2, edge),), upright=True)
+    return [scene.approach(tool, 0.0), over, (0.5, lambda share: over[1](1.0))]
+
+
+def _flip_wall(scene: _Scene) -> list[Phase]:
+    """Pushed to the wall and then, from below its near edge, turned up against it."""
+    tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.0]))
+    walls = [f.position[0] - f.size[0] / 2 for f in scene.fixtures if f.position[0] > scene.middle[0]]
+    room = min(walls, default=float(scene.middle[0] + scene.extent[0] / 2 + 0.1))
+    thick = float(scene.extent[2])
+    gap = max(0.02, room - float(scene.middle[0] + scene.extent[0] / 2) - 0.25 * thick)
+    slide, moved = scene.carry(tool, 0.0, 2.0, gap * _X, ((_Z, -scene.heading, scene.middle),))
+    middle = scene.middle + gap * _X
+    edge = middle + np.array([scene.extent[0] / 2, 0.0, -scene.extent[2] / 2])
+    # The foot slides back by the thickness: what was the top comes to stand against the wall.
+    up, _ = scene.carry(tool, 0.0, 3.0, -thick * _X, ((_Y, math.pi / 2, edge),), moved, True)
+    return [scene.approach(tool, 0.0), slide, up, (0.5, lambda share: up[1](1.0))]
+
+
+MOTIONS: dict[str, Callable[[_Scene], list[Phase]]] = {
+    "push-pick-board": _push_pick,
+    "pick-box": _pick,
+    "pick-clutter": _pick_clutter,
+    "push-force": _push,
+    "flip-box": _flip,
+    "flip-wall": _flip_wall,
+}
+"""Named after the tasks."""

@@ -1,0 +1,76 @@
+"""An evaluation world whose objects are held to be where somebody guessed at first, and never looked for again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import mujoco
+
+from coral.contact.perception.posed_scene import object_model
+from coral.contact.perception.rotation import pose
+from coral.contact.perception.tracked_world import Seen
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.observation import Body, HandTarget, Observation, Truth
+from coral.contact.scene.trial import Drawn
+from coral.contact.worlds.evaluation_world import EvaluationWorld
+from coral.errors import InputError
+
+
+class GuessedWorld:
+    """Another world without its tracker (paper, Table 1, last row).
+
+    Args:
+        world: Where things happen; simulated by MuJoCo, so that there is a picture to guess by.
+        drawn: The trial; its shapes and symmetries are used, for comparing with the truth.
+
+    Raises:
+        InputError: There are no pictures of the world.
+    """
+
+    def __init__(self, world: EvaluationWorld, drawn: Drawn) -> None:
+        self._world = world
+        self.name, self.control_period_s = world.name, world.control_period_s
+        model: Any = getattr(world, "model", None)
+        if not isinstance(model, mujoco.MjModel):
+            raise InputError("--variant", "", "poses guessed from a picture", "a world of which pictures can be made")
+        self.model, self.data = model, getattr(world, "data")  # noqa: B009
+        self._shapes = {name: object_model(model, drawn, name) for name in drawn.objects}
+        self._guessed: dict[str, Body] = {}
+
+    def reset(self) -> Observation:
+        """See `EvaluationWorld.reset`; without any object until `settle`."""
+        self._guessed = {}
+        return self._seen(self._world.reset())
+
+    def settle(self, guessed: Mapping[str, Body], now: Observation) -> Observation:
+        """Take the poses that were guessed; the observation with them."""
+        self._guessed = dict(guessed)
+        return self._seen(now)
+
+    def step(self, target: HandTarget) -> Observation:
+        """See `EvaluationWorld.step`."""
+        return self._seen(self._world.step(target))
+
+    def truth(self) -> Truth:
+        """See `EvaluationWorld.truth`."""
+        return self._world.truth()
+
+    def close(self) -> None:
+        """See `EvaluationWorld.close`."""
+        self._world.close()
+
+    def compare(self, now: Observation, truth: Truth) -> dict[str, Seen]:
+        """How far the guesses are from the truth; for the record."""
+        found = {}
+        for name in now.objects:
+            seen, true = (
+                pose(rotation_of(body.quaternion), body.position) for body in (now.objects[name], truth.objects[name])
+            )
+            shift, turn = self._shapes[name].symmetry.difference(seen, true)
+            found[name] = Seen(float(shift), float(turn), False)
+        return found
+
+    def _seen(self, now: Observation) -> Observation:
+        return replace(now, objects=dict(self._guessed))

@@ -1,0 +1,163 @@
+"""The embedded pose tracker: registration, then alignment from picture to picture, with a confidence of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Count, NonNegative, Positive
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.confidence import ConfidenceCfg, judge, robot_in, unseen, view_of
+from coral.contact.perception.image_patch import View
+from coral.contact.perception.object_model import ObjectModel
+from coral.contact.perception.registration import RegistrationCfg, misfit, orientations, register
+from coral.contact.perception.rotation import about, angle, from_vector, inverse, vector
+from coral.contact.perception.rotation import pose as to_pose
+from coral.contact.perception.tracker import Estimate
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackerCfg:
+    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md)."""
+
+    pixels: Count = 12000
+    """Of the cut-out that is aligned: all of an object at 320 x 240."""
+    steps: Count = 8
+    wide_m: Positive = 0.025
+    """Depth residuals beyond this do not count in the first step."""
+    tight_m: Positive = 0.008
+    """Nor beyond this in the last one: four standard deviations at 1 m."""
+    outline: NonNegative = 2.0
+    """Weight of an outline pixel against a depth pixel."""
+    hold: NonNegative = 3.0
+    """Weight of the predicted pose, as so many pixels: it settles what a small rest of an object leaves open."""
+    search_above: NonNegative = 0.35
+    """Share of the picture that a pose leaves unexplained above which other poses nearby are tried too."""
+    reluctance: NonNegative = 0.3
+    """What it costs there to be away from the guesses by the object's size or a radian, in the same share."""
+    search_rad: Positive = 0.25
+    """How far they are turned: half of what the alignment corrects by itself."""
+    confidence: ConfidenceCfg = field(default_factory=ConfidenceCfg)
+    registration: RegistrationCfg = field(default_factory=RegistrationCfg)
+
+
+class ModelTracker:
+    """Tracks one object whose shape is known.
+
+    Args:
+        model: The object.
+        cfg: How.
+        expected: T_world_object, Shape=(4, 4): of the poses that its symmetry makes equal, the first one reported is
+            the nearest to this; the object's axes along the world's by default.
+    """
+
+    name = "model"
+    wants_colours = False
+
+    def __init__(self, model: ObjectModel, cfg: TrackerCfg | None = None, expected: Array | None = None) -> None:
+        self.model, self.cfg = model, cfg or TrackerCfg()
+        self._turns = orientations(model, self.cfg.registration)
+        self._reference = np.eye(4) if expected is None else expected
+        self._last: Array | None = None
+        self._before: Array | None = None
+        self._lost = False
+
+    def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
+        """Find the object without knowing where it was; see `PoseTracker`."""
+        if unseen(frame, mask, self.cfg.confidence):
+            return self._give_up("not seen")
+        pose = register(
+            self.model,
+            self._turns,
+            frame.depth,
+            mask,
+            frame.lens,
+            frame.T_world_camera,
+            robot_in(frame, self.cfg.confidence),
+            self.cfg.registration,
+        )
+        return self._judge(frame, self._view(frame, mask, [pose]), pose, registered=True)
+
+    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> Estimate:
+        """Follow the object; where it was lost, find it again. The hint is one more start. See `PoseTracker`."""
+        if self._last is None:
+            return self.register(frame, mask)
+        if unseen(frame, mask, self.cfg.confidence):
+            return self._give_up("not seen")
+        camera = inverse(frame.T_world_camera)
+        starts = [camera @ self._last]
+        if self._before is not None:
+            starts.append(camera @ _ahead(self._last, self._before))
+        if guess is not None:
+            starts.append(camera @ guess)
+        view = self._view(frame, mask, starts)
+        if self._lost:
+            starts.append(view.place(self.model, starts[0]))
+        pose = self._align(view, min(starts, key=lambda start: misfit(view.count(self.model, start, 0.03))))
+        if self._misfit(view, pose) > self.cfg.search_above:
+            pose = self._search(view, [*starts, pose])
+        estimate = self._judge(frame, view, pose)
+        if estimate.reason == "does not fit":
+            estimate = self.register(frame, mask)
+        return estimate
+
+    def close(self) -> None:
+        """See `PoseTracker`; nothing is held elsewhere."""
+
+    def _view(self, frame: RgbdFrame, mask: NDArray[np.bool_], poses: list[Array]) -> View:
+        return view_of(frame, mask, self.model, poses, self.cfg.confidence, self.cfg.pixels)
+
+    def _align(self, view: View, pose: Array) -> Array:
+        cfg = self.cfg
+        return view.align(self.model, pose, cfg.steps, cfg.wide_m, cfg.tight_m, cfg.outline, cfg.hold)
+
+    def _misfit(self, view: View, pose: Array) -> float:
+        return misfit(view.count(self.model, pose, self.cfg.confidence.margin_m))
+
+    def _search(self, view: View, poses: list[Array]) -> Array:
+        """The best fit from several guesses, and from the first of them turned a little every way."""
+        guesses = list(poses)
+        middle = poses[0][:3, :3] @ self.model.pivot + poses[0][:3, 3]
+        for axis in np.eye(3):
+            for sign in (1.0, -1.0):
+                turn = about(axis, sign * self.cfg.search_rad)
+                guesses.append(to_pose(turn @ poses[0][:3, :3], turn @ (poses[0][:3, 3] - middle) + middle))
+        found = [self._align(view, guess) for guess in guesses]
+        return min(found, key=lambda pose: self._misfit(view, pose) + self.cfg.reluctance * self._effort(pose, poses))
+
+    def _effort(self, pose: Array, guesses: list[Array]) -> float:
+        """How far a pose is from the nearest guess: in parts of the object's size, and turns of a radian."""
+        pivot = self.model.pivot
+        return min(
+            float(np.linalg.norm((pose[:3, :3] - g[:3, :3]) @ pivot + pose[:3, 3] - g[:3, 3])) / self.model.diameter
+            + angle(g[:3, :3], pose[:3, :3])
+            for g in guesses
+        )
+
+    def _judge(self, frame: RgbdFrame, view: View, pose: Array, *, registered: bool = False) -> Estimate:
+        """What to think of a pose (T_camera_object); it is kept if it is good enough."""
+        cfg = self.cfg.confidence
+        following = self._last is not None and not self._lost
+        verdict = judge(self.model, view, pose, cfg, following)
+        if verdict.reason:
+            return self._give_up(verdict.reason, verdict.visible)
+        world = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
+        self._before = None if registered or self._lost else self._last
+        self._last = self._reference = world
+        self._lost = False
+        return Estimate(world, verdict.confidence, False, verdict.visible, "", registered)
+
+    def _give_up(self, reason: str, visible: float = 0.0) -> Estimate:
+        """Report the object as lost."""
+        self._lost, self._before = True, None
+        return Estimate(self._reference, 0.0, True, visible, reason)
+
+
+def _ahead(last: Array, before: Array) -> Array:
+    """Where the object is now if it goes on as it did between the last two pictures. T_world_object."""
+    turn = from_vector(vector(last[:3, :3] @ before[:3, :3].T))
+    return to_pose(turn @ last[:3, :3], 2 * last[:3, 3] - before[:3, 3])

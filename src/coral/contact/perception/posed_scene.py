@@ -1,0 +1,101 @@
+"""A trial's objects and a hand, put where one wants them and looked at by a camera."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.control.hand_model import HandCfg, add_hand
+from coral.contact.control.planning_world import put_state
+from coral.contact.perception.benchmark_motions import Moment
+from coral.contact.perception.camera import CameraCfg, Colours, RayCamera, RgbdFrame, look_at
+from coral.contact.perception.depth_noise import DepthNoise
+from coral.contact.perception.object_model import ObjectModel, from_body
+from coral.contact.perception.symmetry import of_kind
+from coral.contact.scene.geometry import quaternion_of
+from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.observation import Body, Observation
+from coral.contact.scene.trial import Drawn
+
+Array = NDArray[np.float64]
+MOTIONS_EYE, MOTIONS_TARGET = (-0.35, -0.75, 0.6), (0.05, 0.0, 0.05)
+"""Beside the robot, looking down across the table: where prescribed motions are looked at from. Episodes have a
+viewpoint of their own, `tracked_cfg.EYE`, which the whole arm hides less from."""
+
+
+class Stage:
+    """A scene that is posed, not simulated.
+
+    Args:
+        drawn: The trial.
+        cfg: The camera.
+        noise: Of its depth; None for none.
+        T_world_camera: Shape=(4, 4); `MOTIONS_EYE` looking at `MOTIONS_TARGET` by default.
+        colours: As of `RayCamera`.
+    """
+
+    def __init__(
+        self,
+        drawn: Drawn,
+        cfg: CameraCfg,
+        noise: DepthNoise | None,
+        T_world_camera: Array | None = None,
+        colours: Colours = "none",
+    ) -> None:
+        spec = mujoco.MjSpec()
+        add_scene(spec, drawn)
+        add_hand(spec, HandCfg())
+        self.model = spec.compile()
+        self._data = mujoco.MjData(self.model)
+        placed = look_at(MOTIONS_EYE, MOTIONS_TARGET) if T_world_camera is None else T_world_camera
+        self.camera = RayCamera(self.model, cfg, placed, instances(self.model, drawn), noise=noise, colours=colours)
+
+    def take(self, moment: Moment, rng: np.random.Generator, time_s: float = 0.0) -> RgbdFrame:
+        """A picture of one moment."""
+        objects = {name: _body(T) for name, T in moment.objects.items()}
+        now = Observation(time_s, _body(moment.tool), moment.opening_m, np.zeros(6), objects)
+        put_state(self.model, self._data, now)
+        self._data.time = time_s
+        mujoco.mj_kinematics(self.model, self._data)
+        return self.camera.take(self._data, rng)
+
+
+def instances(model: mujoco.MjModel, drawn: Drawn) -> dict[int, str]:
+    """Which geoms are seen as which movable object; all that moves otherwise is the robot."""
+    bodies = {int(model.body(name).id): name for name in drawn.objects}
+    robot = {i: "robot" for i, b in enumerate(model.geom_bodyid) if int(b) not in bodies and int(model.body_weldid[b])}
+    return robot | {i: bodies[int(b)] for i, b in enumerate(model.geom_bodyid) if int(b) in bodies}
+
+
+def covered(model: mujoco.MjModel, drawn: Drawn) -> list[int]:
+    """Geoms that a picture to be looked at leaves out: collision shapes over pretty ones, and the room around."""
+    ours = {"table", *(fixture.name for fixture in drawn.task.fixtures)}
+    pretty = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
+    bodies = {model.body(name).id for name in drawn.objects}
+    return [
+        k
+        for k in range(model.ngeom)
+        if model.geom(k).name not in ours
+        and (
+            int(model.geom_bodyid[k]) == 0
+            or (model.geom_group[k] == 0 and int(model.geom_bodyid[k]) in pretty - bodies)
+        )
+    ]
+
+
+def object_model(model: mujoco.MjModel, drawn: Drawn, name: str) -> ObjectModel:
+    """What a tracker may know of one object of a trial: its exact shape, and its symmetry.
+
+    The symmetry is the declared one, or that of the shape where this is larger: pictures of depth show nothing else.
+    """
+    found = from_body(model, name)
+    kind = drawn.task.object(name).symmetry
+    declared = of_kind(kind, drawn.size(name), found.pivot)
+    if kind == "none" or len(declared.members(12)) <= len(found.symmetry.members(12)):
+        return found
+    return from_body(model, name, symmetry=declared)
+
+
+def _body(T: Array) -> Body:
+    return Body(T[:3, 3], quaternion_of(T[:3, :3]))

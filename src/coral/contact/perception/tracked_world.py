@@ -1,0 +1,311 @@
+"""An evaluation world whose objects are seen by a camera: what is known of them comes from pictures, late and noisy."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import mujoco
+import numpy as np
+
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.grasp_detection import gripped
+from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
+from coral.contact.perception.posed_scene import object_model
+from coral.contact.perception.rotation import about, inverse, pose
+from coral.contact.perception.tracked_cfg import TrackedCfg, make_camera
+from coral.contact.perception.tracker import Estimate, PoseTracker, TrackerFailed
+from coral.contact.scene.geometry import from_rpy_deg, quaternion_of, rotation_of
+from coral.contact.scene.observation import Array, Body, HandTarget, Observation, Truth
+from coral.contact.scene.trial import Drawn
+from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldFault
+from coral.errors import InputError
+
+_IN_HAND_GAIN = 0.3
+
+
+class Eye(Protocol):
+    """Whatever takes the pictures."""
+
+    def take(self, data: mujoco.MjData, rng: np.random.Generator) -> RgbdFrame | None:
+        """A picture of the world as it stands; None where none came."""
+        ...
+
+
+@dataclass(frozen=True)
+class Seen:
+    """How one object was tracked, for reports; never for deciding.
+
+    Args:
+        off_m, off_rad: Of the pose that the planner was given from the true one, modulo the object's symmetry.
+        lost: Whether it was lost.
+    """
+
+    off_m: float
+    off_rad: float
+    lost: bool
+
+
+class _Followed:
+    """One object: its tracker, and its motion in the world or, held between the fingers, in the hand."""
+
+    def __init__(self, tracker: PoseTracker, cfg: MotionFilterCfg) -> None:
+        self.tracker, self._cfg = tracker, cfg
+        # Squeezed between rubber pads it moves with them: what pictures say otherwise is mostly noise.
+        self.in_hand = replace(cfg, position_gain=_IN_HAND_GAIN, velocity_gain=0.0)
+        self.held = False
+        self.lost_since: float | None = None
+        self.motion: MotionFilter | None = None
+
+    def hold(self, held: bool, tool: Array, time_s: float) -> None:
+        """Whether it now moves with the hand."""
+        if held != self.held:
+            before, after = (np.eye(4), inverse(tool)) if held else (tool, np.eye(4))
+            T = after @ before @ self.known.at(time_s)
+            self.motion, self.held = MotionFilter(self.in_hand if held else self._cfg, T, time_s), held
+
+    @property
+    def known(self) -> MotionFilter:
+        """Its motion, once it has been found."""
+        assert self.motion is not None
+        return self.motion
+
+    def at(self, tool: Array, time_s: float) -> Array:
+        """T_world_object."""
+        found = self.known.at(time_s)
+        return tool @ found if self.held else found
+
+
+class TrackedWorld:
+    """Another world, seen by a camera. The robot's own sensors are passed on as they are.
+
+    Args:
+        world: Where things happen; simulated by MuJoCo, with `model` and `data`.
+        drawn: The trial; of it shapes, symmetries and the task's ranges are used, as they are known beforehand.
+        cfg: How.
+        rng: Of the pictures' noise.
+        eye: Takes the pictures; a ray-casting camera by default.
+
+    Raises:
+        InputError: The world cannot be seen.
+        TrackerFailed: There is no tracker: nobody serves it.
+    """
+
+    poses = "tracked"
+
+    def __init__(
+        self, world: EvaluationWorld, drawn: Drawn, cfg: TrackedCfg, rng: np.random.Generator, eye: Eye | None = None
+    ) -> None:
+        self._world, self._drawn, self.cfg, self._rng = world, drawn, cfg, rng
+        self.name, self.control_period_s = world.name, world.control_period_s
+        model, data = getattr(world, "model", None), getattr(world, "data", None)
+        if model is None or data is None:
+            raise InputError("--poses", "", "'tracked'", "ground-truth, in a world of which no pictures can be made")
+        self.model: mujoco.MjModel = model
+        self.data: mujoco.MjData = data
+        self._choice = cfg.choice()
+        self._choice.check()
+        self.tracker = self._choice.name
+        self._eye = eye or make_camera(model, drawn, cfg)
+        self._shapes = {name: object_model(model, drawn, name) for name in drawn.objects}
+        self._objects: dict[str, _Followed] = {}
+        self._news: list[dict[str, Any]] = []
+
+    def reset(self) -> Observation:
+        """See `EvaluationWorld.reset`; the hand waits until every object has been found.
+
+        Raises:
+            WorldFault: An object was not found ("not-found"), there are no pictures ("camera-off"), or no poses
+                ("tracker-failed").
+        """
+        now = self._world.reset()
+        self._let_go()
+        for name, shape in self._shapes.items():
+            with _named():
+                tracker = self._choice.make(shape, nominal(self._drawn, name))
+            self._objects[name] = _Followed(tracker, self.cfg.motion)
+        self._late: deque[tuple[float, Array, dict[str, Estimate]]] = deque()
+        self._pictured_s, self._due_s, self._retreated_s = now.time_s, now.time_s, -np.inf
+        self._news.clear()
+        rest = HandTarget(now.tool.position, now.tool.quaternion, now.opening_m, 600.0)
+        taken = 0
+        while True:
+            missing = self._first(now, self._take(now))
+            taken += 1
+            if taken < self.cfg.first_pictures:
+                continue
+            self._due_s = now.time_s + self.cfg.period_s
+            if not missing:
+                return self._seen(now)
+            if now.time_s >= self.cfg.search_s - 1e-9:
+                what = ", ".join(f"{name} ({reason})" for name, reason in missing.items())
+                raise WorldFault("not-found", f"not found in {self.cfg.search_s:g} s: {what}")
+            while now.time_s < self._due_s - 1e-9:
+                now = self._world.step(rest)
+
+    def step(self, target: HandTarget) -> Observation:
+        """See `EvaluationWorld.step`.
+
+        Raises:
+            WorldFault: The world cannot go on, or there are no pictures any more ("camera-off"), or no poses
+                ("tracker-failed").
+        """
+        now = self._world.step(target)
+        tool = _transform(now.tool)
+        self._deliver(now.time_s)
+        for name, one in self._objects.items():
+            held = gripped(
+                self._shapes[name],
+                inverse(tool) @ one.at(tool, now.time_s),
+                now.opening_m,
+                target.opening_m,
+                one.held,
+                self.cfg.grip,
+            )
+            one.hold(held, tool, now.time_s)
+        if now.time_s >= self._due_s - 1e-9:
+            self._due_s += self.cfg.period_s
+            frame = self._take(now)
+            if frame is not None:
+                with _named():
+                    self._late.append(
+                        (
+                            now.time_s,
+                            tool,
+                            {
+                                name: one.tracker.track(frame, frame.mask(name), one.at(tool, now.time_s))
+                                for name, one in self._objects.items()
+                            },
+                        )
+                    )
+                if self.cfg.latency_s == 0.0:
+                    self._deliver(now.time_s)
+        return self._seen(now)
+
+    def truth(self) -> Truth:
+        """See `EvaluationWorld.truth`."""
+        return self._world.truth()
+
+    def close(self) -> None:
+        """See `EvaluationWorld.close`."""
+        self._let_go()
+        self._world.close()
+
+    def news(self) -> list[dict[str, Any]]:
+        """Objects lost and found since the last call: object, lost, why, and for how long it was lost."""
+        said, self._news = self._news, []
+        return said
+
+    def retreat(self, target: HandTarget, now: Observation) -> HandTarget:
+        """The target, or straight up from where the hand is while an object has been lost for too long.
+
+        A hand that covers an object from the camera would otherwise push on after the last pose it knows.
+        """
+        cfg = self.cfg
+        lost = [one.lost_since for one in self._objects.values() if one.lost_since is not None and not one.held]
+        begun = max(min(lost, default=np.inf), self._retreated_s) + cfg.retreat_after_s
+        if not cfg.retreat_after_s or now.time_s < begun:
+            return target
+        if now.time_s >= begun + cfg.retreat_s:
+            self._retreated_s = now.time_s
+            return target
+        lead = np.array([0.0, 0.0, 0.2 * cfg.retreat_m_s])
+        return HandTarget(now.tool.position + lead, now.tool.quaternion, target.opening_m, target.stiffness)
+
+    def compare(self, now: Observation, truth: Truth) -> dict[str, Seen]:
+        """How far what is held of the objects is from the truth; for the record."""
+        found = {}
+        for name, shape in self._shapes.items():
+            shift, turn = shape.symmetry.difference(_transform(now.objects[name]), _transform(truth.objects[name]))
+            found[name] = Seen(float(shift), float(turn), self._objects[name].lost_since is not None)
+        return found
+
+    def _first(self, now: Observation, frame: RgbdFrame | None) -> dict[str, str]:
+        """Look for what has not been found, look again at the rest; what was never found, and why not."""
+        missing = {}
+        for name, one in self._objects.items():
+            with _named():
+                estimate = None if frame is None else one.tracker.track(frame, frame.mask(name))
+            if estimate is None or estimate.lost:
+                if one.motion is None:
+                    missing[name] = "no picture" if estimate is None else estimate.reason
+            elif one.motion is None or estimate.registered:
+                one.motion = MotionFilter(self.cfg.motion, estimate.T_world_object, now.time_s)
+            else:
+                one.motion.measure(estimate.T_world_object, now.time_s)
+        return missing
+
+    def _let_go(self) -> None:
+        """Take leave of the trackers."""
+        for one in self._objects.values():
+            one.tracker.close()
+        self._objects.clear()
+
+    def _take(self, now: Observation) -> RgbdFrame | None:
+        frame = self._eye.take(self.data, self._rng)
+        if frame is not None and frame.depth.any():
+            self._pictured_s = now.time_s
+            return frame
+        if now.time_s - self._pictured_s >= self.cfg.blind_s - 1e-9:
+            raise WorldFault("camera-off", f"no picture since {self._pictured_s:.2f} s")
+        return None
+
+    def _deliver(self, time_s: float) -> None:
+        """Take in the poses that are worked out by now."""
+        while self._late and self._late[0][0] + self.cfg.latency_s <= time_s + 1e-9:
+            taken_s, tool, estimates = self._late.popleft()
+            for name, estimate in estimates.items():
+                self._measure(name, estimate, tool, taken_s, time_s)
+
+    def _measure(self, name: str, estimate: Estimate, tool: Array, taken_s: float, time_s: float) -> None:
+        one = self._objects[name]
+        if estimate.lost:
+            if one.lost_since is None:
+                one.lost_since = time_s
+                self._news.append({"object": name, "lost": True, "reason": estimate.reason, "held": one.held})
+                one.known.stop()
+            return
+        T = inverse(tool) @ estimate.T_world_object if one.held else estimate.T_world_object
+        if one.lost_since is not None:
+            self._news.append({"object": name, "lost": False, "after_s": round(time_s - one.lost_since, 3)})
+            one.lost_since = None
+            one.motion = MotionFilter(one.in_hand if one.held else self.cfg.motion, T, taken_s)
+        else:
+            one.known.measure(T, taken_s)
+
+    def _seen(self, now: Observation) -> Observation:
+        tool = _transform(now.tool)
+        objects = {name: self._body(one, now.tool, tool, now.time_s) for name, one in self._objects.items()}
+        return Observation(now.time_s, now.tool, now.opening_m, now.wrench, objects)
+
+    def _body(self, one: _Followed, hand: Body, tool: Array, time_s: float) -> Body:
+        T = one.at(tool, time_s)
+        velocity, spin = one.known.velocity, one.known.spin
+        if one.held:
+            lever = T[:3, 3] - hand.position
+            velocity = tool[:3, :3] @ velocity + hand.velocity + np.cross(hand.angular_velocity, lever)
+            spin = tool[:3, :3] @ spin + hand.angular_velocity
+        return Body(T[:3, 3], quaternion_of(T[:3, :3]), velocity, spin)
+
+
+@contextmanager
+def _named() -> Iterator[None]:
+    """A tracker's failure as one of the world."""
+    try:
+        yield
+    except TrackerFailed as error:
+        raise WorldFault("tracker-failed", str(error)) from None
+
+
+def nominal(drawn: Drawn, name: str) -> Array:
+    """T_world_object in the middle of the task file's ranges: of equal poses, the one nearest to it is reported."""
+    item = drawn.task.object(name)
+    turn = about(np.array([0.0, 0.0, 1.0]), float(np.radians(np.mean(item.yaw_deg))))
+    return pose(turn @ rotation_of(from_rpy_deg(item.rpy_deg)), np.array([np.mean(item.x), np.mean(item.y), 0.0]))
+
+
+def _transform(body: Body) -> Array:
+    return pose(rotation_of(body.quaternion), body.position)

@@ -1,0 +1,170 @@
+"""How well a tracker follows a motion: errors by the field's measures, times, and what it makes of fresh starts."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Count, Fraction, TimeStep
+from coral.contact.perception.agreement_kernels import AGREE, DRAWN, WRONG
+from coral.contact.perception.benchmark_motions import motion_of
+from coral.contact.perception.camera import CameraCfg, Colours, RgbdFrame
+from coral.contact.perception.confidence import ConfidenceCfg, view_of
+from coral.contact.perception.depth_noise import DepthNoise
+from coral.contact.perception.object_model import ObjectModel
+from coral.contact.perception.pose_error import add, add_s, mssd
+from coral.contact.perception.posed_scene import Stage, object_model
+from coral.contact.perception.rotation import inverse
+from coral.contact.perception.tracker import PoseTracker
+from coral.contact.scene.trial import Drawn
+
+Array = NDArray[np.float64]
+MakeTracker = Callable[[ObjectModel], PoseTracker]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AccuracyCfg:
+    """One measurement."""
+
+    camera: CameraCfg
+    noise: DepthNoise | None
+    colours: Colours = "none"
+    """Whether pictures have colours: networks need them."""
+    period_s: TimeStep = 0.1
+    """Between pictures: 10 Hz, the lower end of what closed loops need."""
+    registrations: Count = 8
+    """Fresh starts, spread evenly over the pictures that show enough."""
+    enough: Fraction = 0.25
+    """Share of the object that must be seen for a fresh start."""
+    within_mm: float = 5.0
+    within_deg: float = 5.0
+    """A fresh start closer than both to the truth counts as a success."""
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Of one object in one motion. Errors are modulo the object's symmetry, but for ADD.
+
+    Args:
+        task: Whose motion it is.
+        object: Which object.
+        frames: Pictures tracked.
+        mm, deg: Median error of the position and of the orientation.
+        mm_95, deg_95: What 95 % of the pictures stay below.
+        add_mm, add_s_mm, mssd_mm: Medians.
+        lost: Pictures that the tracker reported as lost.
+        least_visible: Smallest share of the object that was seen, at its true pose.
+        update_ms, update_ms_95: Time of one update.
+        registrations, registered: Fresh starts, and how many were within the limits.
+        registration_s: Median time of a fresh start.
+    """
+
+    task: str
+    object: str
+    frames: int
+    mm: float
+    deg: float
+    mm_95: float
+    deg_95: float
+    add_mm: float
+    add_s_mm: float
+    mssd_mm: float
+    lost: int
+    least_visible: float
+    update_ms: float
+    update_ms_95: float
+    registrations: int
+    registered: int
+    registration_s: float
+
+
+def measure(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]:
+    """Follow every object of a trial through the motion of its task."""
+    motion = motion_of(drawn)
+    stage = Stage(drawn, cfg.camera, cfg.noise, colours=cfg.colours)
+    rng = np.random.default_rng([drawn.seed, 1])
+    times = np.arange(round(motion.duration_s / cfg.period_s) + 1) * cfg.period_s
+    truths = [motion.at(float(t)) for t in times]
+    frames = [stage.take(truth, rng, float(t)) for truth, t in zip(truths, times, strict=True)]
+    found = []
+    for name in drawn.objects:
+        model = object_model(stage.model, drawn, name)
+        with closing(make(model)) as tracker:
+            _warm(tracker, frames[0].mask(name), frames[0])
+        visible = [
+            _seen(model, frame, frame.mask(name), truth.objects[name])
+            for frame, truth in zip(frames, truths, strict=True)
+        ]
+        errors, spent, poses, lost = [], [], [], 0
+        with closing(make(model)) as tracker:
+            for k, frame in enumerate(frames):
+                mask = frame.mask(name)
+                begin = time.perf_counter()
+                estimate = tracker.track(frame, mask) if k else tracker.register(frame, mask)
+                spent.append(time.perf_counter() - begin)
+                errors.append(_error(model, estimate.T_world_object, truths[k].objects[name]))
+                poses.append((estimate.T_world_object, truths[k].objects[name]))
+                lost += estimate.lost
+        starts, start_times = [], []
+        shown = np.flatnonzero(np.array(visible) >= cfg.enough)
+        for k in shown[np.linspace(0, len(shown) - 1, cfg.registrations).round().astype(int)] if len(shown) else ():
+            mask = frames[k].mask(name)
+            with closing(make(model)) as tracker:
+                begin = time.perf_counter()
+                estimate = tracker.register(frames[k], mask)
+                start_times.append(time.perf_counter() - begin)
+            mm, deg = _error(model, estimate.T_world_object, truths[k].objects[name])
+            starts.append(not estimate.lost and mm < cfg.within_mm and deg < cfg.within_deg)
+        e, updates = np.array(errors), 1e3 * np.array(spent[1:])
+        (mm, deg), (mm_95, deg_95) = np.median(e, 0).tolist(), np.percentile(e, 95, 0).tolist()
+        some = poses[:: max(1, len(poses) // 20)]
+        found.append(
+            Accuracy(
+                drawn.task.name,
+                name,
+                len(frames),
+                mm,
+                deg,
+                mm_95,
+                deg_95,
+                1e3 * float(np.median([add(a, b, model.points) for a, b in some])),
+                1e3 * float(np.median([add_s(a, b, model.points) for a, b in some])),
+                1e3 * float(np.median([mssd(a, b, model.points, model.symmetry) for a, b in some])),
+                lost,
+                float(min(visible)),
+                float(np.median(updates)),
+                float(np.percentile(updates, 95)),
+                len(starts),
+                int(sum(starts)),
+                float(np.median(start_times)) if start_times else 0.0,
+            )
+        )
+    return found
+
+
+def _warm(tracker: PoseTracker, mask: NDArray[np.bool_], frame: RgbdFrame) -> None:
+    """One start and one update that are not timed: the first ones compile."""
+    tracker.register(frame, mask)
+    tracker.track(frame, mask)
+
+
+def _seen(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_], truth: Array) -> float:
+    """Share of the object at its true pose that is seen."""
+    if not mask.any():
+        return 0.0
+    cfg = ConfidenceCfg()
+    pose = inverse(frame.T_world_camera) @ truth
+    tally = view_of(frame, mask, model, [pose], cfg, frame.depth.size).count(model, pose, cfg.margin_m)
+    return float((tally[AGREE] + tally[WRONG]) / max(1.0, tally[DRAWN]))
+
+
+def _error(model: ObjectModel, estimate: Array, truth: Array) -> tuple[float, float]:
+    """Millimetres and degrees modulo symmetry."""
+    shift, turn = model.symmetry.difference(estimate, truth)
+    return 1e3 * shift, math.degrees(turn)

@@ -1,0 +1,113 @@
+"""What a tracker does when it loses its object: taken out of view for a second, or covered by the hand."""
+
+from __future__ import annotations
+
+import time
+from contextlib import closing
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.perception.benchmark_motions import Moment, motion_of
+from coral.contact.perception.posed_scene import Stage, object_model
+from coral.contact.perception.rotation import about, pose
+from coral.contact.perception.tracking_accuracy import AccuracyCfg, MakeTracker
+from coral.contact.scene.trial import Drawn
+
+Array = NDArray[np.float64]
+How = Literal["out of view", "covered"]
+_SECONDS = 1.0
+
+
+@dataclass(frozen=True)
+class Loss:
+    """One object, lost and found.
+
+    Args:
+        task, object: Which.
+        how: "out of view", taken away and put down 8 cm on and turned by 40 degrees; or "covered", moved on by 3 cm
+            behind a hand held before the camera.
+        noticed_frames: Pictures until the tracker reported it lost, the first one without the object counting as 1;
+            0 when it never did.
+        reported: Share of the pictures without the object in which it was reported as lost.
+        reason: What the tracker said.
+        recovered_frames: Pictures until a pose was given again, likewise; 0 when it never was.
+        mm, deg: Error one second after, modulo symmetry.
+        slowest_s: Longest update on the way.
+    """
+
+    task: str
+    object: str
+    how: How
+    noticed_frames: int
+    reported: float
+    reason: str
+    recovered_frames: int
+    mm: float
+    deg: float
+    slowest_s: float
+
+
+def lose(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg, how: How) -> Loss:
+    """Follow the first object of a trial for a second, take it away for one, and give it back for one."""
+    stage = Stage(drawn, cfg.camera, cfg.noise, colours=cfg.colours)
+    name = drawn.task.objects[0].name
+    model = object_model(stage.model, drawn, name)
+    start = motion_of(drawn).at(0.0)
+    rng = np.random.default_rng([drawn.seed, 2])
+    aside = Moment(start.objects, pose(start.tool[:3, :3], np.array([-0.5, 0.3, 0.5])), 0.04)
+    gone, after = _gone(stage, aside, name, how)
+    count = round(_SECONDS / cfg.period_s)
+    lost: list[bool] = []
+    reason, slowest = "", 0.0
+    with closing(make(model)) as tracker:
+        for k in range(3 * count):
+            moment = (aside, gone, after)[k // count]
+            frame = stage.take(moment, rng, k * cfg.period_s)
+            mask = frame.mask(name)
+            begin = time.perf_counter()
+            estimate = tracker.track(frame, mask) if k else tracker.register(frame, mask)
+            slowest = max(slowest, time.perf_counter() - begin)
+            lost.append(estimate.lost)
+            reason = reason or estimate.reason
+    shift, turn = model.symmetry.difference(estimate.T_world_object, after.objects[name])
+    away, back = lost[count : 2 * count], lost[2 * count :]
+    return Loss(
+        drawn.task.name,
+        name,
+        how,
+        away.index(True) + 1 if any(away) else 0,
+        sum(away) / count,
+        reason,
+        0 if all(back) else back.index(False) + 1,
+        1e3 * shift,
+        float(np.degrees(turn)),
+        slowest,
+    )
+
+
+def _gone(stage: Stage, aside: Moment, name: str, how: How) -> tuple[Moment, Moment]:
+    """The moments without the object, and after."""
+    here = aside.objects[name]
+    if how == "out of view":
+        away = pose(here[:3, :3], here[:3, 3] + np.array([0.0, 0.0, -5.0]))
+        turn = about(np.array([0.0, 0.0, 1.0]), np.radians(40.0))
+        there = pose(turn @ here[:3, :3], here[:3, 3] + np.array([0.08, 0.0, 0.0]))
+        return (
+            Moment(aside.objects | {name: away}, aside.tool, aside.opening_m),
+            Moment(aside.objects | {name: there}, aside.tool, aside.opening_m),
+        )
+    there = pose(here[:3, :3], here[:3, 3] + np.array([0.03, 0.0, 0.0]))
+    camera = stage.camera.T_world_camera
+    sight = here[:3, 3] - camera[:3, 3]
+    distance = np.linalg.norm(sight)
+    sight /= distance
+    side = np.cross([0.0, 0.0, 1.0], sight)
+    side /= np.linalg.norm(side)
+    # The palm's broad side before the lens: its height across the line of sight, fingers up.
+    hand = pose(np.stack([sight, side, np.cross(sight, side)], 1), camera[:3, 3] + 0.16 * sight)
+    hand[:3, 3] += 0.07 * hand[:3, 2]
+    objects = aside.objects | {name: there}
+    return Moment(objects, hand, 0.0), Moment(objects, aside.tool, aside.opening_m)

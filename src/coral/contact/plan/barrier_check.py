@@ -1,0 +1,130 @@
+"""Whether coming near, or touching, makes a cost dearer: the barrier that a gated penalty puts before its own phase."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coral.contact.cost.context import Array, Context, Terms
+from coral.contact.cost_program.state import objects_of
+from coral.contact.plan.cost_fault import Fault, Traceable, VerifyCfg
+from coral.contact.plan.reach_check import Paid, changed, summed
+
+STEPS = 33
+FAR_M = 0.12
+"""Approaches begin at least this far away, so that a gate near the target lies in their second half."""
+
+
+def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: VerifyCfg) -> list[Fault]:
+    """Faults for terms that begin near a target and rise there (the second pitfall).
+
+    The hand is moved in a straight line to each target that the cost wants it at, everything else staying as it is.
+    """
+    found, named = [], set()
+    for item in paid:
+        terms = _along_path(cost, pool, item, cfg)
+        if terms is None:
+            continue
+        total = summed(terms)
+        climb = (total - np.minimum.accumulate(total, axis=1)).max(axis=1)
+        if np.median(climb) <= cfg.rise * np.median(np.ptp(total, axis=1)) + 1e-9:
+            continue
+        for name, term in terms.items():
+            rise = _gated_rise(np.asarray(term))
+            if np.median(rise) >= 0.5 * np.median(climb) and name not in named:
+                named.add(name)
+                line = cost.term_line(name) or item.line
+                found.append(
+                    Fault(
+                        "barrier",
+                        line,
+                        f"line {line} (`{cost.line(line)}`): the term {name!r} begins only "
+                        f"when the hand is near its target and adds up to {np.median(rise):.3g} there, so "
+                        "coming near gets dearer; subtract a bonus for what you want there instead",
+                    )
+                )
+        if len(terms) == 1 and len(paid) == 1 and not found:
+            line = item.line
+            found.append(
+                Fault(
+                    "barrier",
+                    line,
+                    f"line {line} (`{cost.line(line)}`): the cost rises by "
+                    f"{np.median(climb):.3g} when the hand comes near the target of this distance; write "
+                    "what begins there as a bonus that is subtracted",
+                )
+            )
+    return found
+
+
+def _along_path(cost: Traceable, pool: Context, item: Paid, cfg: VerifyCfg) -> Terms | None:
+    """Terms on straight ways of the hand to the target, each Shape=(paths, STEPS)."""
+    start = np.asarray(pool["ee_pos"])[:, 0, :]
+    far = np.linalg.norm(item.target - start, axis=-1)
+    chosen = np.flatnonzero(far > FAR_M)
+    if not len(chosen):
+        return None
+    chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, cfg.paths).astype(int))]
+    values = {name: np.asarray(pool[name])[chosen] for name in pool.names()}
+    share = np.linspace(0.0, 1.0, STEPS)[None, :, None]
+    values["ee_pos"] = (1.0 - share) * start[chosen, None, :] + share * item.target[chosen, None, :]
+    for name in values:
+        if name.endswith(("_hand_contact", "_left_contact", "_right_contact")) or name in ("ee_force", "ee_torque"):
+            values[name] = np.zeros_like(values[name])
+    terms = cost.trace(Context(values, (len(chosen), STEPS))).terms
+    return {name: np.broadcast_to(term, (len(chosen), STEPS)) for name, term in terms.items()}
+
+
+def _gated_rise(term: Array) -> Array:
+    """How much a term that is flat at first rises later on, Shape=(paths,); 0 for one that is not flat at first."""
+    half = STEPS // 2
+    span = np.ptp(term, axis=1)
+    flat = np.ptp(term[:, :half], axis=1) <= 0.1 * span
+    rise = term[:, half:].max(axis=1) - term[:, 0]
+    return np.where(flat, np.maximum(rise, 0.0), 0.0)
+
+
+def contact_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: VerifyCfg) -> list[Fault]:
+    """Faults for terms that begin at the touch of an object which the cost sends the hand to, and add to the cost."""
+    found = []
+    for thing in objects_of(pool.names()):
+        flags = [f"{thing}_{part}_contact" for part in ("hand", "left", "right") if f"{thing}_{part}_contact" in pool]
+        if not flags or not _is_target(pool, thing, paid):
+            continue
+        free = np.flatnonzero(np.all([np.asarray(pool[name])[:, 0] == 0 for name in flags], axis=0))
+        if len(free) < 4:
+            continue
+        values = {name: np.asarray(pool[name])[free] for name in pool.names()}
+        apart = Context(values, (len(free), 1))
+        touching = changed(apart, {name: np.ones((len(free), 1)) for name in flags})
+        before, after = cost.trace(apart).terms, cost.trace(touching).terms
+        rise = np.median(summed(after) - summed(before))
+        if rise <= cfg.rise * np.ptp(summed(before)) + 1e-9:
+            continue
+        for name, term in after.items():
+            begun = np.asarray(term)
+            if (
+                np.abs(before.get(name, np.zeros(1))).max() <= 1e-12
+                and np.median(begun) >= 0.5 * rise
+                and np.ptp(begun) > 1e-9
+            ):
+                line = cost.term_line(name)
+                found.append(
+                    Fault(
+                        "barrier",
+                        line,
+                        f"line {line} (`{cost.line(line)}`): the term {name!r} begins when "
+                        f"the hand touches the {thing} and adds {np.median(begun):.3g}, so touching gets "
+                        "dearer; let it count before the touch too, or subtract a larger bonus for it",
+                    )
+                )
+    return found
+
+
+def _is_target(pool: Context, thing: str, paid: list[Paid]) -> bool:
+    """Whether some distance that the cost grows with ends at the object."""
+    centre = np.asarray(pool[f"{thing}_pos"])[:, 0, :]
+    size = np.asarray(pool[f"{thing}_size"])[:, 0, :] if f"{thing}_size" in pool else np.full_like(centre, 0.1)
+    return any(
+        np.median(np.linalg.norm(item.target - centre, axis=-1) - np.linalg.norm(size, axis=-1) / 2) < 0.05
+        for item in paid
+    )

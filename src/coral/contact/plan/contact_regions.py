@@ -1,0 +1,222 @@
+"""Where to touch: surface regions that an advisor names, the candidate points of Eq. 3 and A.10, guides to them.
+
+Regions are given in the object's own frame, so that they stay right while the object moves.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, Field, RootModel
+
+from coral.config import Fraction, Positive, Signed
+from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.hand_model import MAX_OPENING_M
+from coral.contact.cost.context import Context
+from coral.contact.cost.stages import Guide
+from coral.contact.scene.geometry import quaternion_of, rotate, rotation_of
+
+Array = NDArray[np.float64]
+Approach = Literal["push", "press", "pinch"]
+PAD_M = 0.010
+"""From the tool to a finger's forward face."""
+TIP_M = 0.008
+"""From the tool to the fingers' tips."""
+LOWEST_M = 0.012
+"""The tool comes no lower over the table."""
+GOLDEN_RAD = math.pi * (3 - math.sqrt(5))
+_REACH = ControllerCfg()
+
+
+class Region(BaseModel):
+    """A disc on an object's surface.
+
+    Args:
+        center: In the object's frame, m.
+        normal: Out of the object, in its frame.
+        extent: Radius, m.
+        num_samples: Candidate points on it.
+        approach: How the hand touches it: a finger's face against it, the tips onto it, or the fingers around it.
+        opening: Distance between the fingers there, m; by default what the approach needs.
+        stage: For which stage of the plan; "" for every one.
+        closing: The object's axis (0 x, 1 y, 2 z) along which the fingers close in a pinch; by default the narrowest.
+    """
+
+    center: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    extent: float = 0.01
+    num_samples: int = 8
+    approach: Approach | None = None
+    opening: float | None = None
+    stage: str = ""
+    closing: Literal[0, 1, 2] | None = None
+
+
+class ObjectRegions(BaseModel):
+    """Regions of one object."""
+
+    regions: list[Region] = Field(default_factory=list)
+
+
+class RegionsAnswer(RootModel[dict[str, ObjectRegions]]):
+    """The paper's A.10: regions by the objects' names."""
+
+    def each(self) -> list[tuple[str, Region]]:
+        """Object and region, in order."""
+        return [(name, region) for name, held in self.root.items() for region in held.regions]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RegionCfg:
+    """What a region may be.
+
+    Args:
+        most: Regions of one object; the paper asks for 1 to 3, a plan of several stages may need more.
+        samples: Most candidates of one region.
+        off_surface_m: How far a centre may lie from the object's surface.
+        extent_m: Largest radius.
+        facing: Least cosine between the region's normal and the surface's at a candidate.
+        buried_m: A candidate, or the tool at it, lies in another thing when it is so deep in it; tracked poses err by
+            as much.
+        reach_low_m, reach_high_m: Corners of the box that the tool stays in; by default the controller's workspace.
+        standoff_m: Candidates are mirrored so far out along the normal: the way in is a way from there.
+    """
+
+    most: int = 6
+    samples: int = 64
+    off_surface_m: Positive = 0.008
+    extent_m: Positive = 0.15
+    facing: Fraction = 0.5
+    buried_m: Positive = 0.003
+    reach_low_m: tuple[Signed, Signed, Signed] = _REACH.workspace_low_m
+    reach_high_m: tuple[Signed, Signed, Signed] = _REACH.workspace_high_m
+    standoff_m: Positive = 0.08
+
+
+def natural_approach(normal: Array) -> Approach:
+    """Push what faces sideways, press what faces up."""
+    return "press" if normal[2] > 0.7 else "push"
+
+
+def closing_axis(normal: Array, size: Array) -> int | None:
+    """The object's axis along which fingers can close about a point with this normal; None when all are too wide."""
+    along = int(np.argmax(np.abs(normal)))
+    fits = [axis for axis in range(3) if axis != along and size[axis] <= MAX_OPENING_M - 0.004]
+    return min(fits, key=lambda axis: size[axis]) if fits else None
+
+
+def candidates(region: Region) -> Array:
+    """Points of a region's disc, Shape=(num_samples + 1, 3), in the object's frame: centre, rim (Eq. 3), inside (A.10).
+
+    A.10 draws them at random from the disc; here few lie evenly on the rim, as Eq. 3 has them, and of many most fill
+    the inside evenly (sunflower: Vogel 1979, "A better way to construct the sunflower head").
+    """
+    normal = np.asarray(region.normal) / np.linalg.norm(region.normal)
+    first, second = tangents(normal)
+    rim = min(region.num_samples, round(2 * math.sqrt(region.num_samples)))
+    inner = region.num_samples - rim
+    phi = np.concatenate([2 * np.pi * np.arange(rim) / rim, GOLDEN_RAD * np.arange(inner)])
+    rho = np.concatenate([np.ones(rim), np.sqrt((np.arange(inner) + 0.5) / (inner + rim / 2))])
+    ring = region.extent * rho[:, None] * (np.cos(phi)[:, None] * first + np.sin(phi)[:, None] * second)
+    return np.asarray(np.concatenate([np.zeros((1, 3)), ring]) + np.asarray(region.center))
+
+
+def tangents(normal: Array) -> tuple[Array, Array]:
+    """Two directions that make a right-handed frame with a unit normal, Shape=(3,) each."""
+    other = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    first: Array = np.cross(normal, other)
+    first = first / np.linalg.norm(first)
+    second: Array = np.cross(normal, first)
+    return first, second
+
+
+def tool_at(surface: Array, normal: Array, size: Array, out: Array, approach: Approach) -> Array:
+    """Where the tool is, Shape=(n, 3) m in the world, when it touches points of a surface.
+
+    Args:
+        surface: Shape=(n, 3) m, in the world.
+        normal: The region's, in the object's frame.
+        size: Shape=(3,), the object's full extents, m.
+        out: The normal in the world.
+        approach: How it touches.
+    """
+    if approach == "pinch":
+        return np.asarray(surface - out * min(0.025, float(size[int(np.argmax(np.abs(normal)))]) / 2))
+    return np.asarray(surface + out * (PAD_M if approach == "push" else TIP_M))
+
+
+def guide(
+    name: str,
+    region: Region,
+    size: Array,
+    lowest_m: float = LOWEST_M,
+    cfg: RegionCfg | None = None,
+    local: Array | None = None,
+) -> Guide:
+    """Tool poses for a region, wherever the object is: at the candidates, and a standoff away from them.
+
+    Args:
+        name: The object.
+        region: On it.
+        size: Shape=(3,), its full extents, m.
+        lowest_m: The tool comes no lower over the table.
+        cfg: Standoff.
+        local: Shape=(n, 3) m, its candidates that can be touched, in the object's frame; by default the flat disc.
+    """
+    cfg = cfg or RegionCfg()
+    local, normal = candidates(region) if local is None else local, np.asarray(region.normal, dtype=float)
+    closing = closing_axis(normal, size) if region.closing is None else region.closing
+
+    def how(state: Context) -> tuple[Array, Array, Approach]:
+        turn = state[f"{name}_quat"][0, 0]
+        out = rotate(turn, normal)
+        return turn, out, region.approach or natural_approach(out)
+
+    def points(state: Context) -> Array:
+        turn, out, approach = how(state)
+        surface = state[f"{name}_pos"][0, 0] + rotate(turn, local)
+        at = tool_at(surface, normal, size, out, approach)
+        away = at + out * cfg.standoff_m
+        if approach == "push":
+            away = np.concatenate([away, away + np.array([0.0, 0.0, cfg.standoff_m])])
+        found = np.concatenate([at, away])
+        on_table = (np.abs(found[:, :2] - _table_middle(state)) <= _table_half(state)).all(axis=1)
+        found[:, 2] = np.where(on_table, np.maximum(found[:, 2], lowest_m), found[:, 2])
+        return found
+
+    def quaternion(state: Context) -> Array:
+        turn, out, approach = how(state)
+        tool = state.ee_quat[0, 0]
+        if approach == "pinch" and closing is not None:
+            opening, palm = rotation_of(turn)[:, closing], -out
+        else:
+            palm = -out if approach == "pinch" else np.array([0.0, 0.0, -1.0])
+            across = np.cross(out, palm)
+            opening = across if np.linalg.norm(across) > 0.3 else rotation_of(tool)[:, 1]
+        return tool_quaternion(palm, opening, tool)
+
+    opening = region.opening
+    if opening is None:
+        opening = {"pinch": MAX_OPENING_M, "push": 0.0, "press": 0.0}.get(region.approach or "")
+    return Guide(points, quaternion, opening)
+
+
+def tool_quaternion(palm: Array, opening: Array, tool: Array) -> Array:
+    """The tool orientation with these z and y axes, of the two that grasp alike the one nearer to `tool`."""
+    z = palm / np.linalg.norm(palm)
+    y = opening - z * float(opening @ z)
+    y = y / max(float(np.linalg.norm(y)), 1e-9)
+    found = [quaternion_of(np.stack([np.cross(sign * y, z), sign * y, z], axis=1)) for sign in (1.0, -1.0)]
+    return np.asarray(max(found, key=lambda q: abs(float(np.dot(q, tool)))))
+
+
+def _table_middle(state: Context) -> Array:
+    return np.asarray((state.table_min[0, 0, :2] + state.table_max[0, 0, :2]) / 2)
+
+
+def _table_half(state: Context) -> Array:
+    return np.asarray((state.table_max[0, 0, :2] - state.table_min[0, 0, :2]) / 2)

@@ -1,0 +1,137 @@
+"""The convex pieces that things are made of: where a straight line leaves one, and how deep a point lies in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.scene.geometry import from_rpy_deg, rotation_of
+from coral.contact.scene.mesh import mesh_vertices
+from coral.contact.scene.shapes import Shape
+from coral.contact.scene.trial import Drawn, part_scale, part_size
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Solid:
+    """What all of some half-spaces, and of a ball or an endless tube along z, have in common.
+
+    Args:
+        planes: Shape=(m, 4): outward normal a and offset b of each half-space a.x <= b, in its own frame, m.
+        radius: Of the ball or tube; None for neither.
+        round_axes: 3 for a ball, 2 for a tube along z.
+        position: Shape=(3,) m, in the frame that it stands in.
+        rotation: Shape=(3, 3), its own frame to that.
+    """
+
+    planes: Array
+    radius: float | None = None
+    round_axes: int = 2
+    position: Array = field(default_factory=lambda: np.zeros(3))
+    rotation: Array = field(default_factory=lambda: np.eye(3))
+
+    def leave(self, points: Array, direction: Array) -> tuple[Array, Array]:
+        """Where the straight lines through points leave it.
+
+        Args:
+            points: Shape=(n, 3) m.
+            direction: Shape=(3,), of length 1.
+
+        Returns:
+            Shape=(n,) m, from each point along the direction, negative behind it, nan where the line misses; and the
+            outward normals there, Shape=(n, 3).
+        """
+        local, way = (points - self.position) @ self.rotation, direction @ self.rotation
+        enter, leave = np.full(len(local), -np.inf), np.full(len(local), np.inf)
+        normal = np.zeros((len(local), 3))
+        for plane in self.planes:
+            gap, rate = plane[3] - local @ plane[:3], float(way @ plane[:3])
+            if abs(rate) < 1e-9:
+                leave[gap < 0] = -np.inf
+            elif rate < 0:
+                enter = np.maximum(enter, gap / rate)
+            else:
+                nearer = gap / rate < leave
+                leave[nearer] = (gap / rate)[nearer]
+                normal[nearer] = plane[:3]
+        if self.radius is not None:
+            k = self.round_axes
+            a, b = float(way[:k] @ way[:k]), local[:, :k] @ way[:k]
+            c = (local[:, :k] ** 2).sum(axis=1) - self.radius**2
+            root = b * b - a * c
+            if a < 1e-12:
+                leave[c > 0] = -np.inf
+            else:
+                far = (-b + np.sqrt(np.maximum(root, 0.0))) / a
+                enter = np.maximum(enter, (-b - np.sqrt(np.maximum(root, 0.0))) / a)
+                nearer = far < leave
+                leave[nearer] = far[nearer]
+                at = local[nearer] + far[nearer, None] * way
+                normal[nearer] = 0.0
+                normal[np.flatnonzero(nearer), :k] = at[:, :k] / self.radius
+                leave[root < 0] = -np.inf
+        return np.where(leave >= enter - 1e-9, leave, np.nan), normal @ self.rotation.T
+
+    def depth(self, points: Array) -> Array:
+        """How deep (m) points lie in it, Shape=(n,): at least so far from its surface; negative outside."""
+        local = (points - self.position) @ self.rotation
+        found = np.full(len(local), np.inf)
+        for plane in self.planes:
+            found = np.minimum(found, plane[3] - local @ plane[:3])
+        if self.radius is not None:
+            found = np.minimum(found, self.radius - np.linalg.norm(local[:, : self.round_axes], axis=1))
+        return found
+
+
+def box(size: Array, position: Array | None = None, rotation: Array | None = None) -> Solid:
+    """A box of these full edges (m)."""
+    half = np.asarray(size, dtype=float) / 2
+    planes = np.concatenate([np.column_stack([sign * np.eye(3), half]) for sign in (1.0, -1.0)])
+    return Solid(
+        planes,
+        position=np.zeros(3) if position is None else np.asarray(position, dtype=float),
+        rotation=np.eye(3) if rotation is None else rotation,
+    )
+
+
+def pieces(drawn: Drawn, name: str) -> tuple[Solid, ...]:
+    """An object's parts in its own frame, as large as they are in a trial; of a mesh its hull, as that touches."""
+    scale = drawn.objects[name].scale
+    return tuple(_piece(part, scale) for part in drawn.task.object(name).parts)
+
+
+def _piece(part: Shape, scale: Array) -> Solid:
+    position, rotation = np.asarray(part.position) * scale, rotation_of(from_rpy_deg(part.rpy_deg))
+    size = part_size(part, scale)
+    if part.shape == "mesh":
+        return Solid(_hull(mesh_vertices(part) * part_scale(part, scale)), None, 2, position, rotation)
+    if part.shape == "box":
+        return box(size, position, rotation)
+    lids = np.array([[0, 0, 1.0, size[2] / 2], [0, 0, -1.0, size[2] / 2]])
+    if part.shape == "cylinder":
+        return Solid(lids, float(size[0]) / 2, 2, position, rotation)
+    return Solid(np.zeros((0, 4)), float(size[0]) / 2, 3, position, rotation)
+
+
+def _hull(vertices: Array) -> Array:
+    """Half-spaces, Shape=(m, 4), of the hull that MuJoCo lets touch."""
+    spec = mujoco.MjSpec()
+    # Without faces MuJoCo takes the hull's.
+    spec.add_mesh(name="hull", uservert=np.ascontiguousarray(vertices, dtype=float).ravel())
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="hull")
+    model = spec.compile()
+    # MuJoCo centres a mesh and turns it to its principal axes.
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, model.mesh_quat[0])
+    corners = model.mesh_vert.astype(float) @ turn.reshape(3, 3).T + model.mesh_pos[0]
+    faces = corners[model.mesh_face]
+    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    real = lengths > 1e-12
+    normals = normals[real] / lengths[real, None]
+    offsets = (corners @ normals.T).max(axis=0)
+    return np.asarray(np.unique(np.round(np.column_stack([normals, offsets]), 7), axis=0))

@@ -1,0 +1,132 @@
+"""Checking a cost before the planner uses it; every fault is a sentence for whoever wrote the cost.
+
+The samples are states that the planning world really rolled out, so they show what the hand can reach. Two mistakes
+made a planner fail although the cost ran: a reach term whose target the hand cannot get to, because something solid is
+in the way, and a term that begins only near the object and makes coming near dearer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.cost.context import Array, Context, Cost, Terms
+from coral.contact.cost_program.errors import CostError
+from coral.contact.plan.barrier_check import contact_barriers, path_barriers
+from coral.contact.plan.cost_fault import Fault, Traceable, VerifyCfg
+from coral.contact.plan.reach_check import paid_distances, unreachable
+
+
+def verify_cost(cost: Cost, samples: Sequence[Context], cfg: VerifyCfg | None = None) -> list[Fault]:
+    """What is wrong with a cost; nothing in the list means that it may be used.
+
+    Args:
+        cost: The cost. Reach terms and barriers are looked for where it can be traced, as a program can.
+        samples: Batches of rolled-out states, varied enough to hold both good and bad rollouts.
+        cfg: Thresholds.
+    """
+    cfg = cfg or VerifyCfg()
+    evaluated: list[tuple[Context, Terms]] = []
+    for sample in samples:
+        try:
+            terms = cost(sample)
+        except CostError as error:
+            return [Fault(error.code, error.line, str(error))]
+        faults = _malformed(terms, sample)
+        if faults:
+            return faults
+        evaluated.append((sample, terms))
+    if not evaluated:
+        return []
+    faults = _constant(cost, evaluated)
+    if faults:
+        return faults
+    notes = _idle(cost, evaluated)
+    if not isinstance(cost, Traceable) or any("ee_pos" not in sample for sample in samples):
+        return notes
+    pool = pooled(samples, cfg.states)
+    try:
+        paid = paid_distances(cost, pool)
+        found = [
+            *unreachable(cost, pool, paid, cfg),
+            *path_barriers(cost, pool, paid, cfg),
+            *contact_barriers(cost, pool, paid, cfg),
+        ]
+    except CostError as error:
+        return [Fault(error.code, error.line, str(error))]
+    return [*found, *notes]
+
+
+def pooled(samples: Sequence[Context], count: int) -> Context:
+    """Some states of all samples as one batch, Shape=(n, 1), evenly chosen."""
+    names = set(samples[0].names())
+    for sample in samples[1:]:
+        names &= set(sample.names())
+    each = max(1, count // len(samples))
+    parts: dict[str, list[Array]] = {name: [] for name in names}
+    for sample in samples:
+        k, h = sample.shape
+        chosen = np.unique(np.linspace(0, k * h - 1, each).astype(int))
+        for name in names:
+            values = np.asarray(sample[name], dtype=np.float64)
+            full = np.broadcast_to(values, (k, h, *values.shape[2:])).reshape(k * h, 1, *values.shape[2:])
+            parts[name].append(full[chosen])
+    joined = {name: np.concatenate(found) for name, found in parts.items()}
+    return Context(joined, (len(next(iter(joined.values()))), 1))
+
+
+def _malformed(terms: Terms, sample: Context) -> list[Fault]:
+    if not terms:
+        return [Fault("shape", 0, "the cost has no terms")]
+    for name, term in terms.items():
+        values = np.asarray(term)
+        fits = values.ndim == 2 and all(n in (1, m) for n, m in zip(values.shape, sample.shape, strict=True))
+        if not fits or not np.issubdtype(values.dtype, np.number):
+            return [
+                Fault(
+                    "shape",
+                    0,
+                    f"the term {name!r} has shape {values.shape} in a batch of {sample.shape}; it "
+                    "must be one number per state",
+                )
+            ]
+        if not np.isfinite(values).all():
+            return [Fault("not_finite", 0, f"the term {name!r} is nan or infinite in some state")]
+    return []
+
+
+def _sum(terms: Terms, shape: tuple[int, int]) -> Array:
+    total: NDArray[np.float64] = np.zeros(shape)
+    for term in terms.values():
+        total = total + term
+    return total
+
+
+def _constant(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[Fault]:
+    for sample, terms in evaluated:
+        rollouts = _sum(terms, sample.shape).sum(axis=1)
+        if np.ptp(rollouts) > 1e-9 * (1.0 + np.abs(rollouts).max()):
+            return []
+    return [
+        Fault(
+            "constant",
+            0,
+            "the cost is the same for every sampled rollout, so it cannot tell good from bad; let "
+            "it depend on where the hand and the objects are",
+        )
+    ]
+
+
+def _idle(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[Fault]:
+    """Terms that never change: no reason to refuse, a phase may not have begun, but worth telling."""
+    found = []
+    for name in evaluated[0][1]:
+        values = [np.asarray(terms[name]) for _, terms in evaluated if name in terms]
+        low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
+        if high - low <= 1e-12 * (1.0 + abs(high)):
+            line = cost.term_line(name) if isinstance(cost, Traceable) else 0
+            text = f"the term {name!r} is {high + 0.0:g} in every sampled state"
+            found.append(Fault("constant", line, text, fatal=False))
+    return found

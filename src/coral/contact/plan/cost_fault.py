@@ -1,0 +1,66 @@
+"""What a check of a cost says, and what it needs to know of the cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+from coral.contact.cost.context import Context
+from coral.contact.cost_program.trace import Traced
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that is wrong with a cost.
+
+    Args:
+        code: One of `coral.contact.cost_program.CODES`.
+        line: Line of the program; 0 where no line is to blame.
+        reason: A sentence for whoever wrote the cost.
+        fatal: Whether the cost must not be used.
+    """
+
+    code: str
+    line: int
+    reason: str
+    fatal: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class VerifyCfg:
+    """Thresholds of the checks.
+
+    Args:
+        states: States of the samples that are looked at closely.
+        reach_m: A reach term that comes as near as this may be said to approach zero; a fingertip is about as thick.
+        near_m: How near the closest states must be for a contact there to be what stops the hand.
+        force_n: Force on the hand that counts as touching.
+        opening_m: Widest opening of the fingers (Panda hand); what is wider cannot be straddled.
+        rise: Rise of the cost on the way to a target that counts as a barrier, relative to its range on the way.
+        paths: Number of approaches tried.
+    """
+
+    states: int = 600
+    reach_m: float = 0.015
+    near_m: float = 0.06
+    force_n: float = 0.5
+    opening_m: float = 0.08
+    rise: float = 0.05
+    paths: int = 16
+
+
+@runtime_checkable
+class Traceable(Protocol):
+    """A cost whose distances can be looked into."""
+
+    def trace(self, state: Context, zeroed: int = -1) -> Traced:
+        """Terms and distances, the one numbered `zeroed` taken as 0."""
+        ...
+
+    def line(self, number: int) -> str:
+        """The text of a line."""
+        ...
+
+    def term_line(self, term: str) -> int:
+        """The line of a term."""
+        ...

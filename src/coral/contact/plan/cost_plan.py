@@ -1,0 +1,278 @@
+"""A plan as an advisor gives it: cost programs as text, stage by stage; checked, and made into a strategy."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, Field, model_validator
+
+from coral.advisor.question import Rejection
+from coral.contact.cost.context import Context, Cost, Schema
+from coral.contact.cost.stages import Guide, Stage, Strategy, Test
+from coral.contact.cost_program import CostError, CostProgram
+from coral.contact.plan.contact_regions import Array, RegionsAnswer, guide
+from coral.contact.plan.cost_check import verify_cost
+from coral.contact.plan.cost_fault import VerifyCfg
+from coral.contact.plan.last_good_cost import LastGoodCost
+
+Loader = Callable[[str, Schema, str], Cost]
+"""Source, schema and name to a cost: in this process, or in the confined one."""
+
+
+class StageAnswer(BaseModel):
+    """One phase.
+
+    Args:
+        name: For logs, and for `back_to`.
+        code: `def state_cost(self)`.
+        done: Condition on the state now on which the next stage begins, as `self.box_pos[2] > 0.1`; "" for never.
+        back_to: Stage to return to when `lost` holds.
+        lost: Condition for that.
+        toward: Where some samples lead the tool, as `self.ee_pos + np.array([0.0, 0.0, 0.1])`; "" for nowhere.
+        opening: Distance between the fingers on that way, m.
+        stiffness: Of the hand, N/m.
+        noise: Factor on the sampling noise.
+    """
+
+    name: str = Field(min_length=1, max_length=40)
+    code: str
+    done: str = ""
+    back_to: str = ""
+    lost: str = ""
+    toward: str = ""
+    opening: float | None = None
+    stiffness: float = 600.0
+    noise: float = 1.0
+
+
+class PlanAnswer(BaseModel):
+    """The whole plan: `code` for one cost (the paper's A.8), or `stages`.
+
+    Args:
+        code: `def state_cost(self)` of a plan without stages.
+        stages: In order.
+        explanation: What it does, and in a repair why the one before failed.
+    """
+
+    code: str = ""
+    stages: list[StageAnswer] = Field(default_factory=list, max_length=16)
+    explanation: str = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_stage(cls, given: Any) -> Any:
+        # What is left of a plan that breaks off is its first stage: a plan of a kind, and not what was meant.
+        if isinstance(given, dict) and "name" in given and "stages" not in given:
+            raise ValueError("this is one stage; give the whole plan, with its stages in the list `stages`")
+        return given
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> PlanAnswer:
+        if bool(self.code.strip()) == bool(self.stages):
+            raise ValueError("give either `code`, one function, or `stages`, a list; not both and not neither")
+        return self
+
+    def each(self) -> list[StageAnswer]:
+        """Its stages; one function is one stage."""
+        return self.stages or [StageAnswer(name="task", code=self.code)]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of its stages."""
+        return [stage.name for stage in self.each()]
+
+    def text(self) -> str:
+        """All its programs, for a prompt."""
+        if not self.stages:
+            return self.code
+        parts = []
+        for stage in self.stages:
+            head = [f"# stage {stage.name!r}"] + [
+                f"#   {key}: {value}"
+                for key, value in (("done", stage.done), ("back_to", stage.back_to), ("lost", stage.lost))
+                if value
+            ]
+            parts.append("\n".join([*head, stage.code.strip()]))
+        return "\n\n".join(parts)
+
+
+def in_process(source: str, schema: Schema, name: str) -> Cost:
+    """A cost evaluated by the closed interpreter in this process."""
+    return CostProgram(source, schema, name)
+
+
+def condition(text: str) -> str:
+    """The program that is 1 where a condition holds."""
+    return f"def state_cost(self):\n    return 1.0 * ({_flat(text)})"
+
+
+def vector(text: str) -> str:
+    """The program whose terms are the components of a vector."""
+    return f"def state_cost(self):\n    v = {_flat(text)}\n    return {{'x': v[0], 'y': v[1], 'z': v[2]}}"
+
+
+def _flat(text: str) -> str:
+    return " ".join(re.sub(r"#[^\n]*", "", textwrap.dedent(text)).split())
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A stage's programs, ready to be evaluated."""
+
+    answer: StageAnswer
+    cost: Cost
+    done: Cost | None
+    lost: Cost | None
+    toward: Cost | None
+
+
+def compile_plan(answer: PlanAnswer, schema: Schema, load: Loader = in_process) -> list[Compiled]:
+    """All programs of a plan.
+
+    Raises:
+        CostError: One of them is no program of the accepted language; its text names the stage and the field.
+    """
+    found = []
+    for stage in answer.each():
+        made: dict[str, Cost | None] = {}
+        for field, source in (
+            ("code", stage.code),
+            ("done", stage.done and condition(stage.done)),
+            ("lost", stage.lost and condition(stage.lost)),
+            ("toward", stage.toward and vector(stage.toward)),
+        ):
+            try:
+                made[field] = load(source, schema, stage.name) if source else None
+            except CostError as error:
+                raise CostError(
+                    error.code, f"{field} of stage {stage.name!r}: {error.text}", error.line, error.shown
+                ) from None
+        cost = made["code"]
+        if cost is None:
+            raise CostError("empty", f"stage {stage.name!r} has no code")
+        found.append(Compiled(stage, cost, made["done"], made["lost"], made["toward"]))
+    return found
+
+
+def verify_plan(
+    answer: PlanAnswer,
+    schema: Schema,
+    samples: Sequence[Context],
+    load: Loader = in_process,
+    cfg: VerifyCfg | None = None,
+) -> Rejection | None:
+    """Why a plan cannot be used, or None: names, programs, what they do on rolled-out states.
+
+    Args:
+        answer: The plan.
+        schema: What the state has.
+        samples: Rolled-out batches.
+        load: How programs are made.
+        cfg: Thresholds of the check of costs.
+    """
+    names = answer.names
+    if len(set(names)) < len(names):
+        return Rejection(code="stages", reason=f"two stages have the same name: {', '.join(names)}")
+    for stage in answer.each():
+        if bool(stage.back_to) != bool(stage.lost) or (stage.back_to and stage.back_to not in names):
+            return Rejection(
+                code="stages",
+                reason=f"stage {stage.name!r}: back_to and lost go together, and back_to is one of {', '.join(names)}",
+            )
+        if not 50 <= stage.stiffness <= 3000 or not 0.05 <= stage.noise <= 3:
+            return Rejection(
+                code="stages",
+                reason=f"stage {stage.name!r}: stiffness lies within 50 and 3000 N/m, noise within 0.05 and 3",
+            )
+        if stage is not answer.each()[-1] and not stage.done and answer.stages:
+            return Rejection(
+                code="stages",
+                reason=f"stage {stage.name!r} never ends, so that those after it never begin: say when it is done",
+            )
+    try:
+        for made in compile_plan(answer, schema, load):
+            where = f"stage {made.answer.name!r}: " if answer.stages else ""
+            for fault in verify_cost(made.cost, samples, cfg):
+                if fault.fatal:
+                    return Rejection(code=fault.code, reason=where + fault.reason, details={"stage": made.answer.name})
+            for program in (made.done, made.lost, made.toward):
+                for sample in samples[:1]:
+                    if program is not None:
+                        program(sample)
+    except CostError as error:
+        return Rejection(code=error.code, reason=str(error))
+    return None
+
+
+def make_strategy(
+    name: str,
+    answer: PlanAnswer,
+    regions: RegionsAnswer | None,
+    schema: Schema,
+    sizes: Mapping[str, Array],
+    load: Loader = in_process,
+    keep: LastGoodCost | None = None,
+    candidates: Sequence[Array] | None = None,
+) -> Strategy:
+    """The strategy that the planner follows.
+
+    Args:
+        name: For logs.
+        answer: A verified plan.
+        regions: Verified contact regions; None leaves the sampling unguided (`unguided`, `no-regions`).
+        schema: What the state has.
+        sizes: Full extents of the objects, m.
+        load: How programs are made.
+        keep: Takes over, with the last cost that worked, from one that fails later on; None lets it fail.
+        candidates: Of each region, in their order, the points that can be touched, Shape=(n, 3) m in the object's
+            frame; None takes the regions' flat discs.
+
+    Raises:
+        CostError: A program is not of the accepted language.
+    """
+    stages = []
+    for stage in compile_plan(answer, schema, load):
+        said = stage.answer
+        guides: list[Guide] = []
+        if regions is not None:
+            held: Sequence[Array | None] = candidates or [None] * len(regions.each())
+            guides = [
+                guide(thing, region, np.asarray(sizes[thing]), local=points)
+                for (thing, region), points in zip(regions.each(), held, strict=True)
+                if region.stage in ("", said.name) and (points is None or len(points))
+            ]
+            if stage.toward is not None:
+                guides.append(Guide(_points(stage.toward), opening_m=said.opening))
+        cost = stage.cost if keep is None else keep.following(stage.cost)
+        stages.append(
+            Stage(
+                said.name,
+                cost,
+                tuple(guides),
+                said.stiffness,
+                None if stage.done is None else _test(stage.done),
+                None if stage.lost is None else (said.back_to, _test(stage.lost)),
+                said.noise,
+            )
+        )
+    return Strategy(name, tuple(stages), answer.explanation)
+
+
+def _test(program: Cost) -> Test:
+    def holds(now: Context) -> bool:
+        return bool(sum(float(np.asarray(term).flat[0]) for term in program(now).values()) > 0.5)
+
+    return holds
+
+
+def _points(program: Cost) -> Callable[[Context], Array]:
+    def points(now: Context) -> Array:
+        terms = program(now)
+        return np.array([[float(np.asarray(terms[axis]).flat[0]) for axis in "xyz"]])
+
+    return points

@@ -1,0 +1,105 @@
+"""What a cost may use, as text: for the prompt of a model, and for the tables of the reference page.
+
+`python -m coral.contact.plan.cost_reference docs/contact-costs.md` brings the tables of the page up to date.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+from coral.contact.cost.context import Quantity, Schema
+from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
+from coral.contact.cost_program.errors import CODES
+from coral.contact.cost_program.library import CONSTANTS, MATH, OURS, PYTHON, VECTOR_METHODS
+from coral.contact.cost_program.library import MODULES as LIBRARIES
+from coral.contact.cost_program.pybullet import PyBullet
+from coral.contact.cost_program.state import StateSpace
+
+BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def interface(schema: Schema) -> str:
+    """What the function can use, for the prompt that asks a model for a cost.
+
+    Args:
+        schema: The quantities of the task.
+    """
+    bodies = ", ".join(f"self.{name}" for name in ("panda", *StateSpace(schema).objects))
+    lines = ["Quantities, world frame, metres, z up, quaternions (w, x, y, z):"]
+    lines += [f"- self.{name}: {_kind(item)}{_unit(item)}, {item.text}" for name, item in schema.items()]
+    lines += [
+        f"Functions: {', '.join(sorted(OURS))}; of Python {', '.join(sorted(PYTHON))}; np and math.",
+        "sigmoid(x) is 1 / (1 + exp(-x)); near(d, s) is exp(-(d / s)^2); quat_angle(a, b) is the angle between "
+        "two orientations in rad; quat_axis(q, i) is the world direction of body axis i = 0, 1 or 2.",
+        f"PyBullet's {', '.join(PyBullet(StateSpace(schema)).calls)} are answered as p.NAME for {bodies}; "
+        "they use (x, y, z, w).",
+        'Return a number, or better a dict of named terms: return {"reach": 5.0 * dist(self.ee_pos, goal), ...}.',
+    ]
+    return "\n".join(lines)
+
+
+def _kind(quantity: Quantity) -> str:
+    if quantity.truth:
+        return "true or false"
+    return f"vector of {quantity.size}" if quantity.size else "number"
+
+
+def _unit(quantity: Quantity) -> str:
+    return f" ({quantity.unit})" if quantity.unit else ""
+
+
+def _quantities(schema: Schema) -> str:
+    rows = [
+        f"| `self.{name}` | {_kind(q)} | {q.unit or '–'} | {q.text}{', constant' if q.constant else ''} |"
+        for name, q in schema.items()
+    ]
+    return "\n".join(["| name | kind | unit | what |", "|---|---|---|---|", *rows, ""])
+
+
+def _names(names: list[str]) -> str:
+    return ", ".join(f"`{name}`" for name in sorted(names))
+
+
+def _functions() -> str:
+    rows = [
+        ("ours", list(OURS)),
+        ("Python", [*PYTHON, "dict"]),
+        ("`np.`", list(LIBRARIES["np"])),
+        ("`math.`", list(MATH)),
+        ("`np.`, `math.` constants", list(CONSTANTS)),
+        ("methods of vectors", list(VECTOR_METHODS)),
+        ("`p.`", list(PyBullet(StateSpace(HAND)).calls)),
+    ]
+    lines = [f"| {where} | {_names(names)} |" for where, names in rows]
+    return "\n".join(["| where | names |", "|---|---|", *lines, ""])
+
+
+def _errors() -> str:
+    lines = [f"| `{code}` | {text} |" for code, text in CODES.items()]
+    return "\n".join(["| code | meaning |", "|---|---|", *lines, ""])
+
+
+def tables() -> dict[str, str]:
+    """The generated tables of the reference page by name."""
+    box = object_quantities("box", ["handle"], ["table"], ["bottle"])
+    scenery = scenery_quantities(["wall"], ["goal"], ["force"])
+    return {
+        "hand": _quantities(HAND),
+        "object": _quantities(box),
+        "scenery": _quantities(scenery),
+        "functions": _functions(),
+        "errors": _errors(),
+    }
+
+
+def updated(page: str) -> str:
+    """The page with its tables made anew."""
+    made = tables()
+    return BLOCK.sub(lambda found: f"{found[1]}{made[found[2]]}{found[3]}", page)
+
+
+if __name__ == "__main__":
+    path = Path(sys.argv[1])
+    path.write_text(updated(path.read_text()))

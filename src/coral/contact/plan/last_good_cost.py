@@ -1,0 +1,78 @@
+"""The plan goes on when a cost fails: the last one that was verified and worked takes over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from coral.contact.cost.context import Context, Cost, Terms
+from coral.contact.cost_program.errors import CostError
+from coral.contact.plan.cost_check import verify_cost
+from coral.contact.plan.cost_fault import Fault, VerifyCfg
+
+
+class LastGoodCost:
+    """A cost that falls back on the one before it. It satisfies `coral.contact.cost.context.Cost`.
+
+    Args:
+        first: A cost to begin with, as an expert's or a stored one; None while there is none.
+        failed: Told of every cost that fails while it is in use, with the reason.
+    """
+
+    def __init__(self, first: Cost | None = None, failed: Callable[[Cost, CostError], None] | None = None) -> None:
+        self._good: list[Cost] = [] if first is None else [first]
+        self._failed = failed
+        self._bad: list[Cost] = []
+        self.failures: list[CostError] = []
+
+    @property
+    def name(self) -> str:
+        """Name of the cost in use."""
+        return self._good[-1].name if self._good else "none"
+
+    @property
+    def current(self) -> Cost | None:
+        """The cost in use."""
+        return self._good[-1] if self._good else None
+
+    def propose(self, cost: Cost, samples: Sequence[Context], cfg: VerifyCfg | None = None) -> list[Fault]:
+        """Verify a cost and, when nothing fatal is found, use it from now on.
+
+        Returns:
+            What was found; the cost is in use when none of it is fatal.
+        """
+        faults = verify_cost(cost, samples, cfg)
+        if not any(fault.fatal for fault in faults):
+            self._good = [*self._good[-3:], cost]
+        return faults
+
+    def following(self, cost: Cost) -> Callable[[Context], Terms]:
+        """A verified cost, evaluated here: it is in use from its first evaluation until it fails."""
+
+        def evaluate(state: Context) -> Terms:
+            known = [*self._good[-1:], *self._bad]
+            if not any(one is cost for one in known):
+                self._good = [*self._good[-3:], cost]
+            return self(state)
+
+        return evaluate
+
+    def __call__(self, state: Context) -> Terms:
+        """The terms of the newest cost that works.
+
+        Raises:
+            CostError: None works; the error is that of the oldest.
+        """
+        error = CostError("killed", "there is no cost to plan with")
+        while self._good:
+            try:
+                return self._good[-1](state)
+            except CostError as found:
+                error = found
+                self.failures.append(found)
+                self._bad.append(self._good[-1])
+                if self._failed is not None:
+                    self._failed(self._good[-1], found)
+                if len(self._good) == 1:
+                    break
+                self._good.pop()
+        raise error

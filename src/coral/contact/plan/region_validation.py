@@ -1,0 +1,165 @@
+"""Whether regions that an advisor names can be used; if not, a reason that helps to name better ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.question import Rejection
+from coral.contact.control.hand_model import MAX_OPENING_M
+from coral.contact.plan.contact_regions import (
+    TIP_M,
+    Array,
+    Region,
+    RegionCfg,
+    RegionsAnswer,
+    closing_axis,
+    natural_approach,
+)
+from coral.contact.plan.convex_pieces import Solid
+from coral.contact.plan.touchable_points import MISSED, REACH, Candidates, Scenery, candidates_of, off_surface
+from coral.contact.scene.geometry import rotate
+
+UNTOUCHABLE = ("missed", "buried", "out-of-reach")
+"""Codes of what cannot be touched as things stand, though a region is sound in itself."""
+
+
+def verify_regions(
+    answer: RegionsAnswer,
+    facts: Mapping[str, Any],
+    stages: Sequence[str] = (),
+    cfg: RegionCfg | None = None,
+    scenery: Scenery | None = None,
+) -> Rejection | None:
+    """Why regions cannot be used, or None: unknown object, off the surface, or no point of one that can be touched.
+
+    Args:
+        answer: The regions.
+        facts: The scene (`scene_facts`): sizes, poses, table.
+        stages: Names of the plan's stages.
+        cfg: Bounds.
+        scenery: True shapes; by default the boxes that the facts tell of.
+    """
+    cfg, scenery = cfg or RegionCfg(), scenery or Scenery.boxes(facts)
+    for name, held in answer.root.items():
+        if name not in facts["objects"]:
+            return _no(name, "objects", f"{name} is no object of the scene; there are {', '.join(facts['objects'])}")
+        if len(held.regions) > cfg.most:
+            return _no(name, "too-many", f"{len(held.regions)} regions on {name}; name the {cfg.most} that matter most")
+        for index, region in enumerate(held.regions):
+            wrong = _wrong(region, facts["objects"][name], scenery.objects[name], facts, stages, cfg)
+            if wrong:
+                return _no(name, wrong[0], f"region {index + 1} of {name}: {wrong[1]}", index)
+    if not answer.each():
+        return Rejection(code="none", reason="no region on any object; name at least one place to touch")
+    found = candidates_of(answer, facts, stages, scenery, cfg)
+    places = [(name, index) for name, held in answer.root.items() for index in range(len(held.regions))]
+    for (name, index), left in zip(places, found, strict=True):
+        if not len(left.points):
+            region = answer.root[name].regions[index]
+            code, reason = _nothing_left(region, left, facts["objects"][name], scenery.objects[name], cfg)
+            return _no(name, code, f"region {index + 1} of {name}: {reason}", index)
+    return None
+
+
+def _no(name: str, code: str, reason: str, index: int | None = None) -> Rejection:
+    return Rejection(code=code, reason=reason, details={"object": name, "region": index})
+
+
+def _wrong(
+    region: Region,
+    item: Mapping[str, Any],
+    solids: Sequence[Solid],
+    facts: Mapping[str, Any],
+    stages: Sequence[str],
+    cfg: RegionCfg,
+) -> tuple[str, str] | None:
+    """What is wrong with a region before its candidates are looked at."""
+    center, normal = np.asarray(region.center), np.asarray(region.normal)
+    if not (np.isfinite(center).all() and np.isfinite(normal).all() and math.isfinite(region.extent)):
+        return "not-finite", "center, normal and extent must be finite numbers"
+    if abs(float(np.linalg.norm(normal)) - 1.0) > 0.05:
+        return "normal", f"the normal {_text(normal)} has length {np.linalg.norm(normal):.2f}; make it 1"
+    if not 0.0 <= region.extent <= cfg.extent_m or not 1 <= region.num_samples <= cfg.samples:
+        return "extent", (
+            f"extent {region.extent:g} m with {region.num_samples} samples; extent lies within 0 and "
+            f"{cfg.extent_m:g} m, num_samples within 1 and {cfg.samples}"
+        )
+    if region.stage and region.stage not in stages:
+        return "stage", f"the plan has no stage {region.stage!r}; its stages are {', '.join(stages) or 'none'}"
+    if region.opening is not None and not 0.0 <= region.opening <= MAX_OPENING_M:
+        return "opening", f"the fingers open from 0 to {MAX_OPENING_M:g} m, not {region.opening:g} m"
+    off = off_surface(center, solids)
+    if off > cfg.off_surface_m:
+        return "off-surface", (
+            f"the center {_text(center)} lies {off:.3f} m off the surface; in the object's frame it "
+            f"extends {_extent(item)}"
+        )
+    if _points_inward(center, normal, solids, cfg):
+        return "inward", f"the normal {_text(normal)} does not point out of the object at {_text(center)}"
+    pose = np.asarray(item["pose"])
+    here, out = pose[:3] + rotate(pose[3:], center), rotate(pose[3:], normal)
+    if out[2] < -0.5 and not _overhangs(here, facts):
+        return "underside", "the normal points down at the table: the hand cannot get under it"
+    approach = region.approach or natural_approach(out)
+    if approach == "pinch" and not _graspable(region, item):
+        return "too-wide", (
+            f"the fingers open to {MAX_OPENING_M:g} m and the object is wider there; pinch a narrower "
+            "part, or push or press"
+        )
+    if here[2] < -TIP_M and not _overhangs(here, facts):
+        return "below-table", f"it lies {-here[2]:.3f} m below the table's top"
+    return None
+
+
+def _points_inward(center: Array, normal: Array, solids: Sequence[Solid], cfg: RegionCfg) -> bool:
+    """Whether a line along the normal goes into the object: it leaves it far ahead, or sideways."""
+    unit = normal / np.linalg.norm(normal)
+    at = center - 0.5 * cfg.off_surface_m * unit
+    inside = [solid.leave(at[None], unit) for solid in solids if solid.depth(center[None])[0] > -cfg.off_surface_m]
+    return bool(inside) and not any(
+        not np.isfinite(rise[0]) or (rise[0] <= 1.5 * cfg.off_surface_m and facing[0] @ unit >= cfg.facing)
+        for rise, facing in inside
+    )
+
+
+def _nothing_left(
+    region: Region, left: Candidates, item: Mapping[str, Any], solids: Sequence[Solid], cfg: RegionCfg
+) -> tuple[str, str]:
+    """Why no candidate of a region can be touched."""
+    count = sum(left.lost.values())
+    told = ", ".join(f"{number} {reason}" for reason, number in left.lost.items())
+    worst = max(left.lost, key=lambda reason: left.lost[reason])
+    code, mend = "buried", "touch it on a side that is free"
+    if worst == MISSED:
+        code, mend = "missed", f"in the object's frame it extends {_extent(item)}"
+    elif worst == REACH:
+        low, high = cfg.reach_low_m, cfg.reach_high_m
+        code, mend = (
+            "out-of-reach",
+            (f"in the world the hand gets from {_text(np.asarray(low))} to {_text(np.asarray(high))} m"),
+        )
+    return code, f"none of its {count} candidate points can be touched: {told}; {mend}"
+
+
+def _extent(item: Mapping[str, Any]) -> str:
+    half, middle = np.asarray(item["size_m"]) / 2, np.asarray(item.get("middle_m", (0.0, 0.0, 0.0)))
+    return f"{_text(middle - half)} to {_text(middle + half)} m"
+
+
+def _text(vector: Array) -> str:
+    return "[" + ", ".join(f"{value:.3f}" for value in vector) + "]"
+
+
+def _overhangs(point: Array, facts: Mapping[str, Any]) -> bool:
+    return not all(facts["table"][axis][0] <= point[k] <= facts["table"][axis][1] for k, axis in enumerate("xy"))
+
+
+def _graspable(region: Region, item: Mapping[str, Any]) -> bool:
+    if closing_axis(np.asarray(region.normal), np.asarray(item["size_m"])) is not None:
+        return True
+    # A handle is narrower than the thing that it is part of; the rehearsal will tell.
+    return item["shapes"] != ["box"] or item["solid_share"] < 0.95 or bool(item["points"])

@@ -1,0 +1,232 @@
+"""Which candidates of a region can be touched: on the object's true surface, free of other things, within reach."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.plan.contact_regions import (
+    LOWEST_M,
+    TIP_M,
+    Region,
+    RegionCfg,
+    RegionsAnswer,
+    candidates,
+    natural_approach,
+    tool_at,
+)
+from coral.contact.plan.convex_pieces import Solid, box, pieces
+from coral.contact.scene.geometry import from_rotvec, rotate, rotation_of
+from coral.contact.scene.trial import Drawn
+
+Array = NDArray[np.float64]
+MISSED, TABLE, REACH = "off the face", "below the table's top", "out of the hand's reach"
+FLUSH_M = 1e-4
+"""A candidate so near to the surface stays where it is: advisors round to that."""
+SEAM_M = 5e-4
+"""A point of one part is surface where it is so far from being inside another."""
+
+
+@dataclass(frozen=True)
+class Scenery:
+    """What the objects are made of, each in its own frame."""
+
+    objects: Mapping[str, tuple[Solid, ...]]
+
+    @classmethod
+    def of(cls, drawn: Drawn) -> Scenery:
+        """The true shapes of a trial."""
+        return cls({name: pieces(drawn, name) for name in drawn.objects})
+
+    @classmethod
+    def boxes(cls, facts: Mapping[str, Any]) -> Scenery:
+        """All that facts alone tell: the boxes that hold the parts."""
+        found = {}
+        for name, item in facts["objects"].items():
+            whole = [{"position": item.get("middle_m", (0.0, 0.0, 0.0)), "size_m": item["size_m"]}]
+            found[name] = tuple(
+                box(np.asarray(part["size_m"]), np.asarray(part["position"])) for part in item.get("parts") or whole
+            )
+        return cls(found)
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """What is left of a region.
+
+    Args:
+        points: Shape=(n, 3) m, in the object's frame, on its surface.
+        lost: How many were dropped, by the reason.
+    """
+
+    points: Array
+    lost: Mapping[str, int]
+
+
+def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array, cfg: RegionCfg) -> Array:
+    """Points of a disc moved along its normal to the surface, Shape=(n, 3) m; nan where they miss the face.
+
+    A point moves no further than a surface that slopes by 45 degrees would have it, and where the surface turns away
+    from the normal it is another face.
+
+    Args:
+        points: Shape=(n, 3) m, of the disc.
+        normal: Shape=(3,), of length 1.
+        solids: Convex pieces of the object, in the points' frame.
+        center: Shape=(3,) m, of the disc.
+        cfg: How far a centre may be off, how the surface must face.
+    """
+    found = np.full(points.shape, np.nan)
+    least = cfg.off_surface_m + np.linalg.norm(points - center, axis=1) + 1e-9
+    for index, solid in enumerate(solids):
+        rise, facing = solid.leave(points, normal)
+        there = points + rise[:, None] * normal
+        surface = np.isfinite(rise) & (facing @ normal >= cfg.facing)
+        for other in (*solids[:index], *solids[index + 1 :]):
+            surface &= ~(other.depth(there + SEAM_M * normal) > 0)
+        nearer = surface & (np.abs(rise) < least)
+        least[nearer] = np.abs(rise)[nearer]
+        found[nearer] = np.where(np.abs(rise[nearer, None]) < FLUSH_M, points[nearer], there[nearer])
+    return found
+
+
+def off_surface(center: Array, solids: Sequence[Solid]) -> float:
+    """How far (m) a point is from an object's surface: inside it, along its axes."""
+    depth = max(float(solid.depth(center[None])[0]) for solid in solids)
+    if depth < -SEAM_M:
+        return -depth
+    found = [np.inf]
+    for way in np.concatenate([np.eye(3), -np.eye(3)]):
+        for index, solid in enumerate(solids):
+            rise, _ = solid.leave(center[None], way)
+            past = center[None] + (rise[:, None] + SEAM_M) * way
+            others = (*solids[:index], *solids[index + 1 :])
+            if rise[0] >= -SEAM_M and not any(other.depth(past)[0] > 0 for other in others):
+                found.append(abs(float(rise[0])))
+    return min(found)
+
+
+def candidates_of(
+    answer: RegionsAnswer,
+    facts: Mapping[str, Any],
+    stages: Sequence[str] = (),
+    scenery: Scenery | None = None,
+    cfg: RegionCfg | None = None,
+) -> list[Candidates]:
+    """What can be touched of every region, in their order.
+
+    An object is judged as it stands for the stage in which it is touched first; by the later ones it may have been
+    moved, and so may other objects that are touched before.
+
+    Args:
+        answer: The regions.
+        facts: The scene (`scene_facts`): poses, fixtures, table.
+        stages: Names of the plan's stages, in order.
+        scenery: True shapes; by default the boxes that the facts tell of.
+        cfg: Bounds.
+    """
+    scenery, cfg = scenery or Scenery.boxes(facts), cfg or RegionCfg()
+    order = {stage: index for index, stage in enumerate(stages)}
+    begins: dict[str, int] = {}
+    for name, region in answer.each():
+        begins[name] = min(order.get(region.stage, 0), begins.get(name, len(order)))
+    found = []
+    for name, region in answer.each():
+        when = order.get(region.stage, 0)
+        standing = [other for other in facts["objects"] if other != name and begins.get(other, when) >= when]
+        found.append(touchable(name, region, facts, scenery, cfg, standing if when == begins[name] else None))
+    return found
+
+
+def touchable(
+    name: str,
+    region: Region,
+    facts: Mapping[str, Any],
+    scenery: Scenery,
+    cfg: RegionCfg,
+    standing: Sequence[str] | None,
+) -> Candidates:
+    """What can be touched of one region.
+
+    Args:
+        name: The object.
+        region: On it.
+        facts: The scene.
+        scenery: Shapes.
+        cfg: Bounds.
+        standing: Other objects that are where they are now; None where this one is not, and only its surface counts.
+    """
+    normal = np.asarray(region.normal, dtype=float) / np.linalg.norm(region.normal)
+    points = project(candidates(region), normal, scenery.objects[name], np.asarray(region.center), cfg)
+    on_face = np.isfinite(points).all(axis=1)
+    lost: Counter[str] = Counter()
+    if not on_face.all():
+        lost[MISSED] = int((~on_face).sum())
+    points = points[on_face]
+    if standing is None or not len(points):
+        return Candidates(points, dict(lost))
+    reasons = _hindered(name, region, points, facts, scenery, cfg, standing)
+    lost.update(reason for reason in reasons if reason)
+    return Candidates(points[[not reason for reason in reasons]], dict(lost))
+
+
+def _hindered(
+    name: str,
+    region: Region,
+    points: Array,
+    facts: Mapping[str, Any],
+    scenery: Scenery,
+    cfg: RegionCfg,
+    standing: Sequence[str],
+) -> list[str]:
+    """Why each point, as the object stands, cannot be touched; "" where it can."""
+    pose, normal = np.asarray(facts["objects"][name]["pose"], dtype=float), np.asarray(region.normal, dtype=float)
+    surface, out = pose[:3] + rotate(pose[3:], points), rotate(pose[3:], normal)
+    approach = region.approach or natural_approach(out)
+    tool = tool_at(surface, normal, np.asarray(facts["objects"][name]["size_m"]), out, approach)
+    over_table = np.all(
+        [
+            (tool[:, k] >= facts["table"][axis][0]) & (tool[:, k] <= facts["table"][axis][1])
+            for k, axis in enumerate("xy")
+        ],
+        axis=0,
+    )
+    found = np.full(len(points), "", dtype=object)
+    found[over_table & (surface[:, 2] < -TIP_M)] = TABLE
+    tool[:, 2] = np.where(over_table, np.maximum(tool[:, 2], LOWEST_M), tool[:, 2])
+    for thing, solids in _things(facts, scenery, [name, *standing]):
+        for solid in solids:
+            buried = (solid.depth(surface) > cfg.buried_m) & (thing != name)
+            # Pinched, the tool is inside the object and what stands beside it is between the fingers or not.
+            blocked = (solid.depth(tool) > cfg.buried_m) & (approach != "pinch")
+            found[(found == "") & buried] = f"inside {thing}"
+            found[(found == "") & blocked] = f"with no room for a finger before {thing}"
+    outside = (tool < np.asarray(cfg.reach_low_m)).any(axis=1) | (tool > np.asarray(cfg.reach_high_m)).any(axis=1)
+    found[(found == "") & outside] = REACH
+    return [str(reason) for reason in found]
+
+
+def _things(facts: Mapping[str, Any], scenery: Scenery, standing: Sequence[str]) -> list[tuple[str, list[Solid]]]:
+    """Everything else that stands there, in the world."""
+    found = []
+    for name in standing:
+        pose = np.asarray(facts["objects"][name]["pose"], dtype=float)
+        turn = rotation_of(pose[3:])
+        found.append(
+            (
+                name,
+                [
+                    Solid(one.planes, one.radius, one.round_axes, pose[:3] + turn @ one.position, turn @ one.rotation)
+                    for one in scenery.objects[name]
+                ],
+            )
+        )
+    for name, item in facts.get("fixtures", {}).items():
+        turn = rotation_of(from_rotvec([0, 0, np.radians(item["yaw_deg"])]))
+        found.append((name, [box(np.asarray(item["size_m"]), np.asarray(item["position"]), turn)]))
+    return found

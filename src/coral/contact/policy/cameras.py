@@ -1,0 +1,107 @@
+"""What a policy is shown: LIBERO's two cameras, one across the table and one at the wrist, by ray casting."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from coral.config import Signed
+from coral.contact.perception.camera import CameraCfg, RayCamera, look_at
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.observation import Array, Body
+from coral.errors import InputError
+
+Image = NDArray[np.uint8]
+_HIDDEN = 5
+
+
+@dataclass(frozen=True, kw_only=True)
+class EyesCfg:
+    """The cameras.
+
+    Args:
+        pixels: Width and height (openpi's LIBERO example sends 224).
+        eye_m, target_m: Of the camera across the table: LIBERO's "agentview" in our frame.
+        vfov_deg: Its field of view (MuJoCo's default, which LIBERO keeps).
+        wrist_m: The other camera in the tool's frame; it looks out of the palm, its top towards the hand's x.
+        wrist_vfov_deg: Its field of view (robosuite's "eye_in_hand").
+        mirrored: Left and right exchanged. LIBERO's pictures are: OpenGL's rows from bottom to top, turned by half.
+        colours: "shaded" by rays, the same everywhere; "best": OpenGL's where it works, nearer to what policies know.
+    """
+
+    pixels: Annotated[int, Field(ge=16, le=1024)] = 224
+    eye_m: tuple[Signed, Signed, Signed] = (0.8186, 0.0, 0.7104)
+    target_m: tuple[Signed, Signed, Signed] = (-0.0615, 0.0, 0.0)
+    vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 45.0
+    wrist_m: tuple[Signed, Signed, Signed] = (0.05, 0.0, -0.097)
+    wrist_vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 75.0
+    mirrored: bool = True
+    colours: Literal["shaded", "best"] = "shaded"
+
+
+class Eyes:
+    """Looks at a simulated world.
+
+    Args:
+        model: The world's model; it is not changed.
+        cfg: The cameras.
+
+    Raises:
+        InputError: The camera looks straight down, or the scene cannot be drawn.
+    """
+
+    def __init__(self, model: mujoco.MjModel, cfg: EyesCfg) -> None:
+        if np.allclose(cfg.eye_m[:2], cfg.target_m[:2]):
+            raise InputError("policy.eyes", "target_m", cfg.target_m, "a point that is not straight below the camera")
+        self._cfg = cfg
+        shown = _uncovered(model)
+
+        def camera(vfov_deg: float, near_m: float, pose: Array) -> RayCamera:
+            lens = CameraCfg(width=cfg.pixels, height=cfg.pixels, vfov_deg=vfov_deg, near_m=near_m)
+            return RayCamera(shown, lens, pose, {}, colours=cfg.colours)
+
+        self._outside = camera(cfg.vfov_deg, 0.05, look_at(cfg.eye_m, cfg.target_m))
+        self._wrist = camera(cfg.wrist_vfov_deg, 0.005, np.eye(4))
+
+    def look(self, data: mujoco.MjData, tool: Body) -> tuple[Image, Image]:
+        """Pictures from across the table and from the wrist, each Shape=(H, W, 3), RGB.
+
+        Args:
+            data: The world's state, its kinematics up to date.
+            tool: The tool frame.
+        """
+        self._wrist.T_world_camera = wrist_pose(tool, np.asarray(self._cfg.wrist_m))
+        return self._take(self._outside, data), self._take(self._wrist, data)
+
+    def _take(self, camera: RayCamera, data: mujoco.MjData) -> Image:
+        picture = camera.take(data).rgb
+        assert picture is not None
+        return np.ascontiguousarray(picture[:, ::-1] if self._cfg.mirrored else picture)
+
+
+def wrist_pose(tool: Body, place_m: Array) -> Array:
+    """T_world_camera of the wrist's camera (x right, y down, z forward), Shape=(4, 4).
+
+    Args:
+        tool: The tool frame.
+        place_m: Shape=(3,), where the camera is in it.
+    """
+    turn, pose = rotation_of(tool.quaternion), np.eye(4)
+    pose[:3, :3] = turn @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    pose[:3, 3] = tool.position + turn @ place_m
+    return pose
+
+
+def _uncovered(model: mujoco.MjModel) -> mujoco.MjModel:
+    """A copy in which a robot's collision shapes (group 0) do not cover its pretty ones (group 1)."""
+    shown = copy.copy(model)
+    pretty = set(model.geom_bodyid[model.geom_group == 1].tolist()) - {0}
+    plain = np.flatnonzero(model.geom_group == 0)
+    shown.geom_group[[geom for geom in plain if int(model.geom_bodyid[geom]) in pretty]] = _HIDDEN
+    return shown

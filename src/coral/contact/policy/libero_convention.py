@@ -1,0 +1,118 @@
+"""The LIBERO convention of observations and actions, in which most published policies for a Panda are fine-tuned.
+
+Observation: two pictures, `state` = position of the tool (m), its orientation as axis times angle (rad), both finger
+joints (m), and the instruction. Action: seven numbers from -1 to 1, three of them a step of the position, three a turn,
+the last the fingers; robosuite's operational-space controller scales them. Sources: openpi's `examples/libero`,
+LIBERO's tabletop arena, robosuite's OSC_POSE defaults.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from coral.config import Count, Positive, Signed
+from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
+from coral.contact.policy.client import PolicyError
+from coral.contact.scene.geometry import from_rotvec, multiply
+from coral.contact.scene.observation import Array, HandTarget, Observation
+
+MOST_ACTIONS = 1000
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiberoCfg:
+    """How actions become motion.
+
+    Args:
+        rate_hz: Actions per second (LIBERO's control frequency).
+        ticks: World steps during one action, each within the reactive layer's limits.
+        execute: Actions of a chunk that are taken before the policy is asked again (openpi's LIBERO example: 5).
+        step_m: What 1 means for the position (robosuite: 0.05).
+        step_rad: What 1 means for the turn about each axis (robosuite: 0.5).
+        opening_m_s: Speed of the fingers' distance; robosuite's gripper goes all the way in eight actions.
+        gripper: Which sign closes: "positive" (LIBERO, robosuite) or "negative".
+        stiffness_n_m: Of the hand; robosuite's gain of 150 for its apparent mass of 4.5 kg.
+        origin_m: Our origin in LIBERO's world, whose table top is 0.9 m high and whose robot stands at x = -0.66.
+    """
+
+    rate_hz: Positive = 20.0
+    ticks: Count = 5
+    execute: Count = 5
+    step_m: Positive = 0.05
+    step_rad: Positive = 0.5
+    opening_m_s: Positive = 0.2
+    gripper: Literal["positive", "negative"] = "positive"
+    stiffness_n_m: Positive = 675.0
+    origin_m: tuple[Signed, Signed, Signed] = (-0.16, 0.0, 0.9)
+
+    @property
+    def tick_s(self) -> float:
+        """Control period of the world."""
+        return 1.0 / (self.rate_hz * self.ticks)
+
+
+def state(now: Observation, cfg: LiberoCfg) -> Array:
+    """What the robot feels of itself, Shape=(8,)."""
+    return np.concatenate(
+        [now.tool.position + cfg.origin_m, axis_angle(now.tool.quaternion), [now.opening_m / 2, -now.opening_m / 2]]
+    )
+
+
+def axis_angle(quaternion: Array) -> Array:
+    """Axis times angle (rad), Shape=(3,), with x not negative.
+
+    A hand that points down is half a turn about x, where the shortest vector jumps between +pi and -pi; the policies
+    have seen +pi, and angles beyond it.
+    """
+    q = quaternion if quaternion[1] >= 0 else -quaternion
+    sine = float(np.linalg.norm(q[1:]))
+    return np.asarray(q[1:] * (2.0 * np.arctan2(sine, q[0]) / sine)) if sine > 1e-9 else np.zeros(3)
+
+
+def actions_of(answer: Mapping[Any, Any]) -> Array:
+    """The actions in a server's answer, Shape=(n, 7).
+
+    Raises:
+        PolicyError: There are none ("bad-actions"), or they hold something that is no number ("not-finite").
+    """
+    found = answer.get("actions", answer.get(b"actions"))
+    if found is None:
+        raise PolicyError("bad-actions", "the answer has no actions")
+    if not isinstance(found, np.ndarray) or found.dtype.kind not in "iuf":
+        what = f"an array of {found.dtype}" if isinstance(found, np.ndarray) else f"a {type(found).__name__}"
+        raise PolicyError("bad-actions", f"the actions are {what}, expected an array of numbers")
+    if found.ndim != 2 or found.shape[1] != 7 or not 1 <= len(found) <= MOST_ACTIONS:
+        raise PolicyError(
+            "bad-actions", f"actions of shape {found.shape}, expected (n, 7) with n from 1 to {MOST_ACTIONS}"
+        )
+    actions = found.astype(np.float64)
+    if not np.isfinite(actions).all():
+        raise PolicyError("not-finite", "the actions hold something that is no number")
+    return actions
+
+
+def target(now: Observation, action: Array, cfg: LiberoCfg) -> HandTarget:
+    """Where an action pulls the hand, from where it is measured to be.
+
+    Args:
+        now: At the beginning of the action; the target's opening is the present one.
+        action: Shape=(7,); beyond -1 and 1 it counts as -1 and 1.
+        cfg: What it means.
+    """
+    step = np.clip(action, -1.0, 1.0)
+    return HandTarget(
+        position=now.tool.position + cfg.step_m * step[:3],
+        quaternion=multiply(from_rotvec(cfg.step_rad * step[3:6]), now.tool.quaternion),  # about the world's axes
+        opening_m=now.opening_m,
+        stiffness=cfg.stiffness_n_m,
+    )
+
+
+def opened(opening_m: float, action: Array, cfg: LiberoCfg) -> float:
+    """The commanded distance of the finger pads (m) a tick later; it moves by the sign of the action's last number."""
+    closing = float(np.sign(action[6])) * (1.0 if cfg.gripper == "positive" else -1.0)
+    return float(np.clip(opening_m - closing * cfg.opening_m_s * cfg.tick_s, SQUEEZE_M, MAX_OPENING_M))

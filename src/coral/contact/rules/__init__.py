@@ -1,0 +1,1 @@
+"""The default advisor: an answer to each kind of question by rules. No language or vision model is asked."""

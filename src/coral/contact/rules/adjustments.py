@@ -1,0 +1,42 @@
+"""What the default advisor changes about its plan after each diagnosis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from coral.contact.rules.scene_reading import Choice
+
+
+def choice_after(diagnoses: Sequence[str]) -> Choice:
+    """What the composing rules change after these failures, in order."""
+    choice = Choice()
+    for kind in diagnoses:
+        if kind == "slipped":
+            choice = replace(
+                choice,
+                press=min(choice.press * 1.4, 3.0),
+                lower_m=min(choice.lower_m + 0.006, 0.012),
+                careful=max(0.5, 0.8 * choice.careful),
+            )
+        elif kind == "not-moved":
+            choice = replace(choice, press=min(choice.press * 1.6, 3.0))
+        elif kind in ("not-reached", "no-progress", "cost-error"):
+            choice = replace(choice, turn=choice.turn + 1)
+        else:
+            choice = replace(choice, careful=max(0.5, 0.8 * choice.careful))
+    return choice
+
+
+def change_words(before: Choice, after: Choice) -> str:
+    """What a repair changes, in a sentence."""
+    words = []
+    if after.turn != before.turn:
+        words.append("takes the next grasp or side that fits")
+    if after.press != before.press:
+        words.append(f"presses and squeezes {after.press / before.press:.1f} times as hard")
+    if after.lower_m != before.lower_m:
+        words.append(f"takes hold {1000 * (after.lower_m - before.lower_m):.0f} mm lower")
+    if after.careful != before.careful:
+        words.append("moves more carefully in contact")
+    return "The new one " + " and ".join(words) if words else "The new one tries the same again"

@@ -1,0 +1,105 @@
+"""The default advisor `heuristic`: an answer to each kind of question by rules, from facts alone. No model is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pydantic import BaseModel
+
+from coral.advisor.question import AdvisorUnavailable, Rejection
+from coral.advisor.rules import Rule
+from coral.contact.plan.contact_regions import ObjectRegions, RegionsAnswer
+from coral.contact.plan.region_validation import UNTOUCHABLE
+from coral.contact.rules.adjustments import change_words, choice_after
+from coral.contact.rules.composition import Composed, compose
+from coral.contact.rules.estimates import estimate
+from coral.contact.rules.goals import NoRule, goal_words
+from coral.contact.rules.outcome_cost import outcome_plan
+from coral.contact.rules.poses import locate
+from coral.contact.thinker.diagnosis import TEXTS
+from coral.contact.thinker.unified_question import UnifiedAnswer
+from coral.contact.world_model.parameter_answer import ObjectParameters, ParametersAnswer
+from coral.contact.world_model.parameter_estimates import Estimate
+
+
+def _composed(facts: Mapping[str, Any], refused: int = 0) -> Composed:
+    if not facts.get("contact_strategy", True):
+        plan = outcome_plan(facts)
+        if plan is None:
+            asked = ", ".join(goal_words(goal) for goal in facts["goals"])
+            raise AdvisorUnavailable("no-rule", f"no goal asks for anything to be moved: {asked}", final=True)
+        return Composed(plan, RegionsAnswer({}))
+    diagnoses = [*facts.get("diagnoses", ()), *["no-progress"] * refused]
+    try:
+        return compose(facts, choice_after(diagnoses))
+    except NoRule as error:
+        raise AdvisorUnavailable("no-rule", str(error), final=True) from None
+
+
+def _plan(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+    return _composed(facts, len(rejections)).plan
+
+
+def _regions(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+    made = _composed(facts, int(facts.get("refused", 0))).regions
+    # The plan may be somebody else's, with other stages: then a place is good for all of them.
+    stages = facts.get("stages", ())
+    held = {
+        name: [
+            region if not stages or region.stage in stages else region.model_copy(update={"stage": ""})
+            for region in regions.regions
+        ]
+        for name, regions in made.root.items()
+    }
+    # The rules have no second choice of a place: the others are better than none.
+    for rejection in rejections:
+        if rejection.code in UNTOUCHABLE:
+            held[rejection.details["object"]].pop(rejection.details["region"])
+    return RegionsAnswer({name: ObjectRegions(regions=regions) for name, regions in held.items()})
+
+
+def _repair(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+    diagnoses = list(facts["diagnoses"])
+    made = _composed(facts, len(rejections)).plan
+    why = TEXTS.get(diagnoses[-1], diagnoses[-1])
+    before, after = choice_after(diagnoses[:-1]), choice_after([*diagnoses, *["no-progress"] * len(rejections)])
+    # A skill that has no other side or grasp must not claim to take one.
+    change = change_words(before, after if _composed({**facts, "diagnoses": diagnoses[:-1]}).plan != made else before)
+    words = f"The plan before failed because {why}. {change}: {made.explanation}"
+    return made.model_copy(update={"explanation": words})
+
+
+def _parameters(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+    fitted = facts["fitted"]
+    if not fitted["better"]:
+        raise AdvisorUnavailable("no-better-fit", "no mass and friction explain the history better", final=True)
+    return ParametersAnswer(
+        objects=[ObjectParameters(label=fitted["object"], mass=fitted["mass_kg"], friction=fitted["friction"])]
+    )
+
+
+def _unified(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+    """Its rules for each part, one after the other; what is believed already is kept."""
+    found = {
+        name: Estimate(mass_kg=item["mass_kg"], friction_coeff=item["friction"])
+        for name, item in facts["objects"].items()
+        if "mass_kg" in item
+    } or estimate(facts, rejections).root
+    believed = {
+        name: {**item, "mass_kg": found[name].mass_kg, "friction": found[name].friction_coeff}
+        for name, item in facts["objects"].items()
+    }
+    made = _composed({**facts, "objects": believed}, len(rejections))
+    return UnifiedAnswer(parameters=found, regions=made.regions.root, **made.plan.model_dump())
+
+
+RULES: Mapping[str, Rule] = {
+    "physical-parameters": estimate,
+    "cost-function": _plan,
+    "contact-regions": _regions,
+    "cost-repair": _repair,
+    "parameter-repair": _parameters,
+    "object-poses": locate,
+    "unified": _unified,
+}

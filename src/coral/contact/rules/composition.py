@@ -1,0 +1,168 @@
+"""The default advisor's plan: program texts and regions composed from the task file's goals by general rules.
+
+No rule knows a task by its name. What a goal asks of an object, and what its size allows the hand to do, choose among
+grasping from above, pushing, tipping, raising against something upright, and pinching beyond the table's edge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
+from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
+from coral.contact.rules.goals import NoRule, goal_words, once, served, wanted
+from coral.contact.rules.placement import spot_of
+from coral.contact.rules.scene_reading import Choice, Draft, Thing, number
+from coral.contact.rules.skill_edge import add_overhang, can_overhang
+from coral.contact.rules.skill_grasp import add_grasp, add_lift, add_place, add_release
+from coral.contact.rules.skill_pivot import add_pivot
+from coral.contact.rules.skill_push import add_push, add_tip
+
+
+@dataclass(frozen=True)
+class Composed:
+    """A plan with the regions that belong to it."""
+
+    plan: PlanAnswer
+    regions: RegionsAnswer
+
+
+def compose(facts: Mapping[str, Any], choice: Choice | None = None) -> Composed:
+    """The plan for a scene.
+
+    Args:
+        facts: The scene (`scene_facts`) with its goals.
+        choice: What repairs have changed.
+
+    Raises:
+        NoRule: The rules know no way; the text says to what.
+    """
+    choice = choice or Choice()
+    drafts = []
+    for name in dict.fromkeys(goal["object"] for goal in facts["goals"]):
+        asked = [goal for goal in facts["goals"] if goal["object"] == name]
+        moving = wanted(asked, facts)
+        if not moving:
+            continue
+        goals = {goal["kind"]: goal for goal in asked} | once(moving)
+        thing = Thing(name, facts)
+        drafts.append((thing, _for_object(thing, goals, [goal["kind"] for goal in moving], facts, choice)))
+    if not drafts:
+        asked_for = ", ".join(goal_words(goal) for goal in facts["goals"])
+        raise NoRule(f"no goal asks for anything to be moved: {asked_for}")
+    merged = Draft()
+    for before, (_, draft) in zip([None, *(thing for thing, _ in drafts)], drafts, strict=False):
+        _append(merged, draft, before)
+    held: dict[str, list[Region]] = {}
+    for name, region in merged.regions:
+        held.setdefault(name, []).append(region)
+    words = "; ".join(merged.words)
+    return Composed(
+        PlanAnswer(stages=merged.stages, explanation=f"{words[:1].upper()}{words[1:]}."),
+        RegionsAnswer({name: ObjectRegions(regions=regions) for name, regions in held.items()}),
+    )
+
+
+def _for_object(
+    thing: Thing, goals: Mapping[str, Any], moving: Sequence[str], facts: Mapping[str, Any], choice: Choice
+) -> Draft:
+    """The one way that serves what is asked of an object.
+
+    Args:
+        thing: The object.
+        goals: Its goals by kind.
+        moving: Those that ask for it to be moved.
+        facts: The scene.
+        choice: What repairs have changed.
+
+    Raises:
+        NoRule: No way serves all of them.
+    """
+    draft, asked = Draft(), set(moving)
+    if "flipped" in asked:
+        against = goals.get("touched-while-turning", {}).get("thing")
+        served(goals, asked, {"flipped", "touched-while-turning"}, thing.name, "turned over")
+        if not 45 < goals["flipped"]["degrees"] < 135:
+            raise NoRule(f"no rule turns the {thing.name} by other than a right angle: {goal_words(goals['flipped'])}")
+        if against in facts["objects"]:
+            raise NoRule(
+                f"no rule turns the {thing.name} against what moves itself: "
+                f"{goal_words(goals['touched-while-turning'])}"
+            )
+        if against in facts["fixtures"]:
+            add_pivot(draft, thing, facts, against, choice)
+        else:
+            add_tip(draft, thing, facts, choice)
+        return draft
+    to_place = goals.get("at")
+    if "steady-force" in asked or ("at" in asked and not thing.closings()):
+        served(goals, asked, {"steady-force", "at"}, thing.name, "pushed")
+        place = to_place or _straight_on(thing, facts)
+        add_push(draft, thing, facts, place, goals.get("steady-force", {}).get("newtons"), choice)
+        return draft
+    held = {"lifted", "grasped"} & asked
+    if held and thing.closings():
+        served(goals, asked, {"lifted", "grasped"}, thing.name, "held")
+        add_grasp(draft, thing, facts, choice)
+        lift = max(goals.get("lifted", {}).get("height_m", 0.0), 0.02)
+        add_lift(draft, thing, facts, lift, choice)
+        if "released" in goals:
+            add_release(draft, thing, facts, choice)
+        return draft
+    if held and can_overhang(thing):
+        served(goals, asked, {"lifted", "grasped"}, thing.name, "held")
+        lift = max(goals.get("lifted", {}).get("height_m", 0.0), 0.02)
+        add_overhang(draft, thing, facts, lift, choice)
+        return draft
+    put = next((kind for kind in ("at", "inside", "resting") if kind in asked), None)
+    if put is not None and thing.closings():
+        # What is put somewhere rests there; whether on the right thing, the place decides.
+        served(goals, asked, {put, "resting"}, thing.name, "put down")
+        spot = spot_of(thing, facts, goals[put])
+        add_grasp(draft, thing, facts, choice)
+        add_place(draft, thing, facts, spot, choice)
+        return draft
+    unserved = ", ".join(goal_words(goals[kind]) for kind in moving)
+    raise NoRule(
+        f"the {thing.name} is too wide to grasp and no goal can be reached by pushing: {unserved}"
+        if not thing.closings()
+        else f"no rule moves the {thing.name} so: {unserved}"
+    )
+
+
+def _straight_on(thing: Thing, facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Where to push to when only a force is asked for: the first place of the task.
+
+    Raises:
+        NoRule: There is none.
+    """
+    if not facts["places"]:
+        raise NoRule(f"a force is asked for on the {thing.name}, but no place to push it to")
+    return {"place": next(iter(facts["places"])), "tolerance_m": 0.02, "axes": "xy"}
+
+
+def _append(merged: Draft, draft: Draft, before: Thing | None) -> None:
+    """Add one object's stages after another's, its names made its own, the one before ending when the hand is clear."""
+    taken = {stage.name for stage in merged.stages}
+    names = {stage.name: stage.name if stage.name not in taken else _free(stage.name, taken) for stage in draft.stages}
+    if before is not None and not merged.stages[-1].done:
+        n, clear = before.name, number(before.height / 2 + 0.06)
+        done = f"not self.{n}_hand_contact and norm(self.ee_pos - self.{n}_pos) > {clear}"
+        merged.stages[-1] = merged.stages[-1].model_copy(update={"done": done})
+    for stage in draft.stages:
+        merged.stages.append(_renamed(stage, names))
+    merged.regions += [
+        (name, region.model_copy(update={"stage": names.get(region.stage, region.stage)}))
+        for name, region in draft.regions
+    ]
+    merged.words += draft.words
+
+
+def _free(name: str, taken: set[str]) -> str:
+    return next(f"{name} {k}" for k in range(2, 100) if f"{name} {k}" not in taken)
+
+
+def _renamed(stage: StageAnswer, names: Mapping[str, str]) -> StageAnswer:
+    return stage.model_copy(update={"name": names[stage.name], "back_to": names.get(stage.back_to, stage.back_to)})

@@ -1,0 +1,64 @@
+"""Mass and friction by the density of what a label names: the default advisor's rule."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from coral.advisor.question import Rejection
+from coral.contact.world_model.parameter_estimates import Estimate, Estimates
+
+# Mean density of a thing called so, air inside counted (kg/m3), and friction on a table. Handbook orders of magnitude.
+MATERIALS: Mapping[str, tuple[float, float]] = {
+    "foam": (40, 0.6),
+    "cork": (200, 0.5),
+    "cardboard": (250, 0.5),
+    "paper": (600, 0.45),
+    "carton": (500, 0.5),
+    "plastic": (400, 0.4),
+    "bottle": (600, 0.4),
+    "cutting": (700, 0.5),
+    "wooden": (650, 0.5),
+    "wood": (650, 0.5),
+    "board": (700, 0.5),
+    "book": (800, 0.45),
+    "rubber": (1100, 0.9),
+    "mug": (700, 0.45),
+    "cup": (400, 0.45),
+    "can": (1000, 0.45),
+    "tin": (1000, 0.4),
+    "brick": (1900, 0.6),
+    "stone": (2500, 0.6),
+    "glass": (1200, 0.4),
+    "ceramic": (1500, 0.45),
+    "aluminium": (2700, 0.45),
+    "steel": (7000, 0.45),
+    "metal": (5000, 0.45),
+    "box": (300, 0.5),
+    "block": (650, 0.5),
+    "bag": (600, 0.6),
+}
+
+
+UNKNOWN = (500.0, 0.5)
+
+
+def estimate(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> Estimates:
+    """The heuristic's answer: volume times the density of what the label names, within what the task file states.
+
+    Refused estimates are drawn to the middle of what the task file states.
+    """
+    found = {}
+    for name, item in facts["objects"].items():
+        words = f"{item.get('label', '')} {name}".lower().replace("-", " ").split()
+        density, friction = next((MATERIALS[word] for word in words if word in MATERIALS), UNKNOWN)
+        mass = density * math.prod(item["size_m"]) * item.get("solid_share", 1.0)
+        ranges = item.get("stated_mass_kg", (mass, mass)), item.get("stated_friction", (friction, friction))
+        if rejections:
+            mass, friction = (sum(ends) / 2 for ends in ranges)
+        mass, friction = (
+            min(max(value, low), high) for value, (low, high) in zip((mass, friction), ranges, strict=True)
+        )
+        found[name] = Estimate(mass_kg=mass, friction_coeff=friction)
+    return Estimates(found)

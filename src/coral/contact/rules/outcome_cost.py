@@ -1,0 +1,125 @@
+"""The default advisor's cost without a contact strategy: what is wanted of the objects, no word of where to touch them.
+
+The paper's ablation leaves finding useful contacts to the sampling. Its cost functions read contact points that only a
+strategy provides, and fall back on the object's position; so does this one: the hand is drawn to the object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from coral.contact.plan.cost_plan import PlanAnswer
+from coral.contact.rules.goals import wanted
+from coral.contact.rules.scene_reading import Thing, axis_of, number, vector
+from coral.contact.rules.support import rise, top
+
+MARGIN_M = 0.02
+"""Beyond an object's largest half extent the hand is drawn to it; within, it may touch anywhere."""
+DONE = 0.7
+"""An object's goals count as met where their terms add up to less: a flip within 6 degrees, a place within 4 cm."""
+EDGE_M = 0.02
+"""How far within a region an object is drawn to."""
+
+
+def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
+    """One cost for the whole task, of its goals alone; None where no goal asks for something that a cost can lower."""
+    terms: list[str] = []
+    drawn: list[str] = []
+    moving = [
+        goal
+        for name in dict.fromkeys(goal["object"] for goal in facts["goals"])
+        for goal in wanted([one for one in facts["goals"] if one["object"] == name], facts)
+    ]
+    for goal in facts["goals"]:
+        kind, name = goal["kind"], goal["object"]
+        if kind in _TERMS:
+            terms.append(f"    terms['{name} {kind}'] = {_TERMS[kind](goal)}")
+        if kind == "resting" and goal in moving:
+            terms.append(f"    terms['{name} on {goal['thing']}'] = {_onto(goal, facts)}")
+        if goal in moving:
+            drawn.append(name)
+    if not drawn:
+        return None
+    let_go = {goal["object"] for goal in facts["goals"] if goal["kind"] == "released"}
+    reach = [
+        _reach(name, facts, name in let_go, [line for line in terms if f"'{name} " in line])
+        for name in dict.fromkeys(drawn)
+    ]
+    body = "\n".join([*terms, *reach])
+    return PlanAnswer(
+        code=f"def state_cost(self):\n{body}\n    return terms\n",
+        explanation="Be near what is to be moved; every goal costs its distance; touch it anywhere.",
+    )
+
+
+def _reach(name: str, facts: Mapping[str, Any], let_go: bool, goals: Sequence[str]) -> str:
+    """Draw the hand to an object; where it is to be released, only until its other goals are met, and away after."""
+    near = number(max(facts["objects"][name]["size_m"]) / 2 + MARGIN_M)
+    reach = f"terms['{name} reach'] = 8.0 * clip(norm(self.ee_pos - self.{name}_pos) - {near}, 0.0, 1.0)"
+    if not let_go:
+        return f"    {reach}"
+    missed = " + ".join(line.split("=")[0].strip() for line in goals)
+    return (
+        f"    done = near({missed}, {number(DONE)})\n    {reach} * (1.0 - done)\n"
+        f"    terms['{name} released'] = done * self.{name}_hand_contact"
+    )
+
+
+def _flipped(goal: Mapping[str, Any]) -> str:
+    axis = "xyz".index(goal["axis"])
+    turned = f"dot({axis_of(goal['object'], axis)}, {axis_of(goal['object'], axis, 1.0, 'init_quat')})"
+    return f"6.0 * abs({turned} - {number(np.cos(np.radians(goal['degrees'])))})"
+
+
+def _at(goal: Mapping[str, Any]) -> str:
+    point = goal.get("point")
+    where = f"self.{goal['object']}_{point}_pos" if point else f"self.{goal['object']}_pos"
+    axes = ", ".join("1.0" if axis in goal["axes"] else "0.0" for axis in "xyz")
+    return f"15.0 * norm(({where} - self.{goal['place']}_pos) * np.array([{axes}]))"
+
+
+def _lifted(goal: Mapping[str, Any]) -> str:
+    risen = f"self.{goal['object']}_pos[2] - self.{goal['object']}_init_pos[2]"
+    return f"15.0 * clip({number(goal['height_m'])} - ({risen}), 0.0, 1.0)"
+
+
+def _inside(goal: Mapping[str, Any]) -> str:
+    low, high = np.asarray(goal["low"], dtype=float), np.asarray(goal["high"], dtype=float)
+    inward = np.minimum(EDGE_M, (high - low) / 4)
+    at = f"self.{goal['object']}_pos"
+    return f"15.0 * norm({at} - np.maximum({vector(low + inward)}, np.minimum({vector(high - inward)}, {at})))"
+
+
+def _onto(goal: Mapping[str, Any], facts: Mapping[str, Any]) -> str:
+    """How far the object is from lying on something: aside of its middle, and off its top."""
+    thing, name = Thing(goal["object"], facts), goal["thing"]
+    at = f"self.{thing.name}_pos"
+    if name == "table":
+        return f"15.0 * abs({at}[2] - {number(rise(thing))})"
+    if name in facts["fixtures"]:
+        middle = np.asarray(facts["fixtures"][name]["position"], dtype=float)
+        aside = f"norm(({at} - {vector(middle)})[:2])"
+    else:
+        middle = Thing(name, facts).position
+        aside = f"norm(({at} - self.{name}_pos)[:2])"
+    height = (top(facts, name, middle[:2]) or 0.0) + rise(thing)
+    return f"10.0 * ({aside} + abs({at}[2] - {number(height)}))"
+
+
+_TERMS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
+    "flipped": _flipped,
+    "at": _at,
+    "inside": _inside,
+    "lifted": _lifted,
+    "touched-while-turning": lambda goal: f"1.0 - self.{goal['object']}_{goal['thing']}_contact",
+    "grasped": lambda goal: f"2.0 - self.{goal['object']}_left_contact - self.{goal['object']}_right_contact",
+    "resting": lambda goal: f"0.3 * norm(self.{goal['object']}_vel)",
+    "steady-force": lambda goal: (
+        f"0.05 * self.{goal['object']}_hand_contact * "
+        f"abs(norm(self.{goal['object']}_hand_force) - {number(goal['newtons'])})"
+    ),
+    "undisturbed": lambda goal: f"5.0 * norm(self.{goal['object']}_pos - self.{goal['object']}_init_pos)",
+}

@@ -1,0 +1,132 @@
+"""Where what is held is to be set down: at a place of the task, inside a region, on top of something."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from coral.contact.rules.goals import NoRule, goal_words
+from coral.contact.rules.scene_reading import Array, Thing, vector
+from coral.contact.rules.support import around, rise, top
+
+HAND_M = 0.11
+"""Half the width of the hand: what stands nearer to a spot may be under the palm."""
+CLEAR_M = 0.01
+HIGHEST_M = 0.4
+"""The hand carries things over no higher top: above that are its workspace's end and the arm's."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spot:
+    """A spot.
+
+    Args:
+        where: Its position as program text.
+        height_m: Of the object's origin when it is set down.
+        near_m: How near over it the object is lowered.
+        words: What is done there.
+        shift: Shape=(3,) m, from the object's origin to what is to be there, in the world.
+        top_m: What the object is carried over besides what stands on the table.
+        palm_m: The palm comes no lower; from there on the object falls.
+    """
+
+    where: str
+    height_m: float
+    near_m: float
+    words: str
+    shift: Array = field(default_factory=lambda: np.zeros(3))
+    top_m: float = 0.0
+    palm_m: float = 0.0
+
+
+def spot_of(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
+    """The spot that a goal asks for.
+
+    Raises:
+        NoRule: There is none on which the object could come to rest.
+    """
+    if goal["kind"] == "at":
+        return _at_place(thing, facts, goal)
+    return _in_region(thing, facts, goal) if goal["kind"] == "inside" else _on_top(thing, facts, goal)
+
+
+def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
+    place, point = np.asarray(facts["places"][goal["place"]], dtype=float), goal.get("point")
+    return Spot(
+        where=f"self.{goal['place']}_pos",
+        near_m=min(0.02, 0.5 * goal["tolerance_m"]),
+        height_m=float(place[2] + thing.height / 2 if "z" not in goal.get("axes", "xy") else place[2]),
+        shift=np.zeros(3) if point is None else np.asarray(thing.rotation @ thing.points[point]),
+        words=f"to {goal['place']} and set it down",
+    )
+
+
+def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
+    low, high = np.asarray(goal["low"], dtype=float), np.asarray(goal["high"], dtype=float)
+    sharing = [
+        one["object"]
+        for one in facts["goals"]
+        if one["kind"] == "inside" and one["low"] == goal["low"] and one["high"] == goal["high"]
+    ]
+    along = int(np.argmax((high - low)[:2]))
+    middle = (low + high) / 2
+    # Side by side, where one region is for several objects.
+    middle[along] = low[along] + (high - low)[along] * (sharing.index(thing.name) + 0.5) / len(sharing)
+    tops = [top(facts, name, middle[:2]) for name in around(facts, thing)]
+    floor = max((height for height in tops if height is not None and height < high[2]), default=None)
+    if floor is None:
+        raise NoRule(f"nothing is there for the {thing.name} to lie on: {goal_words(goal)}")
+    height = floor + rise(thing)
+    if not low[2] <= height <= high[2]:
+        raise NoRule(f"let go there, the {thing.name} comes to rest at a height of {height:.3f} m: {goal_words(goal)}")
+    over, palm = _tops_around(thing, facts, middle[:2], floor)
+    _not_too_high(thing, over, goal)
+    return Spot(
+        where=vector([*middle[:2], floor]),
+        height_m=height,
+        top_m=over,
+        palm_m=palm,
+        near_m=min(0.02, 0.25 * float((high - low)[:2].min()) / len(sharing)),
+        words="into the region and let go",
+    )
+
+
+def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
+    name = goal["thing"]
+    if name == "table":
+        raise NoRule(f"no goal says where on the table the {thing.name} is to be put: {goal_words(goal)}")
+    if name in facts["fixtures"]:
+        item = facts["fixtures"][name]
+        at, extent, where = np.asarray(item["position"], dtype=float), min(item["size_m"][:2]), ""
+    else:
+        other = Thing(name, facts)
+        at, extent = other.position + other.rotation @ other.middle, float(min(other.size[other.lying]))
+        where = f"(self.{name}_pos + {vector(at - other.position)})"
+    floor = top(facts, name, at[:2])
+    if floor is None:
+        raise NoRule(f"the {name} has no top in its middle to put the {thing.name} on: {goal_words(goal)}")
+    over, palm = _tops_around(thing, facts, at[:2], floor)
+    _not_too_high(thing, over, goal)
+    return Spot(
+        where=where or vector([*at[:2], floor]),
+        height_m=floor + rise(thing),
+        top_m=over,
+        palm_m=palm,
+        near_m=min(0.02, 0.2 * float(extent)),
+        words=f"over the {name} and set it down",
+    )
+
+
+def _tops_around(thing: Thing, facts: Mapping[str, Any], point: Array, floor: float) -> tuple[float, float]:
+    """The highest top near a spot, and where the palm has to stay on account of it (m)."""
+    near = [top(facts, name, point, HAND_M) for name in around(facts, thing)]
+    over = max([floor, *(height for height in near if height is not None)])
+    return over, over + CLEAR_M if over > floor else 0.0
+
+
+def _not_too_high(thing: Thing, over: float, goal: Mapping[str, Any]) -> None:
+    if over > HIGHEST_M:
+        raise NoRule(f"the {thing.name} would have to be carried over a height of {over:.2f} m: {goal_words(goal)}")

@@ -1,0 +1,32 @@
+"""Poses by the box around what depth measured: the default advisor's rule."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.question import Rejection
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.thinker.pose_question import LEAST_PIXELS, ObjectPose, PosesAnswer
+
+
+def locate(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> PosesAnswer:
+    """The heuristic's answer: usual orientation, place by the box around what depth measured of the object.
+
+    Only the sides that face the camera are in that box, so that the guess is off towards the camera. What was refused,
+    or hardly seen, is held to be where it usually stands.
+    """
+    found = {}
+    for name, item in facts["objects"].items():
+        usual = item["usual_pose"]
+        turn = rotation_of(np.array(usual[3:]))
+        half = float(np.abs(turn[2]) @ np.array(item["size_m"])) / 2
+        x, y = (np.array(usual[:3]) + turn @ np.array(item["middle_m"]))[:2]
+        z = half
+        if item["pixels"] >= LEAST_PIXELS and not rejections:
+            low, high = item["seen_box_m"]
+            x, y, z = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2, max(high[2] - half, 0.0)
+        found[name] = ObjectPose(position=(round(x, 5), round(y, 5), round(z, 5)), quaternion=tuple(usual[3:]))
+    return PosesAnswer(found)

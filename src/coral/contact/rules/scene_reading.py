@@ -1,0 +1,150 @@
+"""The scene's facts as the composing rules read them: sizes, axes and directions of things, in the world frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.plan.contact_regions import Region
+from coral.contact.plan.cost_plan import StageAnswer
+from coral.contact.scene.geometry import rotation_of
+
+Array = NDArray[np.float64]
+GRASP_M = 0.074
+"""Widest part that the fingers go around with some play: the hand opens to 0.08 m."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """What a repair may change about a composed plan.
+
+    Args:
+        turn: 0 takes the first grasp or side that fits, 1 the second, ...
+        lower_m: How much lower (m) the tool grasps or pushes.
+        press: Factor on what makes the hand press, squeeze or push.
+        careful: Factor on the noise of stages in contact; below 1 moves more carefully.
+    """
+
+    turn: int = 0
+    lower_m: float = 0.0
+    press: float = 1.0
+    careful: float = 1.0
+
+
+@dataclass
+class Draft:
+    """Stages and regions in the making."""
+
+    stages: list[StageAnswer] = field(default_factory=list)
+    regions: list[tuple[str, Region]] = field(default_factory=list)
+    words: list[str] = field(default_factory=list)
+
+
+class Thing:
+    """An object that moves, as it stands now."""
+
+    def __init__(self, name: str, facts: Mapping[str, Any]) -> None:
+        item = facts["objects"][name]
+        self.name, self.shapes = name, tuple(item["shapes"])
+        self.size = np.asarray(item["size_m"], dtype=float)
+        self.middle = np.asarray(item.get("middle_m", (0.0, 0.0, 0.0)), dtype=float)
+        """Of the box that holds it, in its frame."""
+        self.position = np.asarray(item["pose"][:3], dtype=float)
+        self.rotation = rotation_of(item["pose"][3:])
+        self.parts = [
+            (np.asarray(part["position"], dtype=float), np.asarray(part["size_m"], dtype=float) / 2)
+            for part in item.get("parts", ())
+        ] or [(self.middle, self.size / 2)]
+        self.points = {key: np.asarray(at, dtype=float) for key, at in item["points"].items()}
+        self.mass, self.friction = float(item.get("mass_kg", 0.3)), float(item.get("friction", 0.5))
+
+    @property
+    def up(self) -> int:
+        """The axis that stands most upright."""
+        return int(np.argmax(np.abs(self.rotation[2])))
+
+    @property
+    def up_sign(self) -> float:
+        """1 where that axis points up."""
+        return 1.0 if self.rotation[2, self.up] > 0 else -1.0
+
+    @property
+    def height(self) -> float:
+        """Extent upwards, m."""
+        return float(self.size[self.up])
+
+    @property
+    def low(self) -> float:
+        """Height of its lower side, m."""
+        return float(self.position[2] + self.rotation[2] @ self.middle - self.height / 2)
+
+    def to_face(self, axis: int, sign: float) -> float:
+        """How far (m) the face that an axis points to is from the origin of the object's frame."""
+        return float(self.size[axis] / 2 + sign * self.middle[axis])
+
+    @property
+    def lying(self) -> list[int]:
+        """The other two axes."""
+        return [k for k in range(3) if k != self.up]
+
+    def toward(self, direction: Array) -> tuple[int, float]:
+        """The lying axis that is most along a horizontal direction, and its sign."""
+        k = max(self.lying, key=lambda axis: abs(float(self.rotation[:, axis] @ direction)))
+        return k, 1.0 if float(self.rotation[:, k] @ direction) >= 0 else -1.0
+
+    def closings(self) -> list[int]:
+        """Lying axes along which the fingers can close from above, narrowest first."""
+        fits = [k for k in self.lying if self.size[k] <= GRASP_M]
+        return sorted(fits, key=lambda k: self.size[k])
+
+    def room_behind(self, point: Array, direction: Array) -> float:
+        """How far (m) it is from a point inside to the surface against a direction; both in the object's frame.
+
+        Parts are taken for the boxes that hold them; of several that hold the point the farthest surface counts.
+        """
+        found = [0.0]
+        for middle, half in self.parts:
+            off = point - middle
+            if (np.abs(off) <= half + 1e-6).all():
+                way = np.where(direction > 0, off + half, half - off) / np.maximum(np.abs(direction), 1e-9)
+                found.append(float(way.min()))
+        return max(found)
+
+    def face(self, axis: int, sign: float, at: Mapping[int, float] | None = None) -> tuple[list[float], list[float]]:
+        """Centre and normal of a face in the object's frame; `at` shifts along other axes, -1 to 1 of the half."""
+        center, normal = self.middle.copy(), np.zeros(3)
+        center[axis] += sign * self.size[axis] / 2
+        normal[axis] = sign
+        for k, share in (at or {}).items():
+            center[k] += share * self.size[k] / 2
+        return [round(float(v), 4) for v in center], [float(v) for v in normal]
+
+
+def others(facts: Mapping[str, Any], name: str) -> list[str]:
+    """The other objects that move."""
+    return [other for other in facts["objects"] if other != name]
+
+
+def care(facts: Mapping[str, Any], name: str) -> str:
+    """Line of a program that makes moving other objects dear; "" where there are none."""
+    speeds = " + ".join(f"norm(self.{other}_vel)" for other in others(facts, name))
+    return f"    terms['leave others alone'] = 3.0 * ({speeds})\n" if speeds else ""
+
+
+def number(value: float) -> str:
+    """A number as program text."""
+    return f"{round(float(value), 4) + 0.0:g}"
+
+
+def vector(values: Any) -> str:
+    """A vector as program text."""
+    return f"np.array([{', '.join(f'{round(float(v), 4) + 0.0:.4g}' for v in values)}])"
+
+
+def axis_of(name: str, axis: int, sign: float = 1.0, quat: str = "quat") -> str:
+    """An axis of an object as program text."""
+    return f"{'-1.0 * ' if sign < 0 else ''}quat_axis(self.{name}_{quat}, {axis})"

@@ -1,0 +1,69 @@
+"""What stands where, as the composing rules read it: the tops of fixtures and objects, at a point and around it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from coral.contact.rules.scene_reading import Array, Thing
+
+
+def blocks(facts: Mapping[str, Any], name: str) -> Iterator[tuple[Array, Array, Array, float]]:
+    """The pieces of a fixture or object as upright boxes.
+
+    Yields:
+        Middle, Shape=(2,) m; two unit directions, the rows of Shape=(2, 2); half extents along them, Shape=(2,) m;
+        height of the top, m.
+    """
+    if name in facts["fixtures"]:
+        item = facts["fixtures"][name]
+        yaw = np.radians(item["yaw_deg"])
+        turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+        middle, half = np.asarray(item["position"], dtype=float), np.asarray(item["size_m"], dtype=float) / 2
+        yield middle[:2], turn, half[:2], float(middle[2] + half[2])
+        return
+    thing = Thing(name, facts)
+    for middle, half in thing.parts:
+        at = thing.position + thing.rotation @ middle
+        ways = thing.rotation[:2, thing.lying].T
+        yield at[:2], ways / np.linalg.norm(ways, axis=1)[:, None], half[thing.lying], float(at[2] + half[thing.up])
+
+
+def top(facts: Mapping[str, Any], name: str, point: Array, within_m: float = 0.0) -> float | None:
+    """Height (m) of the highest piece of a fixture, object or the table at a point, or within so much of it; else None.
+
+    Args:
+        facts: The scene.
+        name: Of what.
+        point: Shape=(2,), x and y in m.
+        within_m: How near to the point counts.
+    """
+    if name == "table":
+        over = all(
+            facts["table"][axis][0] <= value <= facts["table"][axis][1] for axis, value in zip("xy", point, strict=True)
+        )
+        return 0.0 if over else None
+    found = [
+        height
+        for middle, ways, half, height in blocks(facts, name)
+        if np.linalg.norm(np.maximum(np.abs(ways @ (point - middle)) - half, 0.0)) <= within_m
+    ]
+    return max(found, default=None)
+
+
+def around(facts: Mapping[str, Any], thing: Thing) -> list[str]:
+    """Everything but an object itself."""
+    return ["table", *facts["fixtures"], *(name for name in facts["objects"] if name != thing.name)]
+
+
+def rise(thing: Thing) -> float:
+    """How far (m) the origin of an object's frame is above its lowest point, as it is turned now."""
+    return float(thing.position[2] - thing.low)
+
+
+def rests_on(thing: Thing, facts: Mapping[str, Any], name: str) -> bool:
+    """Whether an object seems to lie on something now; poses are tracked, so within a centimetre."""
+    height = top(facts, name, thing.position[:2])
+    return height is not None and abs(thing.low - height) < 0.01

@@ -1,0 +1,83 @@
+"""Whether an episode has succeeded or can no longer succeed, by the world as it is."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.scene.geometry import conjugate, from_rotvec, rotate
+from coral.contact.scene.observation import Truth
+from coral.contact.scene.shapes import Fixture
+from coral.contact.scene.trial import Drawn, corners
+
+Array = NDArray[np.float64]
+
+BELOW_TABLE_M = 0.03
+"""An object this far below the table's top has left the table or passed through it."""
+PRESSED_M = 0.005
+"""So deep things may be pressed into each other: contacts are soft."""
+
+
+class Judge:
+    """Watches one episode.
+
+    Args:
+        drawn: The trial.
+    """
+
+    def __init__(self, drawn: Drawn) -> None:
+        self._drawn = drawn
+        self._success = drawn.task.success
+        self._watches = [condition.watch(drawn) for condition in self._success.conditions]
+        # An object's own origin may lie anywhere, as at its foot.
+        hulls = {name: drawn.corners(name) for name in drawn.objects}
+        self._middle = {name: (found.min(axis=0) + found.max(axis=0)) / 2 for name, found in hulls.items()}
+        self._solid = {
+            item.name: corners(item.model_copy(update={"parts": item.parts[:1]}), drawn.objects[item.name].scale).mean(
+                axis=0
+            )
+            for item in drawn.task.objects
+        }
+        """A point that is surely inside of each object."""
+        self._before: dict[str, Array] = {}
+        self._since: float | None = None
+        self.holding: tuple[bool, ...] = ()
+
+    def success(self, truth: Truth) -> bool:
+        """Whether all conditions have held long enough; to be shown every control step."""
+        self.holding = tuple(watch(truth) for watch in self._watches)
+        if not all(self.holding):
+            self._since = None
+            return False
+        if self._since is None:
+            self._since = truth.time_s
+        return truth.time_s - self._since >= self._success.hold_s - 1e-9
+
+    def failure(self, truth: Truth) -> str | None:
+        """Name of what can no longer be mended, or None; to be shown every control step."""
+        table = self._drawn.task.table
+        for name, body in truth.objects.items():
+            point = body.position + rotate(body.quaternion, self._solid[name])
+            before, self._before[name] = self._before.get(name, point), point
+            if any(_crosses(fixture, before, point) for fixture in self._drawn.task.fixtures):
+                return f"tunnelling: {name}"
+            if self._drawn.lowest_point(name, body) > -BELOW_TABLE_M:
+                continue
+            middle = body.position + rotate(body.quaternion, self._middle[name])
+            over_table = all(abs(middle[k] - table.center[k]) < table.size[k] / 2 for k in (0, 1))
+            if over_table and middle[2] < 0:
+                return f"tunnelling: {name}"
+            if middle[2] < -BELOW_TABLE_M - 0.1:
+                return f"dropped: {name}"
+        return None
+
+
+def _crosses(fixture: Fixture, first: Array, second: Array) -> bool:
+    """Whether the way from the first point to the second leads through the inside of a fixture."""
+    back = conjugate(from_rotvec([0.0, 0.0, np.radians(fixture.yaw_deg)]))
+    start, end = (rotate(back, point - np.asarray(fixture.position)) for point in (first, second))
+    half = np.asarray(fixture.size) / 2
+    half = half - np.minimum(PRESSED_M, half / 2)
+    way = np.where(np.abs(end - start) < 1e-12, 1e-12, end - start)
+    ends = np.stack([(-half - start) / way, (half - start) / way])
+    return bool(max(0.0, ends.min(axis=0).max()) <= min(1.0, ends.max(axis=0).min()))

@@ -1,0 +1,116 @@
+"""The world that an episode is judged in, whatever simulates or is it.
+
+Frames: world, metres, z up, the table's top at z = 0, x away from the robot. The tool frame sits midway between the
+fingertips: z out of the palm, y along the fingers' opening. Quaternions are (w, x, y, z).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Body:
+    """Pose and velocity of a rigid body in the world frame.
+
+    Args:
+        position: Shape=(3,) m.
+        quaternion: Shape=(4,).
+        velocity: Shape=(3,) m/s.
+        angular_velocity: Shape=(3,) rad/s, world axes.
+    """
+
+    position: Array
+    quaternion: Array
+    velocity: Array = field(default_factory=lambda: np.zeros(3))
+    angular_velocity: Array = field(default_factory=lambda: np.zeros(3))
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What the robot's own sensors say, and where the objects are held to be.
+
+    Args:
+        time_s: Simulated time since reset.
+        tool: The tool frame, by the robot's proprioception.
+        opening_m: Distance between the finger pads.
+        wrench: Shape=(6,) force (N) and torque (N m) that the surroundings exert on the hand at the tool, world axes,
+            without the hand's own weight.
+        objects: Pose of every movable object: the simulator's, or a tracker's.
+    """
+
+    time_s: float
+    tool: Body
+    opening_m: float
+    wrench: Array
+    objects: Mapping[str, Body]
+
+
+@dataclass(frozen=True)
+class HandTarget:
+    """Where the hand's impedance controller pulls it during the next control period.
+
+    Args:
+        position: Shape=(3,) m of the tool frame.
+        quaternion: Shape=(4,) of the tool frame.
+        opening_m: Wanted distance between the finger pads.
+        stiffness: Translational stiffness in N/m; the rotational one scales with it.
+        force: Shape=(3,) N pushed in addition, world axes.
+        torque: Shape=(3,) N m turned with in addition, about the tool, world axes.
+    """
+
+    position: Array
+    quaternion: Array
+    opening_m: float
+    stiffness: float
+    force: Array = field(default_factory=lambda: np.zeros(3))
+    torque: Array = field(default_factory=lambda: np.zeros(3))
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Touch between two named things in the world as it truly is; for judging and for reports, never for deciding.
+
+    Args:
+        first: "hand", "left", "right" (finger), "robot" (the arm's other links), an object, or a fixture, as "table".
+        second: Likewise; names are in alphabetical order.
+        force: Shape=(3,) N that the first exerts on the second, world axes.
+        point: Shape=(3,) m, the contacts' mean weighted by force.
+    """
+
+    first: str
+    second: str
+    force: Array
+    point: Array
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The world as it is, for the judge."""
+
+    time_s: float
+    tool: Body
+    opening_m: float
+    objects: Mapping[str, Body]
+    contacts: tuple[Contact, ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One control step as the robot knows it.
+
+    Args:
+        before: Measured when the command was given.
+        command: What was commanded.
+        after: Measured at the end of the step.
+    """
+
+    before: Observation
+    command: HandTarget
+    after: Observation

@@ -1,0 +1,129 @@
+"""What stands on the table, as a task file describes it: rigid pieces, objects that move, fixtures, the table itself.
+
+Frames: world, metres, z up, the table's top at z = 0, x away from the robot. Lengths are full extents. Angles in files
+are degrees. A range `[low, high]` is sampled in each trial; one number stands for both ends.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    model_validator,
+)
+
+
+def in_order(value: tuple[float, float]) -> tuple[float, float]:
+    """A range as it is, or a ValueError."""
+    if value[0] > value[1]:
+        raise ValueError("a range, its lower end first")
+    return value
+
+
+def _as_range(value: Any) -> Any:
+    return (value, value) if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+# Strict: neither "true" nor text passes for a number.
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,30}$")]
+Number = Annotated[float, Field(ge=-1e6, le=1e6, strict=True)]
+Metres = Annotated[float, Field(ge=0.001, le=10, strict=True)]
+Coordinate = Annotated[float, Field(ge=-10, le=10, strict=True)]
+Degrees = Annotated[float, Field(ge=-360, le=360, strict=True)]
+Mass = Annotated[float, Field(ge=0.005, le=20, strict=True)]
+Friction = Annotated[float, Field(ge=0.02, le=2, strict=True)]
+Factor = Annotated[float, Field(ge=0.2, le=5, strict=True)]
+Shade = Annotated[float, Field(ge=0, le=1, strict=True)]
+Vector = tuple[Coordinate, Coordinate, Coordinate]
+Extents = tuple[Metres, Metres, Metres]
+Turn = tuple[Degrees, Degrees, Degrees]
+Color = tuple[Shade, Shade, Shade]
+PositionRange = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(_as_range), AfterValidator(in_order)]
+AngleRange = Annotated[tuple[Degrees, Degrees], BeforeValidator(_as_range), AfterValidator(in_order)]
+MassRange = Annotated[tuple[Mass, Mass], BeforeValidator(_as_range), AfterValidator(in_order)]
+FrictionRange = Annotated[tuple[Friction, Friction], BeforeValidator(_as_range), AfterValidator(in_order)]
+ScaleRange = Annotated[tuple[Factor, Factor], BeforeValidator(_as_range), AfterValidator(in_order)]
+
+
+class TaskPart(BaseModel):
+    """A part of a task file: unknown keys, NaN and infinities are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Shape(TaskPart):
+    """One rigid piece of an object, at `position` and turned by `rpy_deg` (z-y-x) in the object's frame.
+
+    `size`: box, full edges (x, y, z); cylinder, (diameter, diameter, length) along z; sphere, three times the diameter;
+    mesh, the factors on `file` (STL or OBJ; its path relative to the task file, once loaded absolute). What touches is
+    the hull of a mesh.
+    """
+
+    shape: Literal["box", "cylinder", "sphere", "mesh"] = "box"
+    size: Extents
+    position: Vector = (0.0, 0.0, 0.0)
+    rpy_deg: Turn = (0.0, 0.0, 0.0)
+    file: str | None = Field(default=None, pattern=r"^[^\x00]+$")
+
+    @model_validator(mode="after")
+    def _round(self) -> Shape:
+        if (self.shape == "mesh") != (self.file is not None):
+            raise ValueError("a mesh with its file, or another shape without one")
+        if self.shape in ("cylinder", "sphere") and self.size[0] != self.size[1]:
+            raise ValueError(f"a {self.shape} whose first two sizes are equal")
+        if self.shape == "sphere" and self.size[0] != self.size[2]:
+            raise ValueError("a sphere whose three sizes are equal")
+        return self
+
+
+class Movable(TaskPart):
+    """An object that moves.
+
+    Args:
+        parts: What it is made of; the object's frame is its own.
+        mass_kg, friction: Drawn anew in each trial; unknown to the planner.
+        scale: Factors on the three axes of all parts and points, drawn anew; the planner knows the result (known
+            meshes).
+        x, y: Where its frame's origin stands; z follows from resting on the table, or is `z`.
+        yaw_deg: Its heading; `rpy_deg` turns it before that, as to lay it on a side.
+        points: Named points on it, in its frame.
+        symmetry: Which turns leave it looking the same.
+    """
+
+    name: Name
+    label: str = Field(default="", max_length=60)
+    parts: tuple[Shape, ...] = Field(min_length=1, max_length=12)
+    mass_kg: MassRange
+    friction: FrictionRange
+    scale: tuple[ScaleRange, ScaleRange, ScaleRange] = ((1.0, 1.0), (1.0, 1.0), (1.0, 1.0))
+    x: PositionRange
+    y: PositionRange
+    z: Coordinate | None = None
+    yaw_deg: AngleRange = (0.0, 0.0)
+    rpy_deg: Turn = (0.0, 0.0, 0.0)
+    points: dict[Name, Vector] = Field(default_factory=dict)
+    symmetry: Literal["none", "box", "square-box", "cube", "cylinder", "sphere"] = "none"
+    color: Color = (0.76, 0.6, 0.42)
+
+
+class Fixture(TaskPart):
+    """A box that does not move, as a wall or the side of a bin."""
+
+    name: Name
+    size: Extents
+    position: Vector
+    yaw_deg: Degrees = 0.0
+    friction: Friction = 0.6
+    color: Color = (0.55, 0.58, 0.62)
+
+
+class Table(TaskPart):
+    """The table: its top face lies at z = 0."""
+
+    size: Extents = (0.8, 0.8, 0.05)
+    center: tuple[Coordinate, Coordinate] = (0.0, 0.0)

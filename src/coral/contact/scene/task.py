@@ -1,0 +1,48 @@
+"""A contact task is a file: what is asked, what stands on the table, what varies between trials, when it is done.
+
+Frames: world, metres, z up, the table's top at z = 0, x away from the robot. Lengths are full extents. Angles in files
+are degrees. A range `[low, high]` is sampled in each trial; one number stands for both ends.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from coral.contact.scene.conditions import Condition
+from coral.contact.scene.shapes import Fixture, Movable, Name, Number, Table, TaskPart, Vector
+
+FORMAT: Literal["coral-contact/1"] = "coral-contact/1"
+
+
+class Success(TaskPart):
+    """When the task counts as done: all conditions hold, without a break, for `hold_s`."""
+
+    hold_s: float = Field(default=0.5, ge=0, le=30, strict=True)
+    conditions: tuple[Condition, ...] = Field(min_length=1, max_length=12)
+
+
+class Task(TaskPart):
+    """A contact task; see `docs/contact-tasks.md` for the file format."""
+
+    format: Literal["coral-contact/1"] = FORMAT
+    name: str = Field(pattern=r"^[a-z0-9][a-z0-9-]{0,40}$")
+    title: str = Field(min_length=1, max_length=80)
+    instruction: str = Field(min_length=1, max_length=400)
+    time_limit_s: float = Field(gt=0, le=600, strict=True)
+    table: Table = Table()
+    fixtures: tuple[Fixture, ...] = Field(default=(), max_length=12)
+    objects: tuple[Movable, ...] = Field(min_length=1, max_length=8)
+    places: dict[Name, Vector] = Field(default_factory=dict)
+    numbers: dict[Name, Number] = Field(default_factory=dict)
+    success: Success
+
+    def object(self, name: str) -> Movable:
+        """The movable object of this name."""
+        return next(item for item in self.objects if item.name == name)
+
+    @property
+    def things(self) -> tuple[str, ...]:
+        """Names of what does not move: the table and the fixtures."""
+        return ("table", *(item.name for item in self.fixtures))

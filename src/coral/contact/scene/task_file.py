@@ -1,0 +1,74 @@
+"""Task files: the shipped ones and the user's, read with errors that name the field."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from pydantic import (
+    ValidationError,
+)
+
+from coral.config import read_yaml
+from coral.contact.scene.shapes import Shape
+from coral.contact.scene.task import Task
+from coral.contact.scene.task_validation import check_task
+from coral.errors import InputError, nearest
+from coral.faults import input_error
+
+TASKS_DIR = Path(__file__).parent / "tasks"
+
+
+def shipped_tasks() -> tuple[str, ...]:
+    """Names of the tasks that come with the package, in the order of the paper."""
+    known = {path.stem for path in TASKS_DIR.glob("*.yaml")}
+    order = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
+    return tuple(name for name in order if name in known) + tuple(sorted(known - set(order)))
+
+
+def load_task_file(name_or_path: str | Path) -> Task:
+    """A shipped task by name, or one from a file.
+
+    Raises:
+        InputError: No such task, or something in the file is wrong; the error names the field.
+    """
+    shipped = shipped_tasks()
+    text = str(name_or_path)
+    if text in shipped:
+        path = TASKS_DIR / f"{text}.yaml"
+    else:
+        path = Path(name_or_path)
+        if path.suffix not in (".yaml", ".yml") and not path.exists():
+            close = nearest(text, shipped)
+            raise InputError("task", "", text, f"one of {', '.join(shipped)}{close}, or a YAML file")
+    try:
+        task = Task.model_validate(read_yaml(path))
+    except ValidationError as error:
+        raise input_error(str(path), error, Task) from None
+    task = _with_files(task, path.parent)
+    check_task(task, str(path))
+    return task
+
+
+def _with_files(task: Task, folder: Path) -> Task:
+    """The task with the paths of meshes made absolute."""
+
+    def placed(part: Shape) -> Shape:
+        return part if part.file is None else part.model_copy(update={"file": str((folder / part.file).resolve())})
+
+    objects = tuple(
+        item.model_copy(update={"parts": tuple(placed(part) for part in item.parts)}) for item in task.objects
+    )
+    return task.model_copy(update={"objects": objects})
+
+
+def task_schema() -> dict[str, Any]:
+    """JSON schema of a task file."""
+    schema = Task.model_json_schema()
+    schema["title"] = "CoRAL contact task"
+    return schema
+
+
+if __name__ == "__main__":
+    (TASKS_DIR / "schema.json").write_text(json.dumps(task_schema(), indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,133 @@
+"""What a task file can have wrong though each of its values is well formed: clashing names, things that do not fit."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from coral.contact.cost.schema import HAND, object_quantities
+from coral.contact.scene.mesh import mesh_vertices
+from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from coral.contact.scene.shapes import Movable
+    from coral.contact.scene.task import Task
+
+RESERVED = frozenset(
+    {
+        "table",
+        "hand",
+        "left",
+        "right",
+        "robot",
+        "target",
+        "world",
+        "palm",
+        "wrist",
+        "tool",
+        "ee",
+        "gripper",
+        "left_finger",
+        "right_finger",
+        "cmd",
+        "self",
+        "event",
+        "step",
+        "t",
+        "source",
+        "attempts",
+        "refused",
+        "failure",
+    }
+)
+"""Names that the models, the costs and the record give to the robot, to what it stands on and to what happens."""
+SMALLEST_M, LARGEST_M = 0.001, 5
+"""Edges of a mesh."""
+RESERVED_BEGINNINGS = ("robot0", "gripper0", "mount0", "fixed_mount0", "left_eef", "right_eef")
+"""Of the names of robosuite's bodies."""
+
+
+def check_task(task: Task, where: str) -> None:
+    """See that the parts of a task fit together.
+
+    Raises:
+        InputError: They do not; the error names the field.
+    """
+    _check_names(task, where)
+    for index, item in enumerate(task.objects):
+        _check_place(task, item, where, f"objects[{index}]")
+        _check_meshes(item, where, f"objects[{index}]")
+    if task.success.hold_s > task.time_limit_s:
+        raise InputError(
+            where,
+            "success.hold_s",
+            f"{task.success.hold_s:g} s",
+            f"no more than the time limit, {task.time_limit_s:g} s",
+        )
+    for index, condition in enumerate(task.success.conditions):
+        condition.check(task, where, f"success.conditions[{index}]")
+
+
+def _check_names(task: Task, where: str) -> None:
+    taken = set(RESERVED)
+    names = [(f"fixtures[{index}].name", fixture.name) for index, fixture in enumerate(task.fixtures)]
+    names += [(f"objects[{index}].name", item.name) for index, item in enumerate(task.objects)]
+    for field, name in names:
+        if name in taken or name.startswith(RESERVED_BEGINNINGS):
+            raise InputError(where, field, repr(name), "a name that is not taken")
+        taken.add(name)
+    # Costs read everything by one flat name, as box_pos: no two may be the same.
+    others = [item.name for item in task.objects]
+    found = [(key, "") for key in (*HAND, "table_min", "table_max")]
+    for index, fixture in enumerate(task.fixtures):
+        found += [(f"{fixture.name}_{key}", f"fixtures[{index}].name") for key in ("pos", "size")]
+    for index, item in enumerate(task.objects):
+        keys = object_quantities(item.name, item.points, task.things, [name for name in others if name != item.name])
+        found += [(key, f"objects[{index}].name") for key in keys]
+        if len(keys) < len(object_quantities(item.name)) + len(item.points) + len(task.things) + len(others) - 1:
+            raise InputError(
+                where,
+                f"objects[{index}].points",
+                ", ".join(item.points),
+                "points named unlike init and what an object has by itself",
+            )
+    found += [(f"{name}_pos", f"places.{name}") for name in task.places]
+    found += [(name, f"numbers.{name}") for name in task.numbers]
+    count = Counter(key for key, _ in found)
+    for key, field in reversed(found):
+        if count[key] > 1:
+            raise InputError(where, field, f"a second meaning of {key}", "a name that is not taken")
+
+
+def _check_place(task: Task, item: Movable, where: str, field: str) -> None:
+    if item.z is not None:
+        return
+    table = task.table
+    for axis, ends in (("x", item.x), ("y", item.y)):
+        k = "xy".index(axis)
+        low, high = table.center[k] - table.size[k] / 2, table.center[k] + table.size[k] / 2
+        if not low <= ends[0] <= ends[1] <= high:
+            raise InputError(where, f"{field}.{axis}", list(ends), f"on the table, from {low:g} to {high:g}")
+
+
+def _check_meshes(item: Movable, where: str, field: str) -> None:
+    for index, part in enumerate(item.parts):
+        if part.file is None:
+            continue
+        place = f"{field}.parts[{index}].file"
+        if Path(part.file).suffix.lower() not in (".stl", ".obj") or not Path(part.file).is_file():
+            raise InputError(where, place, part.file, "an STL or OBJ file, its path relative to the task file")
+        try:
+            vertices = mesh_vertices(part)
+        except InputError as error:
+            raise InputError(where, place, f"{Path(part.file).name} ({error.found})", error.expected) from None
+        extents = vertices.max(axis=0) - vertices.min(axis=0)
+        if not (extents >= SMALLEST_M).all() or not (extents <= LARGEST_M).all():
+            found = " x ".join(f"{extent:.3g}" for extent in extents)
+            raise InputError(
+                where,
+                f"{field}.parts[{index}].size",
+                f"factors that make the mesh {found} m large",
+                f"edges from {SMALLEST_M} to {LARGEST_M} m",
+            )

@@ -1,0 +1,203 @@
+"""One trial of a task: poses, masses, frictions and sizes drawn from the task's ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.scene.geometry import from_rotvec, from_rpy_deg, multiply, rotate, rotation_of
+from coral.contact.scene.mesh import mesh_vertices
+from coral.contact.scene.observation import Body
+from coral.contact.scene.shapes import Movable, Shape
+from coral.contact.scene.task import Task
+from coral.errors import InputError
+
+Array = NDArray[np.float64]
+SUNK_M = 0.005
+"""Files may round a height by so much."""
+
+
+@dataclass(frozen=True)
+class Physical:
+    """What cannot be seen: mass (kg) and friction coefficient."""
+
+    mass_kg: float
+    friction: float
+
+
+@dataclass(frozen=True)
+class DrawnObject:
+    """An object as it stands in one trial.
+
+    Args:
+        scale: Shape=(3,) factors on its parts.
+        physical: Its true mass and friction.
+        pose: Where it stands at first.
+    """
+
+    scale: Array
+    physical: Physical
+    pose: Body
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A task with everything that was left open decided."""
+
+    task: Task
+    seed: int
+    objects: dict[str, DrawnObject]
+
+    def size(self, name: str) -> Array:
+        """Full extents (m) of the object along its own axes, Shape=(3,)."""
+        corners = self.corners(name)
+        return np.asarray(corners.max(axis=0) - corners.min(axis=0))
+
+    def corners(self, name: str) -> Array:
+        """Points, Shape=(n, 3), in the object's frame, whose hull holds it."""
+        return corners(self.task.object(name), self.objects[name].scale)
+
+    def point(self, name: str, point: str, body: Body) -> Array:
+        """A named point on the object, in the world, Shape=(3,)."""
+        local = np.asarray(self.task.object(name).points[point]) * self.objects[name].scale
+        return np.asarray(body.position + rotate(body.quaternion, local))
+
+    def lowest_point(self, name: str, body: Body) -> float:
+        """Height (m) of the object's lowest point above the table's top."""
+        return float(body.position[2] + (self.corners(name) @ rotation_of(body.quaternion).T)[:, 2].min())
+
+
+def part_scale(part: Shape, scale: Array) -> Array:
+    """Factors along a part's own axes, Shape=(3,), of the object's factors along its axes.
+
+    They are what the scale makes of the part's unit vectors. What is round grows evenly in its round directions, and a
+    part that is neither square to the object nor scaled evenly keeps its right angles.
+    """
+    turned = rotation_of(from_rpy_deg(part.rpy_deg))
+    own = np.sqrt(np.square(scale) @ np.square(turned))
+    if part.shape == "cylinder":
+        own[:2] = np.sqrt(own[0] * own[1])
+    elif part.shape == "sphere":
+        own[:] = float(np.prod(own)) ** (1 / 3)
+    return np.asarray(own)
+
+
+def part_size(part: Shape, scale: Array) -> Array:
+    """Full size of a part (m; of a mesh, its factors) under the object's scale."""
+    return np.asarray(part.size) * part_scale(part, scale)
+
+
+def corners(item: Movable, scale: Array) -> Array:
+    """Points, Shape=(n, 3), in the object's frame, whose hull holds it (round parts by 16 points a rim)."""
+    found = []
+    for part in item.parts:
+        half = part_size(part, scale) / 2
+        if part.shape == "mesh":
+            local = mesh_vertices(part) * part_scale(part, scale)
+        elif part.shape == "cylinder":
+            turns = np.arange(16) * np.pi / 8
+            rim = np.stack([half[0] * np.cos(turns), half[0] * np.sin(turns), np.full(16, half[2])], axis=1)
+            local = np.concatenate([rim, rim * np.array([1, 1, -1])])
+        else:
+            local = box_corners(2 * half)
+        placed = local @ rotation_of(from_rpy_deg(part.rpy_deg)).T + np.asarray(part.position) * scale
+        found.append(placed)
+    return np.concatenate(found)
+
+
+def draw(task: Task, seed: int, where: str = "") -> Drawn:
+    """One trial: the same task and seed give the same trial, on every machine.
+
+    Args:
+        task: What is drawn from.
+        seed: Decides.
+        where: The task's file, for errors.
+
+    Raises:
+        InputError: The objects do not fit beside each other in a hundred attempts, or one begins in the table.
+    """
+    where = where or f"task {task.name}"
+    rng = np.random.default_rng([seed, *task.name.encode()])
+    clash = None
+    for _ in range(100):
+        objects = {item.name: _draw_object(item, rng) for item in task.objects}
+        drawn = Drawn(task, seed, objects)
+        _check_heights(drawn, where)
+        clash = _clash(drawn)
+        if clash is None:
+            return drawn
+    raise InputError(
+        where,
+        "objects",
+        f"{clash} in each other's place",
+        "ranges of x, y and yaw_deg with room for all beside each other",
+    )
+
+
+def _draw_object(item: Movable, rng: np.random.Generator) -> DrawnObject:
+    scale = np.array([rng.uniform(*axis) for axis in item.scale])
+    physical = Physical(mass_kg=float(rng.uniform(*item.mass_kg)), friction=float(rng.uniform(*item.friction)))
+    x, y, yaw = rng.uniform(*item.x), rng.uniform(*item.y), np.radians(rng.uniform(*item.yaw_deg))
+    quaternion = multiply(from_rotvec([0, 0, yaw]), from_rpy_deg(item.rpy_deg))
+    z = item.z if item.z is not None else -(corners(item, scale) @ rotation_of(quaternion).T)[:, 2].min()
+    return DrawnObject(scale, physical, Body(np.array([x, y, z]), quaternion))
+
+
+def _check_heights(drawn: Drawn, where: str) -> None:
+    for index, item in enumerate(drawn.task.objects):
+        lowest = drawn.lowest_point(item.name, drawn.objects[item.name].pose)
+        if item.z is not None and lowest < -SUNK_M:
+            raise InputError(
+                where,
+                f"objects[{index}].z",
+                f"{item.z:g}, which is {-lowest:.3g} m deep in the table",
+                "a height at which it lies on the table or above",
+            )
+
+
+def _clash(drawn: Drawn, gap_m: float = 0.01) -> str | None:
+    """Two objects whose upright bounding boxes come too near, or an object that stands in a fixture."""
+    placed = {
+        name: drawn.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
+        for name, item in drawn.objects.items()
+    }
+    names = list(placed)
+    for k, name in enumerate(names):
+        for other in names[k + 1 :]:
+            if not _separated(placed[name], placed[other], np.eye(3), gap_m):
+                return f"{name} and {other}"
+        for fixture in drawn.task.fixtures:
+            turn = rotation_of(from_rotvec([0, 0, np.radians(fixture.yaw_deg)]))
+            walls = box_corners(np.asarray(fixture.size)) @ turn.T + fixture.position
+            # It may stand on a fixture or against it, but not in it.
+            if not _separated(placed[name], walls, np.concatenate([np.eye(3), turn.T]), -1e-3):
+                return f"{name} and {fixture.name}"
+    return None
+
+
+def _separated(first: Array, second: Array, axes: Array, gap_m: float) -> bool:
+    """Whether the points, Shape=(n, 3), lie further apart than the gap along one of the axes, Shape=(m, 3)."""
+    a, b = first @ axes.T, second @ axes.T
+    return bool(np.any((b.min(axis=0) - a.max(axis=0) >= gap_m) | (a.min(axis=0) - b.max(axis=0) >= gap_m)))
+
+
+def box_corners(size: Array) -> Array:
+    """The corners, Shape=(8, 3), of a box with these full edges about the origin."""
+    return np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T * (size / 2)
+
+
+def believing(drawn: Drawn, beliefs: Mapping[str, Physical]) -> Drawn:
+    """The trial as someone holds it to be who cannot see masses and frictions."""
+    objects = {name: replace(item, physical=beliefs[name]) for name, item in drawn.objects.items()}
+    return replace(drawn, objects=objects)
+
+
+def prior(drawn: Drawn) -> dict[str, Physical]:
+    """The middle of the task file's ranges: what is known of masses and frictions before anything is asked or felt."""
+    return {
+        item.name: Physical(mass_kg=float(np.mean(item.mass_kg)), friction=float(np.mean(item.friction)))
+        for item in drawn.task.objects
+    }

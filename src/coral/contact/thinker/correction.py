@@ -1,0 +1,125 @@
+"""World-model correction (section 3.4): what was felt is replayed, and what explains it better is believed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.question import Rejection
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.control.uncertainty import UncertaintyCfg
+from coral.contact.scene.observation import Observation, Step
+from coral.contact.scene.trial import Drawn
+from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.world_model.force_balance import balances
+from coral.contact.world_model.history import windows
+from coral.contact.world_model.history_replay import Replay
+from coral.contact.world_model.identification import correction, explained, weighed
+from coral.contact.world_model.parameter_answer import ParametersAnswer, verify_parameters
+
+
+@dataclass(frozen=True)
+class Past:
+    """What there is to learn from.
+
+    Args:
+        steps: All that was ever felt: what is tried when stuck tells little of a push that went wrong before.
+        recent: The last of it, as prompts show it.
+    """
+
+    steps: Sequence[Step]
+    recent: Sequence[Mapping[str, Any]]
+
+
+def correct(
+    asker: Asker,
+    name: str,
+    now: Observation,
+    past: Past,
+    drawn: Drawn,
+    world: PlanningWorld,
+    facts: Mapping[str, Any],
+    cfg: ThinkCfg,
+    rng: np.random.Generator,
+    emit: Callable[..., None],
+) -> bool:
+    """Correct what is believed of an object, if there is enough to replay; whether it was corrected.
+
+    Args:
+        asker: The advisor.
+        name: The object.
+        now: What the sensors say.
+        past: What there is to learn from.
+        drawn: The trial as the robot knows it.
+        world: The planning world, whose beliefs are corrected.
+        facts: The scene.
+        cfg: Thresholds.
+        rng: Of the fit.
+        emit: Where to report.
+    """
+    # A rehearsal throws out what begins inside the table: only what was seen where it can be is replayed.
+    stretches = windows(
+        past.steps,
+        name,
+        most=14,
+        usable=lambda start: drawn.lowest_point(name, start.objects[name]) > -cfg.outer.sunk_m,
+    )
+    if len(stretches) < 2:
+        emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
+        return False
+    believed = dict(world.beliefs[0])
+    finer = PlanningWorld(
+        drawn, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s, uncertainty=UncertaintyCfg())
+    )
+    try:
+        replay = Replay(finer, stretches, cfg.identify.replay)
+        found = balances(past.steps, name, drawn, cfg.identify.balance) if cfg.identify.by == "balance" else None
+        if found is None or len(found) < cfg.identify.balance.least:
+            fit = correction(replay, name, believed, cfg.identify, rng)
+        else:
+            fit = weighed(found, replay, name, believed, cfg.identify)
+        tried = [fit.error_before, fit.error_after]
+
+        def wrong(answer: ParametersAnswer) -> Rejection | None:
+            refusal = verify_parameters(answer, believed, cfg.belief)
+            if refusal is not None:
+                return refusal
+            before, after = tried[:] = explained(replay, name, believed, answer.physical(believed), cfg.identify, found)
+            if after < (1.0 - cfg.identify.better) * before:
+                return None
+            return Rejection(
+                code="replay",
+                reason=f"replayed with your values, the history is explained no better "
+                f"(error {after:.2f}, now {before:.2f}); propose others, or say so by keeping them",
+            )
+
+        fitted = {"object": name, "mass_kg": fit.after.mass_kg, "friction": fit.after.friction, "better": fit.accepted}
+        told = {key: {"mass": one.mass_kg, "friction": one.friction} for key, one in believed.items()}
+        outcome = asker.ask(
+            "parameter-repair",
+            ParametersAnswer,
+            {**facts, "fitted": fitted},
+            {"task": facts["instruction"], "parameters": told, "history": past.recent},
+            wrong,
+        )
+    finally:
+        finer.close()
+    if outcome.answer is not None:
+        world.believe(outcome.answer.physical(believed))
+    after = world.beliefs[0][name]
+    emit(
+        "correction",
+        object=name,
+        accepted=outcome.answer is not None,
+        text=fit.words(cfg.identify.known),
+        failure=outcome.failure,
+        errors=[round(error, 4) for error in tried],
+        before=[believed[name].mass_kg, believed[name].friction],
+        after=[after.mass_kg, after.friction],
+        refused=[rejection.reason for rejection in outcome.rejections],
+    )
+    return outcome.answer is not None

@@ -1,0 +1,42 @@
+"""When to correct the world model though nothing is stuck: at intervals in which an object was touched."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from coral.contact.scene.observation import Step
+from coral.contact.world_model.history import most_telling
+
+
+@dataclass
+class Rhythm:
+    """Counts the corrections of an episode.
+
+    Args:
+        every_s: Simulated time between two of them; 0 for none.
+        most: Of an episode. The last is kept for its end: what is lifted is lifted last, and weighs then.
+    """
+
+    every_s: float
+    most: int
+    done: int = 0
+    _since: float = 0.0
+    _seen: int = 0
+
+    def due(self, steps: Sequence[Step], last: bool = False) -> str | None:
+        """The object to correct now, or None.
+
+        Args:
+            steps: The whole history.
+            last: Whether the episode is over.
+        """
+        if not self.every_s or not steps or self.done >= self.most - (not last):
+            return None
+        now = steps[-1].after.time_s
+        if now - self._since < self.every_s - 1e-9 and not last:
+            return None
+        name = most_telling(steps[self._seen :])
+        if name is not None:
+            self.done, self._since, self._seen = self.done + 1, now, len(steps)
+        return name

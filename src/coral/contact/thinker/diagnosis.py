@@ -1,0 +1,83 @@
+"""Why an attempt fails, read from its history, and what the default advisor changes about its plan (3.4, A.9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from coral.contact.scene.observation import Step
+
+Diagnosis = Literal["cost-error", "not-reached", "slipped", "not-moved", "moved-otherwise", "no-progress"]
+TEXTS: Mapping[Diagnosis, str] = {
+    "cost-error": "the cost could not be evaluated",
+    "not-reached": "the hand never touched the object: something is in its way, or the way in is wrong",
+    "slipped": "contact was made and lost again and again",
+    "not-moved": "the hand pressed and the object hardly moved",
+    "moved-otherwise": "the object moved, but not as rehearsed: the simulation believes in wrong parameters",
+    "no-progress": "the cost fell no further, though nothing is visibly wrong: a side or grasp that leads nowhere",
+}
+
+
+def diagnose(steps: Sequence[Step], name: str, returns: int, surprise_m: float) -> Diagnosis:
+    """What the last stretch of an episode looks like.
+
+    Args:
+        steps: The stretch.
+        name: The object that matters.
+        returns: Times the plan fell back to an earlier stage.
+        surprise_m: Distance between the object and where one step's rehearsal had expected it, summed over a second.
+    """
+    if returns >= 2:
+        return "slipped"
+    if not steps:
+        return "no-progress"
+    felt = np.array([np.linalg.norm(step.after.wrench[:3]) for step in steps])
+    moved = float(np.linalg.norm(steps[-1].after.objects[name].position - steps[0].before.objects[name].position))
+    if surprise_m > 0.03:
+        return "moved-otherwise"
+    if felt.max() < 0.5:
+        return "not-reached"
+    if moved < 0.004 and felt.mean() > 1.0:
+        return "not-moved"
+    return "no-progress"
+
+
+def recent(
+    steps: Sequence[Step], costs: Sequence[tuple[float, float]], name: str, most: int = 5
+) -> list[dict[str, Any]]:
+    """The last stretch in a few rows, as the prompts show it (the paper's last five steps).
+
+    Args:
+        steps: What was done and what came of it.
+        costs: Of plans, each after the time when it was made.
+        name: The object that is looked at.
+        most: Rows.
+    """
+    if not steps:
+        return []
+    chosen = np.unique(np.linspace(0, len(steps) - 1, most).astype(int))
+    rows: list[dict[str, Any]] = []
+    for index in chosen:
+        step = steps[int(index)]
+        body, before = step.after.objects[name], step.before.objects[name]
+        rows.append(
+            {
+                "time_s": round(step.after.time_s, 2),
+                "object_pos": [round(float(v), 4) for v in body.position],
+                "object_moved_mm": round(1e3 * float(np.linalg.norm(body.position - before.position)), 2),
+                "hand_pos": [round(float(v), 4) for v in step.after.tool.position],
+                "hand_told_to": [round(float(v), 4) for v in step.command.position],
+                "opening_told_m": round(step.command.opening_m, 4),
+                "force_on_hand_n": [round(float(v), 2) for v in step.after.wrench[:3]],
+                "cost": _at(costs, step.before.time_s),
+            }
+        )
+    return rows
+
+
+def _at(costs: Sequence[tuple[float, float]], time_s: float) -> float | None:
+    """Cost of the last plan that was made by then."""
+    made = [cost for when, cost in costs if when <= time_s + 1e-9] or [cost for _, cost in costs[:1]]
+    return round(made[-1], 4) if made else None

@@ -1,0 +1,196 @@
+"""Where the objects are, guessed once from the first picture: the ablation without tracking (Table 1, last row).
+
+What is asked for is the centre of an object's bounding box, which a picture shows; its frame's origin, which the rest
+of the package calls its position, may lie elsewhere (of a board with a handle, in the middle of the board).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, RootModel
+
+from coral.advisor.question import Rejection
+from coral.advisor.rules import Rule
+from coral.contact.perception.advisor_camera import picture
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.tracked_world import nominal
+from coral.contact.scene.geometry import quaternion_of, rotate
+from coral.contact.scene.observation import Array, Body, Observation
+from coral.contact.scene.trial import Drawn
+from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.scene_facts import pose
+
+LEAST_PIXELS = 20
+"""Fewer measured pixels than these tell nothing of an object's place."""
+BESIDE_M, BELOW_M = 0.3, 0.02
+"""How far beside the table and below its top a centre may be held to be."""
+
+
+class ObjectPose(BaseModel):
+    """One object's pose.
+
+    Args:
+        position: Of the centre of its bounding box in the world, m.
+        quaternion: (w, x, y, z), of any length but 0.
+    """
+
+    position: tuple[float, float, float]
+    quaternion: tuple[float, float, float, float]
+
+
+class PosesAnswer(RootModel[dict[str, ObjectPose]]):
+    """Poses by the objects' names."""
+
+    def bodies(self, facts: Mapping[str, Any]) -> dict[str, Body]:
+        """As an observation holds them, at rest: positions of the frames' origins, no longer of the boxes' centres."""
+        found = {}
+        for name, one in self.root.items():
+            quaternion = np.array(one.quaternion) / np.linalg.norm(one.quaternion)
+            middle = np.array(facts["objects"][name]["middle_m"])
+            found[name] = Body(np.array(one.position) - rotate(quaternion, middle), quaternion)
+        return found
+
+
+def verify_poses(answer: PosesAnswer, facts: Mapping[str, Any]) -> Rejection | None:
+    """Why guessed poses are impossible, or None."""
+    wanted, given = list(facts["objects"]), list(answer.root)
+    if set(wanted) != set(given):
+        return Rejection(
+            code="objects",
+            reason=f"poses of {', '.join(given) or 'nothing'}; give one for each of "
+            f"{', '.join(wanted)} and for nothing else",
+        )
+    x, y = facts["table"]["x"], facts["table"]["y"]
+    for name, one in answer.root.items():
+        if not all(map(math.isfinite, (*one.position, *one.quaternion))) or not any(one.quaternion):
+            return Rejection(
+                code="pose", reason=f"the pose of {name} holds something that is no number, or a quaternion of zeros"
+            )
+        inside = all(
+            low - BESIDE_M <= value <= high + BESIDE_M for value, (low, high) in zip(one.position, (x, y), strict=False)
+        )
+        if not inside or not -BELOW_M <= one.position[2] <= 1.0:
+            return Rejection(
+                code="place",
+                reason=f"{name} would be at {list(one.position)}; the table reaches from "
+                f"{x[0]:g} to {x[1]:g} m in x and from {y[0]:g} to {y[1]:g} m in y, and its top is at 0",
+            )
+    return None
+
+
+def pose_facts(drawn: Drawn, now: Observation, frame: RgbdFrame) -> dict[str, Any]:
+    """What is known before anything is: shapes, how things usually stand, the camera, and what its depth measured.
+
+    Args:
+        drawn: The trial; only the task file and sizes are read of it.
+        now: Of the robot's own sensors.
+        frame: The first picture, with the objects' outlines.
+    """
+    table, objects = drawn.task.table, {}
+    points = _points(frame)
+    for item in drawn.task.objects:
+        T = nominal(drawn, item.name)
+        seen = points[frame.mask(item.name) & (frame.depth > 0)]
+        corners = drawn.corners(item.name)
+        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        usual = Body(T[:3, 3], quaternion_of(T[:3, :3]))
+        objects[item.name] = {
+            "label": item.label or item.name,
+            "size_m": [round(float(v), 5) for v in drawn.size(item.name)],
+            "middle_m": _rounded(middle),
+            "points_m": {
+                point: _rounded(np.asarray(at) * drawn.objects[item.name].scale - middle)
+                for point, at in item.points.items()
+            },
+            "usual_pose": pose(usual),
+            "pixels": len(seen),
+            "seen_box_m": [_rounded(seen.min(axis=0)), _rounded(seen.max(axis=0))] if len(seen) else None,
+        }
+    height, width = frame.depth.shape
+    return {
+        "task": drawn.task.name,
+        "instruction": drawn.task.instruction,
+        "objects": objects,
+        "table": {
+            "x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
+            "y": [table.center[1] - table.size[1] / 2, table.center[1] + table.size[1] / 2],
+        },
+        "hand": {"pose": pose(now.tool)},
+        "camera": {
+            "position": _rounded(frame.T_world_camera[:3, 3]),
+            "axes_right_down_forward": [_rounded(axis) for axis in frame.T_world_camera[:3, :3].T],
+            "focal_px": round(float(frame.lens[0]), 1),
+            "width_px": width,
+            "height_px": height,
+        },
+    }
+
+
+def pose_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """What the template "object-poses" shows. No measured depth: the picture is what a model guesses by.
+
+    Named points, as seen from the centre of the box, tell an object's front from its back.
+    """
+    return {
+        "task": facts["instruction"],
+        "camera": facts["camera"],
+        "table": facts["table"],
+        "objects": {
+            name: {key: item[key] for key in ("label", "size_m", "points_m") if item[key]}
+            for name, item in facts["objects"].items()
+        },
+    }
+
+
+def ask_poses(
+    asker: Asker, drawn: Drawn, first: Observation, frame: RgbdFrame, fallback: Rule, emit: Callable[..., None]
+) -> dict[str, Body]:
+    """Where the objects are, by an advisor or, where none answers, by the rule.
+
+    Args:
+        asker: The advisor.
+        drawn: As of `pose_facts`.
+        first: Likewise.
+        frame: Likewise.
+        fallback: The rule that answers where the advisor does not.
+        emit: Where to report.
+    """
+    facts = pose_facts(drawn, first, frame)
+    outcome = asker.ask(
+        "object-poses",
+        PosesAnswer,
+        facts,
+        pose_prompt(facts),
+        lambda answer: verify_poses(answer, facts),
+        pictures=(picture(frame),),
+    )
+    answer = outcome.answer or fallback(facts, ())
+    assert isinstance(answer, PosesAnswer)
+    found = answer.bodies(facts)
+    emit(
+        "poses",
+        failure=outcome.failure,
+        attempts=outcome.attempts,
+        refused=[rejection.reason for rejection in outcome.rejections],
+        **{name: pose(body) for name, body in found.items()},
+    )
+    if outcome.answer is None:
+        emit("fallback", what="poses", by="heuristic", because=outcome.failure)
+    return found
+
+
+def _points(frame: RgbdFrame) -> Array:
+    """Every pixel's point in the world, Shape=(H, W, 3) m."""
+    rows, columns = np.indices(frame.depth.shape)
+    fx, fy, cx, cy = frame.lens
+    rays = np.stack([(columns - cx) / fx, (rows - cy) / fy, np.ones(frame.depth.shape)], axis=-1)
+    T = frame.T_world_camera
+    return np.asarray(rays * frame.depth[..., None].astype(float) @ T[:3, :3].T + T[:3, 3])
+
+
+def _rounded(values: Array) -> list[float]:
+    return [round(float(value), 5) for value in values]

@@ -1,0 +1,246 @@
+"""What CoRAL asks about a scene: its physical parameters, the plan, where to touch (A.6 to A.10)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.advisor.consult import Outcome
+from coral.advisor.question import AdvisorUnavailable, Rejection
+from coral.advisor.rules import Rule
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_plan import Loader, PlanAnswer, verify_plan
+from coral.contact.plan.region_validation import verify_regions
+from coral.contact.plan.rehearsal import sample_states
+from coral.contact.plan.touchable_points import Scenery, candidates_of
+from coral.contact.scene.observation import Observation
+from coral.contact.scene.trial import Drawn, Physical, prior
+from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.scene_facts import interface_text, scene_facts
+from coral.contact.thinker.strategist import NoStrategy
+from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.thinker.unified_question import ask_all
+from coral.contact.world_model.parameter_estimates import Estimates, belief_prompt, verify_estimates
+
+Array = NDArray[np.float64]
+Emit = Callable[..., None]
+
+
+class Questions:
+    """The questions about one scene, the checks of their answers, and what takes over where there is none.
+
+    Args:
+        asker: The advisor.
+        drawn: The trial.
+        world: The planning world; it is told what to believe.
+        cfg: What is on.
+        rng: Draws the states that programs are checked on.
+        load: How cost programs are made.
+        fallback: Rules that take over where the advisor gives no plan, by kind of question.
+        emit: Receives every outcome.
+
+    Attributes:
+        load: How cost programs are made from now on.
+        facts: The scene as it was last looked at.
+        sizes: Of the objects, metres.
+        scenery: Their true shapes.
+        diagnoses: What went wrong so far; questions about the plan carry it.
+    """
+
+    def __init__(
+        self,
+        asker: Asker,
+        drawn: Drawn,
+        world: PlanningWorld,
+        cfg: ThinkCfg,
+        rng: np.random.Generator,
+        load: Loader,
+        fallback: Mapping[str, Rule],
+        emit: Emit,
+    ) -> None:
+        self.facts: dict[str, Any] = {}
+        self.sizes = {name: drawn.size(name) for name in drawn.objects}
+        self.scenery = Scenery.of(drawn)
+        self.diagnoses: list[str] = []
+        self._asker, self._drawn, self._world, self._cfg = asker, drawn, world, cfg
+        self._rng, self.load, self._fallback, self._emit = rng, load, fallback, emit
+        self._unanswered = ""
+
+    @property
+    def beliefs(self) -> dict[str, Physical]:
+        """What the planning world believes of the objects."""
+        return dict(self._world.beliefs[0])
+
+    def look(self, now: Observation, believed: bool = True) -> None:
+        """Gather the facts anew, with what is believed of the objects or without."""
+        self.facts = scene_facts(self._drawn, now, self.beliefs if believed else None)
+
+    def parameters(self, given: Mapping[str, Physical]) -> None:
+        """Masses and frictions, believed from now on: those given, the others as the advisor says."""
+        if set(given) >= set(self.sizes):
+            self._world.believe(given)
+            self._emit("beliefs", source="given", attempts=0, refused=[], **_told(given))
+            return
+        outcome = self._asker.ask(
+            "physical-parameters",
+            Estimates,
+            self.facts,
+            belief_prompt(self.facts),
+            lambda answer: verify_estimates(
+                answer, {name: list(size) for name, size in self.sizes.items()}, self._cfg.belief
+            ),
+            seen=True,
+        )
+        beliefs = {**(prior(self._drawn) if outcome.answer is None else outcome.answer.physical()), **given}
+        self._world.believe(beliefs)
+        source = "given" if given else outcome.failure or "advisor"
+        self._emit("beliefs", source=source, attempts=outcome.attempts, refused=_reasons(outcome), **_told(beliefs))
+        if outcome.answer is None:
+            self._emit("fallback", what="beliefs", by="task", because=outcome.failure)
+
+    def formulate(self, now: Observation) -> PlanAnswer | None:
+        """A plan for the scene; None where nobody answers."""
+        objects = self.facts["objects"]
+        poses = {name: item["pose"] for name, item in objects.items()} | {"hand": self.facts["hand"]["pose"]}
+        return self._plan("cost-function", now, {"poses": poses, "parameters": self._shown()})
+
+    def repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
+        """Another plan, told what became of the last one; None where nobody answers."""
+        return self._plan("cost-repair", now, {"world": self._shown(), **history})
+
+    def rule(self) -> PlanAnswer:
+        """The rules' plan. A robot that stands still helps nobody; the record says who took over.
+
+        Raises:
+            NoStrategy: The rules have none either.
+        """
+        try:
+            rule = self._fallback["cost-function"](self._asked(), ())
+        except AdvisorUnavailable as none:
+            raise NoStrategy(none.reason) from None
+        assert isinstance(rule, PlanAnswer)
+        self.facts["refused"] = 0  # its regions are to fit it, not the answers that were refused
+        self._emit("fallback", what="plan", by="heuristic", because=self._unanswered)
+        return rule
+
+    def regions(self, plan: PlanAnswer) -> RegionsAnswer:
+        """Where a plan's stages touch; nowhere in particular where nobody answers."""
+        if not self._cfg.regions:
+            return RegionsAnswer({})
+        outcome = self._asker.ask(
+            "contact-regions",
+            RegionsAnswer,
+            {**self._asked(), "stages": plan.names},
+            {"task": self.facts["instruction"], "objects": self._shown(), "stages": plan.names},
+            lambda answer: self.wrong_regions(answer, plan),
+            seen=True,
+        )
+        found = outcome.answer or RegionsAnswer({})
+        self._emit(
+            "regions",
+            failure=outcome.failure,
+            attempts=outcome.attempts,
+            refused=_reasons(outcome),
+            regions=found.model_dump(mode="json"),
+        )
+        return found
+
+    def wrong_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
+        """Why a plan's regions cannot be used in the scene as it was last looked at; None if they can."""
+        return verify_regions(regions, self.facts, plan.names, self._cfg.region, self.scenery)
+
+    def candidates(self, regions: RegionsAnswer, plan: PlanAnswer) -> list[Array]:
+        """The points of each region that can be touched; where some were dropped, the record tells how many and why."""
+        found = candidates_of(regions, self.facts, plan.names, self.scenery, self._cfg.region)
+        dropped = [
+            {"object": name, "stage": region.stage, "kept": len(left.points), "lost": dict(left.lost)}
+            for (name, region), left in zip(regions.each(), found, strict=True)
+            if left.lost
+        ]
+        if dropped:
+            self._emit("candidates", regions=dropped)
+        return [left.points for left in found]
+
+    def everything(
+        self, now: Observation, history: Mapping[str, Any] | None = None
+    ) -> tuple[PlanAnswer, RegionsAnswer] | None:
+        """One question about all of it (variant `unified`); what is accepted is believed."""
+        before = self.beliefs
+        outcome = ask_all(
+            self._asker,
+            self._asked(),
+            self._shown(),
+            self._world,
+            lambda answer: self.wrong_plan(answer, now),
+            self._cfg,
+            self.scenery,
+            history,
+        )
+        found, self._unanswered = outcome.answer, outcome.failure
+        if found is None:
+            self._world.believe(before)
+        self.look(now)
+        self.facts["refused"] = len(outcome.rejections)
+        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts, **_told(self.beliefs))
+        self._tell_plan("unified", outcome)
+        return None if found is None else (found.plan, found.places)
+
+    def wrong_plan(self, plan: PlanAnswer, now: Observation, load: Loader | None = None) -> Rejection | None:
+        """Why a plan's programs cannot be used, seen on states around the present one; None if they can.
+
+        Args:
+            plan: The plan.
+            now: The present state.
+            load: How its programs are made, where it is not as those of answers are.
+        """
+        samples = sample_states(self._world, now, self.sizes, self._rng)
+        return verify_plan(plan, self._world.schema, samples, load or self.load)
+
+    def _plan(self, kind: str, now: Observation, about: Mapping[str, Any]) -> PlanAnswer | None:
+        prompt = {
+            "task": self.facts["instruction"],
+            "interface": interface_text(self._world.schema),
+            "contact_strategy": self._cfg.strategy,
+            **about,
+        }
+        outcome = self._asker.ask(kind, PlanAnswer, self._asked(), prompt, lambda plan: self.wrong_plan(plan, now))
+        self.facts["refused"] = len(outcome.rejections)
+        self._tell_plan(kind, outcome)
+        self._unanswered = outcome.failure
+        return outcome.answer
+
+    def _tell_plan(self, kind: str, outcome: Outcome[Any]) -> None:
+        plan: PlanAnswer | None = outcome.answer
+        self._emit(
+            "plan_answer",
+            kind=kind,
+            failure=outcome.failure,
+            attempts=outcome.attempts,
+            refused=_reasons(outcome),
+            explanation="" if plan is None else plan.explanation,
+            code="" if plan is None else plan.text(),
+        )
+
+    def _asked(self) -> dict[str, Any]:
+        """The facts that go with a question about the plan."""
+        return {**self.facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}
+
+    def _shown(self) -> dict[str, Any]:
+        """The objects as prompts show them: nothing that only the default advisor needs."""
+        hidden = ("stated_mass_kg", "stated_friction", "solid_share", "parts")
+        return {
+            name: {key: value for key, value in item.items() if key not in hidden}
+            for name, item in self.facts["objects"].items()
+        }
+
+
+def _reasons(outcome: Outcome[Any]) -> list[str]:
+    return [rejection.reason for rejection in outcome.rejections]
+
+
+def _told(beliefs: Mapping[str, Physical]) -> dict[str, list[float]]:
+    return {name: [round(one.mass_kg, 5), round(one.friction, 4)] for name, one in beliefs.items()}

@@ -1,0 +1,106 @@
+"""What an advisor may know of a trial: the task file, shapes and tracked poses, beliefs. Never the true parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from coral.contact.control.hand_model import MAX_OPENING_M
+from coral.contact.cost.context import Schema
+from coral.contact.scene.observation import Body, Observation
+from coral.contact.scene.trial import Drawn, Physical, part_size
+
+FUNCTIONS = (
+    "norm(v), dot(a, b), cross(a, b), clip(x, low, high), clip01(x), sigmoid(x), near(distance, scale) = "
+    "exp(-(distance/scale)^2), quat_axis(q, 0|1|2) = that axis in the world, quat_rotate(q, v), "
+    "quat_angle(a, b), and the usual ones of np and math"
+)
+
+
+def scene_facts(drawn: Drawn, now: Observation, beliefs: Mapping[str, Physical] | None = None) -> dict[str, Any]:
+    """The scene as plain numbers: metres, kilograms, quaternions (w, x, y, z), world frame.
+
+    Args:
+        drawn: The trial; only shapes are read of it.
+        now: What the sensors say.
+        beliefs: Masses and frictions as believed; None while nobody has said anything.
+    """
+    task = drawn.task
+    objects = {}
+    for item in task.objects:
+        name = item.name
+        factors = drawn.objects[name].scale
+        objects[name] = {
+            "label": item.label or name,
+            "size_m": _round(drawn.size(name)),
+            "pose": pose(now.objects[name]),
+            "shapes": sorted({part.shape for part in item.parts}),
+            "solid_share": round(_solid_share(drawn, name), 3),
+            "parts": [
+                {"size_m": _round(part_size(part, factors)), "position": _round(np.asarray(part.position) * factors)}
+                for part in item.parts
+                if part.shape != "mesh" and not any(part.rpy_deg)
+            ],
+            "points": {point: _round(np.asarray(at) * factors) for point, at in item.points.items()},
+            "stated_mass_kg": list(item.mass_kg),
+            "stated_friction": list(item.friction),
+        }
+        corners = drawn.corners(name)
+        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        if np.abs(middle).max() > 0.001:
+            objects[name]["middle_m"] = _round(middle)
+        if beliefs is not None:
+            objects[name] |= {"mass_kg": round(beliefs[name].mass_kg, 5), "friction": round(beliefs[name].friction, 4)}
+    table = task.table
+    return {
+        "task": task.name,
+        "instruction": task.instruction,
+        "goals": [goal.model_dump(mode="json") for goal in task.success.conditions],
+        "objects": objects,
+        "fixtures": {
+            item.name: {"position": list(item.position), "size_m": list(item.size), "yaw_deg": item.yaw_deg}
+            for item in task.fixtures
+        },
+        "places": {name: list(at) for name, at in task.places.items()},
+        "numbers": dict(task.numbers),
+        "table": {
+            "x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
+            "y": [table.center[1] - table.size[1] / 2, table.center[1] + table.size[1] / 2],
+        },
+        "hand": {"pose": pose(now.tool), "widest_opening_m": MAX_OPENING_M},
+    }
+
+
+def pose(body: Body) -> list[float]:
+    """x, y, z, qw, qx, qy, qz."""
+    return [*_round(body.position), *_round(body.quaternion)]
+
+
+def interface_text(schema: Schema) -> str:
+    """What a cost may read and call, as text for a prompt."""
+    lines = []
+    for name, quantity in schema.items():
+        unit = f", {quantity.unit}" if quantity.unit else ""
+        size = f"vector of {quantity.size}" if quantity.size else ("true or false" if quantity.truth else "number")
+        lines.append(f"- self.{name} ({size}{unit}): {quantity.text}")
+    return "\n".join([*lines, f"Functions: {FUNCTIONS}."])
+
+
+def _round(values: Any) -> list[float]:
+    return [round(float(value), 5) for value in values]
+
+
+def _solid_share(drawn: Drawn, name: str) -> float:
+    """Volume of the parts as a share of the bounding box's, at most 1."""
+    item = drawn.task.object(name)
+    factors = {"box": 1.0, "cylinder": np.pi / 4, "sphere": np.pi / 6}
+    scale = drawn.objects[name].scale
+    volume = sum(
+        factors[part.shape] * float(np.prod(np.asarray(part.size) * scale))
+        for part in item.parts
+        if part.shape != "mesh"
+    )
+    box = float(np.prod(drawn.size(name)))
+    return min(1.0, volume / box if volume else 0.6)

@@ -1,0 +1,158 @@
+"""Who says what is to be done: asked for a strategy at the start, told of every plan, free to change its mind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from coral.contact.control.controller import Plan
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.cost.stages import Strategy
+from coral.contact.cost_program.errors import CostError
+from coral.contact.perception.advisor_camera import Look
+from coral.contact.scene.observation import Body, Observation, Step
+from coral.contact.scene.trial import Drawn
+
+
+@dataclass(frozen=True)
+class Account:
+    """What a mind has done so far, as the metrics count it.
+
+    Args:
+        advisor_calls: Times a question was put to an advisor, again after a refusal included.
+        repairs: Times it changed the strategy or the beliefs during the episode.
+        memory_hit: Whether it began with something remembered.
+    """
+
+    advisor_calls: int = 0
+    repairs: int = 0
+    memory_hit: bool = False
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What a mind sees after a plan: nothing that the robot does not know.
+
+    Args:
+        step: Control steps since the episode began.
+        now: What the sensors say.
+        plan: What came of the plan.
+        stage: Name of the stage that was planned for.
+        taken: The control steps since the plan before.
+    """
+
+    step: int
+    now: Observation
+    plan: Plan
+    stage: str
+    taken: tuple[Step, ...] = ()
+
+
+class NoStrategy(RuntimeError):
+    """Nobody knows what is to be done; the text says why."""
+
+
+class Mind(Protocol):
+    """Decides on strategies, and on what is believed of masses and frictions."""
+
+    @property
+    def account(self) -> Account:
+        """What it has done so far."""
+        ...
+
+    @property
+    def guesses(self) -> bool:
+        """Whether it says where the objects are, once, and nobody looks for them afterwards."""
+        ...
+
+    def locate(self, drawn: Drawn, first: Observation) -> Mapping[str, Body]:
+        """Where the objects are, by a look; asked for before `begin` of a mind that guesses.
+
+        Args:
+            drawn: The trial; its poses are not for looking at.
+            first: What the sensors say at first, without any object.
+        """
+        ...
+
+    def listen(self, emit: Callable[..., None]) -> None:
+        """Be told where to report: `emit(event, **fields)` appends to the run's events."""
+        ...
+
+    def open_eyes(self, look: Look) -> None:
+        """Be given a camera."""
+        ...
+
+    def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
+        """The strategy to begin with; it may set the planning world's beliefs.
+
+        Args:
+            drawn: The trial as the robot knows it: true shapes, seen poses, masses and frictions as believed before.
+            first: What the sensors say at first.
+            world: The planning world.
+
+        Raises:
+            NoStrategy: There is none.
+        """
+        ...
+
+    def after(self, moment: Moment) -> Strategy | None:
+        """Look at a plan; another strategy to go on with, or None.
+
+        Raises:
+            CostError: A cost failed while the plan was made, and nothing is left to be tried.
+        """
+        ...
+
+    def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
+        """A cost could not be evaluated and no plan was made; another strategy to go on with, or None to give up.
+
+        Args:
+            error: Why, with the line.
+            stage: Name of the stage that it is of.
+            now: What the sensors say.
+        """
+        ...
+
+    def ended(self, reason: str) -> None:
+        """The episode is over; "success" or why not."""
+        ...
+
+
+class Fixed:
+    """A strategy that was written beforehand and stays.
+
+    Args:
+        strategy: The strategy.
+    """
+
+    account = Account()
+    guesses = False
+
+    def __init__(self, strategy: Strategy) -> None:
+        self._strategy = strategy
+
+    def listen(self, emit: Callable[..., None]) -> None:
+        """See `Mind.listen`."""
+
+    def open_eyes(self, look: Look) -> None:
+        """See `Mind.open_eyes`."""
+
+    def locate(self, drawn: Drawn, first: Observation) -> Mapping[str, Body]:
+        """See `Mind.locate`; what was written beforehand knows no poses."""
+        return {}
+
+    def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
+        """See `Mind.begin`."""
+        return self._strategy
+
+    def after(self, moment: Moment) -> Strategy | None:
+        """See `Mind.after`."""
+        return None
+
+    def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
+        """See `Mind.failed`."""
+        return None
+
+    def ended(self, reason: str) -> None:
+        """See `Mind.ended`."""

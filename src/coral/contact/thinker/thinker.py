@@ -1,0 +1,339 @@
+"""CoRAL's mind: beliefs, a plan from memory or from the advisor, regions, and refinement when stuck (Fig. 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.question import Rejection
+from coral.advisor.rules import Rule
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.cost.context import Cost
+from coral.contact.cost.stages import Strategy
+from coral.contact.cost_program import CostError, CostWorker
+from coral.contact.memory.adaptation import adapted
+from coral.contact.memory.memory import Experience, Match, Memory, scene_numbers
+from coral.contact.perception.advisor_camera import Look, picture
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
+from coral.contact.plan.last_good_cost import LastGoodCost
+from coral.contact.plan.rehearsal import gain
+from coral.contact.scene.observation import Body, Observation, Step
+from coral.contact.scene.trial import Drawn, Physical
+from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.correction import Past, correct
+from coral.contact.thinker.correction_schedule import Rhythm
+from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent
+from coral.contact.thinker.pose_question import ask_poses
+from coral.contact.thinker.progress_monitor import Watch
+from coral.contact.thinker.questions import Questions
+from coral.contact.thinker.strategist import Account, Moment, NoStrategy
+from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.world_model.history import most_telling
+from coral.errors import RunError
+
+
+class Thinker:
+    """Decides by asking, remembers what succeeded, corrects what fails.
+
+    Args:
+        asker: The advisor.
+        cfg: What is on.
+        rng: Draws samples for checks and fits.
+        fallback: Rules that take over where the advisor gives no answer, by kind of question.
+        memory: Of successes; None for none.
+        load: How cost programs are made: in this process, or in the confined one.
+        worker: The confined process, in which all that is remembered runs; closed at the end of the episode.
+        provenance: For what is stored: world, seed, variant, advisor.
+        given: What is believed of objects at first, whatever the advisor would estimate.
+    """
+
+    def __init__(
+        self,
+        asker: Asker,
+        cfg: ThinkCfg,
+        rng: np.random.Generator,
+        fallback: Mapping[str, Rule],
+        memory: Memory | None = None,
+        load: Loader = in_process,
+        provenance: Mapping[str, Any] | None = None,
+        given: Mapping[str, Physical] | None = None,
+        worker: CostWorker | None = None,
+    ) -> None:
+        self.asker, self.cfg, self.memory = asker, cfg, memory
+        self._rng, self._fallback, self._load = rng, fallback, load
+        self._provenance = dict(provenance or {})
+        self._emit: Callable[..., None] = lambda event, **fields: None
+        self._given = dict(given or {})
+        self._worker = worker or CostWorker()  # its process starts at the first program
+        self._rhythm = Rhythm(cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0, cfg.corrections)
+        self._now: Observation
+        self._repairs = 0
+        self._hit: Match | None = None
+        self._recalled: PlanAnswer | None = None
+        self._past: list[Step] = []
+        self._drawn: Drawn
+        self._world: PlanningWorld
+        self._plan: PlanAnswer
+        self._regions = RegionsAnswer({})
+        self._questions: Questions
+        self._watch: Watch
+        self._failure: CostError | None = None
+        self._keep = self._keeping()
+        self._look: Look = lambda: None
+
+    @property
+    def account(self) -> Account:
+        """See `Mind.account`."""
+        return Account(self.asker.calls, self._repairs, self._hit is not None)
+
+    def listen(self, emit: Callable[..., None]) -> None:
+        """See `Mind.listen`."""
+        self._emit = emit
+
+    @property
+    def guesses(self) -> bool:
+        """See `Mind.guesses`."""
+        return not self.cfg.tracking
+
+    def open_eyes(self, look: Look) -> None:
+        """See `Mind.open_eyes`."""
+        self._look = look
+        self.asker.pictures = lambda: tuple(picture(frame) for frame in (look(),) if frame is not None)
+
+    def locate(self, drawn: Drawn, first: Observation) -> dict[str, Body]:
+        """See `Mind.locate`."""
+        frame = self._look()
+        if frame is None:
+            raise RunError("poses cannot be guessed in a world without pictures")
+        return ask_poses(self.asker, drawn, first, frame, self._fallback["object-poses"], self._emit)
+
+    def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
+        """Perceive, recall or ask, check, and make the strategy."""
+        self._drawn, self._world = drawn, world
+        self._questions = Questions(
+            self.asker, drawn, world, self.cfg, self._rng, self._load, self._fallback, self._emit
+        )
+        self._questions.look(first, believed=False)
+        strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
+        self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
+        return strategy
+
+    def _ask_all(self, first: Observation) -> Strategy:
+        found = self._questions.everything(first)
+        self._plan, self._regions = found or (self._questions.rule(), RegionsAnswer({}))
+        return self._strategy("asked")
+
+    def _recall_or_ask(self, first: Observation) -> Strategy:
+        questions = self._questions
+        questions.parameters(self._given)
+        questions.look(first)
+        strategy = self._recall(first)
+        if strategy is not None:
+            return strategy
+        self._keep, self._failure = self._keeping(), None  # nothing of a plan that was refused takes over
+        self._plan = questions.formulate(first) or questions.rule()
+        self._regions = questions.regions(self._plan)
+        return self._strategy("asked")
+
+    def after(self, moment: Moment) -> Strategy | None:
+        """Watch the progress; think again when there is none, or when a cost failed and the last good one took over.
+
+        Raises:
+            CostError: See `Mind.after`.
+        """
+        self._past += moment.taken
+        self._now = moment.now
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            strategy = self._mend(failure, moment.stage, moment.now, self._keep.name)
+            if strategy is None:
+                raise failure
+            return strategy
+        if self._watch.see(moment) and self.cfg.refine and self._repairs < self.cfg.outer.refinements:
+            return self._refine(moment)
+        self._correct_in_passing()
+        return None
+
+    def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
+        """Have a cost repaired that failed while it was in use, as often as the outer loop may think again."""
+        return self._mend(error, stage, now, "")
+
+    def _mend(self, error: CostError, stage: str, now: Observation, meanwhile: str) -> Strategy | None:
+        self._emit("cost_error", stage=stage, code=error.code, reason=str(error), meanwhile=meanwhile)
+        if not self.cfg.refine or self._repairs >= self.cfg.outer.refinements:
+            return None
+        self._repairs += 1
+        self._failure = None
+        self._questions.diagnoses.append("cost-error")
+        self._questions.look(now)
+        try:
+            self._replan(now, self._questions.rule, f"in stage {stage!r}, {error}")
+        except NoStrategy:
+            return None
+        return self._repaired()
+
+    def ended(self, reason: str) -> None:
+        """Keep what succeeded; note whether what was remembered helped."""
+        try:
+            self._keep_or_count(reason == "success")
+        finally:
+            self._worker.close()
+            self.asker.close()
+
+    def _keep_or_count(self, success: bool) -> None:
+        self._correct_in_passing(last=True)
+        if self.memory is None:
+            return
+        followed = self._hit is not None and self._plan is self._recalled
+        if self._hit is not None:
+            self.memory.used(self._hit.stored.id, success and followed)
+        # Without regions a plan is no help to whom it would guide.
+        if success and not followed and self.cfg.regions:
+            number = self.memory.add(self._experience())
+            self._emit("remembered", id=number, file=Path(self.memory.where).name)
+
+    def _recall(self, first: Observation) -> Strategy | None:
+        if self.memory is None:
+            return None
+        facts = self._questions.facts
+        for match in self.memory.find(facts):
+            # A memory may come from anybody, and hold what a model wrote: nothing of it runs in this process.
+            plan, regions = adapted(match.stored.experience, facts)
+            refusal = self._questions.wrong_plan(plan, first, self._worker.load)
+            if refusal is None and self.cfg.regions:
+                refusal = self._questions.wrong_regions(regions, plan)
+            risen = 0.0
+            if refusal is None:
+                self._plan, self._regions = plan, regions
+                self._keep = self._keeping()
+                try:
+                    strategy = self._strategy(f"remembered {match.stored.id}", self._worker.load)
+                    risen = gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
+                except CostError as error:
+                    refusal = Rejection(code=error.code, reason=str(error))
+            if refusal is None and risen < self.cfg.least_gain:
+                refusal = Rejection(code="rehearsal", reason=f"rehearsed, it lowers the cost by {100 * risen:.0f} %")
+            self._emit(
+                "recall",
+                id=match.stored.id,
+                similarity=match.similarity,
+                distance=match.distance,
+                embedder=self.memory.embedder.name,
+                gain=round(risen, 4),
+                refused="" if refusal is None else refusal.reason,
+            )
+            if refusal is None:
+                self._hit, self._recalled = match, plan
+                # Repairs of it too: a plan that stays, or one that quotes it, is as foreign as it is.
+                self._load = self._questions.load = self._worker.load
+                return strategy
+        return None
+
+    def _strategy(self, name: str, load: Loader | None = None) -> Strategy:
+        regions = self._regions if self.cfg.regions else None
+        candidates = None if regions is None else self._questions.candidates(regions, self._plan)
+        return make_strategy(
+            name,
+            self._plan,
+            regions,
+            self._world.schema,
+            self._questions.sizes,
+            load or self._load,
+            self._keep,
+            candidates,
+        )
+
+    def _keeping(self) -> LastGoodCost:
+        def heard(cost: Cost, error: CostError) -> None:
+            self._failure = self._failure or error
+
+        return LastGoodCost(failed=heard)
+
+    def _repaired(self) -> Strategy:
+        try:
+            strategy = self._strategy(f"repair {self._repairs}")
+        except CostError as error:
+            raise RunError(f"the repaired plan cannot be made: {error}") from None
+        self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
+        return strategy
+
+    def _replan(self, now: Observation, otherwise: Callable[[], PlanAnswer], error: str = "") -> None:
+        steps, costs = self._watch.steps, self._watch.costs
+        name = most_telling(steps) or next(iter(self._questions.sizes))
+        history = {
+            "attempts": self._watch.attempts,
+            "history": recent(steps, costs, name),
+            "code": self._plan.text(),
+            "error": error,
+        }
+        if self.cfg.unified:
+            self._plan, self._regions = self._questions.everything(now, history) or (otherwise(), self._regions)
+            return
+        before = self._plan
+        self._plan = self._questions.repair(now, history) or otherwise()
+        if self._plan is not before:  # a plan that stays keeps the places that it was made for
+            self._regions = self._questions.regions(self._plan)
+
+    def _refine(self, moment: Moment) -> Strategy | None:
+        """The outer loop: what went wrong, a better world model, a better plan."""
+        watch, now = self._watch, moment.now
+        name = most_telling(watch.steps) or next(iter(self._questions.sizes))
+        kind = diagnose(watch.steps, name, watch.returns, watch.surprise_m.get(name, 0.0))
+        self._repairs += 1
+        self._emit(
+            "stuck",
+            attempts=watch.attempts,
+            stage=moment.stage,
+            object=name,
+            diagnosis=kind,
+            text=TEXTS[kind],
+            cost=round(moment.plan.cost, 4),
+            history=recent(watch.steps, watch.costs, name),
+        )
+        corrected = not self.cfg.unified and self._correct(name, now)
+        self._questions.look(now)
+        if corrected and kind == "moved-otherwise":
+            # The plan was right and the world model was not: the stage goes on, rehearsed in the corrected one.
+            self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
+            return None
+        self._questions.diagnoses.append(kind)
+        self._replan(now, lambda: self._plan)
+        return self._repaired()
+
+    def _correct(self, name: str, now: Observation) -> bool:
+        past = Past(tuple(self._past), recent(self._watch.steps, self._watch.costs, name))
+        return correct(
+            self.asker,
+            name,
+            now,
+            past,
+            self._drawn,
+            self._world,
+            self._questions.facts,
+            self.cfg,
+            self._rng,
+            self._emit,
+        )
+
+    def _correct_in_passing(self, last: bool = False) -> None:
+        """Correct by what was touched, stuck or not; plan and stage go on."""
+        name = self._rhythm.due(self._past, last)
+        if name is not None:
+            self._correct(name, self._now)
+
+    def _experience(self) -> Experience:
+        task = self._drawn.task
+        return Experience(
+            task=task.name,
+            instruction=task.instruction,
+            goals=self._questions.facts["goals"],
+            numbers=scene_numbers(self._questions.facts),
+            plan=self._plan,
+            regions=self._regions,
+            beliefs={name: (one.mass_kg, one.friction) for name, one in self._questions.beliefs.items()},
+            provenance={"success": True, "repairs": self._repairs, **self._provenance},
+        )

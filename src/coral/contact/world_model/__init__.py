@@ -1,0 +1,1 @@
+"""Masses and frictions: estimates, identification from what was felt, corrections."""

@@ -1,0 +1,177 @@
+"""Mass and friction read from the balance of forces on an object that the hand drags over the table or holds up.
+
+    dragged:   -F . u = mu (m g + F_z) + m a     the table carries the weight and what the hand adds (Coulomb)
+    held up:   -F_z   = m (g + a_z)              (Newton)
+
+F is the force on the hand, felt at the wrist; u the way of the object, a its acceleration. Nothing is rehearsed:
+neither the millimetres by which a tracker errs nor an arm that is no floating hand decide which finger touches what.
+Whether the history is explained better is for the replay to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Count, NonNegative, Positive
+from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.observation import Step
+from coral.contact.scene.trial import Drawn, Physical
+
+Array = NDArray[np.float64]
+GRAVITY_M_S2 = 9.81
+FINGER_M = np.array([0.010, 0.012, 0.008])
+"""Half width of a finger, its thickness, and how far it reaches beyond the tool."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BalanceCfg:
+    """Which stretches count, and how much.
+
+    Args:
+        steps: Of a stretch. A pushed object chatters: pushed in one step, it slides on by itself in the next, so that
+            only over two do push and friction balance. Longer ones leave out how a slide begins and ends.
+        reach: Speeds are differences of places so many steps before and after: a tracker's own come late.
+        slid_m: An object that moved by less within that reach was not dragged.
+        turned_rad: One that turned by more was turned rather than dragged: friction then pulls in all directions.
+        touch_n: A stretch in which less was felt in every step tells nothing.
+        flat_m: An object whose lowest point is seen within so much of the table lies on it.
+        lifted_m: One whose lowest point is seen higher is held up.
+        clear_m, strike_n: A finger nearer to the table may strike it: steps that press harder are left out then.
+        force_n, force_share: What is left over of a right balance, and its part relative to the force.
+        inertia_share: Part of mass times acceleration that is left over.
+        model: Relative deviation that no number of stretches brings down.
+        least: Stretches without which nothing is said.
+    """
+
+    steps: Count = 2
+    reach: Count = 3
+    slid_m: Positive = 0.005
+    turned_rad: Positive = 0.1
+    touch_n: Positive = 0.1
+    flat_m: Positive = 0.008
+    lifted_m: Positive = 0.012
+    clear_m: NonNegative = 0.003
+    strike_n: Positive = 3.0
+    force_n: Positive = 0.1
+    force_share: Positive = 0.05
+    inertia_share: Positive = 0.3
+    model: NonNegative = 0.03
+    least: Count = 2
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Stretches in which the forces on an object balance.
+
+    Args:
+        dragged: Shape=(n, 3), the hand's push along the object's way (N), F_z (N), the object's acceleration (m/s^2).
+        held: Shape=(k, 2), -F_z (N) and g + a_z (m/s^2).
+    """
+
+    dragged: Array
+    held: Array
+
+    def __len__(self) -> int:
+        return len(self.dragged) + len(self.held)
+
+
+def balances(steps: Sequence[Step], name: str, drawn: Drawn, cfg: BalanceCfg) -> Balance:
+    """The stretches of a history that count; they overlap.
+
+    Args:
+        steps: The history.
+        name: The object.
+        drawn: The trial as the robot knows it.
+        cfg: Which count.
+    """
+    if len(steps) <= cfg.steps + 2 * cfg.reach:
+        return Balance(np.zeros((0, 3)), np.zeros((0, 2)))
+    force = np.array([step.after.wrench[:3] for step in steps])
+    place = np.array([step.after.objects[name].position for step in steps])
+    turn = np.array([rotation_of(step.after.objects[name].quaternion)[:, 0] for step in steps])
+    lowest = np.array([drawn.lowest_point(name, step.after.objects[name]) for step in steps])
+    lift = np.array([step.after.tool.velocity[2] for step in steps])
+    clear = np.array([above_table(drawn, step) for step in steps])
+    step_s = float(np.median(np.diff([step.after.time_s for step in steps])))
+    r, n = cfg.reach, cfg.steps
+    way, turned = np.zeros_like(place), np.ones(len(steps))
+    way[r:-r] = place[2 * r :] - place[: -2 * r]
+    turned[r:-r] = (turn[2 * r :] * turn[: -2 * r]).sum(axis=1)
+    slides = (
+        (np.linalg.norm(way[:, :2], axis=1) > cfg.slid_m)
+        & (turned > np.cos(cfg.turned_rad))
+        & (lowest < cfg.flat_m)
+        & ((clear >= cfg.clear_m) | (np.abs(force[:, 2]) < cfg.strike_n))
+    )
+    touches = np.linalg.norm(force, axis=1) > cfg.touch_n
+    dragged, held = [], []
+    for first in range(1, len(steps) - n + 1):
+        part = slice(first, first + n)
+        if not touches[part].any():
+            continue
+        mean = force[part].mean(axis=0)
+        if (lowest[part] > cfg.lifted_m).all():
+            held.append((-mean[2], GRAVITY_M_S2 + (lift[first + n - 1] - lift[first - 1]) / (n * step_s)))
+        elif first > r and slides[part].all():
+            along = way[part, :2].mean(axis=0)
+            along /= np.linalg.norm(along)
+            speed = way[[first - 1, first + n - 1], :2] @ along / (2 * r * step_s)
+            dragged.append((-mean[:2] @ along, mean[2], (speed[1] - speed[0]) / (n * step_s)))
+    return Balance(np.array(dragged, dtype=float).reshape(-1, 3), np.array(held, dtype=float).reshape(-1, 2))
+
+
+def above_table(drawn: Drawn, step: Step) -> float:
+    """Height (m) of the lowest corner of the fingers that is above the table; infinite beside it."""
+    tool = step.after.tool
+    size = FINGER_M + np.array([0.0, step.after.opening_m / 2, 0.0])
+    corners = size * np.array([[x, y, 1.0] for x in (-1, 1) for y in (-1, 1)]) @ rotation_of(tool.quaternion).T
+    corners += tool.position
+    table = drawn.task.table
+    over = (np.abs(corners[:, :2] - table.center) < np.asarray(table.size[:2]) / 2).all(axis=1)
+    return float(np.where(over, corners[:, 2], np.inf).min())
+
+
+def solve(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[Physical, Array]:
+    """The most likely mass and friction, and the covariance of their logarithms, Shape=(2, 2).
+
+    Errors are taken for Cauchy's: what touches something else is felt, too, and hard.
+
+    Args:
+        found: The stretches.
+        bounds: Shape=(2, 2), of log mass and of log friction.
+        cfg: How far off they are.
+    """
+    axes = [np.linspace(low, high, 160) for low, high in bounds]
+    theta = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    cost = np.log1p(np.square(_left(theta, found, cfg))).sum(axis=1)
+    best = theta[int(np.argmin(cost))]
+    left, step = _left(best[None], found, cfg)[0], 1e-3
+    slope = np.stack([(_left((best + step * unit)[None], found, cfg)[0] - left) / step for unit in np.eye(2)])
+    # Stretches overlap: so many tell as much as one.
+    information = (slope / (1.0 + np.square(left))) @ slope.T / cfg.steps
+    covariance = np.linalg.inv(information + 0.01 * np.eye(2)) + cfg.model**2 * np.eye(2)
+    return Physical(float(np.exp(best[0])), float(np.exp(best[1]))), covariance
+
+
+def unbalanced(found: Balance, beliefs: Sequence[Physical], cfg: BalanceCfg) -> Array:
+    """Mean of log(1 + r^2) over the stretches, r what is left over in its deviation, Shape=(beliefs,)."""
+    theta = np.log([[one.mass_kg, one.friction] for one in beliefs])
+    return np.asarray(np.log1p(np.square(_left(theta, found, cfg))).mean(axis=1))
+
+
+def _left(theta: Array, found: Balance, cfg: BalanceCfg) -> Array:
+    """What is left over of each balance, in its deviation, Shape=(beliefs, stretches)."""
+    mass, friction = (np.exp(theta[:, k, None]) for k in (0, 1))
+    push, press, gain = found.dragged.T
+    weight, pull = found.held.T
+
+    def deviation(force: Array, gain: Array) -> Array:
+        return np.asarray(cfg.force_n + cfg.force_share * np.abs(force) + cfg.inertia_share * mass * np.abs(gain))
+
+    rubbed = (push - friction * (mass * GRAVITY_M_S2 + press) - mass * gain) / deviation(push, gain)
+    weighed = (weight - mass * pull) / deviation(weight, pull - GRAVITY_M_S2)
+    return np.concatenate([rubbed, weighed], axis=1)

@@ -1,0 +1,46 @@
+"""Masses and frictions that are believed at first, as the command line gives them: `board=2,0.9;cup=0.2,0.4`."""
+
+from __future__ import annotations
+
+from coral.contact.scene.task import Task
+from coral.contact.scene.trial import Physical
+from coral.contact.world_model.parameter_estimates import BeliefCfg
+from coral.errors import InputError, nearest
+
+FORM = "NAME=MASS,FRICTION, more than one separated by semicolons"
+
+
+def parse_beliefs(text: str, task: Task, where: str = "--believe", cfg: BeliefCfg | None = None) -> dict[str, Physical]:
+    """What is believed of a task's objects.
+
+    Args:
+        text: The words.
+        task: Whose objects they are.
+        where: For errors.
+        cfg: Bounds.
+
+    Raises:
+        InputError: It is of another form, names no object of the task or one twice, or is out of bounds.
+    """
+    cfg = cfg or BeliefCfg()
+    names = [item.name for item in task.objects]
+    found: dict[str, Physical] = {}
+    for word in (part.strip() for part in text.split(";") if part.strip()):
+        name, _, values = (part.strip() for part in word.partition("="))
+        try:
+            mass, friction = (float(value) for value in values.split(","))
+        except ValueError:
+            raise InputError(where, "", repr(word), FORM) from None
+        if name not in names:
+            raise InputError(
+                where, "", repr(name), f"an object of {task.name}: {', '.join(names)}{nearest(name, names)}"
+            )
+        if name in found:
+            raise InputError(where, "", f"{name!r} twice", "each object once")
+        for what, value, (low, high) in (("mass (kg)", mass, cfg.mass_kg), ("friction", friction, cfg.friction)):
+            if not low <= value <= high:
+                raise InputError(where, f"{name}, {what}", value, f"a number from {low:g} to {high:g}")
+        found[name] = Physical(mass, friction)
+    if not found:
+        raise InputError(where, "", repr(text), FORM)
+    return found

@@ -1,0 +1,85 @@
+"""What was done and what came of it, step by step, and the stretches of it that say something about an object."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from coral.contact.scene.observation import Observation, Step
+
+
+@dataclass(frozen=True)
+class Window:
+    """Consecutive steps."""
+
+    steps: tuple[Step, ...]
+
+    @property
+    def start(self) -> Observation:
+        """Measured at its beginning."""
+        return self.steps[0].before
+
+
+def windows(
+    steps: Sequence[Step],
+    name: str,
+    length: int = 12,
+    most: int = 10,
+    moved_m: float = 0.0005,
+    force_n: float = 0.3,
+    usable: Callable[[Observation], bool] = lambda start: True,
+) -> list[Window]:
+    """The stretches of a history in which the object was pushed or slid, the most telling ones, in order of time.
+
+    Args:
+        steps: The history.
+        name: The object.
+        length: Steps of a window; short, as a rehearsal of contact strays from the world within tenths of a second.
+        most: Windows kept.
+        moved_m: An object that moved less and was not touched says nothing.
+        force_n: Force on the hand that counts as touching.
+        usable: Whether a rehearsal can begin with what was measured.
+    """
+    found = []
+    for first in range(0, len(steps) - length + 1, length // 2):
+        part = steps[first : first + length]
+        if any(abs(b.before.time_s - a.after.time_s) > 1e-6 for a, b in itertools.pairwise(part)) or not usable(
+            part[0].before
+        ):
+            continue
+        way = np.array([step.after.objects[name].position - step.before.objects[name].position for step in part])
+        moved = float(np.linalg.norm(way, axis=1).sum())
+        force = float(np.mean([np.linalg.norm(step.after.wrench[:3]) for step in part]))
+        if moved > moved_m or (force > force_n and _near(part, name)):
+            found.append((moved + 0.002 * min(force, 5.0), first, Window(tuple(part))))
+    best = sorted(found, key=lambda item: -item[0])[:most]
+    return [window for _, _, window in sorted(best, key=lambda item: item[1])]
+
+
+def most_telling(steps: Sequence[Step]) -> str | None:
+    """The object that moved farthest, or the nearest one to a hand that felt something; None without any."""
+    if not steps:
+        return None
+    names = list(steps[0].before.objects)
+    moved = {
+        name: sum(
+            float(np.linalg.norm(step.after.objects[name].position - step.before.objects[name].position))
+            for step in steps
+        )
+        for name in names
+    }
+    name = max(names, key=lambda one: moved[one])
+    if moved[name] > 0.003:
+        return name
+    felt = max(steps, key=lambda step: float(np.linalg.norm(step.after.wrench[:3])))
+    if np.linalg.norm(felt.after.wrench[:3]) < 0.5:
+        return None
+    tool = felt.after.tool.position
+    return min(names, key=lambda one: float(np.linalg.norm(felt.after.objects[one].position - tool)))
+
+
+def _near(part: Sequence[Step], name: str, most_m: float = 0.25) -> bool:
+    return any(np.linalg.norm(step.after.objects[name].position - step.after.tool.position) < most_m for step in part)

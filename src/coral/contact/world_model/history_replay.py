@@ -1,0 +1,128 @@
+"""How well a belief explains what happened: logged actions replayed in the planning world, against measurements."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Positive
+from coral.contact.control.planning_world import Controls, PlanningWorld
+from coral.contact.control.rollouts import SLEEP
+from coral.contact.scene.geometry import angle_between
+from coral.contact.scene.trial import Physical
+from coral.contact.world_model.history import Window
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReplayCfg:
+    """In what units a replay's error counts: about what a right belief leaves over in a coarse rehearsal.
+
+    Args:
+        position_m: Of the object.
+        angle_rad: Of the object.
+        speed_m_s: Of the object.
+        hand_m: Of the tool.
+        force_n: On the hand, averaged over the window, plus `force_share` of what was measured.
+        force_share: Relative part of that.
+        most: An error beyond so many units counts no more: one slipped contact must not decide.
+    """
+
+    position_m: Positive = 0.0005
+    angle_rad: Positive = 0.01
+    speed_m_s: Positive = 0.03
+    hand_m: Positive = 0.0002
+    force_n: Positive = 0.5
+    force_share: Positive = 0.3
+    most: Positive = 6.0
+
+
+class Replay:
+    """Replays windows of a history under many beliefs at once.
+
+    Args:
+        world: A planning world of its own: its beliefs are changed.
+        windows: What is replayed.
+        cfg: Units of the error.
+    """
+
+    def __init__(self, world: PlanningWorld, windows: Sequence[Window], cfg: ReplayCfg | None = None) -> None:
+        self.world, self.windows, self.cfg = world, list(windows), cfg or ReplayCfg()
+        self.world.edges = True
+
+    def parts(self, beliefs: Sequence[Mapping[str, Physical]], name: str) -> Array:
+        """Root mean square errors in their units, Shape=(beliefs, windows, kinds); diverged rehearsals are infinite.
+
+        Args:
+            beliefs: Each one complete.
+            name: The object that is looked at.
+        """
+        self.world.believe(list(beliefs))
+        for model in self.world.models:
+            # A replay has time for what a rehearsal at every step has not: contacts that neither creep nor chatter, and
+            # what hardly moves is not taken to be at rest.
+            model.opt.cone, model.opt.impratio, model.opt.iterations = mujoco.mjtCone.mjCONE_ELLIPTIC, 10.0, 50
+            model.opt.enableflags &= ~SLEEP
+        return np.stack([self._parts(window, name, len(beliefs)) for window in self.windows], axis=1)
+
+    def score(self, parts: Array, floor: Array) -> Array:
+        """Mean squared error of each belief in each window, Shape=(beliefs, windows).
+
+        Args:
+            parts: As from `parts`.
+            floor: Shape=(windows, kinds), what no belief explains: a kind of error that the rehearsal's coarseness, or
+                an arm that is no floating hand, leaves over in any case decides less. A window that diverges under
+                every belief tells nothing of any.
+        """
+        share = np.full(parts.shape, np.inf)
+        np.divide(parts, 1.0 + floor, out=share, where=np.broadcast_to(np.isfinite(floor), parts.shape))
+        return np.asarray(np.square(np.minimum(share, self.cfg.most)).mean(axis=-1))
+
+    def _parts(self, window: Window, name: str, count: int) -> Array:
+        cfg, steps = self.cfg, window.steps
+        stiffness = float(np.median([step.command.stiffness for step in steps]))
+        # The rehearsal has one stiffness and no added force: both become displacements that pull as hard.
+        position = np.array([_pulled(step.before.tool.position, step.command, stiffness) for step in steps])
+        controls = Controls(
+            position[None],
+            np.array([step.command.quaternion for step in steps])[None],
+            np.array([[step.command.opening_m for step in steps]]),
+            stiffness,
+        )
+        states, sane = self.world.rollout(window.start, controls)
+        measured = [step.after.objects[name] for step in steps]
+        place = np.array([body.position for body in measured])
+        turn = np.array([body.quaternion for body in measured])
+        speed = np.array([body.velocity for body in measured])
+        hand = np.array([step.after.tool.position for step in steps])
+        force = np.array([step.after.wrench[:3] for step in steps])
+        shape = (count, len(steps))
+        felt = np.broadcast_to(states.ee_force, (*shape, 3)).mean(axis=1) - force.mean(axis=0)
+        unit = cfg.force_n + cfg.force_share * float(np.linalg.norm(force.mean(axis=0)))
+        ahead = np.linalg.norm((states.ee_pos - hand).mean(axis=1), axis=-1)
+        found = np.stack(
+            [
+                _rms(np.linalg.norm(states[f"{name}_pos"] - place, axis=-1)) / cfg.position_m,
+                _rms(angle_between(states[f"{name}_quat"], np.broadcast_to(turn, (*shape, 4)))) / cfg.angle_rad,
+                _rms(np.linalg.norm(states[f"{name}_vel"] - speed, axis=-1)) / cfg.speed_m_s,
+                ahead / cfg.hand_m,
+                np.linalg.norm(felt, axis=-1) / unit,
+            ],
+            axis=-1,
+        )
+        return np.where(sane[:, None], found, np.inf)
+
+
+def _rms(error: Array) -> Array:
+    """Over the steps, Shape=(beliefs, steps) to Shape=(beliefs,)."""
+    return np.asarray(np.sqrt(np.square(error).mean(axis=1)))
+
+
+def _pulled(tool: Array, command: object, stiffness: float) -> Array:
+    position, own, force = (getattr(command, key) for key in ("position", "stiffness", "force"))
+    return np.asarray(tool + ((position - tool) * own + force) / stiffness)

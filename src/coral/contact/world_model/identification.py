@@ -1,0 +1,326 @@
+"""World-model correction (section 3.4, A.5): mass and friction fitted so that a replay explains the logged history.
+
+What a history can tell: pushed slowly, an object answers with friction x mass x g, whatever the two are; what tells
+them apart is a change of speed (mass), free sliding (friction) or the weight of what is lifted (mass). The fit
+therefore reports how well each is known, and the product.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Count, Fraction, Positive
+from coral.contact.scene.trial import Physical
+from coral.contact.world_model.force_balance import Balance, BalanceCfg, solve, unbalanced
+from coral.contact.world_model.history_replay import Replay, ReplayCfg
+from coral.words import many
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdentifyCfg:
+    """The fit.
+
+    Args:
+        mass_kg, friction: Bounds.
+        grid: Coarse values of each in the bounds, tried first: replay errors have several valleys.
+        samples: Beliefs of each refinement (cross-entropy method on log mass and log friction).
+        rounds: Refinements.
+        elite: Share of them that the next round is drawn about.
+        better: A correction is accepted if the windows it was not fitted on are explained better by this share.
+        known: Relative deviation up to which a parameter counts as known.
+        much: A history that tells little of either parameter corrects them only if explained better by this share.
+        mass_doubt, friction_doubt: Relative deviations of what is believed while nobody has touched anything: how far a
+            correction moves along what its history tells nothing of.
+        replay: Units of the error.
+        by: What proposes a correction: "replay", the fit of replayed commands; "balance", the balance of forces on what
+            was dragged or held up, where there was any, else the fit.
+        balance: Which stretches count there.
+    """
+
+    mass_kg: tuple[Positive, Positive] = (0.02, 5.0)
+    friction: tuple[Positive, Positive] = (0.1, 1.5)
+    grid: Count = 6
+    samples: Count = 20
+    rounds: Count = 3
+    elite: Fraction = 0.25
+    better: Fraction = 0.02
+    known: Positive = 0.15
+    much: Fraction = 0.3
+    mass_doubt: Positive = 1.0
+    friction_doubt: Positive = 0.4
+    replay: ReplayCfg = field(default_factory=ReplayCfg)
+    by: Literal["replay", "balance"] = "replay"
+    balance: BalanceCfg = field(default_factory=BalanceCfg)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A proposed correction and what speaks for it.
+
+    Args:
+        object: Whose parameters.
+        before, after: Its parameters.
+        error_before, error_after: Replay error in the windows that the fit has not seen.
+        accepted: Whether the history is explained better.
+        mass_sd, friction_sd, product_sd: Relative deviations (of log values) that the error's curvature leaves.
+        windows: Replayed.
+    """
+
+    object: str
+    before: Physical
+    after: Physical
+    error_before: float
+    error_after: float
+    accepted: bool
+    mass_sd: float
+    friction_sd: float
+    product_sd: float
+    windows: int
+
+    def words(self, known: float = 0.15) -> str:
+        """The correction in a sentence."""
+        what = (
+            f"{self.object}: mass {self.before.mass_kg:.3g} to {self.after.mass_kg:.3g} kg, friction "
+            f"{self.before.friction:.2g} to {self.after.friction:.2g}; replay error {self.error_before:.2f} to "
+            f"{self.error_after:.2f} in {many(self.windows, 'window')}"
+        )
+        if max(self.mass_sd, self.friction_sd) <= known:
+            return f"{what}; both are known to {100 * max(self.mass_sd, self.friction_sd):.0f} %"
+        if self.product_sd <= known:
+            return f"{what}; only their product is known well: nothing sped up, slid freely or was lifted enough"
+        return f"{what}; the history tells little of either"
+
+
+def identify(
+    replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
+) -> Fit:
+    """Fit the mass and friction of one object.
+
+    Fitted on every second window and accepted on the others, so that a correction must hold for what it has not seen.
+
+    Args:
+        replay: The history, two windows or more.
+        name: The object.
+        believed: What is believed now, of all objects.
+        cfg: The fit.
+        rng: Draws the refinements.
+    """
+    seen = [True] * len(replay.windows) if len(replay.windows) < 4 else [k % 2 == 0 for k in range(len(replay.windows))]
+    held = [True] * len(seen) if all(seen) else [not one for one in seen]
+
+    def parts(theta: Array) -> Array:
+        beliefs = [{**believed, name: Physical(float(np.exp(m)), float(np.exp(f)))} for m, f in theta]
+        return replay.parts(beliefs, name)
+
+    low = np.log([cfg.mass_kg[0], cfg.friction[0]])
+    high = np.log([cfg.mass_kg[1], cfg.friction[1]])
+    present = np.log([believed[name].mass_kg, believed[name].friction])
+    axes = [np.linspace(low[k], high[k], cfg.grid) for k in (0, 1)]
+    theta = np.concatenate([np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2), present[None]])
+    all_theta, found = theta, parts(theta)
+    spread = (high - low) / cfg.grid
+    for _ in range(cfg.rounds):
+        score = replay.score(found[:, seen], found.min(axis=0)[seen]).mean(axis=1)
+        best = all_theta[np.argsort(score, kind="stable")[: max(2, int(cfg.elite * cfg.samples))]]
+        theta = best[0] + spread * rng.standard_normal((cfg.samples, 2))
+        theta[: len(best)] = best.mean(axis=0) + 0.5 * spread * rng.standard_normal(best.shape)
+        theta = np.clip(theta, low, high)
+        all_theta, found = np.concatenate([all_theta, theta]), np.concatenate([found, parts(theta)])
+        spread = 0.6 * spread
+    floor = found.min(axis=0)
+    optimum, sd = _valley(all_theta, replay.score(found[:, seen], floor[seen]).mean(axis=1), low, high)
+    after = Physical(float(np.exp(optimum[0])), float(np.exp(optimum[1])))
+    pair = replay.score(parts(np.stack([present, optimum])), floor)[:, held].mean(axis=1)
+    return Fit(
+        name,
+        believed[name],
+        after,
+        float(pair[0]),
+        float(pair[1]),
+        _accepted(float(pair[0]), float(pair[1]), sd, cfg),
+        *sd,
+        len(replay.windows),
+    )
+
+
+def correction(
+    replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
+) -> Fit:
+    """A fit, drawn back to the belief along what the history does not tell.
+
+    Slow pushes tell the product of mass and friction; fitted freely, a block of 1 kg became one of 4.6 kg that slides
+    on ice. Belief and fit are taken for normal in the logarithms, and the mean of their product is proposed.
+
+    Args:
+        replay: The history, two windows or more.
+        name: The object.
+        believed: What is believed now, of all objects.
+        cfg: The fit.
+        rng: Draws the refinements.
+    """
+    return drawn_back(identify(replay, name, believed, cfg, rng), replay, believed, cfg)
+
+
+def weighed(found: Balance, replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg) -> Fit:
+    """What the balance of forces proposes, drawn back as in `correction`; the replay says whether it is better.
+
+    Args:
+        found: One stretch or more.
+        replay: The history.
+        name: The object.
+        believed: What is believed now, of all objects.
+        cfg: The fit.
+    """
+    after, covariance = solve(found, np.log([cfg.mass_kg, cfg.friction]), cfg.balance)
+    one = np.ones(2)
+    sd = [float(np.sqrt(v)) for v in (covariance[0, 0], covariance[1, 1], one @ covariance @ one)]
+    fit = Fit(name, believed[name], after, np.inf, np.inf, False, sd[0], sd[1], sd[2], len(replay.windows))
+    return drawn_back(fit, replay, believed, cfg, found)
+
+
+def drawn_back(
+    fit: Fit, replay: Replay, believed: Mapping[str, Physical], cfg: IdentifyCfg, forces: Balance | None = None
+) -> Fit:
+    """A fit drawn back to the belief, accepted if the replay explains the history better; see `correction`.
+
+    Args:
+        fit: As the history alone tells.
+        replay: The history.
+        believed: What is believed now, of all objects.
+        cfg: How much that is doubted.
+        forces: Balances of forces, where they count too.
+    """
+    name = fit.object
+    both = (fit.product_sd**2 - fit.mass_sd**2 - fit.friction_sd**2) / 2
+    told = np.array([[fit.mass_sd**2, both], [both, fit.friction_sd**2]])
+    doubted = np.diag(np.square([cfg.mass_doubt, cfg.friction_doubt]))
+    now, found = (np.log([one.mass_kg, one.friction]) for one in (fit.before, fit.after))
+    mean = now + doubted @ np.linalg.solve(doubted + told, found - now)
+    after = Physical(float(np.exp(mean[0])), float(np.exp(mean[1])))
+    before_error, after_error = explained(replay, name, believed, {**believed, name: after}, cfg, forces)
+    sd = fit.mass_sd, fit.friction_sd, fit.product_sd
+    return replace(
+        fit,
+        after=after,
+        error_before=before_error,
+        error_after=after_error,
+        accepted=_accepted(before_error, after_error, sd, cfg),
+    )
+
+
+class Corrections:
+    """Successive fits of one object's parameters, averaged by how much each could tell.
+
+    What was believed before the first fit has no weight in the average: it came from looking, not from touching.
+    """
+
+    def __init__(self) -> None:
+        self.fits: list[Fit] = []
+
+    def add(
+        self, replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
+    ) -> Fit:
+        """Fit the new history, average with the fits before, and accept if the replay explains it better.
+
+        Args:
+            replay: The history since the last fit.
+            name: The object.
+            believed: What is believed now.
+            cfg: The fit.
+            rng: Draws the refinements.
+        """
+        self.fits.append(identify(replay, name, believed, cfg, rng))
+        newest = self.fits[-1]
+        if len(self.fits) == 1:
+            return newest
+        mass, mass_sd = _average([(fit.after.mass_kg, fit.mass_sd) for fit in self.fits])
+        friction, friction_sd = _average([(fit.after.friction, fit.friction_sd) for fit in self.fits])
+        _, product_sd = _average([(1.0, fit.product_sd) for fit in self.fits])
+        after = Physical(mass, friction)
+        before_error, after_error = compare(replay, name, believed, {**believed, name: after})
+        return replace(
+            newest,
+            before=believed[name],
+            after=after,
+            error_before=before_error,
+            error_after=after_error,
+            accepted=_accepted(before_error, after_error, (mass_sd, friction_sd, product_sd), cfg),
+            mass_sd=mass_sd,
+            friction_sd=friction_sd,
+            product_sd=product_sd,
+        )
+
+
+def _accepted(before: float, after: float, sd: tuple[float, float, float], cfg: IdentifyCfg) -> bool:
+    """Whether errors that fall so far are reason enough, given how well the history tells the parameters."""
+    return after < (1.0 - (cfg.better if min(sd) <= cfg.known else cfg.much)) * before
+
+
+def explained(
+    replay: Replay,
+    name: str,
+    believed: Mapping[str, Physical],
+    proposed: Mapping[str, Physical],
+    cfg: IdentifyCfg,
+    found: Balance | None = None,
+) -> tuple[float, float]:
+    """Errors of a belief and of a proposal: of the replay, and of the balance of forces where that counts.
+
+    A rehearsed pinch slips where the real one holds, whatever the mass: beside the balance the replay decides less.
+    """
+    before, after = compare(replay, name, believed, proposed)
+    if found is None or not len(found):
+        return before, after
+    more = unbalanced(found, [believed[name], proposed[name]], cfg.balance)
+    return before + float(more[0]), after + float(more[1])
+
+
+def compare(
+    replay: Replay, name: str, believed: Mapping[str, Physical], proposed: Mapping[str, Physical]
+) -> tuple[float, float]:
+    """Replay errors of a belief and of a proposal."""
+    found = replay.parts([believed, proposed], name)
+    before, after = replay.score(found, found.min(axis=0)).mean(axis=1)
+    return float(before), float(after)
+
+
+def _average(values: list[tuple[float, float]]) -> tuple[float, float]:
+    """Geometric mean weighted by inverse variances of the logarithms, and its deviation."""
+    weight = np.array([1.0 / max(sd, 0.1) ** 2 for _, sd in values])
+    logs = np.log([value for value, _ in values])
+    return float(np.exp((weight * logs).sum() / weight.sum())), float(1.0 / np.sqrt(weight.sum()))
+
+
+def _valley(theta: Array, score: Array, low: Array, high: Array) -> tuple[Array, tuple[float, float, float]]:
+    """The bottom of the valley that the errors lie in, and relative deviations of mass, friction and their product.
+
+    Chattering contacts make single errors jump; a quadratic through those about the best one does not follow the jumps.
+    A deviation is the change that raises the error by as much as the errors scatter about the quadratic, or by a tenth.
+    """
+    best = theta[int(np.argmin(score))]
+    weight = np.exp(-0.5 * np.square((theta - best) / 0.35).sum(axis=1))
+    a, b = (theta - best).T
+    design = np.stack([np.ones(len(a)), a, b, a * a / 2, a * b, b * b / 2], axis=1)
+    root = np.sqrt(weight)[:, None]
+    found = np.linalg.lstsq(design * root, score * root[:, 0], rcond=None)[0]
+    curvature = np.array([[found[3], found[4]], [found[4], found[5]]])
+    values, vectors = np.linalg.eigh(curvature)
+    scatter = float(np.sqrt((weight * np.square(score - design @ found)).sum() / weight.sum()))
+    allowed = max(scatter, 0.1 * float(score.min()), 1e-6)
+    bounded = np.maximum(values, 2 * allowed / 9.0)
+    covariance = vectors @ np.diag(2 * allowed / bounded) @ vectors.T
+    optimum = best
+    if values.min() > 2 * allowed / 9.0:
+        step = -np.linalg.solve(curvature, found[1:3])
+        length = float(np.linalg.norm(step))
+        optimum = np.clip(best + step * min(1.0, 0.35 / max(length, 1e-9)), low, high)
+    one = np.ones(2)
+    sd = [float(np.sqrt(v)) for v in (covariance[0, 0], covariance[1, 1], one @ covariance @ one)]
+    return optimum, (sd[0], sd[1], sd[2])

@@ -1,0 +1,45 @@
+"""Corrected masses and frictions as an advisor gives them (A.9), and the check of their bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pydantic import BaseModel, Field
+
+from coral.advisor.question import Rejection
+from coral.contact.scene.trial import Physical
+from coral.contact.world_model.parameter_estimates import BeliefCfg
+
+
+class ObjectParameters(BaseModel):
+    """One object's corrected parameters (A.9.2)."""
+
+    label: str
+    mass: float
+    friction: float
+
+
+class ParametersAnswer(BaseModel):
+    """The world-model correction."""
+
+    objects: list[ObjectParameters] = Field(min_length=1, max_length=8)
+
+    def physical(self, believed: Mapping[str, Physical]) -> dict[str, Physical]:
+        """The beliefs with the correction."""
+        return {**believed, **{one.label: Physical(one.mass, one.friction) for one in self.objects}}
+
+
+def verify_parameters(
+    answer: ParametersAnswer, believed: Mapping[str, Physical], cfg: BeliefCfg | None = None
+) -> Rejection | None:
+    """Why corrected parameters cannot be tried, or None; whether they are better is for the replay to say."""
+    cfg = cfg or BeliefCfg()
+    for one in answer.objects:
+        if one.label not in believed:
+            return Rejection(code="objects", reason=f"{one.label} is no object; there are {', '.join(believed)}")
+        for field, value, (low, high) in (("mass", one.mass, cfg.mass_kg), ("friction", one.friction, cfg.friction)):
+            if not low <= value <= high:
+                return Rejection(
+                    code="bounds", reason=f"{field} of {one.label} is {value:g}; it lies within {low:g} and {high:g}"
+                )
+    return None

@@ -1,0 +1,110 @@
+"""Mass and friction, which no camera shows: estimated by the advisor from what the objects are (section 3.1, A.7)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, RootModel
+
+from coral.advisor.question import Rejection
+from coral.config import Positive
+from coral.contact.scene.trial import Physical
+
+
+class Estimate(BaseModel):
+    """One object's parameters."""
+
+    model_config = ConfigDict(allow_inf_nan=True)
+    mass_kg: float
+    friction_coeff: float
+
+
+class Estimates(RootModel[dict[str, Estimate]]):
+    """The completed table of the paper's A.7, by the objects' names."""
+
+    def physical(self) -> dict[str, Physical]:
+        """As beliefs of the planning world."""
+        return {name: Physical(mass_kg=one.mass_kg, friction=one.friction_coeff) for name, one in self.root.items()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class BeliefCfg:
+    """What is possible of something that a hand can move.
+
+    Args:
+        mass_kg: Bounds; those of the task format.
+        friction: Bounds; those of the task format.
+        density_kg_m3: Bounds on mass over the volume of the bounding box: above air-filled foam, below lead.
+    """
+
+    mass_kg: tuple[Positive, Positive] = (0.005, 20.0)
+    friction: tuple[Positive, Positive] = (0.02, 2.0)
+    density_kg_m3: tuple[Positive, Positive] = (5.0, 12_000.0)
+
+
+def verify_estimates(
+    answer: Estimates, sizes: Mapping[str, Sequence[float]], cfg: BeliefCfg | None = None
+) -> Rejection | None:
+    """Why estimates cannot be believed, or None.
+
+    Args:
+        answer: The estimates.
+        sizes: Full extents (m) of every object that moves.
+        cfg: Bounds.
+    """
+    cfg = cfg or BeliefCfg()
+    wanted, given = set(sizes), set(answer.root)
+    if wanted != given:
+        missing, extra = sorted(wanted - given), sorted(given - wanted)
+        parts = [
+            f"missing: {', '.join(missing)}" if missing else "",
+            f"not in the scene: {', '.join(extra)}" if extra else "",
+        ]
+        return Rejection(
+            code="objects",
+            reason=f"{'; '.join(part for part in parts if part)}; give one entry for each of {', '.join(sizes)}",
+            details={"missing": missing, "extra": extra},
+        )
+    for name, one in answer.root.items():
+        volume = math.prod(sizes[name])
+        for field, value, (low, high), unit in (
+            ("mass_kg", one.mass_kg, cfg.mass_kg, " kg"),
+            ("friction_coeff", one.friction_coeff, cfg.friction, ""),
+        ):
+            if not (math.isfinite(value) and low <= value <= high):
+                return Rejection(
+                    code="bounds",
+                    reason=f"{field} of {name} is {value:g}; something that this hand can "
+                    f"move lies between {low:g} and {high:g}{unit}",
+                    details={"object": name},
+                )
+        low, high = cfg.density_kg_m3
+        if not low <= one.mass_kg / volume <= high:
+            sides = " x ".join(f"{100 * side:.1f}" for side in sizes[name])
+            return Rejection(
+                code="density",
+                reason=f"{one.mass_kg:g} kg in {sides} cm would be "
+                f"{one.mass_kg / volume:.3g} kg/m3 for {name}; materials lie between {low:g} and {high:g}",
+                details={"object": name},
+            )
+    return None
+
+
+def belief_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """What the template "physical-parameters" shows: the paper's table, to be completed."""
+    return {
+        "task": facts["instruction"],
+        "objects": {
+            name: {
+                "label": item["label"],
+                "pose_estimated": item["pose"],
+                "size_m": item["size_m"],
+                "mass_kg": None,
+                "friction_coeff": None,
+            }
+            for name, item in facts["objects"].items()
+        },
+    }

@@ -1,0 +1,128 @@
+"""Mass and friction of a pushed board found by touch, from a belief that is far off (Fig. 4).
+
+The board is pushed slowly (friction x mass shows as force) and struck so that it slides on by itself (friction shows as
+braking), from both ends in turn, in an evaluation world that knows the true values; the fit sees poses and forces only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Count, Positive
+from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.scene.geometry import rotate
+from coral.contact.scene.observation import HandTarget, Step
+from coral.contact.scene.trial import Drawn, Physical, believing
+from coral.contact.world_model.history import windows
+from coral.contact.world_model.history_replay import Replay
+from coral.contact.world_model.identification import Corrections, Fit, IdentifyCfg
+from coral.contact.worlds.evaluation_world import EvaluationWorld
+from coral.contact.worlds.registry import make_world
+
+Array = NDArray[np.float64]
+ACROSS = np.array([0.0, np.sqrt(0.5), -np.sqrt(0.5), 0.0])
+"""Palm down, the fingers side by side along x."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProbeCfg:
+    """The experiment.
+
+    Args:
+        corrections: After so many rounds of pushes (paper, Fig. 4: about five).
+        windows: Replayed for each correction.
+        replay_dt_s: Step of the physics in replays; what is fitted is subtler than what a rehearsal needs.
+        slow_m_s: Speed of the slow pushes.
+        fast_m_s: Speed of the blows.
+        identify: The fit.
+    """
+
+    corrections: Count = 5
+    windows: Count = 10
+    replay_dt_s: Positive = 0.002
+    slow_m_s: Positive = 0.12
+    fast_m_s: Positive = 0.3
+    identify: IdentifyCfg = field(default_factory=IdentifyCfg)
+
+
+def probe(
+    drawn: Drawn,
+    name: str,
+    truth: Physical,
+    first: Physical,
+    cfg: ProbeCfg,
+    rng: np.random.Generator,
+    world: str = "hand",
+) -> Iterator[Fit]:
+    """Push and correct, round by round.
+
+    Args:
+        drawn: The trial; everything but the true parameters is taken from it.
+        name: The object; it is pushed along its y axis.
+        truth: What it really is.
+        first: What is believed at first.
+        cfg: The experiment.
+        rng: Draws the fits.
+        world: The evaluation world.
+
+    Yields:
+        Each correction, accepted or not.
+    """
+    real = make_world(world, believing(drawn, {**_known(drawn), name: truth}), 0.02)
+    along = drawn.corners(name)[:, 1]
+    hand = _Pusher(real, name, float(along.min()), float(along.max()))
+    beliefs = {**_known(drawn), name: first}
+    planner = PlanningWorld(drawn, beliefs, hand.now, PlanningCfg(physics_dt_s=cfg.replay_dt_s, threads=1))
+    known = Corrections()
+    try:
+        for turn in range(cfg.corrections):
+            hand.steps.clear()
+            for end, speed in ((1.0, cfg.slow_m_s), (-1.0, cfg.fast_m_s), (1.0, cfg.fast_m_s), (-1.0, cfg.slow_m_s)):
+                # Every other round the other way about, so that the board stays where it is.
+                hand.push(end * (1.0 if turn % 2 == 0 else -1.0), speed)
+            replay = Replay(planner, windows(hand.steps, name, most=cfg.windows), cfg.identify.replay)
+            fit = known.add(replay, name, beliefs, cfg.identify, rng)
+            if fit.accepted:
+                beliefs = {**beliefs, name: fit.after}
+            yield fit
+    finally:
+        planner.close()
+        real.close()
+
+
+def _known(drawn: Drawn) -> dict[str, Physical]:
+    return {name: item.physical for name, item in drawn.objects.items()}
+
+
+class _Pusher:
+    """Moves the hand by straight lines and keeps what happened."""
+
+    def __init__(self, world: EvaluationWorld, name: str, rear_m: float, front_m: float) -> None:
+        self._world, self._name, self._rear, self._front = world, name, rear_m, front_m
+        self.now = world.reset()
+        self.steps: list[Step] = []
+
+    def push(self, end: float, speed: float) -> None:
+        """Go over to an end, push it by some centimetres, draw back at once."""
+        here = self.now.tool.position
+        self._go([here[0], here[1], 0.12], 12, 1.0)
+        body = self.now.objects[self._name]
+        tip = body.position + rotate(body.quaternion, [0.0, self._rear if end > 0 else self._front, 0.0])
+        self._go([tip[0], tip[1] - 0.04 * end, 0.12], 36, 1.2)
+        self._go([tip[0], tip[1] - 0.03 * end, 0.012], 20, 0.8)
+        self._go([tip[0], tip[1] + 0.08 * end, 0.012], int(0.11 / speed / 0.02) + 1, speed)
+        self._go([tip[0], tip[1] - 0.08 * end, 0.012], 14, 3.0)
+
+    def _go(self, target: list[float], count: int, speed: float) -> None:
+        start = self.now.tool.position.copy()
+        way: Array = np.asarray(target, dtype=float) - start
+        length = max(float(np.linalg.norm(way)), 1e-9)
+        for k in range(count):
+            position = start + way * min(1.0, (k + 1) * speed * self._world.control_period_s / length)
+            command = HandTarget(position, ACROSS, 0.07, 600.0)
+            before, self.now = self.now, self._world.step(command)
+            self.steps.append(Step(before, command, self.now))

@@ -1,0 +1,1 @@
+"""Evaluation worlds: where a trial really takes place."""

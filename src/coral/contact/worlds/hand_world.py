@@ -1,0 +1,137 @@
+"""The light evaluation world: the planner's free-flying hand in a finer, different simulation; no robosuite needed.
+
+It differs from the planning world in what the planner cannot know (true masses and frictions) and in how it is
+computed: 2 ms steps, elliptic cones, contacts that resist twisting.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+
+from coral.config import TimeStep, whole_steps
+from coral.contact.control.hand_model import HandCfg, add_hand, set_stiffness
+from coral.contact.control.planning_world import put_state
+from coral.contact.scene.geometry import rotate
+from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.observation import Array, Body, HandTarget, Observation, Truth
+from coral.contact.scene.trial import Drawn
+from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.merged_contacts import merged_contacts
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandWorldCfg:
+    """The light world.
+
+    Args:
+        physics_dt_s: Step of the physics.
+        control_period_s: How long a target holds.
+        hand: The hand's dynamics.
+        start_m: Where the tool begins.
+    """
+
+    physics_dt_s: TimeStep = 0.002
+    control_period_s: TimeStep = 0.02
+    hand: HandCfg = field(default_factory=HandCfg)
+    start_m: tuple[float, float, float] = (-0.1, 0.0, 0.25)
+
+
+DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+"""The tool pointing down, its opening along the world's y."""
+
+
+class HandWorld:
+    """A simulated trial with the free-flying hand."""
+
+    name = "hand"
+
+    def __init__(self, drawn: Drawn, cfg: HandWorldCfg) -> None:
+        self.cfg, self._drawn = cfg, drawn
+        self.control_period_s = cfg.control_period_s
+        spec = mujoco.MjSpec()
+        spec.option.timestep = cfg.physics_dt_s
+        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+        spec.option.impratio = 10
+        add_scene(spec, drawn)
+        add_hand(spec, cfg.hand)
+        self.model = spec.compile()
+        self.data = mujoco.MjData(self.model)
+        self._substeps = whole_steps(cfg.control_period_s, cfg.physics_dt_s, "hand", "physics_dt_s")
+        self._stiffness = 0.0
+
+    def reset(self) -> Observation:
+        """See `EvaluationWorld.reset`."""
+        mujoco.mj_resetData(self.model, self.data)
+        start = Body(np.asarray(self.cfg.start_m, dtype=float), DOWN)
+        objects = {name: item.pose for name, item in self._drawn.objects.items()}
+        put_state(self.model, self.data, Observation(0.0, start, 0.08, np.zeros(6), objects))
+        self._pull(HandTarget(start.position, start.quaternion, 0.08, self.cfg.hand.stiffness_n_m))
+        mujoco.mj_forward(self.model, self.data)
+        return self._observe()
+
+    def step(self, target: HandTarget) -> Observation:
+        """See `EvaluationWorld.step`."""
+        self._pull(target)
+        mujoco.mj_step(self.model, self.data, self._substeps)
+        bad = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+        if not np.isfinite(self.data.qvel).all() or any(self.data.warning[int(kind)].number for kind in bad):
+            raise WorldFault("diverged", f"the simulation diverged at {self.data.time:.2f} s")
+        mujoco.mj_forward(self.model, self.data)
+        return self._observe()
+
+    def truth(self) -> Truth:
+        """See `EvaluationWorld.truth`."""
+        observed = self._observe()
+        return Truth(
+            observed.time_s,
+            observed.tool,
+            observed.opening_m,
+            observed.objects,
+            merged_contacts(self.model, self.data, part_of),
+        )
+
+    def close(self) -> None:
+        """See `EvaluationWorld.close`."""
+
+    def _pull(self, target: HandTarget) -> None:
+        model, data = self.model, self.data
+        if target.stiffness != self._stiffness:
+            set_stiffness(model, self.cfg.hand, target.stiffness)
+            self._stiffness = target.stiffness
+        data.mocap_pos[0], data.mocap_quat[0] = target.position, target.quaternion
+        data.ctrl[:2] = target.opening_m / 2
+        # The impedance's own input is a displacement, in the target's axes.
+        own = target.quaternion * np.array([1.0, -1, -1, -1])
+        data.ctrl[2:5] = rotate(own, target.force) / target.stiffness
+        data.ctrl[5:8] = rotate(own, target.torque) / (self.cfg.hand.lever_m2 * target.stiffness)
+
+    def _observe(self) -> Observation:
+        model, data = self.model, self.data
+        opening = float(sum(data.joint(f"{side}_slide").qpos[0] for side in ("left", "right")))
+        objects = {name: _body(model, data, name) for name in self._drawn.objects}
+        wrench = np.zeros(6)
+        tool = data.body("hand").xpos
+        for contact in merged_contacts(model, data, part_of):
+            for ours, sign in ((contact.first, -1.0), (contact.second, 1.0)):
+                if ours in ("hand", "left", "right"):
+                    wrench[:3] += sign * contact.force
+                    wrench[3:] += sign * np.cross(contact.point - tool, contact.force)
+        return Observation(float(data.time), _body(model, data, "hand"), opening, wrench, objects)
+
+
+def part_of(model: mujoco.MjModel, geom: int) -> str:
+    """Name by which a geom is known to the judge."""
+    body = int(model.geom_bodyid[geom])
+    return str(model.geom(geom).name if body == 0 else model.body(body).name)
+
+
+def _body(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> Body:
+    velocity = np.zeros(6)
+    body = model.body(name).id
+    mujoco.mj_objectVelocity(model, data, int(mujoco.mjtObj.mjOBJ_XBODY), body, velocity, 0)
+    quaternion: Array = data.xquat[body].copy()
+    return Body(data.xpos[body].copy(), quaternion, velocity[3:].copy(), velocity[:3].copy())

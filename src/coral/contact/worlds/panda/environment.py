@@ -1,0 +1,168 @@
+"""A Franka Panda from robosuite standing behind our table, stepped by robosuite's own loop.
+
+robosuite composes the robot (arm, gripper, mount) and runs the physics; the scene is added to its XML by a processor,
+and the arm's torques come from whoever is called in `_pre_action`, at every physics step.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from coral.config import whole_steps
+from coral.contact.control.hand_model import MAX_OPENING_M
+from coral.contact.scene.mujoco_scene import FINGER_FRICTION, FINGER_PRIORITY, ROLLING, TORSION
+from coral.contact.worlds.panda.names import FLOOR, JOINTS, PAD_GEOMS
+from coral.errors import RunError
+
+_LOGGER = logging.getLogger(__name__)
+MISSING = (
+    "the Panda world needs robosuite: `make setup` installs it; elsewhere `pip install -e '.[contact]'` and "
+    "then `pip install --no-deps robosuite==1.5.2` (its own requirements would replace numpy and OpenCV)"
+)
+MOUNT_HEIGHT_M = 0.912  # from the floor to the arm's foot, on robosuite's pedestal
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotCfg:
+    """Where the robot stands and how it begins.
+
+    Args:
+        base: Foot of the arm (link 0), world frame, m. Chosen by the study in `reach`.
+        joints: Shape=(7,) rad at reset: hand pointing down over the near half of the table, elbow up, mid-range.
+        motor_inertia: kg m^2 at each joint, of rotor and gear, instead of robosuite's 5 to 0.7.
+        link_inertia_factor: On robosuite's rotational inertias of links and hand, which are those of bodies three times
+            as long (0.3 kg m^2 for a link of 3 kg).
+        physics_step_s: 2 ms is robosuite's, and keeps a stiff grasp stable.
+    """
+
+    base: tuple[float, float, float] = (-0.5, 0.0, 0.0)
+    joints: tuple[float, ...] = (0.0, -0.1, 0.0, -2.35, 0.0, 2.25, np.pi / 4)
+    motor_inertia: float = 0.1
+    link_inertia_factor: float = 0.1
+    physics_step_s: float = 0.002
+
+
+def _robosuite() -> Any:
+    logging.disable(logging.WARNING)  # it warns of macros, of models and of a controller that nobody asked for
+    try:
+        import robosuite
+        from robosuite.environments.manipulation.manipulation_env import ManipulationEnv
+        from robosuite.models.arenas import EmptyArena
+        from robosuite.models.tasks import ManipulationTask
+    except ImportError as error:
+        raise RunError(f"{MISSING} ({error})") from None
+    finally:
+        logging.disable(logging.NOTSET)
+    logging.getLogger("robosuite_logs").setLevel(logging.ERROR)
+    return robosuite, ManipulationEnv, EmptyArena, ManipulationTask
+
+
+def make_environment(
+    add_scene: Callable[[mujoco.MjSpec], None],
+    cfg: RobotCfg,
+    control_period_s: float,
+    before_physics_step: Callable[[Any], None],
+) -> Any:
+    """A robosuite environment holding the Panda and our scene.
+
+    Args:
+        add_scene: Adds table, fixtures and objects to a model in world coordinates.
+        cfg: The robot.
+        control_period_s: A whole number of physics steps.
+        before_physics_step: Called with the action at every physics step once positions and velocities are known
+            (`mj_step1`); writes `data.ctrl`.
+
+    Raises:
+        InputError: The control period is not a whole number of physics steps.
+        RunError: robosuite is not installed.
+    """
+    whole_steps(control_period_s, cfg.physics_step_s, "panda", "physics_step_s")
+    _, manipulation_env, empty_arena, manipulation_task = _robosuite()
+
+    class TableTop(manipulation_env):  # type: ignore[misc, valid-type]
+        """The Panda before a table; no reward, no cameras and no observables: the world reads the state itself."""
+
+        def _load_model(self) -> None:
+            super()._load_model()
+            floor = cfg.base[2] - MOUNT_HEIGHT_M
+            self.robots[0].robot_model.set_base_xpos([cfg.base[0], cfg.base[1], floor])
+            self.robots[0].init_qpos = np.array(cfg.joints)
+            arena = empty_arena()
+            arena.set_origin([0.0, 0.0, floor])
+            self.model = manipulation_task(
+                mujoco_arena=arena, mujoco_robots=[robot.robot_model for robot in self.robots], mujoco_objects=[]
+            )
+            self.set_xml_processor(_processor(add_scene, cfg))
+
+        def initialize_time(self, control_freq: float) -> None:
+            super().initialize_time(control_freq)
+            self.model_timestep = cfg.physics_step_s
+            self.control_timestep = control_period_s * (1.0 + 1e-9)  # robosuite cuts the ratio down to a whole number
+
+        def _setup_observables(self) -> OrderedDict[str, Any]:
+            return OrderedDict()
+
+        def _pre_action(self, action: Any, policy_step: bool = False) -> None:
+            before_physics_step(action)
+
+        def reward(self, action: Any = None) -> float:
+            return 0.0
+
+        def _check_success(self) -> bool:
+            return False
+
+    mujoco.set_mju_user_warning(_LOGGER.debug)  # MuJoCo would write a file into the working directory
+    logging.disable(logging.WARNING)
+    try:
+        return TableTop(
+            robots="Panda",
+            initialization_noise=None,
+            use_camera_obs=False,
+            has_renderer=False,
+            has_offscreen_renderer=False,
+            control_freq=1.0 / control_period_s,
+            ignore_done=True,
+            hard_reset=False,
+            seed=0,
+        )
+    finally:
+        logging.disable(logging.NOTSET)
+
+
+def _processor(add_scene: Callable[[mujoco.MjSpec], None], cfg: RobotCfg) -> Callable[[str], str]:
+    def process(xml: str) -> str:
+        spec = mujoco.MjSpec.from_string(xml)
+        spec.option.timestep = cfg.physics_step_s
+        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        spec.option.impratio = 10
+        spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)  # a divergence must show
+        for marker in ("left_eef_target", "right_eef_target"):
+            spec.delete(spec.body(marker))
+        for geom in spec.geoms:
+            if geom.name.startswith("wall_"):  # of the room; cameras would see them
+                spec.delete(geom)
+        spec.geom("floor").name = FLOOR
+        for name in JOINTS:
+            spec.joint(name).armature = cfg.motor_inertia
+        for body in spec.bodies:
+            if body.name.startswith(("robot0_", "gripper0_")):
+                body.inertia = body.inertia * cfg.link_inertia_factor
+        for name in PAD_GEOMS:
+            pad = spec.geom(name)
+            pad.priority, pad.friction = FINGER_PRIORITY, [FINGER_FRICTION, TORSION, ROLLING]
+            pad.solref = [0.01, 1.0]
+        for finger in spec.actuators:
+            if "finger" in finger.name:  # squeezing: commanded further than closed
+                finger.ctrlrange = [-MAX_OPENING_M / 2, MAX_OPENING_M / 2]
+        add_scene(spec)
+        spec.compile()
+        return str(spec.to_xml())
+
+    return process

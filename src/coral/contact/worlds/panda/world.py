@@ -1,0 +1,181 @@
+"""The Panda world: an episode judged on a Franka Panda in robosuite, its hand a Cartesian impedance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from coral.config import TimeStep
+from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.observation import Array, Body, HandTarget, Observation, Truth
+from coral.contact.scene.trial import Drawn
+from coral.contact.worlds.merged_contacts import merged_contacts
+from coral.contact.worlds.panda.environment import RobotCfg, make_environment
+from coral.contact.worlds.panda.failure_monitor import Watch, WatchCfg
+from coral.contact.worlds.panda.impedance import Impedance, ImpedanceCfg
+from coral.contact.worlds.panda.names import FINGER_JOINTS, JOINTS, PAD_OVERLAP_M, SITE, TOOL_IN_SITE, part_of
+from coral.contact.worlds.panda.wrist_wrench import Wrist
+
+
+@dataclass(frozen=True, kw_only=True)
+class PandaWorldCfg:
+    """The Panda world.
+
+    Args:
+        control_period_s: How long a target holds; the planner's control step.
+        robot: Where it stands and how it begins.
+        impedance: The controller's gains.
+        watch: When an episode cannot go on.
+        start_opening_m: Of the fingers at reset.
+        settle_s: The objects come to rest for so long before the clock starts.
+        settle_stiffness: N/m, of the hand meanwhile.
+    """
+
+    control_period_s: TimeStep = 0.02
+    robot: RobotCfg = field(default_factory=RobotCfg)
+    impedance: ImpedanceCfg = field(default_factory=ImpedanceCfg)
+    watch: WatchCfg = field(default_factory=WatchCfg)
+    start_opening_m: float = 0.08
+    settle_s: float = 0.1
+    settle_stiffness: float = 600.0
+
+
+class PandaWorld:
+    """A simulated trial with the Panda.
+
+    Args:
+        drawn: The trial.
+        cfg: The world.
+
+    Raises:
+        RunError: robosuite is not installed.
+    """
+
+    name = "panda"
+
+    def __init__(self, drawn: Drawn, cfg: PandaWorldCfg | None = None) -> None:
+        self.cfg = cfg = cfg or PandaWorldCfg()
+        self.control_period_s = cfg.control_period_s
+        self._drawn = drawn
+        self._env = make_environment(
+            lambda spec: add_scene(spec, drawn), cfg.robot, cfg.control_period_s, self._before_physics_step
+        )
+        self.model: mujoco.MjModel = self._env.sim.model._model
+        self.data: mujoco.MjData = self._env.sim.data._data
+        model = self.model
+        self._site = model.site(SITE).id
+        self._arm = np.array([model.joint(name).qposadr[0] for name in JOINTS])
+        self._fingers = np.array([model.joint(name).qposadr[0] for name in FINGER_JOINTS])
+        self._objects = {name: model.body(name).id for name in drawn.objects}
+        self._place_robot()
+        self._impedance = Impedance(model, self.data, cfg.impedance, np.array(cfg.robot.joints))
+        self._wrist = Wrist(model, self.data)
+        self._watch = Watch(model, cfg.watch, tuple(self._objects.values()))
+        self._start = self._settle()
+
+    def reset(self) -> Observation:
+        """See `EvaluationWorld.reset`."""
+        mujoco.mj_resetData(self.model, self.data)
+        mujoco.mj_setState(self.model, self.data, self._start, mujoco.mjtState.mjSTATE_INTEGRATION)
+        self.data.time = 0.0
+        mujoco.mj_forward(self.model, self.data)
+        self._watch.reset(self.data)
+        return self._observe(np.zeros(6))
+
+    def step(self, target: HandTarget) -> Observation:
+        """See `EvaluationWorld.step`.
+
+        Raises:
+            ValueError: The target holds something that is no number, or a stiffness that is not positive.
+        """
+        numbers = (*target.position, *target.quaternion, *target.force, target.opening_m, target.stiffness)
+        if not np.isfinite(numbers).all() or target.stiffness <= 0:
+            raise ValueError(f"no pose to pull the hand to: {target}")
+        self._advance(target)
+        self._watch.check(self.data, self._impedance.error(target), target)
+        return self._observe(self._wrist.wrench())
+
+    def truth(self) -> Truth:
+        """See `EvaluationWorld.truth`."""
+        return Truth(
+            float(self.data.time),
+            self._tool(),
+            self._opening(),
+            {name: self._body(name) for name in self._objects},
+            merged_contacts(self.model, self.data, part_of),
+        )
+
+    def close(self) -> None:
+        """See `EvaluationWorld.close`."""
+        self._env.close()
+
+    @property
+    def effective_mass(self) -> Array:
+        """Shape=(3, 3) kg: what the hand's spring pulls at the present posture."""
+        return self._impedance.effective_mass
+
+    def camera_model(self) -> tuple[mujoco.MjModel, mujoco.MjData, tuple[str, ...]]:
+        """Model, state and the name of each geom ("hand", "robot", an object, a fixture, ...), for a camera to see."""
+        return self.model, self.data, tuple(part_of(self.model, geom) for geom in range(self.model.ngeom))
+
+    def _place_robot(self) -> None:
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[self._arm] = self.cfg.robot.joints
+        half = (self.cfg.start_opening_m + PAD_OVERLAP_M) / 2
+        low, high = self.model.joint(FINGER_JOINTS[0]).range
+        half = min(max(half, low), high)
+        self.data.qpos[self._fingers] = (half, -half)
+        mujoco.mj_forward(self.model, self.data)
+
+    def _settle(self) -> Array:
+        tool = self._tool()
+        hold = HandTarget(tool.position, tool.quaternion, self.cfg.start_opening_m, self.cfg.settle_stiffness)
+        for _ in range(round(self.cfg.settle_s / self.control_period_s)):
+            self._advance(hold)
+        flag = mujoco.mjtState.mjSTATE_INTEGRATION
+        state = np.zeros(mujoco.mj_stateSize(self.model, flag))
+        mujoco.mj_getState(self.model, self.data, state, flag)
+        return state
+
+    def _advance(self, target: HandTarget) -> None:
+        self._impedance.aim(target)
+        self._wrist.begin()
+        self._first = True
+        self._env.step(target)
+        self._wrist.add()
+        mujoco.mj_kinematics(self.model, self.data)
+        mujoco.mj_comPos(self.model, self.data)
+
+    def _before_physics_step(self, action: Any) -> None:
+        if self._first:
+            self._first = False
+        else:
+            self._wrist.add()
+        self._impedance.act()
+
+    def _observe(self, wrench: Array) -> Observation:
+        objects = {name: self._body(name) for name in self._objects}
+        return Observation(float(self.data.time), self._tool(), self._opening(), wrench, objects)
+
+    def _opening(self) -> float:
+        left, right = self.data.qpos[self._fingers]
+        return float(left - right - PAD_OVERLAP_M)
+
+    def _tool(self) -> Body:
+        jacobian = np.zeros((6, self.model.nv))
+        mujoco.mj_jacSite(self.model, self.data, jacobian[:3], jacobian[3:], self._site)
+        velocity = jacobian @ self.data.qvel
+        rotation = self.data.site_xmat[self._site].reshape(3, 3) @ TOOL_IN_SITE
+        quaternion = np.zeros(4)
+        mujoco.mju_mat2Quat(quaternion, rotation.reshape(-1))
+        return Body(self.data.site_xpos[self._site].copy(), quaternion, velocity[:3], velocity[3:])
+
+    def _body(self, name: str) -> Body:
+        body = self._objects[name]
+        dof = int(self.model.body_dofadr[body])
+        quaternion: Array = self.data.xquat[body].copy()
+        spin = self.data.xmat[body].reshape(3, 3) @ self.data.qvel[dof + 3 : dof + 6]
+        return Body(self.data.xpos[body].copy(), quaternion, self.data.qvel[dof : dof + 3].copy(), spin)
