@@ -18,11 +18,11 @@ from functools import partial
 
 import numpy as np
 
-from coral.contact.control.planning_world import Controls, PlanningCfg, PlanningWorld
+from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.cost_program import CostProgram, CostWorker
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import draw, prior
+from coral.contact.scene.trial import prior_beliefs, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
@@ -85,13 +85,13 @@ def waited(call: Callable[[], object], repeats: int) -> float:
 
 def rehearsed(samples: int, horizon: int) -> tuple[Context, PlanningWorld]:
     """States of a hand that wanders about the board."""
-    drawn = draw(load_task("push-pick-board"), 0)
-    now = HandWorld(drawn, HandWorldCfg()).reset()
-    world = PlanningWorld(drawn, prior(drawn), now, PlanningCfg(threads=1))
+    trial = sample_trial(load_task("push-pick-board"), 0)
+    now = HandWorld(trial, HandWorldCfg()).reset()
+    world = PlanningWorld(trial, prior_beliefs(trial), now, PlanningCfg(threads=1))
     steps = np.random.default_rng(0).normal(scale=0.006, size=(samples, horizon, 3))
     way = now.objects["board"].position + np.array([0, 0, 0.02]) + np.cumsum(steps, axis=1)
     turns = np.tile(now.tool.quaternion, (samples, horizon, 1))
-    context, _ = world.rollout(now, Controls(way, turns, np.full((samples, horizon), 0.03), 600.0))
+    context, _ = world.rollout(now, ControlSequences(way, turns, np.full((samples, horizon), 0.03), 600.0))
     return context, world
 
 
@@ -144,9 +144,11 @@ def belief_rows(repeats: int) -> list[dict[str, object]]:
     """Times of believing something else, for each shipped task."""
     rows: list[dict[str, object]] = []
     for task in shipped_tasks():
-        drawn = draw(load_task(task), 0)
-        world = PlanningWorld(drawn, prior(drawn), HandWorld(drawn, HandWorldCfg()).reset(), PlanningCfg(threads=1))
-        rows.append({"task": task, "believe_ms": timed(partial(world.believe, prior(drawn)), repeats)})
+        trial = sample_trial(load_task(task), 0)
+        world = PlanningWorld(
+            trial, prior_beliefs(trial), HandWorld(trial, HandWorldCfg()).reset(), PlanningCfg(threads=1)
+        )
+        rows.append({"task": task, "believe_ms": timed(partial(world.believe, prior_beliefs(trial)), repeats)})
         world.close()
     return rows
 

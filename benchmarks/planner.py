@@ -30,13 +30,13 @@ from numpy.typing import NDArray
 
 from coral.contact.control.controller import Controller, ControllerCfg
 from coral.contact.control.planning_model import reduced
-from coral.contact.control.planning_world import Controls, PlanningCfg, PlanningWorld
+from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
 from coral.contact.cost.stages import Stage
 from coral.contact.experts import expert
 from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import Drawn, believing, draw, prior
+from coral.contact.scene.trial import Trial, prior_beliefs, sample_trial, with_beliefs
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.mppi.knots import KnotMppiCfg
@@ -64,24 +64,24 @@ READ = (
 class Problem:
     """What everyone rolls out."""
 
-    drawn: Drawn
+    trial: Trial
     now: Observation
-    controls: Controls
+    controls: ControlSequences
 
     @classmethod
     def make(cls, samples: int, horizon: int) -> Problem:
         """Random walks of the hand about the box of pick-box, from just above it."""
-        drawn = draw(load_task("pick-box"), 0)
-        now = HandWorld(drawn, HandWorldCfg()).reset()
+        trial = sample_trial(load_task("pick-box"), 0)
+        now = HandWorld(trial, HandWorldCfg()).reset()
         above = now.objects["box"].position + np.array([0, 0, 0.03])
         now = replace(now, tool=replace(now.tool, position=above))
         walk = np.cumsum(np.random.default_rng(0).normal(scale=0.004, size=(samples, horizon, 3)), axis=1)
         turns = np.tile(now.tool.quaternion, (samples, horizon, 1))
-        return cls(drawn, now, Controls(above + walk, turns, np.full((samples, horizon), 0.08), STIFFNESS))
+        return cls(trial, now, ControlSequences(above + walk, turns, np.full((samples, horizon), 0.08), STIFFNESS))
 
     def world(self, threads: int) -> PlanningWorld:
         """Ours."""
-        world = PlanningWorld(self.drawn, prior(self.drawn), self.now, PlanningCfg(threads=threads))
+        world = PlanningWorld(self.trial, prior_beliefs(self.trial), self.now, PlanningCfg(threads=threads))
         world.edges = True  # the same model for everyone, and the one that the peers are given
         return world
 
@@ -136,7 +136,9 @@ def peer(problem: Problem, world: PlanningWorld, python: str, repeats: int) -> d
     # judo sends nothing but ctrl: the impedance's target stays, and its inputs displace it in its own axes.
     ctrl[..., 2:5] = rotate(conjugate(now.tool.quaternion), controls.position - now.tool.position)
     with tempfile.TemporaryDirectory() as folder:
-        spec = reduced(believing(problem.drawn, prior(problem.drawn)), world.cfg.hand, world.cfg.physics_dt_s)
+        spec = reduced(
+            with_beliefs(problem.trial, prior_beliefs(problem.trial)), world.cfg.hand, world.cfg.physics_dt_s
+        )
         spec.compile()
         Path(folder, "model.xml").write_text(spec.to_xml(), encoding="utf-8")
         np.savez(Path(folder, "problem.npz"), ctrl=np.repeat(ctrl, substeps, axis=1), initial=world._initial(now),
@@ -197,20 +199,20 @@ def curve_row(samples: int, horizon: int, repeats: int) -> dict[str, float]:
     problem = Problem.make(1, 1)
     cfg = ControllerCfg(horizon=horizon, mppi=KnotMppiCfg(samples=samples))
     controller = Controller(problem.world(1), cfg, np.random.default_rng(0))
-    stage = expert(problem.drawn.task, "expert").stages[0]
+    stage = expert(problem.trial.task, "expert").stages[0]
     whole = timed({"plan": partial(plan, controller, problem.now, stage)}, repeats)["plan"]
     return {"samples": samples, "horizon": horizon, "plan_cpu_ms": whole["cpu_ms"], "plan_wall_ms": whole["wall_ms"]}
 
 
 def task_row(task: str, samples: int, horizon: int, repeats: int) -> dict[str, Any]:
     """Time of a whole plan of a task, the hand just above its first object, on one thread and on two."""
-    drawn = draw(load_task(task), 0)
-    now = HandWorld(drawn, HandWorldCfg()).reset()
-    above = now.objects[drawn.task.objects[0].name].position + np.array([0, 0, 0.05])
+    trial = sample_trial(load_task(task), 0)
+    now = HandWorld(trial, HandWorldCfg()).reset()
+    above = now.objects[trial.task.objects[0].name].position + np.array([0, 0, 0.05])
     now = replace(now, tool=replace(now.tool, position=above))
-    stage = expert(drawn.task, "expert").stages[0]
+    stage = expert(trial.task, "expert").stages[0]
     cfg = ControllerCfg(horizon=horizon, mppi=KnotMppiCfg(samples=samples))
-    worlds = [PlanningWorld(drawn, prior(drawn), now, PlanningCfg(threads=threads)) for threads in (1, 2)]
+    worlds = [PlanningWorld(trial, prior_beliefs(trial), now, PlanningCfg(threads=threads)) for threads in (1, 2)]
     found = timed(
         {
             f"plan_ms_{threads}": partial(plan, Controller(world, cfg, np.random.default_rng(0)), now, stage)

@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-from coral.contact.control.planning_world import Controls, PlanningCfg, PlanningWorld
-from coral.contact.scene.trial import draw, prior
+from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
+from coral.contact.scene.trial import prior_beliefs, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
@@ -88,16 +88,16 @@ PARTS = (
 
 def trial(task: str, part: Part, samples: int, horizon: int) -> Callable[[], object]:
     """Rehearsals of a task with a part changed."""
-    drawn = draw(load_task(task), 0)
-    now = HandWorld(drawn, HandWorldCfg()).reset()
-    above = now.objects[drawn.task.objects[0].name].position + np.array([0, 0, 0.05])
+    trial = sample_trial(load_task(task), 0)
+    now = HandWorld(trial, HandWorldCfg()).reset()
+    above = now.objects[trial.task.objects[0].name].position + np.array([0, 0, 0.05])
     now = replace(now, tool=replace(now.tool, position=above))
     walk = np.cumsum(np.random.default_rng(0).normal(scale=0.004, size=(samples, horizon, 3)), axis=1)
-    controls = Controls(
+    controls = ControlSequences(
         above + walk, np.tile(now.tool.quaternion, (samples, horizon, 1)), np.full((samples, horizon), 0.08), STIFFNESS
     )
     cfg = PlanningCfg(threads=1)
-    world = PlanningWorld(drawn, prior(drawn), now, replace(cfg, rest_m_s=0.0) if part.awake else cfg)
+    world = PlanningWorld(trial, prior_beliefs(trial), now, replace(cfg, rest_m_s=0.0) if part.awake else cfg)
     world.edges = part.edges
     world.rollout(now, controls)
     for model in (*world.models, *world._endless):

@@ -11,8 +11,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from coral.contact.policy.cameras import Eyes, EyesCfg
-from coral.contact.scene.trial import draw
+from coral.contact.policy.cameras import PolicyCameras, PolicyCamerasCfg
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.panda.world import PandaWorld
 
@@ -21,9 +21,9 @@ IMAGE = Path(__file__).parent.parent / "images" / "policy-sees.png"
 
 def main() -> None:
     """Both pictures, one beside the other."""
-    world = PandaWorld(draw(load_task("pick-box"), 0))
+    world = PandaWorld(sample_trial(load_task("pick-box"), 0))
     now = world.reset()
-    outside, wrist = Eyes(world.model, EyesCfg()).look(world.data, now.tool)
+    outside, wrist = PolicyCameras(world.model, PolicyCamerasCfg()).look(world.data, now.tool)
     gap = np.full((len(outside), 8, 3), 255, np.uint8)
     cv2.imwrite(str(IMAGE), np.concatenate([outside, gap, wrist], axis=1)[..., ::-1])
     world.close()

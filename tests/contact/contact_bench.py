@@ -6,9 +6,9 @@ import numpy as np
 import yaml
 
 from coral.contact.scene.geometry import from_rpy_deg
-from coral.contact.scene.observation import Body, Contact, Observation, Truth
+from coral.contact.scene.observation import BodyState, Contact, Observation, Truth
 from coral.contact.scene.task import Task
-from coral.contact.scene.trial import Drawn, draw
+from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
@@ -55,12 +55,12 @@ def changed(path: str, value: object) -> dict:
     return task
 
 
-def trial(*conditions: dict, seed: int = 0, **changes: object) -> Drawn:
+def make_trial(*conditions: dict, seed: int = 0, **changes: object) -> Trial:
     """The small task, drawn, with other conditions or other values."""
     content = plain() | changes
     if conditions:
         content["success"] = {"hold_s": 0.1, "conditions": [{"object": "box"} | one for one in conditions]}
-    return draw(Task.model_validate(content), seed)
+    return sample_trial(Task.model_validate(content), seed)
 
 
 def written(folder, content: object):
@@ -73,8 +73,10 @@ def written(folder, content: object):
     return load_task(path)
 
 
-def body(position=(0.0, 0.0, 0.03), rpy_deg=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), spin=(0.0, 0.0, 0.0)) -> Body:
-    return Body(
+def body(
+    position=(0.0, 0.0, 0.03), rpy_deg=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), spin=(0.0, 0.0, 0.0)
+) -> BodyState:
+    return BodyState(
         np.array(position, dtype=float),
         from_rpy_deg(rpy_deg),
         np.array(velocity, dtype=float),
@@ -90,15 +92,15 @@ def touch(first: str, second: str, force=(0.0, 0.0, 1.0)) -> Contact:
     return Contact(first, second, force, np.zeros(3))
 
 
-def truth(time_s: float = 0.0, box: Body | None = None, *contacts: Contact, **others: Body) -> Truth:
+def truth(time_s: float = 0.0, box: BodyState | None = None, *contacts: Contact, **others: BodyState) -> Truth:
     return Truth(time_s, body((0, 0, 0.3)), 0.08, {"box": box or body(), **others}, contacts)
 
 
 def seen(
-    drawn: Drawn, tool=(-0.1, 0.0, 0.25), opening_m: float = 0.08, quaternion=DOWN, **objects: Body
+    trial: Trial, tool=(-0.1, 0.0, 0.25), opening_m: float = 0.08, quaternion=DOWN, **objects: BodyState
 ) -> Observation:
     """What is measured with the hand and the objects at rest, by default where they stand at first."""
-    poses = {name: item.pose for name, item in drawn.objects.items()} | objects
+    poses = {name: item.pose for name, item in trial.objects.items()} | objects
     return Observation(
-        0.0, Body(np.array(tool, dtype=float), np.asarray(quaternion, dtype=float)), opening_m, np.zeros(6), poses
+        0.0, BodyState(np.array(tool, dtype=float), np.asarray(quaternion, dtype=float)), opening_m, np.zeros(6), poses
     )

@@ -8,8 +8,8 @@ from coral.contact.control.controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.cost.stages import Stage, Strategy
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.scene.observation import Body, Contact, Observation, Truth
-from coral.contact.scene.trial import draw
+from coral.contact.scene.observation import BodyState, Contact, Observation, Truth
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.mppi.knots import KnotMppiCfg
 
@@ -49,8 +49,8 @@ def short_task(seconds=0.2):
     return load_task("pick-box").model_copy(update={"time_limit_s": seconds})
 
 
-def trial(seconds=0.2, seed=0):
-    return draw(short_task(seconds), seed)
+def make_trial(seconds=0.2, seed=0):
+    return sample_trial(short_task(seconds), seed)
 
 
 def with_planning(cfg, **changes):
@@ -71,11 +71,11 @@ class ObedientWorld:
     name = "obedient"
     control_period_s = 0.02
 
-    def __init__(self, drawn, script=lambda k, box: box, fault=None):
-        self._drawn, self._script, self._fault, self.commands, self.closed = drawn, script, fault, [], False
+    def __init__(self, trial, script=lambda k, box: box, fault=None):
+        self._trial, self._script, self._fault, self.commands, self.closed = trial, script, fault, [], False
 
     def reset(self):
-        self._tool, self._k = Body(np.array([0.0, 0.0, 0.25]), DOWN), 0
+        self._tool, self._k = BodyState(np.array([0.0, 0.0, 0.25]), DOWN), 0
         return self._observe()
 
     def step(self, target):
@@ -83,7 +83,7 @@ class ObedientWorld:
         if self._fault is not None and self._k >= self._fault[0]:
             raise self._fault[1]
         self.commands.append(target)
-        self._tool = Body(np.asarray(target.position), np.asarray(target.quaternion))
+        self._tool = BodyState(np.asarray(target.position), np.asarray(target.quaternion))
         return self._observe()
 
     def truth(self):
@@ -98,5 +98,5 @@ class ObedientWorld:
         self.closed = True
 
     def _observe(self):
-        objects = {name: item.pose for name, item in self._drawn.objects.items()}
+        objects = {name: item.pose for name, item in self._trial.objects.items()}
         return Observation(0.02 * self._k, self._tool, 0.08, np.zeros(6), objects)

@@ -14,10 +14,10 @@ from coral.contact.control.controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
-from coral.contact.episode.variants import Asking, make_mind
+from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.scene.conditions import Upright
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.mppi.knots import KnotMppiCfg
 
@@ -50,8 +50,8 @@ def task(tmp_path):
 
 
 def attempted(task, folder, advisor="heuristic", cfg=FAST, **more):
-    mind = make_mind("full", task, Asking(advisor=advisor, folder=folder, think=cfg.think, **more))
-    return Episode(draw(task, 0), "hand", mind, cfg, folder, variant="full", advisor=advisor).run()
+    strategist = make_strategist("full", task, AdvisorSetup(advisor=advisor, folder=folder, think=cfg.think, **more))
+    return Episode(sample_trial(task, 0), "hand", strategist, cfg, folder, variant="full", advisor=advisor).run()
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from coral.campaign.dataset import read_parquet
 from coral.cli import main
 from coral.commands.contact_bench import ContactBench
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.end_reasons import ENDS
+from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.variants import VARIANTS
 from coral.contact.scene.task_file import TASKS_DIR, shipped_tasks
 from coral.contact.tasks import load_task
@@ -248,4 +248,4 @@ def test_another_mesh_under_the_same_name_is_another_campaign(tmp_path):
 def test_every_variant_and_end_is_explained():
     page = (Path(__file__).parents[2] / "docs" / "contact-run.md").read_text()
     assert [variant for variant in VARIANTS if f"| `{variant}` |" not in page] == []
-    assert [reason for reason in ENDS if f"| `{reason}" not in page] == []
+    assert [reason for reason in END_REASONS if f"| `{reason}" not in page] == []

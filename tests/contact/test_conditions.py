@@ -1,7 +1,7 @@
 """Success, judged on worlds made by hand: just in, just out, and the near misses."""
 
 import pytest
-from contact_bench import body, plain, touch, trial, truth, written
+from contact_bench import body, make_trial, plain, touch, truth, written
 
 from coral.errors import InputError
 
@@ -10,8 +10,8 @@ UP = (0, 0, 0.16)
 
 
 def watch(drawn_changes=None, **condition):
-    drawn = trial(condition, **(drawn_changes or {}))
-    return drawn.task.success.conditions[0].watch(drawn)
+    trial = make_trial(condition, **(drawn_changes or {}))
+    return trial.task.success.conditions[0].watch(trial)
 
 
 def shown(judge, *states):
@@ -243,8 +243,8 @@ def test_force_is_the_hands_net_force_and_not_the_squeeze():
 
 def test_force_of_a_hand_that_comes_second_by_name():
     box = plain()["objects"][0] | {"name": "tin"}
-    drawn = trial({"kind": "steady-force", "newtons": 5, "object": "tin", "for_s": 0.1}, objects=[box])
-    judge = drawn.task.success.conditions[0].watch(drawn)
+    trial = make_trial({"kind": "steady-force", "newtons": 5, "object": "tin", "for_s": 0.1}, objects=[box])
+    judge = trial.task.success.conditions[0].watch(trial)
     moving = body(velocity=(0.05, 0, 0))
     said = [
         judge(truth(0.02 * k, None, touch("right", "tin", (3, 0, 0)), touch("tin", "hand", (-2, 0, 0)), tin=moving))

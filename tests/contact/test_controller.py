@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contact_bench import seen, trial
+from contact_bench import make_trial, seen
 
 from coral.contact.control.controller import Controller, ControllerCfg
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.cost.stages import Guide, Progress, Stage, Strategy
 from coral.contact.scene.geometry import angle_between
-from coral.contact.scene.trial import prior
+from coral.contact.scene.trial import prior_beliefs
 from coral.mppi.knots import KnotMppiCfg
 
 GOAL = np.array([0.1, 0.1, 0.2])
@@ -20,9 +20,9 @@ REACH = Stage("reach", lambda state: {"reach": np.linalg.norm(state.ee_pos - GOA
 
 
 def controller(cfg=CFG, seed=0, beliefs=None):
-    drawn = trial()
-    world = PlanningWorld(drawn, beliefs or prior(drawn), seen(drawn), PlanningCfg(threads=1))
-    return Controller(world, cfg, np.random.default_rng(seed)), seen(drawn)
+    trial = make_trial()
+    world = PlanningWorld(trial, beliefs or prior_beliefs(trial), seen(trial), PlanningCfg(threads=1))
+    return Controller(world, cfg, np.random.default_rng(seed)), seen(trial)
 
 
 def replanned(planner, now, times=6, stage=REACH):
@@ -65,7 +65,7 @@ def test_the_hand_is_led_away_whatever_the_spline(spline):
         target = planner.plan(now, REACH, step).targets[1]
         planner.executed(target, 2)
         now = replace(now, tool=replace(now.tool, position=target.position))
-    assert np.linalg.norm(now.tool.position - GOAL) < np.linalg.norm(seen(trial()).tool.position - GOAL) - 0.03
+    assert np.linalg.norm(now.tool.position - GOAL) < np.linalg.norm(seen(make_trial()).tool.position - GOAL) - 0.03
 
 
 def test_the_wrist_is_led_no_further_than_the_arm_reaches():
@@ -144,8 +144,8 @@ def test_guided_samples_head_for_their_point():
 
 
 def test_plans_over_several_beliefs():
-    drawn = trial()
-    planner, now = controller(beliefs=[prior(drawn), prior(drawn)])
+    trial = make_trial()
+    planner, now = controller(beliefs=[prior_beliefs(trial), prior_beliefs(trial)])
     alone, _ = controller()
     assert planner.plan(now, REACH, 0).update.costs == pytest.approx(alone.plan(now, REACH, 0).update.costs)
 

@@ -9,7 +9,7 @@ import pytest
 from coral.contact.scene.conditions import Condition
 from coral.contact.scene.shapes import Fixture, Movable, Shape
 from coral.contact.scene.task import Task
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
@@ -24,7 +24,7 @@ def test_the_example_is_a_task_that_can_be_simulated(tmp_path):
     task = load_task(path)
     assert task.name == path.stem
     for seed in range(5):
-        assert HandWorld(draw(task, seed), HandWorldCfg()).reset().objects.keys() == {"mug"}
+        assert HandWorld(sample_trial(task, seed), HandWorldCfg()).reset().objects.keys() == {"mug"}
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.model_fields["kind"].default)

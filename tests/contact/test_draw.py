@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from contact_bench import body, changed, plain, trial
+from contact_bench import body, changed, make_trial, plain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -10,7 +10,7 @@ from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.shapes import Shape
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import draw, part_scale
+from coral.contact.scene.trial import part_scale, sample_trial
 from coral.contact.tasks import load_task
 from coral.errors import InputError
 
@@ -25,7 +25,7 @@ RANGES = plain()["objects"][0] | {
 
 
 def test_same_seed_same_trial_bit_for_bit():
-    first, again, other = (trial(objects=[RANGES], seed=seed).objects["box"] for seed in (4, 4, 5))
+    first, again, other = (make_trial(objects=[RANGES], seed=seed).objects["box"] for seed in (4, 4, 5))
     assert np.array_equal(first.pose.position, again.pose.position)
     assert np.array_equal(first.pose.quaternion, again.pose.quaternion)
     assert first.physical == again.physical
@@ -33,33 +33,33 @@ def test_same_seed_same_trial_bit_for_bit():
 
 
 def test_tasks_of_other_names_are_drawn_otherwise():
-    first, second = (trial(objects=[RANGES], name=name).objects["box"].physical for name in ("bench", "other"))
+    first, second = (make_trial(objects=[RANGES], name=name).objects["box"].physical for name in ("bench", "other"))
     assert first != second
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6))
 def test_values_lie_in_their_ranges_and_objects_on_the_table(seed):
-    drawn = trial(objects=[RANGES], seed=seed)
-    box = drawn.objects["box"]
+    trial = make_trial(objects=[RANGES], seed=seed)
+    box = trial.objects["box"]
     assert 0.1 <= box.physical.mass_kg <= 0.4
     assert 0.3 <= box.physical.friction <= 0.7
     assert -0.2 <= box.pose.position[0] <= 0.1
     assert -0.1 <= box.pose.position[1] <= 0.2
     assert np.all(box.scale >= [0.5, 1, 1])
     assert np.all(box.scale <= [1, 1.5, 2])
-    assert drawn.lowest_point("box", box.pose) == pytest.approx(0, abs=1e-12)
-    assert drawn.size("box") == pytest.approx(0.06 * box.scale)
+    assert trial.lowest_point("box", box.pose) == pytest.approx(0, abs=1e-12)
+    assert trial.size("box") == pytest.approx(0.06 * box.scale)
 
 
 @pytest.mark.parametrize("name", shipped_tasks())
 def test_objects_keep_a_centimetre_apart(name):
     task = load_task(name)
     for seed in range(10):
-        drawn = draw(task, seed)
+        trial = sample_trial(task, seed)
         boxes = []
-        for key, item in drawn.objects.items():
-            placed = drawn.corners(key) @ rotation_of(item.pose.quaternion).T + item.pose.position
+        for key, item in trial.objects.items():
+            placed = trial.corners(key) @ rotation_of(item.pose.quaternion).T + item.pose.position
             boxes.append((placed.min(axis=0), placed.max(axis=0)))
         for k, (low, high) in enumerate(boxes):
             for other_low, other_high in boxes[k + 1 :]:
@@ -69,7 +69,7 @@ def test_objects_keep_a_centimetre_apart(name):
 def test_two_objects_in_one_place_are_refused():
     box = plain()["objects"][0]
     with pytest.raises(InputError, match="box and other in each other's place"):
-        trial(objects=[box, box | {"name": "other", "x": 0.065}])
+        make_trial(objects=[box, box | {"name": "other", "x": 0.065}])
 
 
 @pytest.mark.parametrize(
@@ -79,29 +79,33 @@ def test_two_objects_in_one_place_are_refused():
 def test_objects_stand_against_or_on_a_fixture_but_not_in_it(x, z, fits):
     box = plain()["objects"][0] | {"x": x} | ({} if z is None else {"z": z})
     if fits:
-        trial(objects=[box])
+        make_trial(objects=[box])
     else:
         with pytest.raises(InputError, match="box and wall"):
-            trial(objects=[box])
+            make_trial(objects=[box])
 
 
 def test_a_slanted_wall_leaves_the_room_beside_it():
     wall = plain()["fixtures"][0] | {"yaw_deg": 45, "position": [0.15, 0, 0.1]}
-    trial(fixtures=[wall], objects=[plain()["objects"][0] | {"x": 0.1, "y": 0.15}])  # inside the wall's upright box
+    make_trial(
+        fixtures=[wall], objects=[plain()["objects"][0] | {"x": 0.1, "y": 0.15}]
+    )  # inside the wall's upright box
     with pytest.raises(InputError):
-        trial(fixtures=[wall], objects=[plain()["objects"][0] | {"x": 0.15}])
+        make_trial(fixtures=[wall], objects=[plain()["objects"][0] | {"x": 0.15}])
 
 
 def test_laid_on_its_side():
-    drawn = trial(objects=[plain()["objects"][0] | {"parts": [{"size": [0.02, 0.04, 0.1]}], "rpy_deg": [90, 0, 0]}])
-    assert drawn.objects["box"].pose.position[2] == pytest.approx(0.02)
+    trial = make_trial(
+        objects=[plain()["objects"][0] | {"parts": [{"size": [0.02, 0.04, 0.1]}], "rpy_deg": [90, 0, 0]}]
+    )
+    assert trial.objects["box"].pose.position[2] == pytest.approx(0.02)
 
 
 def test_named_points_and_the_lowest_point_follow_the_object():
-    drawn = trial(objects=[plain()["objects"][0] | {"scale": [1, 2, 1]}])
+    trial = make_trial(objects=[plain()["objects"][0] | {"scale": [1, 2, 1]}])
     pose = body((1, 0, 0.5), (0, 0, 90))
-    assert drawn.point("box", "corner", pose) == pytest.approx([1 - 0.06, 0.03, 0.53])
-    assert drawn.lowest_point("box", body((0, 0, 0.5), (0, 45, 0))) == pytest.approx(0.5 - 0.03 * np.sqrt(2))
+    assert trial.point("box", "corner", pose) == pytest.approx([1 - 0.06, 0.03, 0.53])
+    assert trial.lowest_point("box", body((0, 0, 0.5), (0, 45, 0))) == pytest.approx(0.5 - 0.03 * np.sqrt(2))
 
 
 @pytest.mark.parametrize(
@@ -134,5 +138,5 @@ def test_an_even_scale_keeps_any_shape():
     ],
 )
 def test_extents(part, size):
-    drawn = draw(Task.model_validate(changed("objects.0.parts", [part])), 0)
-    assert drawn.size("box") == pytest.approx(size)
+    trial = sample_trial(Task.model_validate(changed("objects.0.parts", [part])), 0)
+    assert trial.size("box") == pytest.approx(size)

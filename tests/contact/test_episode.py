@@ -9,26 +9,26 @@ from coral.contact.control.reactive import ReactiveCfg
 from coral.contact.cost.stages import Stage, Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.episode import episode as module
-from coral.contact.episode.end_reasons import ENDS
+from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.episode import Episode
-from coral.contact.scene.observation import Body
-from coral.contact.thinker.strategist import Account, Fixed
-from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.scene.observation import BodyState
+from coral.contact.thinker.strategist import FixedStrategist, StrategistCounts
+from coral.contact.worlds.evaluation_world import WorldError
 from coral.errors import InputError
 
-from .episodes import COARSE, ObedientWorld, stay, strategy, trial
+from .episodes import COARSE, ObedientWorld, make_trial, stay, strategy
 
 
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     """Run an episode in an obedient world; returns result, folder and world."""
 
-    def start(mind=None, cfg=COARSE, seconds=0.2, observers=(), **world):
-        drawn = trial(seconds)
-        made = ObedientWorld(drawn, **world)
-        monkeypatch.setattr(module, "make_world", lambda name, drawn, period: made)
+    def start(strategist=None, cfg=COARSE, seconds=0.2, observers=(), **world):
+        trial = make_trial(seconds)
+        made = ObedientWorld(trial, **world)
+        monkeypatch.setattr(module, "make_world", lambda name, trial, period: made)
         folder = tmp_path / "run"
-        one = Episode(drawn, "obedient", mind or Fixed(strategy()), cfg, folder, variant="expert")
+        one = Episode(trial, "obedient", strategist or FixedStrategist(strategy()), cfg, folder, variant="expert")
         return one.run(observers), folder, made
 
     return start
@@ -40,7 +40,7 @@ def events(folder, *names):
 
 
 def lifted_from(step):
-    return lambda k, box: Body(box.position + np.array([0, 0, 0.2]), box.quaternion) if k >= step else box
+    return lambda k, box: BodyState(box.position + np.array([0, 0, 0.2]), box.quaternion) if k >= step else box
 
 
 def test_time_runs_out(run):
@@ -63,30 +63,30 @@ def test_a_lift_that_ends_too_soon_is_no_success(run):
 
 
 def test_an_object_that_falls_ends_the_episode(run):
-    fallen = Body(np.array([2.0, 0.0, -0.5]), np.array([1.0, 0, 0, 0]))
+    fallen = BodyState(np.array([2.0, 0.0, -0.5]), np.array([1.0, 0, 0, 0]))
     result, _, _ = run(script=lambda k, box: fallen if k >= 3 else box)
     assert (result["success"], result["end_reason"], result["steps"]) == (False, "dropped: box", 3)
 
 
 @pytest.mark.parametrize("code", ["diverged", "tunnelling", "unreachable", "camera-off"])
 def test_a_fault_of_the_world_is_named_and_no_success(run, code):
-    result, folder, _ = run(script=lifted_from(0), fault=(3, WorldFault(code, "it broke")))
+    result, folder, _ = run(script=lifted_from(0), fault=(3, WorldError(code, "it broke")))
     assert (result["success"], result["end_reason"], result["steps"]) == (False, code, 2)
     assert events(folder, "end")[0]["detail"] == "it broke"
-    assert code in ENDS
+    assert code in END_REASONS
 
 
 def test_a_cost_that_cannot_be_evaluated_ends_the_episode_with_its_reason(run):
     def broken(state):
         raise CostError("not_finite", "the term is nan")
 
-    result, folder, _ = run(Fixed(strategy(broken)))
+    result, folder, _ = run(FixedStrategist(strategy(broken)))
     assert (result["end_reason"], result["steps"]) == ("cost-error", 0)
     assert "the term is nan" in events(folder, "end")[0]["detail"]
 
 
 def test_a_cost_whose_process_dies_before_the_first_plan_ends_the_episode_with_its_reason(run):
-    class Unlucky(Fixed):
+    class Unlucky(FixedStrategist):
         def begin(self, *_):
             raise CostError("killed", "the process of the cost died")
 
@@ -106,7 +106,7 @@ def test_steps_that_do_not_fill_a_control_step_are_refused_before_a_folder_is_ma
     assert not (tmp_path / "run").exists()
 
 
-class Mender(Fixed):
+class Mender(FixedStrategist):
     """Has another cost ready when one fails."""
 
     def __init__(self, first, second):
@@ -122,9 +122,9 @@ def test_a_cost_that_cannot_be_evaluated_goes_to_the_mind_before_the_episode_end
     def broken(state):
         raise CostError("not_finite", "the term is nan")
 
-    mind = Mender(strategy(broken), strategy())
-    result, folder, _ = run(mind)
-    assert (result["end_reason"], mind.heard) == ("timeout", [("not_finite", "stay", 0.0)])
+    strategist = Mender(strategy(broken), strategy())
+    result, folder, _ = run(strategist)
+    assert (result["end_reason"], strategist.heard) == ("timeout", [("not_finite", "stay", 0.0)])
     assert len(events(folder, "strategy")) == 2
 
 
@@ -132,7 +132,7 @@ def test_without_a_usable_rehearsal_the_episode_ends_long_before_its_time(run):
     def nothing(state):
         return {"nothing": np.full(state.shape, np.nan)}
 
-    result, _, _ = run(Fixed(strategy(nothing)), dataclasses.replace(COARSE, patience_plans=3), seconds=60.0)
+    result, _, _ = run(FixedStrategist(strategy(nothing)), dataclasses.replace(COARSE, patience_plans=3), seconds=60.0)
     assert (result["end_reason"], result["steps"]) == ("no-plan", 4)
 
 
@@ -141,7 +141,7 @@ def test_an_error_in_the_program_is_not_swallowed_and_leaves_a_readable_run(run,
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        run(Fixed(strategy(broken)))
+        run(FixedStrategist(strategy(broken)))
     assert events(tmp_path / "run")[-1]["reason"] == "failed"
 
 
@@ -159,15 +159,15 @@ def test_an_observer_stops_the_episode(run):
 
 def test_stages_are_told_as_they_change(run):
     stages = Strategy("two", (Stage("first", stay, until=lambda now: True), Stage("second", stay)))
-    result, folder, _ = run(Fixed(stages))
+    result, folder, _ = run(FixedStrategist(stages))
     assert [(e["before"], e["stage"]) for e in events(folder, "stage")] == [(None, "first"), ("first", "second")]
     assert result["stages"] == 1
     assert [e["stage"] for e in events(folder, "plan")] == ["first"] + ["second"] * 4
 
 
 def test_a_mind_may_change_its_mind(run):
-    class Second(Fixed):
-        account = Account(advisor_calls=2, repairs=1, memory_hit=True)
+    class Second(FixedStrategist):
+        account = StrategistCounts(advisor_calls=2, repairs=1, memory_hit=True)
 
         def after(self, moment):
             return Strategy("other", (Stage("other", stay),)) if moment.step == 4 else None
@@ -180,15 +180,15 @@ def test_a_mind_may_change_its_mind(run):
 
 
 def test_a_mind_is_not_told_the_true_masses_and_frictions(run):
-    class Curious(Fixed):
-        def begin(self, drawn, first, world):
-            self.told = drawn
-            return super().begin(drawn, first, world)
+    class Curious(FixedStrategist):
+        def begin(self, trial, first, world):
+            self.told = trial
+            return super().begin(trial, first, world)
 
-    mind = Curious(strategy())
-    run(mind)
-    item = mind.told.task.object("box")
-    held = mind.told.objects["box"].physical
+    strategist = Curious(strategy())
+    run(strategist)
+    item = strategist.told.task.object("box")
+    held = strategist.told.objects["box"].physical
     assert held.mass_kg == pytest.approx(np.mean(item.mass_kg))
     assert held.friction == pytest.approx(np.mean(item.friction))
 
@@ -198,7 +198,7 @@ def test_commands_stay_within_the_force_limit(run):
         return {"away": -10.0 * state.ee_pos[..., 0]}
 
     cfg = dataclasses.replace(COARSE, reactive=ReactiveCfg(force_limit_n=3.0))
-    _, _, world = run(Fixed(strategy(away)), cfg)
+    _, _, world = run(FixedStrategist(strategy(away)), cfg)
     here = np.array([0.0, 0.0, 0.25])
     for command in world.commands:
         assert np.linalg.norm(command.position - here) * command.stiffness <= 3.0 + 1e-9
@@ -229,13 +229,13 @@ def test_the_same_seed_gives_the_same_files_whatever_the_number_of_threads(tmp_p
     for threads in (1, 2):
         cfg = dataclasses.replace(COARSE, planning=dataclasses.replace(COARSE.planning, threads=threads))
         folders.append(tmp_path / str(threads))
-        Episode(trial(0.3), "hand", Fixed(strategy()), cfg, folders[-1], variant="expert").run()
+        Episode(make_trial(0.3), "hand", FixedStrategist(strategy()), cfg, folders[-1], variant="expert").run()
     for name in ("metrics.json", "events.jsonl", "trajectory.csv", "states.csv", "task.yaml"):
         assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes()
 
 
 def test_what_fails_at_the_end_does_not_cost_the_record(run, tmp_path):
-    class Forgetful(Fixed):
+    class Forgetful(FixedStrategist):
         def ended(self, reason):
             raise InputError("memory.sqlite", "", "read-only", "a file that can be written")
 

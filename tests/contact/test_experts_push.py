@@ -9,8 +9,8 @@ from coral.contact.control.controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.experts.push import DOWN, SOFT_N_M, ahead_of, behind, fsm, recent
 from coral.contact.scene.geometry import angle_between
-from coral.contact.scene.observation import Body, Observation
-from coral.contact.scene.trial import draw, prior
+from coral.contact.scene.observation import BodyState, Observation
+from coral.contact.scene.trial import prior_beliefs, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.mppi.knots import KnotMppiCfg
@@ -21,11 +21,11 @@ PUSH = next(stage for stage in fsm(TASK).stages if stage.name == "push")
 
 def at_the_block(seed):
     """A trial, and what is seen with the hand behind the block, touching nothing."""
-    drawn = draw(TASK, seed)
-    start = HandWorld(drawn, HandWorldCfg()).reset()
-    world = PlanningWorld(drawn, prior(drawn), start, PlanningCfg(threads=1))
+    trial = sample_trial(TASK, seed)
+    start = HandWorld(trial, HandWorldCfg()).reset()
+    world = PlanningWorld(trial, prior_beliefs(trial), start, PlanningCfg(threads=1))
     place = behind(world.present(start), "block", 0.005)[0, 0]
-    tool = Body(place, DOWN, np.zeros(3), np.zeros(3))
+    tool = BodyState(place, DOWN, np.zeros(3), np.zeros(3))
     return world, Observation(0.0, tool, 0.03, np.zeros(6), start.objects)
 
 

@@ -1,20 +1,20 @@
 import numpy as np
 
-from coral.contact.perception.grasp_detection import GripCfg, gripped
+from coral.contact.perception.grasp_detection import GraspDetectionCfg, is_grasped
 from coral.contact.perception.object_model import from_primitives
-from coral.contact.perception.ray_solids import Part
+from coral.contact.perception.ray_solids import SolidPart
 
-CFG = GripCfg()
+CFG = GraspDetectionCfg()
 
 
 def box():
-    return from_primitives("box", [Part("box", np.array([0.03, 0.02, 0.03]))])
+    return from_primitives("box", [SolidPart("box", np.array([0.03, 0.02, 0.03]))])
 
 
 def held(x=0.0, y=0.0, opening=0.04, wanted=-0.03, before=False):
     T = np.eye(4)
     T[:3, 3] = x, y, 0.0
-    return gripped(box(), T, opening, wanted, before, CFG)
+    return is_grasped(box(), T, opening, wanted, before, CFG)
 
 
 def test_fingers_that_press_on_an_object_hold_it():

@@ -1,13 +1,13 @@
 """Episodes that succeed and episodes that cannot any more."""
 
 import pytest
-from contact_bench import body, plain, touch, trial, truth
+from contact_bench import body, make_trial, plain, touch, truth
 
 from coral.contact.scene.judge import Judge
 
 
 def test_success_needs_an_unbroken_hold():
-    judge = Judge(trial({"kind": "released"}))
+    judge = Judge(make_trial({"kind": "released"}))
     assert not judge.success(truth(0.0))
     assert not judge.success(truth(0.08))
     assert not judge.success(truth(0.09, body(), touch("box", "hand")))  # broken
@@ -17,7 +17,7 @@ def test_success_needs_an_unbroken_hold():
 
 
 def test_all_conditions_hold_at_once():
-    judge = Judge(trial({"kind": "released"}, {"kind": "undisturbed"}))
+    judge = Judge(make_trial({"kind": "released"}, {"kind": "undisturbed"}))
     for k in range(20):
         away = body((0.2, 0, 0.03)) if k % 2 else body()
         contacts = () if k % 2 else (touch("box", "hand"),)
@@ -38,12 +38,12 @@ def test_all_conditions_hold_at_once():
     ],
 )
 def test_failures(position, failure):
-    assert Judge(trial()).failure(truth(0, body(position))) == failure
+    assert Judge(make_trial()).failure(truth(0, body(position))) == failure
 
 
 def test_tunnelling_is_told_wherever_an_objects_origin_lies():
     tall = plain()["objects"][0] | {"parts": [{"size": [0.04, 0.04, 0.1], "position": [0, 0, -0.3]}]}
-    judge = Judge(trial(objects=[tall]))
+    judge = Judge(make_trial(objects=[tall]))
     assert judge.failure(truth(0, body((0, 0, 0.35)))) is None
     assert judge.failure(truth(0, body((0, 0, 0.2)))) == "tunnelling: box"
 
@@ -62,7 +62,7 @@ WALL = {"name": "wall", "size": [0.05, 0.6, 0.2], "position": [0.2, 0.3, 0.1], "
     ],
 )
 def test_what_goes_through_a_fixture_has_tunnelled(way, failure):
-    judge = Judge(trial(fixtures=[WALL]))
+    judge = Judge(make_trial(fixtures=[WALL]))
     said = [judge.failure(truth(0.02 * k, body(place))) for k, place in enumerate(way)]
     assert said[:-1] == [None] * (len(way) - 1)
     assert said[-1] == failure
@@ -71,6 +71,6 @@ def test_what_goes_through_a_fixture_has_tunnelled(way, failure):
 def test_the_table_may_stand_elsewhere():
     moved = plain() | {"table": {"center": [1.0, 0.0]}}
     moved["objects"][0]["x"] = 1.0
-    judge = Judge(trial(**moved))
+    judge = Judge(make_trial(**moved))
     assert judge.failure(truth(0, body((1.0, 0, -0.02)))) == "tunnelling: box"
     assert judge.failure(truth(0, body((0.0, 0, -0.2)))) == "dropped: box"

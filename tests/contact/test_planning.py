@@ -5,27 +5,27 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
-from contact_bench import DOWN, body, plain, seen, trial
+from contact_bench import DOWN, body, make_trial, plain, seen
 
 from coral.contact.control.hand_model import set_stiffness
-from coral.contact.control.planning_world import Controls, PlanningCfg, PlanningWorld
+from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
 from coral.contact.control.uncertainty import UncertaintyCfg
-from coral.contact.scene.trial import Physical
+from coral.contact.scene.trial import PhysicalParameters
 
 CFG = PlanningCfg(threads=1)
-LIGHT, HEAVY = {"box": Physical(0.1, 0.3)}, {"box": Physical(1.5, 0.6)}
+LIGHT, HEAVY = {"box": PhysicalParameters(0.1, 0.3)}, {"box": PhysicalParameters(1.5, 0.6)}
 
 
-def world(drawn=None, beliefs=LIGHT, cfg=CFG):
-    drawn = drawn or trial()
-    return PlanningWorld(drawn, beliefs, seen(drawn), cfg)
+def world(trial=None, beliefs=LIGHT, cfg=CFG):
+    trial = trial or make_trial()
+    return PlanningWorld(trial, beliefs, seen(trial), cfg)
 
 
 def controls(positions, quaternion=DOWN, opening=0.02, stiffness=600.0):
     """Shape=(K, H, 3) targets, the hand otherwise kept."""
     positions = np.asarray(positions, dtype=float)
     shape = positions.shape[:2]
-    return Controls(positions, np.broadcast_to(quaternion, (*shape, 4)), np.full(shape, opening), stiffness)
+    return ControlSequences(positions, np.broadcast_to(quaternion, (*shape, 4)), np.full(shape, opening), stiffness)
 
 
 def pushes(count=3, steps=12, seed=0):
@@ -34,13 +34,13 @@ def pushes(count=3, steps=12, seed=0):
     return way + np.random.default_rng(seed).normal(scale=0.01, size=(count, steps, 3))
 
 
-def beside(drawn):
-    return seen(drawn, tool=(-0.08, 0.0, 0.03), opening_m=0.02)
+def beside(trial):
+    return seen(trial, tool=(-0.08, 0.0, 0.03), opening_m=0.02)
 
 
 def test_each_rehearsal_is_what_stepping_it_alone_gives():
-    drawn = trial()
-    planner, now, plan = world(drawn), beside(drawn), controls(pushes())
+    trial = make_trial()
+    planner, now, plan = world(trial), beside(trial), controls(pushes())
     planner.edges = True  # the same model for both
     context, sane = planner.rollout(now, plan)
     assert sane.all()
@@ -64,18 +64,18 @@ def test_each_rehearsal_is_what_stepping_it_alone_gives():
 
 
 def test_far_from_the_edges_the_table_is_a_plane_on_which_things_move_alike():
-    drawn = trial()
-    flat, _ = world(drawn).rollout(beside(drawn), controls(pushes()))
-    edged, _ = world(drawn, cfg=PlanningCfg(threads=1, inland_m=9.0)).rollout(beside(drawn), controls(pushes()))
+    trial = make_trial()
+    flat, _ = world(trial).rollout(beside(trial), controls(pushes()))
+    edged, _ = world(trial, cfg=PlanningCfg(threads=1, inland_m=9.0)).rollout(beside(trial), controls(pushes()))
     assert flat.box_pos[:, -1] == pytest.approx(edged.box_pos[:, -1], abs=2e-3)
     assert np.array_equal(flat.box_table_contact, edged.box_table_contact)
 
 
 @pytest.mark.parametrize(("x", "falls"), [(0.28, False), (0.5, True)])
 def test_what_is_near_an_edge_can_fall(x, falls):
-    drawn = trial()
-    now = seen(drawn, box=body((x, 0.0, 0.03)))
-    context, _ = world(drawn).rollout(now, controls(np.tile(now.tool.position, (1, 20, 1))))
+    trial = make_trial()
+    now = seen(trial, box=body((x, 0.0, 0.03)))
+    context, _ = world(trial).rollout(now, controls(np.tile(now.tool.position, (1, 20, 1))))
     assert (context.box_pos[0, -1, 2] < 0.0) == falls
 
 
@@ -90,16 +90,16 @@ def test_nothing_sleeps_in_a_mujoco_that_cannot(monkeypatch):
         "x": 0,
         "y": 0.2,
     }
-    drawn = trial(objects=[*plain()["objects"], tin])
-    model = world(drawn, LIGHT | {"tin": Physical(0.2, 0.5)}).models[0]
+    trial = make_trial(objects=[*plain()["objects"], tin])
+    model = world(trial, LIGHT | {"tin": PhysicalParameters(0.2, 0.5)}).models[0]
     assert not model.opt.enableflags
 
 
 def test_threads_and_order_do_not_matter():
-    drawn = trial()
+    trial = make_trial()
     plan = pushes(5)
-    one, _ = world(drawn).rollout(beside(drawn), controls(plan))
-    two, _ = world(drawn, cfg=PlanningCfg(threads=2)).rollout(beside(drawn), controls(plan[::-1]))
+    one, _ = world(trial).rollout(beside(trial), controls(plan))
+    two, _ = world(trial, cfg=PlanningCfg(threads=2)).rollout(beside(trial), controls(plan[::-1]))
     assert np.array_equal(one.box_pos, two.box_pos[::-1])
 
 
@@ -107,12 +107,12 @@ def test_threads_and_order_do_not_matter():
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_one_that_diverges_leaves_the_others_alone(bad, threads, capfd, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    drawn = trial()
+    trial = make_trial()
     plan = pushes(4)
-    good, _ = world(drawn).rollout(beside(drawn), controls(plan))
+    good, _ = world(trial).rollout(beside(trial), controls(plan))
     plan[1, 5:] = bad
     with np.errstate(invalid="ignore"):
-        context, sane = world(drawn, cfg=PlanningCfg(threads=threads)).rollout(beside(drawn), controls(plan))
+        context, sane = world(trial, cfg=PlanningCfg(threads=threads)).rollout(beside(trial), controls(plan))
     assert sane.tolist() == [True, False, True, True]
     assert np.array_equal(context.box_pos[sane], good.box_pos[sane])
     assert np.isfinite(context.box_pos).all()
@@ -124,23 +124,23 @@ def test_one_that_diverges_leaves_the_others_alone(bad, threads, capfd, tmp_path
 
 @pytest.mark.parametrize("box", [body(velocity=(-20.0, 0, 0)), body(velocity=(1e12, 0, 0)), body((np.nan, 0, 0))])
 def test_nothing_holds_from_a_mad_state(box):
-    drawn = trial()
-    context, sane = world(drawn).rollout(seen(drawn, box=box), controls(pushes()))
+    trial = make_trial()
+    context, sane = world(trial).rollout(seen(trial, box=box), controls(pushes()))
     assert not sane.any()
     assert np.isfinite(context.box_pos).all()
 
 
 def test_starts_exactly_from_what_is_measured():
-    drawn = trial()
-    planner = world(drawn)
+    trial = make_trial()
+    planner = world(trial)
     box = body((0.05, -0.1, 0.4), (20, 30, 40), (0.1, 0.2, 0.3), (1.0, -2.0, 0.5))
-    now = seen(drawn, box=box)
+    now = seen(trial, box=box)
     initial = planner._initial(now)
     index = planner._index
     qpos, qvel = initial[1 : 1 + index.nq], initial[1 + index.nq : 1 + index.nq + index.nv]
     assert np.array_equal(qpos[index.pose["box"]][:3], box.position)
     assert np.array_equal(qpos[index.pose["box"]][3:], box.quaternion)
-    planner.rollout(beside(drawn), controls(pushes()))
+    planner.rollout(beside(trial), controls(pushes()))
     assert np.array_equal(planner._initial(now), initial)
     planner.believe(HEAVY)
     assert np.array_equal(planner._initial(now), initial)
@@ -152,10 +152,10 @@ def test_starts_exactly_from_what_is_measured():
 
 
 def test_what_is_believed_is_felt():
-    drawn = trial()
-    sliding = seen(drawn, box=body(velocity=(0.6, 0, 0)))
+    trial = make_trial()
+    sliding = seen(trial, box=body(velocity=(0.6, 0, 0)))
     still = controls(np.full((1, 20, 3), sliding.tool.position))
-    planner = world(drawn)
+    planner = world(trial)
     ways = []
     for belief in (LIGHT, HEAVY):
         planner.believe(belief)
@@ -167,23 +167,23 @@ def test_what_is_believed_is_felt():
 
 
 def test_a_heavier_box_is_pushed_less_far():
-    drawn = trial()
+    trial = make_trial()
     far = []
     for mass in (0.1, 4.0):
-        planner = world(drawn, {"box": Physical(mass, 0.5)})
-        context, _ = planner.rollout(beside(drawn), controls(pushes(1, 25), stiffness=200.0))
+        planner = world(trial, {"box": PhysicalParameters(mass, 0.5)})
+        context, _ = planner.rollout(beside(trial), controls(pushes(1, 25), stiffness=200.0))
         far.append(context.box_pos[0, -1, 0])
     assert far[1] < far[0] - 0.005
 
 
 def test_several_beliefs_are_rehearsed_side_by_side():
-    drawn = trial()
+    trial = make_trial()
     plan = pushes(3)
-    both, sane = world(drawn, [LIGHT, HEAVY]).rollout(beside(drawn), controls(plan))
+    both, sane = world(trial, [LIGHT, HEAVY]).rollout(beside(trial), controls(plan))
     assert both.shape == (6, 12)
     assert sane.shape == (6,)
     for k, belief in enumerate((LIGHT, HEAVY)):
-        alone, _ = world(drawn, belief).rollout(beside(drawn), controls(plan))
+        alone, _ = world(trial, belief).rollout(beside(trial), controls(plan))
         rows = slice(3 * k, 3 * k + 3)
         assert np.array_equal(both.box_pos[rows], alone.box_pos)
         assert both.box_mass[rows, 0] == pytest.approx(belief["box"].mass_kg)
@@ -192,11 +192,11 @@ def test_several_beliefs_are_rehearsed_side_by_side():
 
 def test_plans_are_rehearsed_under_beliefs_drawn_around_the_believed_one():
     cfg = replace(CFG, uncertainty=UncertaintyCfg(sets=3))
-    drawn = trial()
-    planner = PlanningWorld(drawn, LIGHT, seen(drawn), cfg, np.random.default_rng(1))
+    trial = make_trial()
+    planner = PlanningWorld(trial, LIGHT, seen(trial), cfg, np.random.default_rng(1))
     assert planner.beliefs[0] == LIGHT
     assert len({one["box"].mass_kg for one in planner.beliefs}) == 3
-    context, sane = planner.rollout(beside(drawn), controls(pushes(2)))
+    context, sane = planner.rollout(beside(trial), controls(pushes(2)))
     assert context.shape[0] == len(sane) == 6
     planner.believe(HEAVY)
     assert planner.beliefs[0] == HEAVY
@@ -204,17 +204,17 @@ def test_plans_are_rehearsed_under_beliefs_drawn_around_the_believed_one():
 
 
 def test_the_present_is_one_state_however_many_beliefs():
-    drawn = trial()
-    planner = world(drawn, [LIGHT, HEAVY])
-    assert planner.present(beside(drawn)).box_pos.shape == (1, 1, 3)
+    trial = make_trial()
+    planner = world(trial, [LIGHT, HEAVY])
+    assert planner.present(beside(trial)).box_pos.shape == (1, 1, 3)
 
 
 def test_every_quantity_is_there_in_its_shape():
     two = [plain()["objects"][0], plain()["objects"][0] | {"name": "tin", "x": -0.2}]
-    drawn = trial(objects=two)
-    beliefs = {"box": Physical(0.2, 0.5), "tin": Physical(0.2, 0.5)}
-    planner = world(drawn, beliefs)
-    context, _ = planner.rollout(beside(drawn), controls(pushes()))
+    trial = make_trial(objects=two)
+    beliefs = {"box": PhysicalParameters(0.2, 0.5), "tin": PhysicalParameters(0.2, 0.5)}
+    planner = world(trial, beliefs)
+    context, _ = planner.rollout(beside(trial), controls(pushes()))
     assert context.names() == sorted(planner.schema)
     for name, quantity in planner.schema.items():
         shape = () if quantity.size == 0 else (quantity.size,)
@@ -227,8 +227,8 @@ def test_every_quantity_is_there_in_its_shape():
 
 
 def test_contacts_are_read():
-    drawn = trial()
-    context, _ = world(drawn).rollout(beside(drawn), controls(pushes(1, 20)))
+    trial = make_trial()
+    context, _ = world(trial).rollout(beside(trial), controls(pushes(1, 20)))
     assert context.box_table_contact[0, :10].all()
     assert not context.box_wall_contact.any()
     assert not context.box_hand_contact[0, 0]
@@ -240,8 +240,8 @@ def test_contacts_are_read():
 
 
 def test_force_and_torque_on_the_hand_are_those_of_its_contacts():
-    drawn = trial()
-    planner, now, plan = world(drawn), beside(drawn), controls(pushes(1, 20))
+    trial = make_trial()
+    planner, now, plan = world(trial), beside(trial), controls(pushes(1, 20))
     planner.edges = True  # the same model for both
     context, _ = planner.rollout(now, plan)
     model, data = planner.models[0], mujoco.MjData(planner.models[0])
@@ -268,26 +268,26 @@ def test_force_and_torque_on_the_hand_are_those_of_its_contacts():
 
 
 def test_clock_and_actions():
-    drawn = trial()
+    trial = make_trial()
     plan = np.tile([0, 0, 0.3], (1, 3, 1))
     plan[0, 2] += [0.01, 0, 0]
-    context, _ = world(drawn).rollout(seen(drawn), controls(plan), step=7)
+    context, _ = world(trial).rollout(seen(trial), controls(plan), step=7)
     assert context.time[0] == pytest.approx([0.02, 0.04, 0.06])
     assert context.current_step[0] == pytest.approx([8, 9, 10])
     assert context.last_action[0, :, 0] == pytest.approx([0, 0, 0.5])
 
 
 def test_the_present_is_a_batch_of_one():
-    drawn = trial()
-    assert world(drawn).present(seen(drawn)).shape == (1, 1)
+    trial = make_trial()
+    assert world(trial).present(seen(trial)).shape == (1, 1)
 
 
 def test_a_light_box_held_still_stays_between_the_fingers():
     # Askew by half a degree and a millimetre, as it is seen in a camera's pictures.
-    drawn, rng = trial(), np.random.default_rng(0)
-    planner = world(drawn)
+    trial, rng = make_trial(), np.random.default_rng(0)
+    planner = world(trial)
     still = controls(np.tile([0.0, 0.0, 0.305], (1, 50, 1)), opening=-0.03)
     for _ in range(10):
         box = body(rng.normal([0.0, 0.0, 0.3], 0.001), rng.normal(scale=0.6, size=3))
-        context, _ = planner.rollout(seen(drawn, tool=(0.0, 0.0, 0.305), opening_m=0.0595, box=box), still)
+        context, _ = planner.rollout(seen(trial, tool=(0.0, 0.0, 0.305), opening_m=0.0595, box=box), still)
         assert np.linalg.norm(context.box_pos[0, -1] - context.ee_pos[0, -1]) < 0.02

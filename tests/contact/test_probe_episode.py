@@ -7,19 +7,19 @@ from coral.commands import contact_identify
 from coral.contact.episode import identification_episode as module
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.identification_episode import Found, probe_episode
-from coral.contact.scene.trial import Physical, draw
+from coral.contact.scene.trial import PhysicalParameters, sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.evaluation_world import WorldError
 
-TRUTH, FIRST = Physical(0.1, 0.5), Physical(2.0, 0.9)
+TRUTH, FIRST = PhysicalParameters(0.1, 0.5), PhysicalParameters(2.0, 0.9)
 
 
 def test_the_truth_stays_in_the_world_and_the_belief_in_the_mind(tmp_path, monkeypatch):
     seen = {}
 
     class Staged:
-        def __init__(self, drawn, world, mind, cfg, folder, **_):
-            seen.update(truth=drawn.objects["board"].physical, given=mind._given, world=world)
+        def __init__(self, trial, world, strategist, cfg, folder, **_):
+            seen.update(truth=trial.objects["board"].physical, given=strategist._given, world=world)
             self.folder = folder
 
         def run(self, observers):
@@ -32,7 +32,7 @@ def test_the_truth_stays_in_the_world_and_the_belief_in_the_mind(tmp_path, monke
             return {"end_reason": "success", "sim_time_s": 9.0}
 
     monkeypatch.setattr(module, "Episode", Staged)
-    found = probe_episode(draw(load_task("push-pick-board"), 0), "board", TRUTH, FIRST, EpisodeCfg(), tmp_path)
+    found = probe_episode(sample_trial(load_task("push-pick-board"), 0), "board", TRUTH, FIRST, EpisodeCfg(), tmp_path)
     assert seen == {"truth": TRUTH, "given": {"board": FIRST}, "world": "panda"}
     assert [event["after"] for event in found.corrections] == [[0.1, 0.5]]
 
@@ -42,7 +42,7 @@ def told(monkeypatch):
     """The configuration that an episode was begun with; its corrections are made up."""
     heard = []
 
-    def probed(drawn, name, truth, first, cfg, *_):
+    def probed(trial, name, truth, first, cfg, *_):
         heard.append(cfg)
         event = {
             "t": 4.0,
@@ -90,7 +90,7 @@ def test_bad_input_is_refused_in_a_line(words, said, told, capsys):
 def test_a_world_that_fails_under_the_pushes_is_told_in_a_line(monkeypatch, capsys):
     def pushed(*_):
         yield from ()
-        raise WorldFault("diverged", "the hand left the table")
+        raise WorldError("diverged", "the hand left the table")
 
     monkeypatch.setattr(contact_identify, "probe", pushed)
     assert main(["contact", "identify", "--quiet"]) == 1

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.control.reactive import Reactive, ReactiveCfg
 from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_rotvec
-from coral.contact.scene.observation import Body, HandTarget, Observation
+from coral.contact.scene.observation import BodyState, HandTarget, Observation
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 LOW, HIGH = np.full(3, -0.4), np.full(3, 0.5)
@@ -16,7 +16,7 @@ vectors = st.tuples(numbers, numbers, numbers).map(np.array)
 
 def observed(position=(0.0, 0.0, 0.2), force=(0.0, 0.0, 0.0), torque=(0.0, 0.0, 0.0)):
     wrench = np.array([*force, *torque])
-    return Observation(0.0, Body(np.asarray(position, float), DOWN), 0.04, wrench, {})
+    return Observation(0.0, BodyState(np.asarray(position, float), DOWN), 0.04, wrench, {})
 
 
 def target(position, stiffness=600.0, opening=0.04, force=(0.0, 0.0, 0.0)):

@@ -1,9 +1,9 @@
 import numpy as np
 
-from coral.contact.episode.recorder import Contacts, columns
-from coral.contact.scene.observation import Body, Contact, Truth
+from coral.contact.episode.recorder import ContactLog, columns
+from coral.contact.scene.observation import BodyState, Contact, Truth
 
-BODY = Body(np.zeros(3), np.array([1.0, 0, 0, 0]))
+BODY = BodyState(np.zeros(3), np.array([1.0, 0, 0, 0]))
 
 
 def truth(t, *contacts):
@@ -15,7 +15,7 @@ def touch(newtons):
 
 
 def test_a_contact_is_told_once_with_force_and_point_and_once_with_mean_and_peak():
-    watched = Contacts(gap_s=0.05)
+    watched = ContactLog(gap_s=0.05)
     ((t, event, fields),) = watched.update(truth(0.02, touch(2.0)))
     assert (t, event) == (0.02, "contact")
     assert fields == {"first": "box", "second": "left", "force_n": 2.0, "point": [0.0, 0.0, 0.1]}
@@ -27,7 +27,7 @@ def test_a_contact_is_told_once_with_force_and_point_and_once_with_mean_and_peak
 
 
 def test_a_contact_that_flickers_is_one():
-    watched = Contacts(gap_s=0.1)
+    watched = ContactLog(gap_s=0.1)
     seen = [truth(0.02 * k, *([touch(1.0)] if k % 3 == 0 else [])) for k in range(20)]
     events = [event for moment in seen for event in watched.update(moment)]
     assert [name for _, name, _ in events] == ["contact"]

@@ -4,16 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contact_bench import DOWN, body, plain, seen, trial
+from contact_bench import DOWN, body, make_trial, plain, seen
 
-from coral.contact.control.planning_world import Controls, PlanningCfg, PlanningWorld
-from coral.contact.control.rollouts import SLEEP, Start, _parts
-from coral.contact.scene.trial import Physical
+from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
+from coral.contact.control.rollouts import SLEEP, RolloutStart, _parts
+from coral.contact.scene.trial import PhysicalParameters
 
 pytestmark = pytest.mark.skipif(not SLEEP, reason="this MuJoCo cannot sleep")
 SUNK = 2e-5
 """How far (m) a light object at rest is pressed into the table."""
-BELIEFS = {"box": Physical(0.2, 0.5), "tin": Physical(0.2, 0.5)}
+BELIEFS = {"box": PhysicalParameters(0.2, 0.5), "tin": PhysicalParameters(0.2, 0.5)}
 TIN = {
     "name": "tin",
     "parts": [{"shape": "cylinder", "size": [0.06, 0.06, 0.04]}],
@@ -26,28 +26,28 @@ TIN = {
 
 def two(**places):
     """A box, 6 cm wide, and a tin 20 cm beside it: the trial, and what is measured."""
-    drawn = trial(objects=[*plain()["objects"], TIN])
+    trial = make_trial(objects=[*plain()["objects"], TIN])
     lying = {"box": lies(0.0), "tin": lies(0.2, 0.02 - SUNK)}
-    return drawn, seen(drawn, **{"tool": (-0.08, 0.0, 0.03), "opening_m": 0.02} | lying | places)
+    return trial, seen(trial, **{"tool": (-0.08, 0.0, 0.03), "opening_m": 0.02} | lying | places)
 
 
 def lies(y, z=0.03 - SUNK, **motion):
     return body((0.0, y, z), **motion)
 
 
-def world(drawn, now, **changes):
-    return PlanningWorld(drawn, BELIEFS, now, replace(PlanningCfg(threads=1), **changes))
+def world(trial, now, **changes):
+    return PlanningWorld(trial, BELIEFS, now, replace(PlanningCfg(threads=1), **changes))
 
 
 def push(count=3, steps=15, start=-0.08):
     """The closed hand goes from beside the box into it, each a little otherwise."""
     way = np.linspace([start, 0, 0.03], [0.08, 0, 0.03], steps)
     position = way + np.random.default_rng(0).normal(scale=0.005, size=(count, steps, 3))
-    return Controls(position, np.tile(DOWN, (count, steps, 1)), np.full((count, steps), 0.02), 600.0)
+    return ControlSequences(position, np.tile(DOWN, (count, steps, 1)), np.full((count, steps), 0.02), 600.0)
 
 
 def keep(now, steps=20):
-    return Controls(
+    return ControlSequences(
         np.tile(now.tool.position, (1, steps, 1)),
         np.tile(now.tool.quaternion, (1, steps, 1)),
         np.full((1, steps), now.opening_m),
@@ -58,14 +58,14 @@ def keep(now, steps=20):
 def asleep(planner, now):
     """Names of the objects that sleep when a rehearsal begins."""
     model = planner.models[0]
-    start = Start.at(model, planner._initial(now))
+    start = RolloutStart.at(model, planner._initial(now))
     trees = {name: int(model.body_treeid[model.body(name).id]) for name in BELIEFS}
     return {name for name, tree in trees.items() if start.data.tree_asleep[tree] >= 0}
 
 
 def test_what_lies_still_sleeps():
-    drawn, now = two()
-    assert asleep(world(drawn, now), now) == {"box", "tin"}
+    trial, now = two()
+    assert asleep(world(trial, now), now) == {"box", "tin"}
 
 
 @pytest.mark.parametrize(
@@ -79,39 +79,39 @@ def test_what_lies_still_sleeps():
     ids=["slides", "turns", "in the air", "falls towards the tin"],
 )
 def test_what_moves_or_hangs_does_not(box):
-    drawn, now = two(box=box)
-    assert asleep(world(drawn, now), now) == {"tin"}
+    trial, now = two(box=box)
+    assert asleep(world(trial, now), now) == {"tin"}
 
 
 def test_what_the_hand_touches_does_not():
-    drawn, now = two(tool=(-0.0395, 0.0, 0.03))
-    assert asleep(world(drawn, now), now) == {"tin"}
+    trial, now = two(tool=(-0.0395, 0.0, 0.03))
+    assert asleep(world(trial, now), now) == {"tin"}
 
 
 def test_what_touches_something_awake_does_not():
-    drawn, now = two(box=lies(0.1405, velocity=(0.05, 0, 0)))
-    assert asleep(world(drawn, now), now) == set()
+    trial, now = two(box=lies(0.1405, velocity=(0.05, 0, 0)))
+    assert asleep(world(trial, now), now) == set()
 
 
 def test_two_that_lean_on_each_other_sleep_together():
-    drawn, now = two(box=lies(0.1405))
-    assert asleep(world(drawn, now), now) == {"box", "tin"}
+    trial, now = two(box=lies(0.1405))
+    assert asleep(world(trial, now), now) == {"box", "tin"}
 
 
 def test_nothing_sleeps_where_that_is_switched_off():
-    drawn, now = two()
-    assert not world(drawn, now, rest_m_s=0.0).models[0].opt.enableflags & SLEEP
+    trial, now = two()
+    assert not world(trial, now, rest_m_s=0.0).models[0].opt.enableflags & SLEEP
 
 
 def test_an_object_alone_stays_awake():
-    drawn = trial()
-    planner = PlanningWorld(drawn, {"box": BELIEFS["box"]}, seen(drawn), PlanningCfg(threads=1))
+    trial = make_trial()
+    planner = PlanningWorld(trial, {"box": BELIEFS["box"]}, seen(trial), PlanningCfg(threads=1))
     assert not planner.models[0].opt.enableflags & SLEEP
 
 
 def test_a_sleeper_stays_to_the_last_bit_and_keeps_its_contacts():
-    drawn, now = two()
-    context, sane = world(drawn, now).rollout(now, push())
+    trial, now = two()
+    context, sane = world(trial, now).rollout(now, push())
     assert sane.all()
     assert (context.tin_pos == now.objects["tin"].position).all()
     assert not context.tin_vel.any()
@@ -120,27 +120,27 @@ def test_a_sleeper_stays_to_the_last_bit_and_keeps_its_contacts():
 
 
 def test_what_is_pushed_wakes_up_and_goes_as_far_as_if_it_had_been_awake():
-    drawn, now = two(tool=(-0.05, 0.0, 0.03))
+    trial, now = two(tool=(-0.05, 0.0, 0.03))
     slowly = push(20, 75, -0.05)
-    slept, _ = world(drawn, now).rollout(now, slowly)
-    awake, _ = world(drawn, now, rest_m_s=0.0).rollout(now, slowly)
+    slept, _ = world(trial, now).rollout(now, slowly)
+    awake, _ = world(trial, now, rest_m_s=0.0).rollout(now, slowly)
     ways = [float(np.median(each.box_pos[:, -1, 0])) for each in (slept, awake)]
     assert ways[0] > 0.05
     assert ways[0] == pytest.approx(ways[1], rel=0.03)
 
 
 def test_what_is_pushed_wakes_what_it_runs_into():
-    drawn, now = two(tin=body((0.065, 0.0, 0.02 - SUNK)))
-    context, _ = world(drawn, now).rollout(now, push())
-    assert asleep(world(drawn, now), now) == {"box", "tin"}
+    trial, now = two(tin=body((0.065, 0.0, 0.02 - SUNK)))
+    context, _ = world(trial, now).rollout(now, push())
+    assert asleep(world(trial, now), now) == {"box", "tin"}
     assert (context.tin_pos[:, -1, 0] > 0.07).all()
 
 
 def test_what_one_rehearsal_wakes_still_sleeps_in_the_next():
-    drawn, now = two()
+    trial, now = two()
     alike = push(4)
     still = keep(now, 15)
-    mixed = Controls(
+    mixed = ControlSequences(
         *(
             np.concatenate([first, second, first])
             for first, second in (
@@ -151,7 +151,7 @@ def test_what_one_rehearsal_wakes_still_sleeps_in_the_next():
         ),
         600.0,
     )
-    context, _ = world(drawn, now).rollout(now, mixed)
+    context, _ = world(trial, now).rollout(now, mixed)
     assert np.array_equal(context.box_pos[:4], context.box_pos[5:])
     assert (context.box_pos[4] == now.objects["box"].position).all()
 
@@ -168,33 +168,33 @@ def test_parts_hold_everything_once_and_grow_smaller(total, threads):
 
 
 def test_threads_do_not_matter():
-    drawn, now = two()
-    one, _ = world(drawn, now).rollout(now, push(7))
-    three, _ = world(drawn, now, threads=3).rollout(now, push(7))
+    trial, now = two()
+    one, _ = world(trial, now).rollout(now, push(7))
+    three, _ = world(trial, now, threads=3).rollout(now, push(7))
     for name in ("box_pos", "box_hand_force", "tin_pos", "ee_pos"):
         assert np.array_equal(one[name], three[name])
 
 
 def test_what_hangs_in_the_air_falls():
-    drawn, now = two(box=lies(0.0, 0.2))
-    context, _ = world(drawn, now).rollout(now, keep(now))
+    trial, now = two(box=lies(0.0, 0.2))
+    context, _ = world(trial, now).rollout(now, keep(now))
     assert context.box_pos[0, -1, 2] == pytest.approx(0.03, abs=3e-3)
 
 
 @pytest.mark.parametrize("position", [(np.nan, 0, 0.03), (0, 0, np.inf)])
 def test_nothing_holds_from_a_mad_state(position, capfd):
-    drawn, now = two(box=body(position))
-    context, sane = world(drawn, now).rollout(now, push())
+    trial, now = two(box=body(position))
+    context, sane = world(trial, now).rollout(now, push())
     assert not sane.any()
     assert np.isfinite(context.tin_pos).all()
     assert capfd.readouterr() == ("", "")
 
 
 def test_several_beliefs_each_begin_from_their_own():
-    drawn, now = two()
-    heavy = BELIEFS | {"box": Physical(2.0, 0.9)}
-    both = PlanningWorld(drawn, [BELIEFS, heavy], now, PlanningCfg(threads=2))
+    trial, now = two()
+    heavy = BELIEFS | {"box": PhysicalParameters(2.0, 0.9)}
+    both = PlanningWorld(trial, [BELIEFS, heavy], now, PlanningCfg(threads=2))
     context, sane = both.rollout(now, push(3))
     assert sane.all()
-    alone, _ = PlanningWorld(drawn, heavy, now, PlanningCfg(threads=1)).rollout(now, push(3))
+    alone, _ = PlanningWorld(trial, heavy, now, PlanningCfg(threads=1)).rollout(now, push(3))
     assert np.array_equal(context.box_pos[3:], alone.box_pos)

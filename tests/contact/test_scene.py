@@ -3,31 +3,31 @@
 import mujoco
 import numpy as np
 import pytest
-from contact_bench import plain, trial
+from contact_bench import make_trial, plain
 
 from coral.contact.control.hand_model import FINGER_FRICTION, HandCfg
 from coral.contact.control.planning_model import build_model
 from coral.contact.scene.geometry import from_rotvec
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import HandTarget
-from coral.contact.scene.trial import Physical, believing, prior
-from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.scene.trial import PhysicalParameters, prior_beliefs, with_beliefs
+from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 
-def scene(drawn):
+def scene(trial):
     spec = mujoco.MjSpec()
     spec.option.timestep = 0.005
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 10
-    add_scene(spec, drawn)
+    add_scene(spec, trial)
     return spec
 
 
 def test_mass_is_shared_by_volume():
     parts = [{"size": [0.02, 0.02, 0.04]}, {"shape": "cylinder", "size": [0.02, 0.02, 0.02], "position": [0, 0, 0.05]}]
-    model = scene(trial(objects=[plain()["objects"][0] | {"parts": parts, "mass_kg": 0.3}])).compile()
+    model = scene(make_trial(objects=[plain()["objects"][0] | {"parts": parts, "mass_kg": 0.3}])).compile()
     body_id = model.body("box").id
     assert model.body_mass[body_id] == pytest.approx(0.3)
     share = 2 / (2 + np.pi / 4)
@@ -36,8 +36,8 @@ def test_mass_is_shared_by_volume():
 
 @pytest.mark.parametrize(("friction", "slope", "slides"), [(0.3, 0.25, False), (0.3, 0.36, True), (0.8, 0.7, False)])
 def test_the_objects_friction_holds_against_the_table(friction, slope, slides):
-    drawn = trial(objects=[plain()["objects"][0] | {"friction": friction}], fixtures=[])
-    spec = scene(drawn)
+    trial = make_trial(objects=[plain()["objects"][0] | {"friction": friction}], fixtures=[])
+    spec = scene(trial)
     spec.option.gravity = [9.81 * slope, 0, -9.81]
     model = spec.compile()
     data = mujoco.MjData(model)
@@ -46,8 +46,8 @@ def test_the_objects_friction_holds_against_the_table(friction, slope, slides):
 
 
 def test_between_pad_and_object_the_pads_friction_holds():
-    drawn = believing(trial(), {"box": Physical(0.2, 0.1)})
-    model = build_model(drawn, HandCfg(), 0.01)
+    trial = with_beliefs(make_trial(), {"box": PhysicalParameters(0.2, 0.1)})
+    model = build_model(trial, HandCfg(), 0.01)
     data = mujoco.MjData(model)
     data.joint("hand_x").qpos[0], data.joint("hand_z").qpos[0] = 0.0, 0.03
     data.qpos[3:7] = [0, 1, 0, 0]
@@ -61,17 +61,17 @@ def test_between_pad_and_object_the_pads_friction_holds():
 
 
 def test_prior_is_the_middle_and_belief_leaves_the_truth_alone():
-    drawn = trial(objects=[plain()["objects"][0] | {"mass_kg": [0.1, 0.5], "friction": [0.2, 0.4]}])
-    assert prior(drawn)["box"] == Physical(pytest.approx(0.3), pytest.approx(0.3))
-    believed = believing(drawn, {"box": Physical(9, 1)})
+    trial = make_trial(objects=[plain()["objects"][0] | {"mass_kg": [0.1, 0.5], "friction": [0.2, 0.4]}])
+    assert prior_beliefs(trial)["box"] == PhysicalParameters(pytest.approx(0.3), pytest.approx(0.3))
+    believed = with_beliefs(trial, {"box": PhysicalParameters(9, 1)})
     assert believed.objects["box"].physical.mass_kg == 9
-    assert believed.objects["box"].pose is drawn.objects["box"].pose
-    assert drawn.objects["box"].physical.mass_kg < 1
+    assert believed.objects["box"].pose is trial.objects["box"].pose
+    assert trial.objects["box"].physical.mass_kg < 1
 
 
 def hand_world(**changes):
     far = plain()["objects"][0] | {"x": -0.35, "y": -0.35}
-    return HandWorld(trial(objects=[far], fixtures=[], **changes), HandWorldCfg())
+    return HandWorld(make_trial(objects=[far], fixtures=[], **changes), HandWorldCfg())
 
 
 def pulled(world, target, steps=100):
@@ -112,7 +112,7 @@ def test_force_is_pushed_in_world_axes_whichever_way_the_hand_points():
 
 
 def test_contacts_say_which_way_the_force_goes():
-    world = HandWorld(trial(), HandWorldCfg())
+    world = HandWorld(make_trial(), HandWorldCfg())
     world.reset()
     world.step(HandTarget(np.array([-0.1, 0, 0.25]), np.array([0.0, 1.0, 0, 0]), 0.08, 600.0))
     for _ in range(10):
@@ -124,16 +124,16 @@ def test_contacts_say_which_way_the_force_goes():
 
 
 def test_a_world_that_diverges_says_so():
-    world = HandWorld(trial(), HandWorldCfg())
+    world = HandWorld(make_trial(), HandWorldCfg())
     world.reset()
     world.data.joint("box_free").qvel[:] = 1e12
-    with pytest.raises(WorldFault) as caught:
+    with pytest.raises(WorldError) as caught:
         world.step(HandTarget(np.array([-0.1, 0, 0.25]), np.array([0.0, 1.0, 0, 0]), 0.08, 600.0))
     assert caught.value.code == "diverged"
 
 
 def test_reset_begins_the_same_trial_bit_for_bit():
-    world = HandWorld(trial(), HandWorldCfg())
+    world = HandWorld(make_trial(), HandWorldCfg())
     target = HandTarget(np.array([0.0, 0, 0.03]), np.array([0.0, 1.0, 0, 0]), 0.08, 600.0)
     ends = []
     for _ in range(2):

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.scene.task_file import TASKS_DIR, shipped_tasks, task_schema
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.errors import InputError
 
@@ -32,7 +32,7 @@ def stl(path, corners=((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)), at=(0.0, 0.0
 def test_shipped_tasks_load_and_can_be_drawn(name):
     task = load_task(name)
     assert task.name == name
-    assert set(draw(task, 3).objects) == {item.name for item in task.objects}
+    assert set(sample_trial(task, 3).objects) == {item.name for item in task.objects}
 
 
 def test_the_schema_file_is_current():
@@ -227,7 +227,7 @@ def test_meshes_lie_beside_the_task_file(tmp_path, monkeypatch):
     task = written(tmp_path, changed("objects.0.parts.0", part))
     assert task.objects[0].parts[0].file == str(tmp_path / "meshes" / "part.STL")
     # The file's own frame holds, however far from its middle it is.
-    corners = draw(task, 0).corners("box")
+    corners = sample_trial(task, 0).corners("box")
     assert corners.min(axis=0) == pytest.approx([0.5, 0, 0], abs=1e-6)
     assert corners.max(axis=0) == pytest.approx([0.6, 0.1, 0.1], abs=1e-6)
 

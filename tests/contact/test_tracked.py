@@ -6,27 +6,27 @@ import pytest
 
 from coral.contact.episode import episode as module
 from coral.contact.episode.episode import Episode
-from coral.contact.perception.camera import CameraCfg, RgbdFrame
+from coral.contact.perception.camera import RgbdCameraCfg, RgbdFrame
 from coral.contact.perception.tracked_cfg import TrackedCfg, make_camera
 from coral.contact.perception.tracked_world import TrackedWorld
 from coral.contact.scene.observation import HandTarget
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.thinker.strategist import Fixed
-from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.thinker.strategist import FixedStrategist
+from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.errors import InputError
 
-from .episodes import COARSE, ObedientWorld, strategy, trial
+from .episodes import COARSE, ObedientWorld, make_trial, strategy
 
-SMALL = TrackedCfg(camera=CameraCfg(width=160, height=120))
+SMALL = TrackedCfg(camera=RgbdCameraCfg(width=160, height=120))
 
 
 class Scripted:
     """The usual camera, but some pictures do not come, or do not show any object."""
 
-    def __init__(self, world, drawn, cfg, off=lambda k: False, covered=lambda k: False):
-        self._camera, self._off, self._covered, self.taken = make_camera(world.model, drawn, cfg), off, covered, 0
+    def __init__(self, world, trial, cfg, off=lambda k: False, covered=lambda k: False):
+        self._camera, self._off, self._covered, self.taken = make_camera(world.model, trial, cfg), off, covered, 0
 
     def take(self, data, rng):
         self.taken += 1
@@ -38,9 +38,9 @@ class Scripted:
 
 
 def tracked(cfg=SMALL, seed=0, task="pick-box", **script):
-    drawn = draw(load_task(task), seed)
-    world = HandWorld(drawn, HandWorldCfg())
-    return TrackedWorld(world, drawn, cfg, np.random.default_rng(seed), Scripted(world, drawn, cfg, **script))
+    trial = sample_trial(load_task(task), seed)
+    world = HandWorld(trial, HandWorldCfg())
+    return TrackedWorld(world, trial, cfg, np.random.default_rng(seed), Scripted(world, trial, cfg, **script))
 
 
 def rest(now):
@@ -108,7 +108,7 @@ def test_the_hand_retreats_for_a_while_from_what_it_may_cover():
 
 def test_what_is_not_found_at_first_ends_the_episode():
     world = tracked(covered=lambda k: True)
-    with pytest.raises(WorldFault, match="box \\(not seen\\)") as caught:
+    with pytest.raises(WorldError, match="box \\(not seen\\)") as caught:
         world.reset()
     assert caught.value.code == "not-found"
 
@@ -121,7 +121,7 @@ def test_the_hand_waits_for_an_object_that_is_found_late():
 def test_a_camera_without_pictures_is_off():
     world = tracked(off=lambda k: k > 5)
     now = world.reset()
-    with pytest.raises(WorldFault, match=r"no picture since 0\.08 s") as caught:
+    with pytest.raises(WorldError, match=r"no picture since 0\.08 s") as caught:
         rest_until(world, now, 0.75)
     assert caught.value.code == "camera-off"
 
@@ -140,16 +140,16 @@ def test_poses_that_take_longer_than_a_picture_are_refused():
 
 
 def test_a_world_of_which_no_pictures_can_be_made_is_refused():
-    drawn = trial()
+    trial = make_trial()
     with pytest.raises(InputError, match="ground-truth"):
-        TrackedWorld(ObedientWorld(drawn), drawn, SMALL, np.random.default_rng(0))
+        TrackedWorld(ObedientWorld(trial), trial, SMALL, np.random.default_rng(0))
 
 
 def test_the_same_seed_gives_the_same_files(tmp_path):
     cfg = dataclasses.replace(COARSE, poses="tracked", tracked=SMALL)
     results = []
     for name in ("first", "second"):
-        one = Episode(trial(0.2), "hand", Fixed(strategy()), cfg, tmp_path / name, variant="expert")
+        one = Episode(make_trial(0.2), "hand", FixedStrategist(strategy()), cfg, tmp_path / name, variant="expert")
         results.append(one.run())
     for name in ("metrics.json", "events.jsonl", "trajectory.csv"):
         assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes()
@@ -165,7 +165,9 @@ def test_an_episode_tells_what_was_not_found(tmp_path, monkeypatch):
         "TrackedWorld",
         lambda *given: TrackedWorld(*given, Scripted(given[0], given[1], SMALL, covered=lambda k: True)),
     )
-    result = Episode(trial(0.2), "hand", Fixed(strategy()), cfg, tmp_path / "run", variant="expert").run()
+    result = Episode(
+        make_trial(0.2), "hand", FixedStrategist(strategy()), cfg, tmp_path / "run", variant="expert"
+    ).run()
     assert (result["success"], result["end_reason"], result["poses"]) == (False, "not-found", "tracked")
     last = json.loads((tmp_path / "run" / "events.jsonl").read_text().splitlines()[-1])
     assert "box (not seen)" in last["detail"]

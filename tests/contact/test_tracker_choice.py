@@ -13,18 +13,18 @@ from coral.commands.contact_bench import ContactBench
 from coral.commands.contact_run import with_tracker
 from coral.contact.episode.campaign_trial import run_trial
 from coral.contact.episode.episode import Episode
-from coral.contact.perception.camera import CameraCfg, look_at
+from coral.contact.perception.camera import RgbdCameraCfg, look_at
 from coral.contact.perception.rotation import inverse, pose
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.geometry import rotation_of
-from coral.contact.thinker.strategist import Fixed
+from coral.contact.thinker.strategist import FixedStrategist
 from coral.errors import InputError, RunError
 from coral.view.contact.report import write_contact_report
 
-from .episodes import COARSE, short_task, strategy, trial
+from .episodes import COARSE, make_trial, short_task, strategy
 
 NOBODY = "foundationpose:http://127.0.0.1:9"
-SMALL = dataclasses.replace(COARSE, poses="tracked", tracked=TrackedCfg(camera=CameraCfg(width=160, height=120)))
+SMALL = dataclasses.replace(COARSE, poses="tracked", tracked=TrackedCfg(camera=RgbdCameraCfg(width=160, height=120)))
 
 
 def served(server, cfg=SMALL):
@@ -33,7 +33,7 @@ def served(server, cfg=SMALL):
 
 def truthful(episode):
     """Makes the server answer with where the box truly is."""
-    camera = inverse(look_at(*viewpoint(episode.drawn, episode.cfg.tracked)))
+    camera = inverse(look_at(*viewpoint(episode.trial, episode.cfg.tracked)))
 
     def answer():
         box = episode.world.truth().objects["box"]
@@ -43,7 +43,7 @@ def truthful(episode):
 
 
 def episode(cfg, folder, seconds=0.2):
-    return Episode(trial(seconds), "hand", Fixed(strategy()), cfg, folder, variant="expert")
+    return Episode(make_trial(seconds), "hand", FixedStrategist(strategy()), cfg, folder, variant="expert")
 
 
 def events(folder):

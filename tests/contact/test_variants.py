@@ -5,7 +5,7 @@ import pytest
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.registry import rules_alone
-from coral.contact.episode.variants import DESK_S, Asking, make_mind
+from coral.contact.episode.variants import DESK_S, AdvisorSetup, make_strategist
 from coral.contact.tasks import load_task
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinker import Thinker
@@ -13,10 +13,10 @@ from coral.contact.thinker.thinker import Thinker
 SERVER = "local:http://127.0.0.1:1/v1#m"
 
 
-def thinker(asking: Asking) -> Thinker:
-    mind = make_mind("full", load_task("pick-box"), asking)
-    assert isinstance(mind, Thinker)
-    return mind
+def thinker(asking: AdvisorSetup) -> Thinker:
+    strategist = make_strategist("full", load_task("pick-box"), asking)
+    assert isinstance(strategist, Thinker)
+    return strategist
 
 
 @pytest.mark.parametrize("advisor", ["heuristic", "fallible:0.3:heuristic", "fallible:0.1:fallible:0.2:heuristic"])
@@ -41,20 +41,20 @@ def test_a_name_that_ends_like_the_rules_is_still_confined(advisor):
 
 
 def test_a_model_is_called_as_configured():
-    advisor = thinker(Asking(advisor=SERVER, model=ModelCfg(output="tool", max_retries=7))).asker.advisor
+    advisor = thinker(AdvisorSetup(advisor=SERVER, model=ModelCfg(output="tool", max_retries=7))).asker.advisor
     assert isinstance(advisor, ModelAdvisor)
     assert (advisor.cfg.output, advisor.cfg.max_retries) == ("tool", 7)
 
 
 def test_a_model_has_time_and_room_to_write_and_mend_a_program():
-    mind = thinker(Asking(advisor=SERVER))
-    assert isinstance(mind.asker.advisor, ModelAdvisor)
-    assert mind.asker.advisor.cfg.max_output_tokens >= 16_000
-    assert mind.asker.budget.deadline_s >= 3 * mind.asker.advisor.cfg.deadline_s
+    strategist = thinker(AdvisorSetup(advisor=SERVER))
+    assert isinstance(strategist.asker.advisor, ModelAdvisor)
+    assert strategist.asker.advisor.cfg.max_output_tokens >= 16_000
+    assert strategist.asker.budget.deadline_s >= 3 * strategist.asker.advisor.cfg.deadline_s
 
 
 def test_a_person_has_a_day_unless_told_otherwise(tmp_path):
-    asking = Asking(advisor="desk", inbox=tmp_path)
+    asking = AdvisorSetup(advisor="desk", inbox=tmp_path)
     assert thinker(asking).asker.budget.deadline_s == DESK_S
     budget = dataclasses.replace(ThinkCfg().budget, deadline_s=30.0)
     asking = dataclasses.replace(asking, think=dataclasses.replace(asking.think, budget=budget))

@@ -11,14 +11,14 @@ from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.thinker.strategist import Fixed
+from coral.contact.thinker.strategist import FixedStrategist
 from coral.errors import InputError
 from coral.mppi.knots import KnotMppiCfg
 from coral.view.contact.figures import curves_chart, stage_spans, touching
 from coral.view.contact.keyframes import MOST, keyframes, moments
-from coral.view.contact.replay import Scene, trial
+from coral.view.contact.replay import Scene, trial_of_run
 from coral.view.contact.report import write_contact_report
 from coral.view.contact.video import moments as film_moments
 from coral.view.contact.video import pictures
@@ -56,7 +56,7 @@ def recorded(tmp_path_factory):
     """A run of 1.2 s in the hand's world."""
     folder = tmp_path_factory.mktemp("contact") / "run"
     task = load_task("pick-box").model_copy(update={"time_limit_s": 1.2})
-    Episode(draw(task, 3), "hand", Fixed(poke()), COARSE, folder, variant="expert").run()
+    Episode(sample_trial(task, 3), "hand", FixedStrategist(poke()), COARSE, folder, variant="expert").run()
     return folder
 
 
@@ -121,10 +121,10 @@ def test_names_from_a_task_file_are_escaped(copy):
 
 
 def test_the_trial_is_drawn_again_from_the_folder(recorded):
-    drawn = trial(RunFolder.read(recorded))
+    trial = trial_of_run(RunFolder.read(recorded))
     run = RunFolder.read(recorded)
     np.testing.assert_allclose(
-        drawn.objects["box"].pose.position, [run.column(f"box_{axis}")[0] for axis in "xyz"], atol=1e-5
+        trial.objects["box"].pose.position, [run.column(f"box_{axis}")[0] for axis in "xyz"], atol=1e-5
     )
 
 

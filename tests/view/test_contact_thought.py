@@ -6,9 +6,9 @@ from coral.contact.control.controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
-from coral.contact.episode.variants import Asking, make_mind
+from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.scene.conditions import Upright
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.thinker.think_cfg import ThinkCfg
@@ -30,8 +30,12 @@ def spoilt(tmp_path_factory):
     """A second of a run whose advisor errs every other time, stuck once."""
     folder = tmp_path_factory.mktemp("thought") / "run"
     task = load_task("pick-box").model_copy(update={"time_limit_s": 1.0})
-    mind = make_mind("full", task, Asking(advisor="fallible:0.5:heuristic", seed=1, folder=folder, think=COARSE.think))
-    Episode(draw(task, 1), "hand", mind, COARSE, folder, variant="full", advisor="fallible:0.5:heuristic").run()
+    strategist = make_strategist(
+        "full", task, AdvisorSetup(advisor="fallible:0.5:heuristic", seed=1, folder=folder, think=COARSE.think)
+    )
+    Episode(
+        sample_trial(task, 1), "hand", strategist, COARSE, folder, variant="full", advisor="fallible:0.5:heuristic"
+    ).run()
     return RunFolder.read(folder)
 
 
@@ -155,7 +159,12 @@ def test_a_run_that_never_began_has_a_page_that_says_why(tmp_path):
     task = load_task("pick-box")
     goals = task.success.model_copy(update={"conditions": (Upright(object="box"),)})
     odd = task.model_copy(update={"success": goals})
-    mind = make_mind("full", odd, Asking(folder=folder))
-    assert Episode(draw(odd, 0), "hand", mind, COARSE, folder, variant="full", advisor="heuristic").run()["steps"] == 0
+    strategist = make_strategist("full", odd, AdvisorSetup(folder=folder))
+    assert (
+        Episode(sample_trial(odd, 0), "hand", strategist, COARSE, folder, variant="full", advisor="heuristic").run()[
+            "steps"
+        ]
+        == 0
+    )
     page = write_contact_report(folder).read_text()
     assert "Ended before it began: nobody found a way (no goal asks for anything to be moved: upright)." in page

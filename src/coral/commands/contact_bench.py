@@ -32,13 +32,13 @@ from coral.config import checked, to_mapping
 from coral.contact.episode.campaign_trial import run_trial
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.policy_trial import run_policy_trial
-from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_mind
+from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_strategist
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import FORMAT, Memory
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError, RunError
@@ -182,11 +182,11 @@ class ContactBench:
         seeds = parse_seeds(self.seeds)
         for name, task in tasks.items():
             for seed in seeds:
-                draw(task, seed, name)
+                sample_trial(task, seed, name)
         for variant in variants:
             check_variant(variant, "--variants")
             for task in tasks.values():
-                make_mind(variant, task)  # what it lacks is told now, not by every worker
+                make_strategist(variant, task)  # what it lacks is told now, not by every worker
         for world in worlds:
             check_world(world, "--worlds")
         for advisor in advisors:
@@ -314,7 +314,7 @@ class ContactBench:
             for row in rows
             if row["status"] == "done" and row["variant"] in NAMES
         )
-        drawn = []
+        trial = []
         for number, (task, place, advisor) in enumerate(keys):
             trials = chosen(rows, task, place, advisor)
             runs = {
@@ -325,8 +325,8 @@ class ContactBench:
                 continue
             path = self.out / f"ablation-{Path(task).stem}{f'-{number}' if number else ''}.png"
             draw_ablation(runs, path, f"{Path(task).stem}, world {place}, advisor {called(advisor)}")
-            drawn.append(str(path))
-        return drawn
+            trial.append(str(path))
+        return trial
 
     def _command(self) -> str:
         """The command that makes this campaign, without what does not change its results."""

@@ -15,11 +15,11 @@ from coral.commands.contact_run import with_poses, with_samples
 from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.identification_episode import probe_episode
-from coral.contact.scene.trial import Drawn, Physical, draw
+from coral.contact.scene.trial import PhysicalParameters, Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.world_model.identification import Fit
 from coral.contact.world_model.touch_probe import ProbeCfg, probe
-from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError, RunError
 
@@ -78,11 +78,11 @@ class ContactIdentify:
         checked(self.cfg, "--cfg")
         if not 0.2 <= self.every <= 60:
             raise InputError("--every", "", self.every, "a number of seconds from 0.2 to 60")
-        drawn = draw(load_task(self.task), self.seed)
-        name = drawn.task.objects[0].name
+        trial = sample_trial(load_task(self.task), self.seed)
+        name = trial.task.objects[0].name
         by = self.by or ("episode" if self.world == "panda" else "pushes")
-        found = self._episode(drawn, name) if by == "episode" else self._pushes(drawn, name)
-        believed = [Physical(*row["believed"]) for row in found["corrections"]]
+        found = self._episode(trial, name) if by == "episode" else self._pushes(trial, name)
+        believed = [PhysicalParameters(*row["believed"]) for row in found["corrections"]]
         last = believed[-1] if believed else self._first
         if self.figure is not None:
             self._draw(believed, self.figure)
@@ -115,14 +115,14 @@ class ContactIdentify:
         )
 
     @property
-    def _first(self) -> Physical:
-        return Physical(self.believed_mass, self.believed_friction)
+    def _first(self) -> PhysicalParameters:
+        return PhysicalParameters(self.believed_mass, self.believed_friction)
 
-    def _pushes(self, drawn: Drawn, name: str) -> dict[str, Any]:
+    def _pushes(self, trial: Trial, name: str) -> dict[str, Any]:
         fits = probe(
-            drawn,
+            trial,
             name,
-            Physical(self.mass, self.friction),
+            PhysicalParameters(self.mass, self.friction),
             self._first,
             self.cfg,
             np.random.default_rng([self.seed, 4]),
@@ -130,10 +130,10 @@ class ContactIdentify:
         )
         try:
             return {"corrections": [_row(fit) for fit in fits]}
-        except WorldFault as fault:
+        except WorldError as fault:
             raise RunError(f"the pushes: {fault.code}: {fault}") from None
 
-    def _episode(self, drawn: Drawn, name: str) -> dict[str, Any]:
+    def _episode(self, trial: Trial, name: str) -> dict[str, Any]:
         cfg = EpisodeCfg()
         identify = replace(cfg.think.identify, by="balance")
         cfg = replace(
@@ -146,9 +146,9 @@ class ContactIdentify:
         with tempfile.TemporaryDirectory() as aside:
             try:
                 found = probe_episode(
-                    drawn,
+                    trial,
                     name,
-                    Physical(self.mass, self.friction),
+                    PhysicalParameters(self.mass, self.friction),
                     self._first,
                     cfg,
                     self.out or Path(aside) / "run",
@@ -173,7 +173,7 @@ class ContactIdentify:
             "sim_time_s": found.sim_time_s,
         }
 
-    def _draw(self, believed: list[Physical], path: Path) -> None:
+    def _draw(self, believed: list[PhysicalParameters], path: Path) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 

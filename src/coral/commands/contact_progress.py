@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from coral.contact.scene.judge import Judge
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.trial import Trial
 
 
 class Running(Protocol):
@@ -17,7 +17,7 @@ class Running(Protocol):
 
     t: float
     time_limit_s: float
-    drawn: Drawn
+    trial: Trial
     judge: Judge
 
     @property
@@ -49,7 +49,7 @@ class EpisodeProgress:
         holding = episode.judge.holding
         self._bar.update(
             self._task,
-            description=episode.drawn.task.name,
+            description=episode.trial.task.name,
             completed=episode.t,
             total=episode.time_limit_s,
             status=f"{episode.t:5.1f} s simulated · {episode.stage} · {sum(holding)} of {len(holding)} conditions · "

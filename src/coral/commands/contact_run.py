@@ -17,14 +17,22 @@ from coral.commands.config_flag import configured
 from coral.commands.contact_progress import EpisodeProgress
 from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.end_reasons import ENDS
+from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.policy_episode import PolicyEpisode
 from coral.contact.episode.policy_trial import serving
-from coral.contact.episode.variants import ALONE, REMEMBERING, VARIANTS, Asking, check_variant, contact_model, make_mind
-from coral.contact.perception.tracker_registry import choose
+from coral.contact.episode.variants import (
+    ALONE,
+    REMEMBERING,
+    VARIANTS,
+    AdvisorSetup,
+    check_variant,
+    contact_model,
+    make_strategist,
+)
+from coral.contact.perception.tracker_registry import choose_tracker
 from coral.contact.policy.address import parse_address
-from coral.contact.scene.trial import Drawn, draw
+from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.think_cfg import within
 from coral.contact.world_model.given_beliefs import parse_beliefs
@@ -110,7 +118,7 @@ class ContactRun:
                 "a variant that asks an advisor, such as --variant full",
             )
         task = load_task(self.task)
-        drawn = draw(task, self.seed, self.task)
+        trial = sample_trial(task, self.seed, self.task)
         if self.believe is not None and (self.policy is not None or self.variant in (*ALONE, "unified")):
             raise InputError(
                 "--believe",
@@ -137,12 +145,12 @@ class ContactRun:
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.policy is not None:
-            return self._driven(self.policy, drawn, cfg)
+            return self._driven(self.policy, trial, cfg)
         folder = self.out or new_run_folder(Path("runs"), task.name)
-        mind = make_mind(
+        strategist = make_strategist(
             self.variant,
             task,
-            Asking(
+            AdvisorSetup(
                 advisor=self.advisor,
                 seed=self.seed,
                 world=self.world,
@@ -155,7 +163,7 @@ class ContactRun:
             ),
         )
         advisor = "none" if self.variant in ALONE else self.advisor
-        episode = Episode(drawn, self.world, mind, cfg, folder, variant=self.variant, advisor=advisor)
+        episode = Episode(trial, self.world, strategist, cfg, folder, variant=self.variant, advisor=advisor)
         progress = EpisodeProgress(quiet=self.quiet)
         try:
             result = episode.run([progress])
@@ -163,12 +171,12 @@ class ContactRun:
             progress.close()
         return {**result, "run": str(folder), **render(folder, cfg)}
 
-    def _driven(self, policy: str, drawn: Drawn, cfg: EpisodeCfg) -> Mapping[str, Any]:
+    def _driven(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """An episode that a served policy drives."""
         address = parse_address(policy, VARIANTS)
         with serving(address, cfg.policy.client) as client:
-            folder = self.out or new_run_folder(Path("runs"), drawn.task.name)
-            episode = PolicyEpisode(drawn, self.world, client, cfg, folder, address)
+            folder = self.out or new_run_folder(Path("runs"), trial.task.name)
+            episode = PolicyEpisode(trial, self.world, client, cfg, folder, address)
             progress = EpisodeProgress(quiet=self.quiet)
             try:
                 result = episode.run([progress])
@@ -179,7 +187,7 @@ class ContactRun:
     def describe(self, result: Mapping[str, Any]) -> str:
         """The outcome in a few lines, and where to look."""
         reason = str(result["end_reason"])
-        why = "" if result["success"] else f" ({ENDS.get(reason.partition(':')[0], '')})"
+        why = "" if result["success"] else f" ({END_REASONS.get(reason.partition(':')[0], '')})"
         lines = [
             f"{self.task}: {reason}{why} after {result['sim_time_s']:.1f} s simulated in "
             f"{result['wall_time_s']:.0f} s; {_count(result)} of {result['plan_ms_median']:.0f} ms, "
@@ -222,7 +230,7 @@ def with_tracker(cfg: EpisodeCfg, tracker: str | None) -> EpisodeCfg:
     """
     if tracker is None:
         return cfg
-    choose(tracker)
+    choose_tracker(tracker)
     if cfg.poses != "tracked":
         raise InputError("--tracker", "", f"{tracker!r} beside poses from the simulator", "--poses tracked")
     return dataclasses.replace(cfg, tracked=dataclasses.replace(cfg.tracked, by=tracker))

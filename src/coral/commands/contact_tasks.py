@@ -10,7 +10,7 @@ import tyro
 
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 
 DRAWN = 5
@@ -31,7 +31,7 @@ class ContactTasks:
         tasks = {name: load_task(name) for name in self.tasks or shipped_tasks()}
         for name, task in tasks.items():
             for seed in range(DRAWN):
-                draw(task, seed, name)
+                sample_trial(task, seed, name)
         return {"tasks": [described(task) for task in tasks.values()]}
 
     def describe(self, result: Mapping[str, Any]) -> str:

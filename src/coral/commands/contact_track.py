@@ -43,16 +43,16 @@ class ContactTrack:
 
     def __call__(self) -> Mapping[str, Any]:
         """Measure."""
-        from coral.contact.perception.camera import CameraCfg
+        from coral.contact.perception.camera import RgbdCameraCfg
         from coral.contact.perception.depth_noise import DepthNoise
-        from coral.contact.perception.tracker_registry import choose
-        from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure
-        from coral.contact.perception.tracking_loss import lose
+        from coral.contact.perception.tracker_registry import choose_tracker
+        from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure_accuracy
+        from coral.contact.perception.tracking_loss import measure_loss
         from coral.contact.scene.task_file import shipped_tasks
-        from coral.contact.scene.trial import draw
+        from coral.contact.scene.trial import sample_trial
         from coral.contact.tasks import load_task
 
-        choice = choose(self.tracker)
+        choice = choose_tracker(self.tracker)
         if self.width < 64:
             raise InputError("--width", "", self.width, "64 columns or more")
         if not 1.0 <= self.rate_hz <= 100.0:
@@ -60,7 +60,7 @@ class ContactTrack:
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "0 or more")
         cfg = AccuracyCfg(
-            camera=CameraCfg(width=self.width, height=round(self.width * 0.75)),
+            camera=RgbdCameraCfg(width=self.width, height=round(self.width * 0.75)),
             period_s=1.0 / self.rate_hz,
             noise=DepthNoise() if self.noise else None,
             colours="best" if choice.wants_colours else "none",
@@ -70,10 +70,10 @@ class ContactTrack:
         def make(model: ObjectModel) -> PoseTracker:
             return choice.make(model, None)
 
-        trials = [draw(load_task(name), self.seed) for name in self.tasks or shipped_tasks()]
-        tracked = [dataclasses.asdict(row) for trial in trials for row in measure(trial, make, cfg)]
+        trials = [sample_trial(load_task(name), self.seed) for name in self.tasks or shipped_tasks()]
+        tracked = [dataclasses.asdict(row) for trial in trials for row in measure_accuracy(trial, make, cfg)]
         lost = [
-            dataclasses.asdict(lose(trial, make, cfg, how))
+            dataclasses.asdict(measure_loss(trial, make, cfg, how))
             for trial in trials
             if self.losses
             for how in ("out of view", "covered")

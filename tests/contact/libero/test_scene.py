@@ -14,8 +14,8 @@ from coral.contact.libero.simplification import SolidCfg, simplified
 from coral.contact.libero.task import libero_task
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.mujoco_scene import add_scene
-from coral.contact.scene.observation import Body, Truth
-from coral.contact.scene.trial import draw
+from coral.contact.scene.observation import BodyState, Truth
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.errors import InputError
@@ -32,13 +32,13 @@ def test_what_is_asked_for(installed):
 
 
 def test_can_stands_upright_where_the_state_puts_it(installed):
-    drawn = draw(load_task("libero:object/0/1"), 0)
-    pose = drawn.objects["can"].pose
+    trial = sample_trial(load_task("libero:object/0/1"), 0)
+    pose = trial.objects["can"].pose
     np.testing.assert_allclose(pose.position[:2], [-0.1 + 0.01 + 0.1, -0.2], atol=1e-9)
     # The origin keeps its place in the can, 3 cm above the foot: the success test looks at it.
     assert pose.position[2] == pytest.approx(0.03, abs=1e-6)
     np.testing.assert_allclose(rotation_of(pose.quaternion)[:, 2], [0, 0, 1], atol=1e-6)
-    np.testing.assert_allclose(drawn.size("can"), [0.0593, 0.0593, 0.08], atol=1e-3)
+    np.testing.assert_allclose(trial.size("can"), [0.0593, 0.0593, 0.08], atol=1e-3)
 
 
 def test_many_boxes_in_a_round_become_a_cylinder(installed):
@@ -69,11 +69,11 @@ def test_bin_stands_on_the_table_turned_as_in_the_state(installed):
     ],
 )
 def test_success_is_the_origin_in_the_region(installed, place, holds):
-    drawn = draw(load_task("libero:object/0"), 0)
-    pose = drawn.objects["can"].pose
-    bodies = {"can": Body(np.array(place), pose.quaternion), "slab": drawn.objects["slab"].pose}
-    (condition,) = drawn.task.success.conditions
-    assert condition.watch(drawn)(Truth(0.0, pose, 0.08, bodies, ())) is holds
+    trial = sample_trial(load_task("libero:object/0"), 0)
+    pose = trial.objects["can"].pose
+    bodies = {"can": BodyState(np.array(place), pose.quaternion), "slab": trial.objects["slab"].pose}
+    (condition,) = trial.task.success.conditions
+    assert condition.watch(trial)(Truth(0.0, pose, 0.08, bodies, ())) is holds
 
 
 def test_mass_and_friction_spread_about_the_model(installed):
@@ -85,19 +85,19 @@ def test_mass_and_friction_spread_about_the_model(installed):
 
 
 def test_the_scene_stays_as_it_is(installed):
-    drawn = draw(load_task("libero:object/0"), 0)
+    trial = sample_trial(load_task("libero:object/0"), 0)
     spec = mujoco.MjSpec()
     spec.option.timestep = 0.002
-    add_scene(spec, drawn)
+    add_scene(spec, trial)
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, 200)
-    for name, item in drawn.objects.items():
+    for name, item in trial.objects.items():
         np.testing.assert_allclose(data.body(name).xpos, item.pose.position, atol=2e-3)
 
 
 def test_a_world_can_be_made_of_it(installed):
-    world = HandWorld(draw(load_task("libero:object/0"), 0), HandWorldCfg())
+    world = HandWorld(sample_trial(load_task("libero:object/0"), 0), HandWorldCfg())
     assert set(world.reset().objects) == {"can", "slab"}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from coral.contact.scene.observation import HandTarget, Observation
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.panda.world import PandaWorld
 
@@ -32,7 +32,7 @@ Go = Callable[..., Observation]
 def panda(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PandaWorld]:
     path: Path = tmp_path_factory.mktemp("scene") / "bench.yaml"
     path.write_text(SCENE)
-    world = PandaWorld(draw(load_task(path), 0))
+    world = PandaWorld(sample_trial(load_task(path), 0))
     yield world
     world.close()
 

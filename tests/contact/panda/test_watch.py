@@ -2,11 +2,11 @@
 
 import pytest
 
-from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.evaluation_world import WorldError
 
 
 def fault_of(go, *arguments, **options):
-    with pytest.raises(WorldFault) as caught:
+    with pytest.raises(WorldError) as caught:
         go(*arguments, **options)
     return caught.value
 

@@ -115,4 +115,4 @@ def test_a_control_period_that_no_physics_step_divides_is_refused(world):
     from coral.errors import InputError
 
     with pytest.raises(InputError, match=r"a whole number of them in 0\.0125 s"):
-        PandaWorld(world._drawn, PandaWorldCfg(control_period_s=0.0125))
+        PandaWorld(world._trial, PandaWorldCfg(control_period_s=0.0125))

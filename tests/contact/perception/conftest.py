@@ -52,15 +52,15 @@ def mug_obj(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def trial():
+def make_trial():
     """A box in front of a wall, and a can."""
     from coral.contact.scene.task import Task
-    from coral.contact.scene.trial import draw
+    from coral.contact.scene.trial import sample_trial
 
     def thing(name, part, **more):
         return {"name": name, "parts": [part], "mass_kg": 0.2, "friction": 0.5, **more}
 
-    return draw(
+    return sample_trial(
         Task.model_validate(
             {
                 "format": "coral-contact/1",

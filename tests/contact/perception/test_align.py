@@ -5,18 +5,20 @@ import pytest
 
 from coral.contact.perception import align_kernels as kernels
 from coral.contact.perception.agreement_kernels import RESIDUAL
-from coral.contact.perception.camera import CameraCfg
+from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.image_patch import cut
 from coral.contact.perception.object_model import from_mesh, from_primitives
-from coral.contact.perception.ray_solids import Part
+from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.perception.raycast_kernels import render
 from coral.contact.perception.registration import RegistrationCfg, misfit, orientations
 from coral.contact.perception.rotation import about, from_vector, inverse, pose, spread
 
-LENS = CameraCfg(width=160, height=120).lens
-BOX = from_primitives("box", [Part("box", (0.06, 0.04, 0.03))])
-BOARD = from_primitives("board", [Part("box", (0.15, 0.1, 0.006)), Part("box", (0.05, 0.045, 0.006), (0.2, 0, 0))])
-CAN = from_primitives("can", [Part("cylinder", (0.033, 0.06))])
+LENS = RgbdCameraCfg(width=160, height=120).lens
+BOX = from_primitives("box", [SolidPart("box", (0.06, 0.04, 0.03))])
+BOARD = from_primitives(
+    "board", [SolidPart("box", (0.15, 0.1, 0.006)), SolidPart("box", (0.05, 0.045, 0.006), (0.2, 0, 0))]
+)
+CAN = from_primitives("can", [SolidPart("cylinder", (0.033, 0.06))])
 
 
 def picture(model, T, background=1.5):
@@ -45,7 +47,7 @@ def picture(model, T, background=1.5):
 
 def slope(model, T):
     """|normal . ray| of every pixel of a drawing, with the normals of finite differences of inverse depth."""
-    depth, drawn = picture(model, T, np.nan)
+    depth, trial = picture(model, T, np.nan)
     inverse_depth = 1.0 / depth.astype(float)
     # On a plane n . (p, q, 1) z = d: the inverse depth is linear in p and q, with gradient n / d and offset.
     p, q = (np.arange(160) - LENS[2]) / LENS[0], (np.arange(120) - LENS[3]) / LENS[1]
@@ -60,7 +62,7 @@ def slope(model, T):
             flat = np.abs(corner - inverse_depth - a * du / LENS[0] - b * dv / LENS[1]) < 1e-5
             best = np.where((np.isnan(best[..., :1]) & flat[..., None]), n, best)
     rays = np.stack(np.broadcast_arrays(p[None, :], q[:, None], 1.0), -1)
-    return np.where(drawn, np.abs((best * rays).sum(-1)), 0.0)
+    return np.where(trial, np.abs((best * rays).sum(-1)), 0.0)
 
 
 def view(model, T, robot=None, pixels=10**6):
@@ -126,21 +128,21 @@ def test_the_tally_against_numpy():
     seen = view(BOX, truth, robot)
     tally = seen.count(BOX, guess, 0.012)
 
-    depth, drawn = picture(BOX, guess, 0.0)
-    near = np.zeros_like(drawn)
-    padded = np.pad(drawn, 1)
+    depth, trial = picture(BOX, guess, 0.0)
+    near = np.zeros_like(trial)
+    padded = np.pad(trial, 1)
     for a in range(3):
         for b in range(3):
             near |= padded[a : a + 120, b : b + 160]
-    both, gap = drawn & seen.mask, np.abs(seen.depth - depth) * slope(BOX, guess).clip(0.25)
-    behind = drawn & ~seen.mask & (robot | (seen.depth - depth < -0.012))
+    both, gap = trial & seen.mask, np.abs(seen.depth - depth) * slope(BOX, guess).clip(0.25)
+    behind = trial & ~seen.mask & (robot | (seen.depth - depth < -0.012))
     expected = [
         (both & (gap < 0.012)).sum(),
         (both & (gap >= 0.012)).sum(),
-        (seen.mask & ~drawn & ~near).sum(),
-        (drawn & ~seen.mask & ~behind & (seen.field > 1.5)).sum(),
+        (seen.mask & ~trial & ~near).sum(),
+        (trial & ~seen.mask & ~behind & (seen.field > 1.5)).sum(),
         behind.sum(),
-        drawn.sum(),
+        trial.sum(),
     ]
     np.testing.assert_array_equal(tally[:6], expected)
     assert min(expected) > 0

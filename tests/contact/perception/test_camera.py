@@ -2,7 +2,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from coral.contact.perception.camera import CameraCfg, RayCamera, look_at
+from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
 from coral.contact.perception.depth_noise import DepthNoise, DepthNoiseCfg
 from coral.contact.perception.gl_colours import GlColours
 from coral.contact.perception.noise_kernels import disturb
@@ -16,7 +16,9 @@ def scene(**more):
     model = mujoco.MjModel.from_xml_string(WALL)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    return RayCamera(model, CameraCfg(width=160, height=120), look_at((0, 0, 0), (0, 1, 0)), {1: "ball"}, **more), data
+    return RayCamera(
+        model, RgbdCameraCfg(width=160, height=120), look_at((0, 0, 0), (0, 1, 0)), {1: "ball"}, **more
+    ), data
 
 
 def test_a_wall_one_metre_away_and_a_ball_before_it():
@@ -148,4 +150,4 @@ def test_opengl_is_asked_for_the_camera_s_own_view(monkeypatch):
 @pytest.mark.parametrize("bad", [{"width": 4}, {"vfov_deg": 180.0}, {"near_m": 0.0}, {"far_m": 0.05}])
 def test_a_bad_camera_is_named(bad):
     with pytest.raises(InputError, match=next(iter(bad))):
-        CameraCfg(**bad)
+        RgbdCameraCfg(**bad)

@@ -8,13 +8,13 @@ from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.model_tracker import ModelTracker, TrackerCfg
 from coral.contact.perception.object_model import from_mesh
 from coral.contact.perception.tracker import TrackerFailed
-from coral.contact.perception.tracker_registry import choose
+from coral.contact.perception.tracker_registry import choose_tracker
 from coral.errors import InputError
 
 
 def test_the_embedded_one_gets_its_configuration_and_wants_no_colours(mug_obj):
     cfg, expected = TrackerCfg(steps=3), np.diag([-1.0, -1.0, 1.0, 1.0])
-    choice = choose("model", cfg)
+    choice = choose_tracker("model", cfg)
     tracker = choice.make(from_mesh("mug", mug_obj), expected)
     assert isinstance(tracker, ModelTracker)
     assert (tracker.cfg, choice.name, choice.wants_colours) == (cfg, "model", False)
@@ -26,8 +26,8 @@ def test_the_embedded_one_gets_its_configuration_and_wants_no_colours(mug_obj):
 def test_a_server_s_address_is_in_the_word_or_in_the_configuration(mug_obj):
     with serving() as server:
         for choice in (
-            choose(f"foundationpose:{server.url}", server=FoundationPoseCfg(track_steps=7)),
-            choose("foundationpose", server=FoundationPoseCfg(url=server.url, track_steps=7)),
+            choose_tracker(f"foundationpose:{server.url}", server=FoundationPoseCfg(track_steps=7)),
+            choose_tracker("foundationpose", server=FoundationPoseCfg(url=server.url, track_steps=7)),
         ):
             assert (choice.name, choice.wants_colours) == ("foundationpose", True)
             choice.check()
@@ -37,7 +37,7 @@ def test_a_server_s_address_is_in_the_word_or_in_the_configuration(mug_obj):
 
 def test_nobody_there_is_one_line():
     with pytest.raises(TrackerFailed, match=r"^foundationpose at http://127\.0\.0\.1:9 does not answer: .+$"):
-        choose("foundationpose:http://127.0.0.1:9").check()
+        choose_tracker("foundationpose:http://127.0.0.1:9").check()
 
 
 @pytest.mark.parametrize(
@@ -55,4 +55,4 @@ def test_nobody_there_is_one_line():
 )
 def test_another_word_is_refused_where_it_stands(word):
     with pytest.raises(InputError, match=r"^tracked: by: found"):
-        choose(word, where="tracked", field="by")
+        choose_tracker(word, where="tracked", field="by")

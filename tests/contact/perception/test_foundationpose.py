@@ -9,10 +9,10 @@ import pytest
 from stub_foundationpose import Oracle, serving
 
 from coral.contact.perception.benchmark_motions import motion_of
-from coral.contact.perception.camera import CameraCfg
+from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker
 from coral.contact.perception.foundationpose_server import Sessions, decode, encode
-from coral.contact.perception.posed_scene import Stage, object_model
+from coral.contact.perception.posed_scene import PosedScene, known_model
 from coral.contact.perception.rotation import inverse
 from coral.contact.perception.tracker import TrackerFailed
 from coral.errors import InputError
@@ -26,9 +26,9 @@ def url():
 
 @pytest.fixture(scope="module")
 def seen(trial):
-    stage = Stage(trial, CameraCfg(width=160, height=120), None, colours="shaded")
+    stage = PosedScene(trial, RgbdCameraCfg(width=160, height=120), None, colours="shaded")
     moment = motion_of(trial).at(0.0)
-    return object_model(stage.model, trial, "box"), stage.take(moment, np.random.default_rng(0)), moment.objects["box"]
+    return known_model(stage.model, trial, "box"), stage.take(moment, np.random.default_rng(0)), moment.objects["box"]
 
 
 def test_poses_go_through_the_server_and_are_judged(url, seen):
@@ -126,7 +126,7 @@ def test_bad_addresses_and_colourless_pictures(url, seen, trial):
             FoundationPoseTracker(model, FoundationPoseCfg(url=wrong))
     with pytest.raises(TrackerFailed, match="does not answer"):
         FoundationPoseTracker(model, FoundationPoseCfg(url="http://127.0.0.1:9"))
-    stage = Stage(trial, CameraCfg(width=160, height=120), None)
+    stage = PosedScene(trial, RgbdCameraCfg(width=160, height=120), None)
     frame = stage.take(motion_of(trial).at(0.0), np.random.default_rng(0))
     tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url))
     with pytest.raises(InputError, match="colours"):

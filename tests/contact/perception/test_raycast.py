@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from coral.contact.perception.camera import CameraCfg, RayCamera, look_at
+from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
 from coral.contact.perception.ray_solids import from_mujoco
 from coral.errors import InputError
 
@@ -40,7 +40,7 @@ def test_every_shape_as_mujoco_hits_it(eye):
     mujoco.mj_forward(model, data)
     camera = RayCamera(
         model,
-        CameraCfg(width=120, height=90, near_m=0.001, far_m=1e6),
+        RgbdCameraCfg(width=120, height=90, near_m=0.001, far_m=1e6),
         look_at(eye, (0, 0, 0.05)),
         {i: f"g{i}" for i in range(model.ngeom)},
         colours="shaded",
@@ -53,7 +53,7 @@ def test_every_shape_as_mujoco_hits_it(eye):
     np.testing.assert_allclose(frame.depth[same], depth[same], rtol=1e-5)
     from coral.contact.perception.normal_kernels import normals
 
-    drawn = np.empty((*depth.shape, 3))
+    trial = np.empty((*depth.shape, 3))
     s, T = camera._solids, camera.T_world_camera
     normals(
         np.ascontiguousarray(T[:3, :3]),
@@ -67,10 +67,10 @@ def test_every_shape_as_mujoco_hits_it(eye):
         camera._depth,
         camera._solid,
         camera._face,
-        drawn,
+        trial,
     )
     seen = same & (depth > 0)
-    assert np.quantile(np.abs((drawn[seen] * normal[seen]).sum(1)), 0.01) > 0.999
+    assert np.quantile(np.abs((trial[seen] * normal[seen]).sum(1)), 0.01) > 0.999
 
 
 def test_a_height_field_is_refused_by_name():

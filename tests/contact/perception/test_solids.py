@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from coral.contact.perception.object_model import from_body, from_mesh, from_primitives
-from coral.contact.perception.ray_solids import Part, read_mesh
+from coral.contact.perception.ray_solids import SolidPart, read_mesh
 from coral.contact.perception.surface_kernels import distance
 from coral.errors import InputError
 
@@ -53,7 +53,9 @@ def test_millimetres_are_suspected(tmp_path):
 
 
 def test_points_lie_on_the_surface_and_not_inside_another_part():
-    model = from_primitives("t", [Part("box", (0.05, 0.04, 0.03)), Part("cylinder", (0.02, 0.04), (0.0, 0.0, 0.04))])
+    model = from_primitives(
+        "t", [SolidPart("box", (0.05, 0.04, 0.03)), SolidPart("cylinder", (0.02, 0.04), (0.0, 0.0, 0.04))]
+    )
     inside = (np.abs(model.points) < np.array([0.05, 0.04, 0.03]) - 1e-6).all(1)
     assert not inside.any()
     assert distance(model.points, model.triangles).max() < 1e-9
@@ -72,7 +74,7 @@ def test_points_lie_on_the_surface_and_not_inside_another_part():
     ],
 )
 def test_surfaces_have_their_area_and_face_outward(kind, size, area):
-    t = from_primitives("t", [Part(kind, size)]).triangles
+    t = from_primitives("t", [SolidPart(kind, size)]).triangles
     cross = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
     assert np.linalg.norm(cross, axis=1).sum() / 2 == pytest.approx(area, rel=0.01)
     assert ((cross * t.mean(1)).sum(1) > 0).all()
@@ -102,4 +104,4 @@ def test_distance_to_a_triangle_is_the_least_over_its_points():
 @pytest.mark.parametrize("part", [("cone", (0.1, 0.1)), ("box", (0.1, 0.1)), ("sphere", (0.0,))])
 def test_a_bad_part_is_refused(part):
     with pytest.raises(InputError, match="object"):
-        Part(*part)
+        SolidPart(*part)

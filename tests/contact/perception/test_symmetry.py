@@ -5,23 +5,23 @@ from hypothesis import strategies as st
 
 from coral.contact.perception.object_model import from_mesh, from_primitives
 from coral.contact.perception.pose_error import add, add_s, mssd
-from coral.contact.perception.ray_solids import Part
+from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.perception.rotation import about, angle, pose, spread
 from coral.contact.perception.symmetry import Symmetry, of_kind
 from coral.errors import InputError
 
-BOARD = (Part("box", (0.15, 0.1, 0.006)), Part("box", (0.05, 0.045, 0.006), (0.2, 0.0, 0.0)))
+BOARD = (SolidPart("box", (0.15, 0.1, 0.006)), SolidPart("box", (0.05, 0.045, 0.006), (0.2, 0.0, 0.0)))
 
 
 @pytest.mark.parametrize(
     ("parts", "order", "continuous"),
     [
-        ([Part("box", (0.05, 0.04, 0.03))], 4, False),
-        ([Part("box", (0.04, 0.04, 0.03))], 8, False),
-        ([Part("box", (0.03, 0.03, 0.03))], 24, False),
+        ([SolidPart("box", (0.05, 0.04, 0.03))], 4, False),
+        ([SolidPart("box", (0.04, 0.04, 0.03))], 8, False),
+        ([SolidPart("box", (0.03, 0.03, 0.03))], 24, False),
         (BOARD, 2, False),
-        ([Part("cylinder", (0.03, 0.06))], 2, True),
-        ([Part("cylinder", (0.03, 0.06)), Part("cylinder", (0.01, 0.02), (0, 0, 0.07))], 1, True),
+        ([SolidPart("cylinder", (0.03, 0.06))], 2, True),
+        ([SolidPart("cylinder", (0.03, 0.06)), SolidPart("cylinder", (0.01, 0.02), (0, 0, 0.07))], 1, True),
     ],
 )
 def test_the_group_of_a_shape(parts, order, continuous):

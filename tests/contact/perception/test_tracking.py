@@ -3,29 +3,29 @@ import itertools
 import numpy as np
 import pytest
 
-from coral.contact.perception.benchmark_motions import MOTIONS, Moment, motion_of
-from coral.contact.perception.camera import CameraCfg
+from coral.contact.perception.benchmark_motions import MOTIONS, MotionSample, motion_of
+from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.follow import Followed
 from coral.contact.perception.model_tracker import ModelTracker
-from coral.contact.perception.posed_scene import Stage, object_model
+from coral.contact.perception.posed_scene import PosedScene, known_model
 from coral.contact.perception.rotation import about, pose
-from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure
-from coral.contact.perception.tracking_loss import lose
+from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure_accuracy
+from coral.contact.perception.tracking_loss import measure_loss
 from coral.errors import InputError
 
-CFG = AccuracyCfg(camera=CameraCfg(width=240, height=180), noise=DepthNoise(), period_s=0.2, registrations=3)
+CFG = AccuracyCfg(camera=RgbdCameraCfg(width=240, height=180), noise=DepthNoise(), period_s=0.2, registrations=3)
 
 
 @pytest.fixture(scope="module")
 def stage(trial):
-    return Stage(trial, CFG.camera, CFG.noise)
+    return PosedScene(trial, CFG.camera, CFG.noise)
 
 
 @pytest.fixture(scope="module")
 def at_rest(trial):
     start = motion_of(trial).at(0.0)
-    return Moment(start.objects, pose(start.tool[:3, :3], np.array([-0.5, 0.4, 0.5])), 0.04)
+    return MotionSample(start.objects, pose(start.tool[:3, :3], np.array([-0.5, 0.4, 0.5])), 0.04)
 
 
 def error(tracker, estimate, truth):
@@ -55,7 +55,7 @@ def test_an_unknown_motion_is_refused(trial):
 
 
 def test_every_object_is_followed_within_5_mm_and_3_degrees(trial):
-    for row in measure(trial, ModelTracker, CFG):
+    for row in measure_accuracy(trial, ModelTracker, CFG):
         assert row.mm < 5
         assert row.deg < 3
         assert row.lost == 0
@@ -65,7 +65,7 @@ def test_every_object_is_followed_within_5_mm_and_3_degrees(trial):
 
 @pytest.mark.parametrize("how", ["out of view", "covered"])
 def test_a_loss_is_noticed_reported_and_recovered(trial, how):
-    loss = lose(trial, ModelTracker, CFG, how)
+    loss = measure_loss(trial, ModelTracker, CFG, how)
     assert loss.noticed_frames == 1
     assert loss.reported == 1.0
     assert loss.reason == "not seen"
@@ -76,7 +76,7 @@ def test_a_loss_is_noticed_reported_and_recovered(trial, how):
 
 def test_a_mask_of_something_else_is_noticed_and_forgotten(stage, at_rest, trial):
     rng = np.random.default_rng(0)
-    tracker = ModelTracker(object_model(stage.model, trial, "box"))
+    tracker = ModelTracker(known_model(stage.model, trial, "box"))
     frame = stage.take(at_rest, rng)
     first = tracker.register(frame, frame.mask("box"))
     wrong = tracker.track(frame, frame.instance == 0)
@@ -89,7 +89,7 @@ def test_a_mask_of_something_else_is_noticed_and_forgotten(stage, at_rest, trial
 
 
 def test_a_narrow_strip_beside_the_hand_is_called_covered(stage, at_rest, trial):
-    tracker = ModelTracker(object_model(stage.model, trial, "box"))
+    tracker = ModelTracker(known_model(stage.model, trial, "box"))
     frame = stage.take(at_rest, np.random.default_rng(0))
     tracker.register(frame, frame.mask("box"))
     mask = frame.mask("box")
@@ -105,19 +105,19 @@ def test_a_narrow_strip_beside_the_hand_is_called_covered(stage, at_rest, trial)
 
 def test_a_jump_within_one_picture_is_found_again(stage, at_rest, trial):
     rng = np.random.default_rng(0)
-    tracker = ModelTracker(object_model(stage.model, trial, "box"))
+    tracker = ModelTracker(known_model(stage.model, trial, "box"))
     frame = stage.take(at_rest, rng)
     tracker.register(frame, frame.mask("box"))
     here = at_rest.objects["box"]
     there = pose(about(np.array([0, 0, 1.0]), 0.9) @ here[:3, :3], here[:3, 3] + [-0.05, -0.15, 0.05])
-    frame = stage.take(Moment(at_rest.objects | {"box": there}, at_rest.tool, 0.04), rng)
+    frame = stage.take(MotionSample(at_rest.objects | {"box": there}, at_rest.tool, 0.04), rng)
     estimate = tracker.track(frame, frame.mask("box"))
     assert not estimate.lost
     assert error(tracker, estimate, there)[0] < 5
 
 
 def test_the_first_pose_is_the_expected_one_among_equals(stage, at_rest, trial):
-    model = object_model(stage.model, trial, "box")
+    model = known_model(stage.model, trial, "box")
     frame = stage.take(at_rest, np.random.default_rng(0))
     truth = at_rest.objects["box"]
     expected = truth @ pose(about(np.array([0, 0, 1.0]), np.pi), np.zeros(3))
@@ -126,7 +126,7 @@ def test_the_first_pose_is_the_expected_one_among_equals(stage, at_rest, trial):
 
 
 def test_before_anything_is_seen_the_object_is_lost_where_expected(stage, at_rest, trial):
-    tracker = ModelTracker(object_model(stage.model, trial, "box"))
+    tracker = ModelTracker(known_model(stage.model, trial, "box"))
     frame = stage.take(at_rest, np.random.default_rng(0))
     estimate = tracker.track(frame, np.zeros(frame.depth.shape, bool))
     assert estimate.lost
@@ -137,25 +137,25 @@ def test_before_anything_is_seen_the_object_is_lost_where_expected(stage, at_res
 
 def test_the_same_pictures_give_the_same_poses(stage, at_rest, trial):
     frame = stage.take(at_rest, np.random.default_rng(5))
-    model = object_model(stage.model, trial, "can")
+    model = known_model(stage.model, trial, "can")
     first, second = (ModelTracker(model).register(frame, frame.mask("can")) for _ in range(2))
     np.testing.assert_array_equal(first.T_world_object, second.T_world_object)
 
 
 def test_bodies_have_the_speed_of_the_motion(trial, at_rest):
-    stage = Stage(trial, CFG.camera, None)
-    followed = Followed({name: ModelTracker(object_model(stage.model, trial, name)) for name in trial.objects})
+    stage = PosedScene(trial, CFG.camera, None)
+    followed = Followed({name: ModelTracker(known_model(stage.model, trial, name)) for name in trial.objects})
     rng = np.random.default_rng(0)
     for k in range(6):
         here = at_rest.objects["box"]
         there = pose(about(np.array([0, 0, 1.0]), 0.02 * k) @ here[:3, :3], here[:3, 3] + [0.01 * k, 0, 0])
-        moment = Moment(at_rest.objects | {"box": there}, at_rest.tool, 0.04)
+        moment = MotionSample(at_rest.objects | {"box": there}, at_rest.tool, 0.04)
         bodies = followed.update(stage.take(moment, rng, 0.1 * k))
     np.testing.assert_allclose(bodies["box"].velocity, [0.1, 0, 0], atol=0.02)
     np.testing.assert_allclose(bodies["box"].angular_velocity, [0, 0, 0.2], atol=0.08)
     np.testing.assert_allclose(bodies["can"].velocity, 0, atol=0.01)
     assert followed.lost == {}
-    gone = Moment(at_rest.objects | {"box": pose(np.eye(3), np.array([0, 0, -3.0]))}, at_rest.tool, 0.04)
+    gone = MotionSample(at_rest.objects | {"box": pose(np.eye(3), np.array([0, 0, -3.0]))}, at_rest.tool, 0.04)
     bodies = followed.update(stage.take(gone, rng, 0.6))
     assert followed.lost == {"box": "not seen"}
     np.testing.assert_array_equal(bodies["box"].velocity, 0)

@@ -4,12 +4,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from coral.contact.policy.cameras import Eyes, EyesCfg, wrist_pose
-from coral.contact.scene.observation import Body
+from coral.contact.policy.cameras import PolicyCameras, PolicyCamerasCfg, wrist_pose
+from coral.contact.scene.observation import BodyState
 from coral.errors import InputError
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-SMALL = EyesCfg(pixels=48)
+SMALL = PolicyCamerasCfg(pixels=48)
 SCENE = """
 <mujoco><worldbody>
   <geom name="table" type="box" size="0.5 0.5 0.05" pos="0 0 -0.05" rgba="1 1 1 1"/>
@@ -28,7 +28,7 @@ def scene():
 
 
 def look(scene, cfg, tool=(0.0, 0.0, 0.3)):
-    return Eyes(scene[0], cfg).look(scene[1], Body(np.array(tool), DOWN))
+    return PolicyCameras(scene[0], cfg).look(scene[1], BodyState(np.array(tool), DOWN))
 
 
 def columns(picture, channel):
@@ -68,7 +68,7 @@ def test_the_wrist_camera_looks_out_of_the_palm_and_moves_with_the_hand(scene):
 
 def test_the_wrist_camera_is_robosuites():
     """Its place on the Panda's hand: 5 cm along x, at the flange; its top towards the hand's x."""
-    pose = wrist_pose(Body(np.zeros(3), np.array([1.0, 0, 0, 0])), np.array(SMALL.wrist_m))
+    pose = wrist_pose(BodyState(np.zeros(3), np.array([1.0, 0, 0, 0])), np.array(SMALL.wrist_m))
     np.testing.assert_allclose(pose[:3, 3], [0.05, 0, -0.097])
     np.testing.assert_allclose(pose[:3, 1], [-1, 0, 0])  # down in the picture
     np.testing.assert_allclose(pose[:3, 2], [0, 0, 1])
@@ -77,4 +77,4 @@ def test_the_wrist_camera_is_robosuites():
 
 def test_a_camera_that_looks_straight_down_has_no_upright(scene):
     with pytest.raises(InputError, match="target_m"):
-        Eyes(scene[0], EyesCfg(eye_m=(0, 0, 1), target_m=(0, 0, 0)))
+        PolicyCameras(scene[0], PolicyCamerasCfg(eye_m=(0, 0, 1), target_m=(0, 0, 0)))

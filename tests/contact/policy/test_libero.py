@@ -4,14 +4,14 @@ import pytest
 from coral.contact.policy.client import PolicyError
 from coral.contact.policy.libero_convention import LiberoCfg, actions_of, axis_angle, opened, state, target
 from coral.contact.scene.geometry import angle_between, from_rotvec, multiply
-from coral.contact.scene.observation import Body, Observation
+from coral.contact.scene.observation import BodyState, Observation
 
 CFG = LiberoCfg()
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 
 
 def observed(position=(0.1, 0.2, 0.3), quaternion=DOWN, opening=0.06):
-    return Observation(0.0, Body(np.array(position), np.asarray(quaternion)), opening, np.zeros(6), {})
+    return Observation(0.0, BodyState(np.array(position), np.asarray(quaternion)), opening, np.zeros(6), {})
 
 
 def test_the_state_is_position_axis_angle_and_both_fingers():

@@ -9,20 +9,20 @@ import yaml
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.end_reasons import ENDS
+from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.policy_episode import PolicyEpisode
 from coral.contact.policy.address import Address
-from coral.contact.policy.cameras import EyesCfg
+from coral.contact.policy.cameras import PolicyCamerasCfg
 from coral.contact.policy.cfg import PolicyCfg
 from coral.contact.policy.client import PolicyError
 from coral.contact.policy.libero_convention import LiberoCfg
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import InputError
 
-CFG = EpisodeCfg(policy=PolicyCfg(eyes=EyesCfg(pixels=16)))
+CFG = EpisodeCfg(policy=PolicyCfg(eyes=PolicyCamerasCfg(pixels=16)))
 
 
 class Scripted:
@@ -46,7 +46,9 @@ def episode(tmp_path):
         held = load_task(task)
         square = tuple(item.model_copy(update={"yaw_deg": (0.0, 0.0)}) for item in held.objects)
         held = held.model_copy(update={"time_limit_s": seconds, "objects": square})
-        return PolicyEpisode(draw(held, seed), "hand", policy, cfg, tmp_path / folder, Address("script", "ws://here:1"))
+        return PolicyEpisode(
+            sample_trial(held, seed), "hand", policy, cfg, tmp_path / folder, Address("script", "ws://here:1")
+        )
 
     return make
 
@@ -56,9 +58,9 @@ def events(episode, name):
     return [line for line in lines if line["event"] == name]
 
 
-def pick(drawn):
+def pick(trial):
     """Straight to the box, down, close, up: what a perfect policy would answer, from the state alone."""
-    box = drawn.objects["box"].pose.position + LiberoCfg().origin_m
+    box = trial.objects["box"].pose.position + LiberoCfg().origin_m
     closing = []
 
     def answer(seen):
@@ -78,7 +80,7 @@ def pick(drawn):
 
 def test_a_policy_that_knows_how_picks_the_box(episode):
     one = episode(Scripted(lambda seen: answer(seen)), seconds=15.0)
-    answer = pick(one.drawn)
+    answer = pick(one.trial)
     result = one.run()
     assert (result["success"], result["end_reason"], result["strategy"]) == (True, "success", "script")
     assert result["policy_calls"] == len(one.policy.asked) > 3
@@ -140,7 +142,7 @@ def test_a_failure_of_the_policy_ends_the_episode_with_its_name(episode, code):
     result = one.run()
     assert (result["success"], result["end_reason"], result["policy_calls"]) == (False, f"policy: {code}", 2)
     assert events(one, "end")[0]["detail"] == "it broke"
-    assert "policy" in ENDS
+    assert "policy" in END_REASONS
 
 
 @pytest.mark.parametrize(
@@ -154,7 +156,7 @@ def test_actions_that_are_none_end_the_episode_before_a_step(episode, actions, r
 
 def test_a_fault_of_the_world_is_named(episode, monkeypatch):
     def broken(world, target):
-        raise WorldFault("diverged", "it flew away")
+        raise WorldError("diverged", "it flew away")
 
     monkeypatch.setattr(HandWorld, "step", broken)
     result = episode(steady(0, 0, 0, 0, 0, 0, 0)).run()

@@ -3,7 +3,7 @@ import pytest
 
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.plan.rehearsal import sample_states
-from coral.contact.scene.trial import draw, prior
+from coral.contact.scene.trial import prior_beliefs, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
@@ -13,12 +13,12 @@ class Scene:
     """A trial at its beginning, with a planning world that believes the middle of what the task states."""
 
     def __init__(self, task, seed=0):
-        self.drawn = draw(load_task(task) if isinstance(task, str) else task, seed)
-        self.now = HandWorld(self.drawn, HandWorldCfg()).reset()
-        self.beliefs = prior(self.drawn)
-        self.world = PlanningWorld(self.drawn, self.beliefs, self.now, PlanningCfg(threads=1))
-        self.facts = scene_facts(self.drawn, self.now, self.beliefs)
-        self.sizes = {name: self.drawn.size(name) for name in self.drawn.objects}
+        self.trial = sample_trial(load_task(task) if isinstance(task, str) else task, seed)
+        self.now = HandWorld(self.trial, HandWorldCfg()).reset()
+        self.beliefs = prior_beliefs(self.trial)
+        self.world = PlanningWorld(self.trial, self.beliefs, self.now, PlanningCfg(threads=1))
+        self.facts = scene_facts(self.trial, self.now, self.beliefs)
+        self.sizes = {name: self.trial.size(name) for name in self.trial.objects}
 
     @property
     def samples(self):

@@ -5,26 +5,26 @@ import pytest
 
 from coral.advisor.question import Reply
 from coral.advisor.rules import RuleAdvisor
-from coral.contact.rules.estimates import estimate
-from coral.contact.scene.trial import draw
+from coral.contact.rules.estimates import estimate_parameters
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.scene_facts import interface_text, scene_facts
-from coral.contact.world_model.parameter_estimates import Estimates, belief_prompt, verify_estimates
+from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt, verify_estimates
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 SIZES = {"mug": (0.08, 0.08, 0.1)}
 
 
 def answer(**objects):
-    return Estimates.model_validate(
+    return ParameterEstimates.model_validate(
         {name: {"mass_kg": mass, "friction_coeff": friction} for name, (mass, friction) in objects.items()}
     )
 
 
 def clutter():
-    drawn = draw(load_task("pick-clutter"), 3)
-    return drawn, HandWorld(drawn, HandWorldCfg()).reset()
+    trial = sample_trial(load_task("pick-clutter"), 3)
+    return trial, HandWorld(trial, HandWorldCfg()).reset()
 
 
 def test_plausible_estimates_pass():
@@ -49,18 +49,18 @@ def test_impossible_estimates_are_refused_with_a_reason(given, code, words):
 
 
 def test_heuristic_answers_for_every_object_within_what_the_task_states():
-    drawn, now = clutter()
-    facts = scene_facts(drawn, now)
-    found = estimate(facts)
+    trial, now = clutter()
+    facts = scene_facts(trial, now)
+    found = estimate_parameters(facts)
     assert verify_estimates(found, {name: item["size_m"] for name, item in facts["objects"].items()}) is None
-    for item in drawn.task.objects:
+    for item in trial.task.objects:
         assert item.mass_kg[0] <= found.root[item.name].mass_kg <= item.mass_kg[1]
 
 
 def test_facts_do_not_hold_the_true_parameters():
-    drawn, now = clutter()
-    text = json.dumps(scene_facts(drawn, now)) + json.dumps(belief_prompt(scene_facts(drawn, now)))
-    for item in drawn.objects.values():
+    trial, now = clutter()
+    text = json.dumps(scene_facts(trial, now)) + json.dumps(belief_prompt(scene_facts(trial, now)))
+    for item in trial.objects.values():
         assert not any(
             f"{value:.{digits}f}" in text
             for digits in (3, 4, 5)
@@ -70,7 +70,9 @@ def test_facts_do_not_hold_the_true_parameters():
 
 def test_steel_is_heavier_than_cardboard():
     item = {"size_m": [0.1, 0.1, 0.1], "stated_mass_kg": [0.005, 20], "stated_friction": [0.02, 2]}
-    found = estimate({"objects": {"a": {**item, "label": "steel block"}, "b": {**item, "label": "cardboard box"}}})
+    found = estimate_parameters(
+        {"objects": {"a": {**item, "label": "steel block"}, "b": {**item, "label": "cardboard box"}}}
+    )
     assert found.root["a"].mass_kg > 5 * found.root["b"].mass_kg
 
 
@@ -81,20 +83,24 @@ class Mistaken:
 
     async def answer(self, question, rejections):
         self.reasons = [rejection.reason for rejection in rejections]
-        given = estimate(question.facts)
+        given = estimate_parameters(question.facts)
         if not rejections:
             given.root.popitem()
         return Reply(value=given, raw="")
 
 
 def test_a_refused_answer_is_asked_for_again_with_the_reason():
-    drawn, now = clutter()
-    facts = scene_facts(drawn, now)
+    trial, now = clutter()
+    facts = scene_facts(trial, now)
     advisor, heard = Mistaken(), []
     sizes = {name: item["size_m"] for name, item in facts["objects"].items()}
     asker = Asker(advisor, log=heard.append)
     outcome = asker.ask(
-        "physical-parameters", Estimates, facts, belief_prompt(facts), lambda given: verify_estimates(given, sizes)
+        "physical-parameters",
+        ParameterEstimates,
+        facts,
+        belief_prompt(facts),
+        lambda given: verify_estimates(given, sizes),
     )
     asker.close()
     assert outcome.answer is not None
@@ -106,15 +112,15 @@ def test_a_refused_answer_is_asked_for_again_with_the_reason():
 def test_an_advisor_without_the_rule_fails_by_name():
     asker = Asker(RuleAdvisor({}))
     facts = scene_facts(*clutter())
-    outcome = asker.ask("physical-parameters", Estimates, facts, belief_prompt(facts), lambda given: None)
+    outcome = asker.ask("physical-parameters", ParameterEstimates, facts, belief_prompt(facts), lambda given: None)
     asker.close()
     assert outcome.failure == "no-rule"
 
 
 def test_interface_names_every_quantity():
-    drawn, _ = clutter()
+    trial, _ = clutter()
     from coral.contact.control.quantities import task_schema_of
 
-    schema = task_schema_of(drawn.task)
+    schema = task_schema_of(trial.task)
     text = interface_text(schema)
     assert all(f"self.{name} " in text for name in schema)

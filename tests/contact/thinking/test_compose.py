@@ -7,10 +7,10 @@ from coral.contact.cost.stages import Progress
 from coral.contact.plan.contact_regions import tool_quaternion
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, make_strategy, verify_plan
 from coral.contact.plan.region_validation import verify_regions
-from coral.contact.rules.adjustments import choice_after
+from coral.contact.rules.adjustments import adjustment_after
 from coral.contact.rules.answers import RULES
 from coral.contact.rules.composition import NoRule, compose
-from coral.contact.rules.scene_reading import Choice, Thing
+from coral.contact.rules.scene_reading import SkillAdjustment, Thing
 from coral.contact.scene.geometry import multiply, rotate
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks
@@ -109,11 +109,11 @@ def test_what_no_rule_knows_is_said(scene):
 
 def test_repairs_change_the_plan(scene):
     one = scene("pick-box")
-    first, again = compose(one.facts), compose(one.facts, choice_after(["slipped"]))
+    first, again = compose(one.facts), compose(one.facts, adjustment_after(["slipped"]))
     assert first.plan != again.plan
-    assert choice_after([]) == Choice()
-    assert choice_after(["slipped"]).press > 1
-    assert choice_after(["not-reached"]).turn == 1
+    assert adjustment_after([]) == SkillAdjustment()
+    assert adjustment_after(["slipped"]).press > 1
+    assert adjustment_after(["not-reached"]).turn == 1
 
 
 def stage(**more):
@@ -179,11 +179,13 @@ def test_a_board_that_overhangs_already_is_not_pushed_again(scene):
 
 def test_a_repair_of_the_way_in_takes_another_slant_and_goes_deeper_when_it_slipped(scene):
     facts = scene("push-pick-board").facts
-    made = [compose(facts, Choice(turn=turn)) for turn in range(3)]
+    made = [compose(facts, SkillAdjustment(turn=turn)) for turn in range(3)]
     ways = {region.normal for one in made for _, region in one.regions.each() if region.stage == "insert"}
     assert len(ways) == 3
     assert [verify_regions(one.regions, facts, one.plan.names) for one in made] == [None] * 3
-    first, again = (compose(facts, choice).plan.stages[5].code for choice in (Choice(), choice_after(["slipped"])))
+    first, again = (
+        compose(facts, choice).plan.stages[5].code for choice in (SkillAdjustment(), adjustment_after(["slipped"]))
+    )
     assert first != again
 
 

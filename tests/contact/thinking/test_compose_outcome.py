@@ -10,18 +10,22 @@ from coral.contact.rules.answers import RULES
 from coral.contact.rules.outcome_cost import outcome_plan
 from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import draw, prior
+from coral.contact.scene.trial import prior_beliefs, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 
 def scene(name):
-    drawn = draw(load_task(name), 0)
-    first = HandWorld(drawn, HandWorldCfg()).reset()
-    world = PlanningWorld(drawn, prior(drawn), first, PlanningCfg(threads=1))
-    sizes = {thing: drawn.size(thing) for thing in drawn.objects}
-    return scene_facts(drawn, first, prior(drawn)), world, sample_states(world, first, sizes, np.random.default_rng(0))
+    trial = sample_trial(load_task(name), 0)
+    first = HandWorld(trial, HandWorldCfg()).reset()
+    world = PlanningWorld(trial, prior_beliefs(trial), first, PlanningCfg(threads=1))
+    sizes = {thing: trial.size(thing) for thing in trial.objects}
+    return (
+        scene_facts(trial, first, prior_beliefs(trial)),
+        world,
+        sample_states(world, first, sizes, np.random.default_rng(0)),
+    )
 
 
 @pytest.mark.parametrize("name", shipped_tasks())
@@ -29,8 +33,8 @@ def test_a_cost_of_outcomes_alone_can_be_used_and_says_nothing_of_where_to_touch
     facts, world, samples = scene(name)
     plan = outcome_plan(facts)
     assert verify_plan(plan, world.schema, samples) is None
-    drawn = [line.split(" = ")[1].split(" - 0.")[0] for line in plan.code.splitlines() if "ee_" in line]
-    assert set(drawn) <= {f"8.0 * clip(norm(self.ee_pos - self.{thing}_pos)" for thing in facts["objects"]}
+    trial = [line.split(" = ")[1].split(" - 0.")[0] for line in plan.code.splitlines() if "ee_" in line]
+    assert set(trial) <= {f"8.0 * clip(norm(self.ee_pos - self.{thing}_pos)" for thing in facts["objects"]}
 
 
 def test_the_rules_answer_so_where_there_is_to_be_no_contact_strategy():

@@ -1,6 +1,6 @@
 import pytest
 
-from coral.contact.scene.trial import Physical
+from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.tasks import load_task
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.errors import InputError
@@ -10,8 +10,8 @@ def test_masses_and_frictions_are_read_object_by_object():
     task = load_task("pick-clutter")
     first, second = (item.name for item in task.objects[:2])
     assert parse_beliefs(f"{first}=2,0.9; {second} = 0.2 , 0.4;", task) == {
-        first: Physical(2.0, 0.9),
-        second: Physical(0.2, 0.4),
+        first: PhysicalParameters(2.0, 0.9),
+        second: PhysicalParameters(0.2, 0.4),
     }
 
 

@@ -8,7 +8,7 @@ from coral.contact.plan.cost_plan import verify_plan
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.touchable_points import Scenery
 from coral.contact.rules.composition import NoRule, compose
-from coral.contact.rules.goals import goal_words, wanted
+from coral.contact.rules.goals import goal_words, movement_goals
 from coral.contact.rules.outcome_cost import outcome_plan
 from coral.contact.scene.task import Task
 
@@ -50,7 +50,7 @@ def check(one):
     """The plan, once it has passed the checks that a model's would have to pass."""
     made = compose(one.facts)
     assert verify_plan(made.plan, one.world.schema, one.samples) is None
-    assert verify_regions(made.regions, one.facts, made.plan.names, None, Scenery.of(one.drawn)) is None
+    assert verify_regions(made.regions, one.facts, made.plan.names, None, Scenery.of(one.trial)) is None
     return made.plan
 
 
@@ -176,7 +176,7 @@ def test_what_cannot_be_composed_is_said_with_the_goal(scene, conditions, size, 
 def test_what_lies_on_a_mat_in_a_plan_for_another_goal_asks_for_nothing_more(scene):
     one = scene("pick-clutter")
     asked = [goal for goal in one.facts["goals"] if goal["object"] == "can"]
-    assert [goal["kind"] for goal in wanted(asked, one.facts)] == ["at"]
+    assert [goal["kind"] for goal in movement_goals(asked, one.facts)] == ["at"]
 
 
 @pytest.mark.parametrize(

@@ -6,33 +6,33 @@ import pytest
 
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.control.rollouts import SLEEP
-from coral.contact.rules.adjustments import choice_after
-from coral.contact.scene.observation import HandTarget, Step
-from coral.contact.scene.trial import Physical, draw
+from coral.contact.rules.adjustments import adjustment_after
+from coral.contact.scene.observation import HandTarget, Transition
+from coral.contact.scene.trial import PhysicalParameters, sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.world_model import identification as module
 from coral.contact.thinker.diagnosis import diagnose, recent
+from coral.contact.world_model import identification as module
 from coral.contact.world_model.force_balance import Balance
 from coral.contact.world_model.history import Window, most_telling, windows
-from coral.contact.world_model.history_replay import Replay
+from coral.contact.world_model.history_replay import HistoryReplay
 from coral.contact.world_model.identification import (
     Corrections,
     Fit,
     IdentifyCfg,
     compare,
-    correction,
-    explained,
-    weighed,
+    fit_by_balance,
+    fit_by_replay,
+    replay_errors,
 )
 from coral.contact.world_model.touch_probe import ProbeCfg, probe
 
-TRUTH, FIRST = Physical(0.1, 0.5), Physical(2.0, 0.9)
+TRUTH, FIRST = PhysicalParameters(0.1, 0.5), PhysicalParameters(2.0, 0.9)
 
 
 def test_a_belief_far_off_is_corrected_by_what_was_felt_and_seen():
-    drawn = draw(load_task("push-pick-board"), 0)
+    trial = sample_trial(load_task("push-pick-board"), 0)
     cfg = ProbeCfg(corrections=1, windows=4, replay_dt_s=0.004, identify=IdentifyCfg(grid=4, samples=10, rounds=1))
-    fit = next(iter(probe(drawn, "board", TRUTH, FIRST, cfg, np.random.default_rng(0))))
+    fit = next(iter(probe(trial, "board", TRUTH, FIRST, cfg, np.random.default_rng(0))))
     assert fit.accepted
     assert fit.error_after < 0.5 * fit.error_before
     # The product is what a push shows; a coarse fit of one round must come near it.
@@ -45,7 +45,7 @@ def still(scene, force=0.0):
     felt = type(one.now)(
         one.now.time_s, one.now.tool, one.now.opening_m, np.array([force, 0, 0, 0, 0, 0]), one.now.objects
     )
-    return one, Step(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), felt)
+    return one, Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), felt)
 
 
 def test_a_history_without_touch_says_nothing(scene):
@@ -56,10 +56,10 @@ def test_a_history_without_touch_says_nothing(scene):
 
 
 def test_a_proposal_equal_to_the_belief_explains_no_better(scene):
-    drawn = draw(load_task("pick-box"), 0)
+    trial = sample_trial(load_task("pick-box"), 0)
     one, step = still(scene)
-    world = PlanningWorld(drawn, one.beliefs, one.now, PlanningCfg(threads=1))
-    replay = Replay(world, [Window((step,) * 6)])
+    world = PlanningWorld(trial, one.beliefs, one.now, PlanningCfg(threads=1))
+    replay = HistoryReplay(world, [Window((step,) * 6)])
     before, after = compare(replay, "box", one.beliefs, one.beliefs)
     assert before == after
     world.close()
@@ -68,14 +68,14 @@ def test_a_proposal_equal_to_the_belief_explains_no_better(scene):
 
 def test_nothing_sleeps_in_a_replay(scene):
     one = scene("pick-clutter")
-    step = Step(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
+    step = Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
     assert all(model.opt.enableflags & SLEEP == SLEEP for model in one.world.models)
-    Replay(one.world, [Window((step,) * 3)]).parts([one.beliefs], "can")
+    HistoryReplay(one.world, [Window((step,) * 3)]).parts([one.beliefs], "can")
     assert not any(model.opt.enableflags & SLEEP for model in one.world.models)
 
 
 def test_a_window_that_diverges_under_every_belief_decides_nothing():
-    replay = Replay(SimpleNamespace(edges=False), [], None)
+    replay = HistoryReplay(SimpleNamespace(edges=False), [], None)
     parts = np.array([[[1.0, 2.0], [np.inf, np.inf]], [[3.0, 2.0], [np.inf, np.inf]]])
     score = replay.score(parts, parts.min(axis=0))
     assert np.isfinite(score).all()
@@ -111,16 +111,16 @@ def test_rows_for_prompts_carry_the_cost_of_their_own_plan_and_what_was_told(sce
 def test_diagnoses(scene, force, returns, surprise, kind):
     _, step = still(scene, force)
     assert diagnose([step] * 10, "box", returns, surprise) == kind
-    assert choice_after([kind]) != choice_after([])
+    assert adjustment_after([kind]) != adjustment_after([])
 
 
 def test_what_a_history_does_not_tell_stays_as_it_was_believed(scene, monkeypatch):
     # Slow pushes: the product of mass and friction is known to 10 %, neither of them is.
-    before, after = {"box": Physical(1.0, 0.5)}, Physical(4.0, 0.2)
+    before, after = {"box": PhysicalParameters(1.0, 0.5)}, PhysicalParameters(4.0, 0.2)
     found = Fit("box", before["box"], after, 1.0, 0.5, True, 5.0, 5.0, 0.1, 8)
     monkeypatch.setattr(module, "identify", lambda *_: found)
     monkeypatch.setattr(module, "compare", lambda *_: (1.0, 0.4))
-    fit = correction(None, "box", before, IdentifyCfg(), np.random.default_rng(0))
+    fit = fit_by_replay(None, "box", before, IdentifyCfg(), np.random.default_rng(0))
     assert fit.after.mass_kg * fit.after.friction == pytest.approx(0.8, rel=0.05)
     assert fit.after.mass_kg == pytest.approx(1.5, rel=0.2)
     assert fit.accepted
@@ -133,13 +133,13 @@ def test_what_forces_propose_is_believed_where_replay_and_forces_explain_more(mo
     replay = SimpleNamespace(windows=[None] * 3)
     # The replay alone would rather have it a little otherwise: a rehearsed pinch slips.
     monkeypatch.setattr(module, "compare", lambda *_: (0.8, 1.1))
-    fit = weighed(Balance(dragged, held), replay, "board", before, IdentifyCfg())
+    fit = fit_by_balance(Balance(dragged, held), replay, "board", before, IdentifyCfg())
     assert fit.accepted
     assert fit.after.mass_kg == pytest.approx(0.1, rel=0.05)
     assert fit.after.friction == pytest.approx(0.5, rel=0.05)
-    assert not weighed(Balance(dragged, held), replay, "board", {"board": fit.after}, IdentifyCfg()).accepted
+    assert not fit_by_balance(Balance(dragged, held), replay, "board", {"board": fit.after}, IdentifyCfg()).accepted
 
 
 def test_without_balances_the_replay_alone_decides(monkeypatch):
     monkeypatch.setattr(module, "compare", lambda *_: (0.8, 1.1))
-    assert explained(None, "board", {"board": FIRST}, {"board": TRUTH}, IdentifyCfg()) == (0.8, 1.1)
+    assert replay_errors(None, "board", {"board": FIRST}, {"board": TRUTH}, IdentifyCfg()) == (0.8, 1.1)

@@ -7,14 +7,14 @@ from episodes import COARSE, short_task
 
 from coral.advisor.consult import Outcome
 from coral.contact.episode.episode import Episode
-from coral.contact.episode.variants import Asking, make_mind
-from coral.contact.perception.advisor_camera import SightCfg, eyes
+from coral.contact.episode.variants import AdvisorSetup, make_strategist
+from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advisor_camera
 from coral.contact.perception.guessed_world import GuessedWorld
 from coral.contact.perception.tracked_cfg import TrackedCfg
-from coral.contact.rules.poses import locate
+from coral.contact.rules.poses import estimate_poses
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.observation import HandTarget
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.pose_question import (
     ObjectPose,
@@ -30,33 +30,37 @@ from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 @pytest.fixture(scope="module")
 def clutter():
     """A trial, the truth of where things are, and the facts of its first picture."""
-    drawn = draw(load_task("pick-clutter"), 0)
-    world = HandWorld(drawn, HandWorldCfg())
+    trial = sample_trial(load_task("pick-clutter"), 0)
+    world = HandWorld(trial, HandWorldCfg())
     first = world.reset()
-    frame = eyes(world, drawn, TrackedCfg(), SightCfg(width=320, height=240), np.random.default_rng(0))()
-    return drawn, first, pose_facts(drawn, dataclasses.replace(first, objects={}), frame)
+    frame = make_advisor_camera(
+        world, trial, TrackedCfg(), AdvisorCameraCfg(width=320, height=240), np.random.default_rng(0)
+    )()
+    return trial, first, pose_facts(trial, dataclasses.replace(first, objects={}), frame)
 
 
 @pytest.fixture(scope="module")
 def board():
     """A trial with an object whose frame is not in the middle of it, its first observation and first picture."""
-    drawn = draw(load_task("push-pick-board"), 3)
-    world = HandWorld(drawn, HandWorldCfg())
+    trial = sample_trial(load_task("push-pick-board"), 3)
+    world = HandWorld(trial, HandWorldCfg())
     first = world.reset()
-    frame = eyes(world, drawn, TrackedCfg(), SightCfg(width=320, height=240), np.random.default_rng(0))()
-    return drawn, first, frame
+    frame = make_advisor_camera(
+        world, trial, TrackedCfg(), AdvisorCameraCfg(width=320, height=240), np.random.default_rng(0)
+    )()
+    return trial, first, frame
 
 
-def middle(drawn, body):
+def middle(trial, body):
     """Centre of the board's bounding box, in the world."""
-    corners = drawn.corners("board")
+    corners = trial.corners("board")
     return body.position + rotation_of(body.quaternion) @ ((corners.min(axis=0) + corners.max(axis=0)) / 2)
 
 
 def test_an_answer_is_the_middle_of_the_object_and_becomes_its_origin(board):
-    drawn, first, frame = board
+    trial, first, frame = board
     true = first.objects["board"]
-    centre = middle(drawn, true)
+    centre = middle(trial, true)
     assert np.linalg.norm(centre - true.position) == pytest.approx(0.055, abs=1e-6)
 
     class Model:
@@ -66,26 +70,28 @@ def test_an_answer_is_the_middle_of_the_object_and_becomes_its_origin(board):
             assert verify(answer) is None
             return Outcome(answer=answer, question=None, attempts=1)
 
-    found = ask_poses(Model(), drawn, first, frame, locate, lambda *given, **fields: None)["board"]
+    found = ask_poses(Model(), trial, first, frame, estimate_poses, lambda *given, **fields: None)["board"]
     np.testing.assert_allclose(found.position, true.position, atol=1e-5)
     np.testing.assert_allclose(found.quaternion, true.quaternion, atol=1e-9)
 
 
 def test_the_rule_speaks_of_the_middle_too(board):
-    drawn, first, frame = board
-    facts = pose_facts(drawn, first, frame)
-    answer, true = locate(facts), first.objects["board"]
-    assert np.linalg.norm(np.array(answer.root["board"].position) - middle(drawn, true)) < 0.03
+    trial, first, frame = board
+    facts = pose_facts(trial, first, frame)
+    answer, true = estimate_poses(facts), first.objects["board"]
+    assert np.linalg.norm(np.array(answer.root["board"].position) - middle(trial, true)) < 0.03
     assert np.linalg.norm(answer.bodies(facts)["board"].position - true.position) < 0.03
     unseen = {**facts, "objects": {"board": {**facts["objects"]["board"], "pixels": 0, "seen_box_m": None}}}
     np.testing.assert_allclose(
-        locate(unseen).bodies(unseen)["board"].position[:2], facts["objects"]["board"]["usual_pose"][:2], atol=1e-4
+        estimate_poses(unseen).bodies(unseen)["board"].position[:2],
+        facts["objects"]["board"]["usual_pose"][:2],
+        atol=1e-4,
     )
 
 
 def test_the_rule_guesses_places_from_the_picture_to_a_few_centimetres(clutter):
     _, first, facts = clutter
-    guessed = locate(facts).bodies(facts)
+    guessed = estimate_poses(facts).bodies(facts)
     off = {name: np.linalg.norm(guessed[name].position - body.position) for name, body in first.objects.items()}
     assert max(off.values()) < 0.05
     assert min(off.values()) > 1e-3
@@ -95,7 +101,7 @@ def test_what_is_not_seen_is_held_to_be_where_it_usually_is(clutter):
     _, _, facts = clutter
     name = next(iter(facts["objects"]))
     hidden = {**facts, "objects": {name: {**facts["objects"][name], "pixels": 0, "seen_box_m": None}}}
-    assert locate(hidden).root[name].position[:2] == tuple(facts["objects"][name]["usual_pose"][:2])
+    assert estimate_poses(hidden).root[name].position[:2] == tuple(facts["objects"][name]["usual_pose"][:2])
 
 
 def test_no_measured_depth_and_no_true_pose_is_in_the_prompt(clutter):
@@ -116,7 +122,7 @@ def test_no_measured_depth_and_no_true_pose_is_in_the_prompt(clutter):
 )
 def test_impossible_poses_are_refused(clutter, change, code):
     _, _, facts = clutter
-    right = locate(facts)
+    right = estimate_poses(facts)
     assert verify_poses(right, facts) is None
     name = next(iter(right.root))
     wrong = ObjectPose(**{**right.root[name].model_dump(), **change})
@@ -125,10 +131,10 @@ def test_impossible_poses_are_refused(clutter, change, code):
 
 
 def test_a_guess_is_never_updated(clutter):
-    drawn, first, facts = clutter
-    world = GuessedWorld(HandWorld(drawn, HandWorldCfg()), drawn)
+    trial, first, facts = clutter
+    world = GuessedWorld(HandWorld(trial, HandWorldCfg()), trial)
     assert world.reset().objects == {}
-    guessed = locate(facts).bodies(facts)
+    guessed = estimate_poses(facts).bodies(facts)
     now = world.settle(guessed, first)
     target = HandTarget(now.tool.position, now.tool.quaternion, 0.08, 600.0)
     after = world.step(target)
@@ -139,9 +145,9 @@ def test_a_guess_is_never_updated(clutter):
 
 def test_an_episode_without_tracking_asks_for_poses_first_and_says_so(tmp_path):
     task = short_task()
-    mind = make_mind("no-tracking", task, Asking(folder=tmp_path / "run"))
+    strategist = make_strategist("no-tracking", task, AdvisorSetup(folder=tmp_path / "run"))
     result = Episode(
-        draw(task, 0), "hand", mind, COARSE, tmp_path / "run", variant="no-tracking", advisor="heuristic"
+        sample_trial(task, 0), "hand", strategist, COARSE, tmp_path / "run", variant="no-tracking", advisor="heuristic"
     ).run()
     assert (result["poses"], result["end_reason"], result["advisor_calls"]) == ("guessed", "timeout", 4)
     assert result["pose_error_mm"] > 1

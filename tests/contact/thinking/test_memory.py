@@ -8,7 +8,7 @@ import pytest
 
 from coral.cli import main
 from coral.commands.contact_bench import read_memory
-from coral.contact.memory.adaptation import adapted, renamed
+from coral.contact.memory.adaptation import adapt, renamed
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import FORMAT, Experience, Memory, scene_numbers
 from coral.contact.plan.cost_plan import verify_plan
@@ -114,7 +114,7 @@ def test_a_vector_of_another_length_is_made_anew(scene, memory):
 def test_a_remembered_plan_fits_another_size_and_name(scene, memory):
     one, other = scene("pick-box", 0), scene("pick-box", 2)
     held = experience(one)
-    plan, regions = adapted(held, other.facts)
+    plan, regions = adapt(held, other.facts)
     assert verify_plan(plan, other.world.schema, other.samples) is None
     assert verify_regions(regions, other.facts, plan.names) is None
     assert renamed("self.box_pos + self.boxer_pos + self.box_init_pos", {"box": "can"}) == (
@@ -147,8 +147,8 @@ def test_a_file_that_is_no_memory_is_refused(tmp_path):
 WRITER = """
 import sys, json
 from pathlib import Path
-from coral.contact.thinking.embedding import HashedWords
-from coral.contact.thinking.memory import Experience, Memory
+from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.memory import Experience, Memory
 memory = Memory(sys.argv[1], embedder=HashedWords())
 one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
 while True:
@@ -208,8 +208,8 @@ def test_the_list_shows_provenance_that_says_little_or_too_much(scene, memory, c
 ADDER = """
 import sys
 from pathlib import Path
-from coral.contact.thinking.embedding import HashedWords
-from coral.contact.thinking.memory import Experience, Memory
+from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.memory import Experience, Memory
 memory = Memory(sys.argv[1], embedder=HashedWords())
 one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
 print("ready", flush=True)

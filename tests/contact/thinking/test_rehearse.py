@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
-from coral.contact.plan.rehearsal import gain
+from coral.contact.plan.rehearsal import rehearsed_gain
 from coral.contact.rules.composition import compose
 from coral.contact.rules.outcome_cost import outcome_plan
 from coral.contact.scene.task_file import shipped_tasks
@@ -18,7 +18,7 @@ def first_stage(one, plan, regions=None):
 
 
 def gained(one, stage, seed=0):
-    return gain(one.world, stage, one.now, one.sizes, np.random.default_rng(seed))
+    return rehearsed_gain(one.world, stage, one.now, one.sizes, np.random.default_rng(seed))
 
 
 @pytest.mark.parametrize("task", ["pick-box", "push-force", "flip-wall"])
@@ -50,7 +50,7 @@ def test_guides_alone_give_the_ways_where_there_are_any(scene):
     made = compose(one.facts)
     stage = first_stage(one, made.plan, made.regions)
     rng = np.random.default_rng(0)
-    found = gain(one.world, stage, one.now, one.sizes, rng)
+    found = rehearsed_gain(one.world, stage, one.now, one.sizes, rng)
     assert rng.random() == np.random.default_rng(0).random()
     assert found == gained(one, stage, 1)
     assert found != gained(one, dataclasses.replace(stage, guides=()))

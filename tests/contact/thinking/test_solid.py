@@ -6,7 +6,7 @@ from coral.contact.plan.convex_pieces import box, pieces
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.task import Task
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 
 UP, SIDE = np.array([0.0, 0, 1]), np.array([1.0, 0, 0])
@@ -24,7 +24,7 @@ def solid(tmp_path, **part):
             "success": {"conditions": [{"kind": "lifted", "object": "thing", "height_m": 0.1}]},
         }
     )
-    return pieces(draw(task, 0), "thing")[0]
+    return pieces(sample_trial(task, 0), "thing")[0]
 
 
 def leaves(one, point, way):
@@ -102,9 +102,9 @@ def test_a_line_that_misses_leaves_nowhere():
 
 @pytest.mark.parametrize("name", ["can", "carton"])
 def test_lines_leave_where_a_ray_of_mujoco_comes_in(name):
-    drawn = draw(load_task("pick-clutter"), 4)
+    trial = sample_trial(load_task("pick-clutter"), 4)
     spec = mujoco.MjSpec()
-    add_scene(spec, drawn)
+    add_scene(spec, trial)
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -112,7 +112,7 @@ def test_lines_leave_where_a_ray_of_mujoco_comes_in(name):
     model.geom_group[:] = 3
     model.geom_group[geom] = 0
     only = np.array([1, 0, 0, 0, 0, 0], dtype=np.uint8)
-    pose, one, rng = drawn.objects[name].pose, pieces(drawn, name)[0], np.random.default_rng(0)
+    pose, one, rng = trial.objects[name].pose, pieces(trial, name)[0], np.random.default_rng(0)
     turn = rotation_of(pose.quaternion)
     for _ in range(200):
         way = rng.normal(size=3)

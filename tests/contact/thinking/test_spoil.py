@@ -8,7 +8,7 @@ from coral.contact.plan.cost_plan import PlanAnswer, verify_plan
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.rules.answers import RULES
 from coral.contact.rules.spoilt_answers import SPOILT, spoil
-from coral.contact.world_model.parameter_estimates import Estimates, verify_estimates
+from coral.contact.world_model.parameter_estimates import ParameterEstimates, verify_estimates
 
 ERRORS = ("wrong_type", "out_of_range", "backward", "stale")
 
@@ -16,7 +16,7 @@ ERRORS = ("wrong_type", "out_of_range", "backward", "stale")
 @pytest.mark.parametrize("error", ERRORS)
 @pytest.mark.parametrize(
     ("kind", "answer_type"),
-    [("physical-parameters", Estimates), ("cost-function", PlanAnswer), ("contact-regions", RegionsAnswer)],
+    [("physical-parameters", ParameterEstimates), ("cost-function", PlanAnswer), ("contact-regions", RegionsAnswer)],
 )
 def test_a_spoilt_answer_is_refused_and_the_right_one_is_not(scene, kind, answer_type, error):
     one = scene("pick-box")

@@ -42,7 +42,7 @@ def test_uses_are_counted_and_rows_deleted(place):
 
 COUNTER = """
 import sys
-from coral.contact.thinking.store import store_of
+from coral.contact.memory.store import store_of
 store = store_of(sys.argv[1])
 print("ready", flush=True)
 sys.stdin.readline()

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from coral.advisor.question import AdvisorUnavailable, Reply
 from coral.advisor.rules import RuleAdvisor
-from coral.contact.control.controller import Plan
+from coral.contact.control.controller import HandPlan
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress
 from coral.contact.cost_program import CostError, CostWorker
@@ -15,23 +15,23 @@ from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import Memory
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process
 from coral.contact.rules.answers import RULES
-from coral.contact.scene.observation import HandTarget, Step
+from coral.contact.scene.observation import HandTarget, Transition
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import Physical
+from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker import thinker as thinking
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.progress_monitor import OuterCfg, Watch
-from coral.contact.thinker.strategist import Moment
+from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
+from coral.contact.thinker.strategist import PlanReport
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinker import Thinker
-from coral.contact.world_model.parameter_estimates import Estimate
+from coral.contact.world_model.parameter_estimates import ParameterEstimate
 from coral.errors import InputError
 from coral.mppi.knots import Update
 
 
 def thinker(one, advisor=None, memory=None, given=None, **cfg):
     told = []
-    mind = Thinker(
+    strategist = Thinker(
         Asker(advisor or RuleAdvisor(RULES)),
         ThinkCfg(**cfg),
         np.random.default_rng(0),
@@ -40,15 +40,15 @@ def thinker(one, advisor=None, memory=None, given=None, **cfg):
         provenance={"world": "hand", "seed": 0},
         given=given,
     )
-    mind.listen(lambda event, **fields: told.append((event, fields)))
-    return mind, told
+    strategist.listen(lambda event, **fields: told.append((event, fields)))
+    return strategist, told
 
 
 def moment(one, t, stage, cost, taken=()):
     body = one.now.objects["box"]
     now = type(one.now)(t, one.now.tool, one.now.opening_m, one.now.wrench, one.now.objects)
     state = one.world.present(now)
-    plan = Plan(
+    plan = HandPlan(
         (),
         np.zeros((1, 3)),
         np.zeros((1, 4)),
@@ -59,15 +59,15 @@ def moment(one, t, stage, cost, taken=()):
         0,
     )
     assert body is not None
-    return Moment(0, now, plan, stage, taken)
+    return PlanReport(0, now, plan, stage, taken)
 
 
 def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):
     one = scene("pick-box")
-    mind, told = thinker(one)
-    strategy = mind.begin(one.drawn, one.now, one.world)
+    strategist, told = thinker(one)
+    strategy = strategist.begin(one.trial, one.now, one.world)
     assert [stage.name for stage in strategy.stages] == ["reach", "close", "lift"]
-    assert mind.account.advisor_calls == 3
+    assert strategist.account.advisor_calls == 3
     assert [event for event, _ in told] == ["beliefs", "plan_answer", "regions"]
     assert json.dumps(told)
     assert Progress(strategy).update(one.world.present(one.now)) is False
@@ -75,29 +75,29 @@ def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):
 
 def test_what_is_given_is_believed_and_not_asked_for(scene):
     one = scene("pick-box")
-    truth = one.drawn.objects["box"].physical
-    mind, told = thinker(one, given={"box": Physical(2.0, 0.9)})
-    mind.begin(one.drawn, one.now, one.world)
-    assert one.world.beliefs[0]["box"] == Physical(2.0, 0.9)
-    assert one.drawn.objects["box"].physical == truth
+    truth = one.trial.objects["box"].physical
+    strategist, told = thinker(one, given={"box": PhysicalParameters(2.0, 0.9)})
+    strategist.begin(one.trial, one.now, one.world)
+    assert one.world.beliefs[0]["box"] == PhysicalParameters(2.0, 0.9)
+    assert one.trial.objects["box"].physical == truth
     assert (told[0][0], told[0][1]["source"], told[0][1]["box"]) == ("beliefs", "given", [2.0, 0.9])
-    assert mind.account.advisor_calls == 2
+    assert strategist.account.advisor_calls == 2
 
 
 def test_what_is_given_of_some_objects_leaves_the_rest_to_the_advisor(scene):
     one = scene("pick-clutter")
     name, other = list(one.sizes)[:2]
-    mind, told = thinker(one, given={name: Physical(2.0, 0.9)})
-    mind.begin(one.drawn, one.now, one.world)
-    assert one.world.beliefs[0][name] == Physical(2.0, 0.9)
+    strategist, told = thinker(one, given={name: PhysicalParameters(2.0, 0.9)})
+    strategist.begin(one.trial, one.now, one.world)
+    assert one.world.beliefs[0][name] == PhysicalParameters(2.0, 0.9)
     assert one.world.beliefs[0][other].mass_kg < 2.0
     assert told[0][1]["source"] == "given"
 
 
 def test_without_regions_nothing_guides_the_samples(scene):
     one = scene("pick-box")
-    mind, _ = thinker(one, regions=False)
-    strategy = mind.begin(one.drawn, one.now, one.world)
+    strategist, _ = thinker(one, regions=False)
+    strategy = strategist.begin(one.trial, one.now, one.world)
     assert not any(stage.guides for stage in strategy.stages)
 
 
@@ -110,8 +110,8 @@ class Gone:
 
 def test_without_an_answer_the_rules_take_over_and_the_record_says_so(scene):
     one = scene("pick-box")
-    mind, told = thinker(one, Gone())
-    assert mind.begin(one.drawn, one.now, one.world).stages
+    strategist, told = thinker(one, Gone())
+    assert strategist.begin(one.trial, one.now, one.world).stages
     assert ("fallback", {"what": "plan", "by": "heuristic", "because": "no-network"}) in told
 
 
@@ -136,23 +136,23 @@ class OneFunction:
 def test_a_models_refused_cost_is_mended_by_the_reason(scene):
     one = scene("pick-box")
     advisor = OneFunction()
-    mind, _ = thinker(one, advisor, regions=False)
-    assert [stage.name for stage in mind.begin(one.drawn, one.now, one.world).stages] == ["task"]
+    strategist, _ = thinker(one, advisor, regions=False)
+    assert [stage.name for stage in strategist.begin(one.trial, one.now, one.world).stages] == ["task"]
     assert "cup_pos" in advisor.heard[0]
 
 
 def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
     one = scene("pick-box")
-    mind, _ = thinker(one, memory=memory)
-    mind.begin(one.drawn, one.now, one.world)
-    mind.ended("timeout")
+    strategist, _ = thinker(one, memory=memory)
+    strategist.begin(one.trial, one.now, one.world)
+    strategist.ended("timeout")
     assert memory.all() == []
-    mind, _ = thinker(one, memory=memory)
-    mind.begin(one.drawn, one.now, one.world)
-    mind.ended("success")
+    strategist, _ = thinker(one, memory=memory)
+    strategist.begin(one.trial, one.now, one.world)
+    strategist.ended("success")
     again, told = thinker(one, memory=memory)
-    again.begin(one.drawn, one.now, one.world)
+    again.begin(one.trial, one.now, one.world)
     assert again.account.memory_hit
     assert again.account.advisor_calls == 1  # the masses and frictions; plan and regions are remembered
     assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
@@ -164,14 +164,14 @@ def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
 def test_what_succeeded_in_a_shipped_task_is_used_when_the_same_trial_comes_again(scene, tmp_path, task):
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
     one = scene(task)
-    mind, _ = thinker(one, memory=memory)
-    mind.begin(one.drawn, one.now, one.world)
-    mind.ended("success")
-    mind, told = thinker(one, memory=memory)
-    mind.begin(one.drawn, one.now, one.world)
+    strategist, _ = thinker(one, memory=memory)
+    strategist.begin(one.trial, one.now, one.world)
+    strategist.ended("success")
+    strategist, told = thinker(one, memory=memory)
+    strategist.begin(one.trial, one.now, one.world)
     assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
-    assert mind.account.memory_hit
-    mind.ended("timeout")
+    assert strategist.account.memory_hit
+    strategist.ended("timeout")
 
 
 @pytest.fixture
@@ -179,9 +179,9 @@ def remembering(scene, tmp_path):
     """A scene, and a memory in which the rules' own plan for it is."""
     one = scene("pick-box")
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
-    mind, _ = thinker(one, memory=memory)
-    mind.begin(one.drawn, one.now, one.world)
-    mind.ended("success")
+    strategist, _ = thinker(one, memory=memory)
+    strategist.begin(one.trial, one.now, one.world)
+    strategist.ended("success")
     return one, memory
 
 
@@ -193,7 +193,7 @@ def confining(one, memory, **cfg):
         loaded.append(source)
         return in_process(source, schema, name)
 
-    mind = Thinker(
+    strategist = Thinker(
         Asker(RuleAdvisor(RULES)),
         ThinkCfg(**cfg),
         np.random.default_rng(0),
@@ -203,54 +203,54 @@ def confining(one, memory, **cfg):
         {"world": "hand", "seed": 0},
         worker=worker,
     )
-    return mind, loaded, worker
+    return strategist, loaded, worker
 
 
 def test_what_is_remembered_runs_in_the_confined_process_until_the_episode_ends(remembering):
     one, memory = remembering
-    mind, loaded, worker = confining(one, memory)
-    strategy = mind.begin(one.drawn, one.now, one.world)
-    assert mind.account.memory_hit
+    strategist, loaded, worker = confining(one, memory)
+    strategy = strategist.begin(one.trial, one.now, one.world)
+    assert strategist.account.memory_hit
     assert loaded == []
     assert worker.pid is not None
     direct, _ = thinker(one)
     context = one.samples[0]
-    expected = direct.begin(one.drawn, one.now, one.world).stages[0].cost(context)
+    expected = direct.begin(one.trial, one.now, one.world).stages[0].cost(context)
     found = strategy.stages[0].cost(context)
     assert all((found[name] == expected[name]).all() for name in expected)
-    mind.ended("timeout")
+    strategist.ended("timeout")
     assert worker.pid is None
 
 
 def test_repairs_of_what_is_remembered_are_confined_too(remembering):
     one, memory = remembering
-    mind, loaded, _ = confining(one, memory)
-    mind.begin(one.drawn, one.now, one.world)
-    assert mind.failed(CostError("runtime", "no"), "reach", one.now) is not None
+    strategist, loaded, _ = confining(one, memory)
+    strategist.begin(one.trial, one.now, one.world)
+    assert strategist.failed(CostError("runtime", "no"), "reach", one.now) is not None
     assert loaded == []
-    mind.ended("timeout")
+    strategist.ended("timeout")
 
 
 def test_what_is_remembered_is_rehearsed_without_regions_too(remembering):
     one, memory = remembering
-    mind, told = thinker(one, memory=memory, regions=False)
-    mind.begin(one.drawn, one.now, one.world)
+    strategist, told = thinker(one, memory=memory, regions=False)
+    strategist.begin(one.trial, one.now, one.world)
     assert [0.05 < fields["gain"] < 1 for event, fields in told if event == "recall"] == [True]
-    assert mind.account.memory_hit
-    mind.ended("timeout")
-    mind, told = thinker(one, memory=memory, regions=False, least_gain=0.999)
-    mind.begin(one.drawn, one.now, one.world)
+    assert strategist.account.memory_hit
+    strategist.ended("timeout")
+    strategist, told = thinker(one, memory=memory, regions=False, least_gain=0.999)
+    strategist.begin(one.trial, one.now, one.world)
     assert ["rehearsed" in fields["refused"] for event, fields in told if event == "recall"] == [True]
-    assert not mind.account.memory_hit
-    mind.ended("timeout")
+    assert not strategist.account.memory_hit
+    strategist.ended("timeout")
 
 
 def test_a_remembered_plan_that_was_replaced_did_not_help_and_the_one_that_did_is_kept(remembering):
     one, memory = remembering
-    mind, _ = thinker(one, memory=memory)
-    mind.begin(one.drawn, one.now, one.world)
-    assert mind.failed(CostError("runtime", "no"), "reach", one.now) is not None
-    mind.ended("success")
+    strategist, _ = thinker(one, memory=memory)
+    strategist.begin(one.trial, one.now, one.world)
+    assert strategist.failed(CostError("runtime", "no"), "reach", one.now) is not None
+    strategist.ended("success")
     first, *others = memory.all()
     assert (first.used, first.helped) == (1, 0)
     assert len(others) == 1
@@ -259,35 +259,35 @@ def test_a_remembered_plan_that_was_replaced_did_not_help_and_the_one_that_did_i
 def test_a_success_without_regions_is_not_kept(scene, tmp_path):
     one = scene("pick-box")
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
-    mind, _ = thinker(one, memory=memory, regions=False)
-    mind.begin(one.drawn, one.now, one.world)
-    mind.ended("success")
+    strategist, _ = thinker(one, memory=memory, regions=False)
+    strategist.begin(one.trial, one.now, one.world)
+    strategist.ended("success")
     assert memory.all() == []
 
 
 def test_without_a_hit_no_process_is_started(scene, tmp_path):
     one = scene("pick-box")
-    mind, loaded, worker = confining(one, Memory(tmp_path / "none.sqlite", embedder=HashedWords()))
-    mind.begin(one.drawn, one.now, one.world)
+    strategist, loaded, worker = confining(one, Memory(tmp_path / "none.sqlite", embedder=HashedWords()))
+    strategist.begin(one.trial, one.now, one.world)
     assert loaded
     assert worker.starts == 0
-    mind.ended("timeout")
+    strategist.ended("timeout")
 
 
 def test_the_process_ends_though_the_memory_cannot_be_written(remembering):
     one, memory = remembering
-    mind, _, worker = confining(one, memory)
-    mind.begin(one.drawn, one.now, one.world)
+    strategist, _, worker = confining(one, memory)
+    strategist.begin(one.trial, one.now, one.world)
     memory.store.path.unlink()
     memory.store.path.mkdir()
     with pytest.raises(InputError):
-        mind.ended("success")
+        strategist.ended("success")
     assert worker.pid is None
 
 
 def test_attempts_without_progress_are_counted(scene):
     one = scene("pick-box")
-    watch = Watch(OuterCfg(n_retry=3, attempt_s=0.2), ("reach", "close", "lift"))
+    watch = ProgressMonitor(OuterCfg(n_retry=3, attempt_s=0.2), ("reach", "close", "lift"))
     assert not any(watch.see(moment(one, 0.1 * k, "reach", 10.0 - k)) for k in range(8))
     found = [watch.see(moment(one, 0.8 + 0.1 * k, "reach", 3.0)) for k in range(8)]
     assert found[-1]
@@ -296,7 +296,7 @@ def test_attempts_without_progress_are_counted(scene):
 
 def test_falling_back_again_and_again_is_no_progress(scene):
     one = scene("pick-box")
-    watch = Watch(OuterCfg(n_retry=5, attempt_s=0.2), ("reach", "close", "lift"))
+    watch = ProgressMonitor(OuterCfg(n_retry=5, attempt_s=0.2), ("reach", "close", "lift"))
     stages = ["reach", "close"] * 8
     assert any(watch.see(moment(one, 0.2 * k, stage, 5.0)) for k, stage in enumerate(stages))
     assert watch.returns >= 2
@@ -305,7 +305,7 @@ def test_falling_back_again_and_again_is_no_progress(scene):
 @pytest.mark.parametrize(("pace_m_s", "stuck"), [(0.035, False), (0.002, True)])
 def test_an_object_on_its_way_is_progress_though_the_cost_stays_as_it_is(scene, pace_m_s, stuck):
     one = scene("pick-box")
-    watch = Watch(OuterCfg(), ("push",))
+    watch = ProgressMonitor(OuterCfg(), ("push",))
     seen = []
     for k in range(1, 200):
         box = one.now.objects["box"]
@@ -317,7 +317,7 @@ def test_an_object_on_its_way_is_progress_though_the_cost_stays_as_it_is(scene, 
 
 def test_an_object_that_goes_to_and_fro_is_no_progress(scene):
     one = scene("pick-box")
-    watch, box = Watch(OuterCfg(), ("push",)), one.now.objects["box"]
+    watch, box = ProgressMonitor(OuterCfg(), ("push",)), one.now.objects["box"]
     seen = []
     for k in range(1, 200):
         moved = dataclasses.replace(box, position=box.position + np.array([0.03 * np.sin(k), 0.0, 0.0]))
@@ -328,21 +328,21 @@ def test_an_object_that_goes_to_and_fro_is_no_progress(scene):
 
 def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):
     one = scene("pick-box")
-    mind, told = thinker(one, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
-    mind.begin(one.drawn, one.now, one.world)
+    strategist, told = thinker(one, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    strategist.begin(one.trial, one.now, one.world)
     other = None
     for k in range(8):
-        step = Step(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
-        other = other or mind.after(moment(one, 0.1 * k, "reach", 5.0, (step,)))
+        step = Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
+        other = other or strategist.after(moment(one, 0.1 * k, "reach", 5.0, (step,)))
     assert other is not None
-    assert mind.account.repairs == 1
+    assert strategist.account.repairs == 1
     stuck = next(fields for event, fields in told if event == "stuck")
     assert stuck["diagnosis"] == "not-reached"
     assert stuck["history"]
     repair = [fields for event, fields in told if event == "plan_answer"][-1]
     assert repair["kind"] == "cost-repair"
     assert "never touched" in repair["explanation"]
-    assert mind.after(moment(one, 9.0, "reach", 5.0)) is None
+    assert strategist.after(moment(one, 9.0, "reach", 5.0)) is None
 
 
 class Regrouper:
@@ -359,11 +359,11 @@ class Regrouper:
 
 def test_after_a_repair_places_to_touch_are_asked_for_the_new_stages(scene):
     one = scene("pick-box")
-    mind, told = thinker(one, Regrouper(), outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
-    mind.begin(one.drawn, one.now, one.world)
+    strategist, told = thinker(one, Regrouper(), outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    strategist.begin(one.trial, one.now, one.world)
     other = None
     for k in range(8):
-        other = other or mind.after(moment(one, 0.1 * k, "task", 5.0))
+        other = other or strategist.after(moment(one, 0.1 * k, "task", 5.0))
     assert [stage.name for stage in other.stages] == ["reach", "close", "lift"]
     regions = [fields for event, fields in told if event == "regions"]
     assert [(fields["failure"], fields["refused"]) for fields in regions] == [("", [])] * 2
@@ -381,11 +381,11 @@ class Silent(Regrouper):
 
 def test_a_plan_that_stays_keeps_the_places_that_it_was_made_for(scene):
     one = scene("pick-box")
-    mind, told = thinker(one, Silent(), outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
-    before = mind.begin(one.drawn, one.now, one.world)
+    strategist, told = thinker(one, Silent(), outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    before = strategist.begin(one.trial, one.now, one.world)
     other = None
     for k in range(8):
-        other = other or mind.after(moment(one, 0.1 * k, "reach", 5.0))
+        other = other or strategist.after(moment(one, 0.1 * k, "reach", 5.0))
     assert [event for event, _ in told].count("regions") == 1
     assert [len(stage.guides) for stage in other.stages] == [len(stage.guides) for stage in before.stages]
 
@@ -397,20 +397,20 @@ def test_the_first_stage_of_a_plan_that_breaks_off_is_no_plan():
 
 def test_without_refinement_nothing_changes(scene):
     one = scene("pick-box")
-    mind, _ = thinker(one, refine=False, outer=OuterCfg(n_retry=1, attempt_s=0.1))
-    mind.begin(one.drawn, one.now, one.world)
-    assert [mind.after(moment(one, 0.1 * k, "reach", 5.0)) for k in range(6)] == [None] * 6
-    assert mind.account.repairs == 0
+    strategist, _ = thinker(one, refine=False, outer=OuterCfg(n_retry=1, attempt_s=0.1))
+    strategist.begin(one.trial, one.now, one.world)
+    assert [strategist.after(moment(one, 0.1 * k, "reach", 5.0)) for k in range(6)] == [None] * 6
+    assert strategist.account.repairs == 0
 
 
 @pytest.mark.parametrize("reason", ["success", "timeout"])
 def test_without_memory_nothing_is_kept(scene, reason):
     one = scene("pick-box")
-    mind, told = thinker(one)
-    mind.begin(one.drawn, one.now, one.world)
-    mind.ended(reason)
+    strategist, told = thinker(one)
+    strategist.begin(one.trial, one.now, one.world)
+    strategist.ended(reason)
     assert "remembered" not in [event for event, _ in told]
-    assert isinstance(one.world.beliefs[0]["box"], Physical)
+    assert isinstance(one.world.beliefs[0]["box"], PhysicalParameters)
 
 
 FRAGILE = (
@@ -451,17 +451,17 @@ def fragile(scene):
     one, advisor = scene("pick-box"), Fragile()
 
     def make(**cfg):
-        mind, told = thinker(one, advisor, regions=False, **cfg)
-        return one, advisor, mind, told, mind.begin(one.drawn, one.now, one.world).stages
+        strategist, told = thinker(one, advisor, regions=False, **cfg)
+        return one, advisor, strategist, told, strategist.begin(one.trial, one.now, one.world).stages
 
     return make
 
 
 def test_a_cost_that_fails_in_use_is_repaired_with_the_reason_and_its_line(fragile):
-    one, advisor, mind, told, stages = fragile()
+    one, advisor, strategist, told, stages = fragile()
     with pytest.raises(CostError) as caught:
         evaluated(one, stages[1], 6.0)
-    other = mind.failed(caught.value, "second", one.now)
+    other = strategist.failed(caught.value, "second", one.now)
     assert "in stage 'second', line 3" in advisor.prompts[1].partition("did not even run")[2]
     assert evaluated(one, other.stages[1], 6.0) == ["second"]
     assert [(fields["stage"], fields["meanwhile"]) for event, fields in told if event == "cost_error"] == [
@@ -470,32 +470,32 @@ def test_a_cost_that_fails_in_use_is_repaired_with_the_reason_and_its_line(fragi
 
 
 def test_the_last_good_cost_is_used_until_the_repair(fragile):
-    one, _, mind, told, stages = fragile()
+    one, _, strategist, told, stages = fragile()
     assert evaluated(one, stages[0], 4.0) == ["first"]
     assert evaluated(one, stages[1], 4.0) == ["second"]
     assert evaluated(one, stages[1], 6.0) == ["first"]
-    other = mind.after(moment(one, 6.0, "second", 5.0))
+    other = strategist.after(moment(one, 6.0, "second", 5.0))
     assert evaluated(one, other.stages[1], 6.0) == ["second"]
     assert [fields["meanwhile"] for event, fields in told if event == "cost_error"] == ["first"]
-    assert mind.account.repairs == 1
+    assert strategist.account.repairs == 1
 
 
 def test_a_failing_cost_is_final_where_nothing_may_be_tried(fragile):
-    one, advisor, mind, _, stages = fragile(refine=False)
+    one, advisor, strategist, _, stages = fragile(refine=False)
     evaluated(one, stages[0], 4.0)
     assert evaluated(one, stages[1], 6.0) == ["first"]
     with pytest.raises(CostError):
-        mind.after(moment(one, 6.0, "second", 5.0))
+        strategist.after(moment(one, 6.0, "second", 5.0))
     assert len(advisor.prompts) == 1
 
 
 def test_a_unified_mind_asks_once_and_believes_what_it_hears(scene):
     one = scene("pick-box")
-    mind, told = thinker(one, unified=True)
-    strategy = mind.begin(one.drawn, one.now, one.world)
+    strategist, told = thinker(one, unified=True)
+    strategy = strategist.begin(one.trial, one.now, one.world)
     assert [stage.name for stage in strategy.stages] == ["reach", "close", "lift"]
     assert strategy.stages[0].guides
-    assert mind.account.advisor_calls == 1
+    assert strategist.account.advisor_calls == 1
     assert [event for event, _ in told] == ["beliefs", "plan_answer"]
     assert one.world.beliefs[0]["box"].mass_kg == pytest.approx(told[0][1]["box"][0], abs=1e-4)
 
@@ -514,14 +514,16 @@ class Unified:
         self.heard += [rejection.reason for rejection in rejections]
         value = RULES["unified"](question.facts, ())
         if not rejections:
-            value = value.model_copy(update={"parameters": {"box": Estimate(mass_kg=900.0, friction_coeff=0.5)}})
+            value = value.model_copy(
+                update={"parameters": {"box": ParameterEstimate(mass_kg=900.0, friction_coeff=0.5)}}
+            )
         return Reply(value=value, raw="")
 
 
 def test_one_wrong_part_refuses_a_unified_answer_as_a_whole(scene):
     one, advisor = scene("pick-box"), Unified()
-    mind, told = thinker(one, advisor, unified=True)
-    mind.begin(one.drawn, one.now, one.world)
+    strategist, told = thinker(one, advisor, unified=True)
+    strategist.begin(one.trial, one.now, one.world)
     assert "900" in advisor.heard[0]
     assert one.world.beliefs[0]["box"].mass_kg < 20.0
     assert "regions" in advisor.prompts[0]
@@ -530,10 +532,10 @@ def test_one_wrong_part_refuses_a_unified_answer_as_a_whole(scene):
 
 def test_a_unified_mind_that_is_stuck_asks_its_one_question_with_the_history(scene):
     one, advisor = scene("pick-box"), Unified()
-    mind, told = thinker(one, advisor, unified=True, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
-    mind.begin(one.drawn, one.now, one.world)
-    step = Step(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
-    assert any(mind.after(moment(one, 0.1 * k, "reach", 5.0, (step,))) for k in range(8))
+    strategist, told = thinker(one, advisor, unified=True, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    strategist.begin(one.trial, one.now, one.world)
+    step = Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
+    assert any(strategist.after(moment(one, 0.1 * k, "reach", 5.0, (step,))) for k in range(8))
     assert "What happened lately" in advisor.prompts[-1]
     assert "correction" not in [event for event, _ in told]
 
@@ -544,9 +546,9 @@ def corrected(scene, monkeypatch):
 
     def run(plans, last=True, **cfg):
         one, noted = scene("pick-box"), []
-        mind, _ = thinker(one, **cfg)
+        strategist, _ = thinker(one, **cfg)
         monkeypatch.setattr(thinking, "correct", lambda asker, name, now, *_: noted.append((name, now.time_s)))
-        mind.begin(one.drawn, one.now, one.world)
+        strategist.begin(one.trial, one.now, one.world)
         box = one.now.objects["box"]
         for k in range(1, plans + 1):
             after = dataclasses.replace(box, position=box.position + np.array([0.005, 0.0, 0.0]))
@@ -554,10 +556,10 @@ def corrected(scene, monkeypatch):
                 dataclasses.replace(one.now, time_s=0.1 * (k - 1 + n), objects={"box": body})
                 for n, body in enumerate((box, after))
             )
-            step = Step(here, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), there)
-            assert mind.after(moment(one, 0.1 * k, "reach", 50.0 - k, (step,))) is None
+            step = Transition(here, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), there)
+            assert strategist.after(moment(one, 0.1 * k, "reach", 50.0 - k, (step,))) is None
         if last:
-            mind.ended("timeout")
+            strategist.ended("timeout")
         return [name for name, _ in noted], [round(time, 3) for _, time in noted]
 
     return run

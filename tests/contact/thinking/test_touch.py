@@ -7,7 +7,7 @@ from coral.contact.plan.touchable_points import Scenery, candidates_of, off_surf
 from coral.contact.rules.composition import compose
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 
 
 def thing(*parts, **more):
@@ -23,7 +23,7 @@ def thing(*parts, **more):
             "success": {"conditions": [{"kind": "lifted", "object": "thing", "height_m": 0.1}]},
         }
     )
-    return Scenery.of(draw(task, 0)).objects["thing"]
+    return Scenery.of(sample_trial(task, 0)).objects["thing"]
 
 
 def projected(solids, **region):
@@ -87,7 +87,7 @@ def test_of_what_is_no_box_a_centre_must_lie_on_the_true_surface(scene, center, 
         one.facts,
         (),
         None,
-        Scenery.of(one.drawn),
+        Scenery.of(one.trial),
     )
     assert (found.code if found else None) == code
 
@@ -97,7 +97,7 @@ def test_lost_candidates_are_counted_by_their_reason_and_guides_use_the_others(s
     size = one.sizes["box"]
     region = Region(center=(0, 0, size[2] / 2), normal=(0, 0, 1), extent=0.15, num_samples=64, approach="press")
     answer = RegionsAnswer.model_validate({"box": {"regions": [region]}})
-    (found,) = candidates_of(answer, one.facts, (), Scenery.of(one.drawn))
+    (found,) = candidates_of(answer, one.facts, (), Scenery.of(one.trial))
     assert found.lost == {"off the face": 65 - len(found.points)}
     points = guide("box", region, size, local=found.points).points(one.world.present(one.now))
     assert len(points) == 2 * len(found.points)
@@ -109,7 +109,7 @@ def test_lost_candidates_are_counted_by_their_reason_and_guides_use_the_others(s
 def test_the_rules_regions_keep_nearly_all_their_points(scene, task, seed):
     one = scene(task, seed)
     made = compose(one.facts)
-    scenery = Scenery.of(one.drawn)
+    scenery = Scenery.of(one.trial)
     assert verify_regions(made.regions, one.facts, made.plan.names, None, scenery) is None
     for (_, region), left in zip(
         made.regions.each(), candidates_of(made.regions, one.facts, made.plan.names, scenery), strict=True

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from coral.config import Fraction, NonNegative, Positive, Signed
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M, SQUEEZE_M
-from coral.contact.control.planning_world import Controls, PlanningWorld
+from coral.contact.control.planning_world import ControlSequences, PlanningWorld
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage
 from coral.contact.scene.geometry import column_of, conjugate, from_rotvec, multiply, to_rotvec
@@ -75,7 +75,7 @@ class ControllerCfg:
 
 
 @dataclass(frozen=True)
-class Plan:
+class HandPlan:
     """What came of one plan.
 
     Args:
@@ -130,7 +130,7 @@ class Controller:
         )
         self.mppi.knots[:] = np.concatenate([now.tool.position, np.zeros(3), [now.opening_m]])
 
-    def plan(self, now: Observation, stage: Stage, step: int) -> Plan:
+    def plan(self, now: Observation, stage: Stage, step: int) -> HandPlan:
         """Rehearse and improve the plan from the measured state.
 
         Args:
@@ -147,7 +147,7 @@ class Controller:
         start = self._bounded_start(now, self._target)
         self._recentre(start)
         self.mppi.sigma = self._sigma * np.asarray(stage.sigma)
-        rehearsed: list[tuple[Context, NDArray[np.bool_], Terms, Controls]] = []
+        rehearsed: list[tuple[Context, NDArray[np.bool_], Terms, ControlSequences]] = []
 
         def evaluate(knots: Array) -> Array:
             controls = self._controls(knots, start.quaternion, stage.stiffness_n_m)
@@ -174,7 +174,7 @@ class Controller:
         weights = np.tile(each, len(self.world.models)) / len(self.world.models)
         counted = weights > 0  # what else there is may be no number
         targets = self._targets(update.knots, start.quaternion, stage.stiffness_n_m)
-        return Plan(
+        return HandPlan(
             targets=targets,
             expected_position=np.tensordot(weights[counted], context.ee_pos[counted], axes=1),
             expected_quaternion=_mean_turn(context.ee_quat[counted], weights[counted]),
@@ -269,9 +269,11 @@ class Controller:
                 sampled[row, :, 6] = guide.opening_m + noise[:, 6]
         return sampled
 
-    def _controls(self, knots: Array, centre: Array, stiffness: float) -> Controls:
+    def _controls(self, knots: Array, centre: Array, stiffness: float) -> ControlSequences:
         values = interpolate(knots, self._times, self.span_s, self.cfg.mppi.spline)
-        return Controls(values[..., :3], multiply(centre, from_rotvec(values[..., 3:6])), values[..., 6], stiffness)
+        return ControlSequences(
+            values[..., :3], multiply(centre, from_rotvec(values[..., 3:6])), values[..., 6], stiffness
+        )
 
     def _targets(self, knots: Array, centre: Array, stiffness: float) -> tuple[HandTarget, ...]:
         controls = self._controls(knots[None], centre, stiffness)

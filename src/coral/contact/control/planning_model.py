@@ -9,7 +9,7 @@ import numpy as np
 
 from coral.contact.control.hand_model import FINGER_KG, HandCfg, add_hand, set_stiffness
 from coral.contact.scene.mujoco_scene import add_scene, contact_pairs
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.trial import Trial
 
 FOUND, FORCE, TORQUE, PLACE, NET = 1, 2, 4, 16, 3
 """What a contact sensor tells, as bits, and how it reduces several contacts."""
@@ -19,26 +19,26 @@ SWING_RAD = 0.8
 0.1 kg was thrown out within a second in 22 of 33 rehearsals that did nothing but hold it (measured); now in none."""
 
 
-def build_model(drawn: Drawn, hand: HandCfg, physics_dt_s: float, endless: bool = False) -> mujoco.MjModel:
+def build_model(trial: Trial, hand: HandCfg, physics_dt_s: float, endless: bool = False) -> mujoco.MjModel:
     """The reduced model, as stiff as the hand is when nothing else is asked for.
 
     Args:
-        drawn: The trial as it is believed to be.
+        trial: The trial as it is believed to be.
         hand: The hand.
         physics_dt_s: Step of the physics.
         endless: The table is a plane, without edges.
     """
-    spec = reduced(drawn, hand, physics_dt_s)
+    spec = reduced(trial, hand, physics_dt_s)
     if endless:
         table = spec.geom("table")
         table.type, table.size = mujoco.mjtGeom.mjGEOM_PLANE, [0, 0, 1]
-        table.pos = [*drawn.task.table.center, 0]
+        table.pos = [*trial.task.table.center, 0]
     model = spec.compile()
     set_stiffness(model, hand, hand.stiffness_n_m)
     return model
 
 
-def reduced(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjSpec:
+def reduced(trial: Trial, hand: HandCfg, physics_dt_s: float) -> mujoco.MjSpec:
     """Hand and scene: implicitfast, pyramidal cones, few contacts a pair (measured choices)."""
     spec = mujoco.MjSpec()
     option = spec.option
@@ -48,14 +48,14 @@ def reduced(drawn: Drawn, hand: HandCfg, physics_dt_s: float) -> mujoco.MjSpec:
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     option.iterations, option.ls_iterations = 20, 20
     option.disableflags |= int(getattr(mujoco.mjtDisableBit, "mjDSBL_MULTICCD", 0))  # cylinders touch at one point
-    if len(drawn.task.objects) == 1:  # alone, islands cost 1 %; with the four objects of pick-clutter they save 11 %
+    if len(trial.task.objects) == 1:  # alone, islands cost 1 %; with the four objects of pick-clutter they save 11 %
         option.disableflags |= int(getattr(mujoco.mjtDisableBit, "mjDSBL_ISLAND", 0))
-    add_scene(spec, drawn, condim=3)
+    add_scene(spec, trial, condim=3)
     add_hand(spec, hand, condim=3)
     for side in ("left", "right"):
         needed = hand.finger_stiffness_n_m * (physics_dt_s / SWING_RAD) ** 2
         spec.joint(f"{side}_slide").armature = max(0.0, needed - FINGER_KG)
-    _add_sensors(spec, drawn)
+    _add_sensors(spec, trial)
     return spec
 
 
@@ -64,7 +64,7 @@ def pair(name: str, other: str) -> str:
     return f"{name}/{other}"
 
 
-def _add_sensors(spec: mujoco.MjSpec, drawn: Drawn) -> None:
+def _add_sensors(spec: mujoco.MjSpec, trial: Trial) -> None:
     for name, kind in (
         ("ee_pos", mujoco.mjtSensor.mjSENS_FRAMEPOS),
         ("ee_quat", mujoco.mjtSensor.mjSENS_FRAMEQUAT),
@@ -83,12 +83,12 @@ def _add_sensors(spec: mujoco.MjSpec, drawn: Drawn) -> None:
         sensor.intprm[:3] = [data, NET, 1]
 
     contact("hand_anything", (subtree, "hand"), None, FOUND | FORCE | TORQUE | PLACE)
-    fixed = set(drawn.task.things)
-    for item in drawn.task.objects:
+    fixed = set(trial.task.things)
+    for item in trial.task.objects:
         contact(pair("hand", item.name), (subtree, "hand"), (subtree, item.name), FOUND | FORCE)
         for side in ("left", "right"):
             contact(pair(side, item.name), (body, side), (body, item.name), FOUND)
-    for name, other in contact_pairs(drawn):
+    for name, other in contact_pairs(trial):
         if other in fixed or name < other:  # two objects share one
             contact(pair(name, other), (body, name), (geom if other in fixed else body, other), FOUND)
 

@@ -20,13 +20,13 @@ from coral.config import NonNegative, Positive, TimeStep, whole_steps
 from coral.contact.control.hand_model import HandCfg, set_stiffness
 from coral.contact.control.planning_model import Index, build_model, pair
 from coral.contact.control.quantities import constants, task_schema_of
-from coral.contact.control.rollouts import FULL, SLEEP, Rollouts, Start
-from coral.contact.control.uncertainty import UncertaintyCfg, around
+from coral.contact.control.rollouts import FULL, SLEEP, Rollouts, RolloutStart
+from coral.contact.control.uncertainty import UncertaintyCfg, sample_beliefs
 from coral.contact.cost.context import Context, Lazy, Quantity
 from coral.contact.scene.geometry import multiply, rotate
 from coral.contact.scene.mujoco_scene import contact_pairs
-from coral.contact.scene.observation import Body, Observation
-from coral.contact.scene.trial import Drawn, Physical, believing
+from coral.contact.scene.observation import BodyState, Observation
+from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
 
 Array = NDArray[np.float64]
 CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_MOCAP_POS | mujoco.mjtState.mjSTATE_MOCAP_QUAT)
@@ -66,7 +66,7 @@ class PlanningCfg:
 
 
 @dataclass(frozen=True)
-class Controls:
+class ControlSequences:
     """What a batch of rehearsals does, one row for each control step.
 
     Args:
@@ -86,7 +86,7 @@ class PlanningWorld:
     """A belief about the scene in which action sequences can be tried.
 
     Args:
-        drawn: The trial; its sizes and shapes are known, its masses and frictions are replaced by `beliefs`.
+        trial: The trial; its sizes and shapes are known, its masses and frictions are replaced by `beliefs`.
         beliefs: One belief for each object, or several sets of them, over which a plan's risk is taken. The first set
             is what is believed.
         start: The first observation; what the costs call `_init_`.
@@ -96,28 +96,28 @@ class PlanningWorld:
 
     def __init__(
         self,
-        drawn: Drawn,
-        beliefs: Mapping[str, Physical] | Sequence[Mapping[str, Physical]],
+        trial: Trial,
+        beliefs: Mapping[str, PhysicalParameters] | Sequence[Mapping[str, PhysicalParameters]],
         start: Observation,
         cfg: PlanningCfg,
         rng: np.random.Generator | None = None,
     ) -> None:
         self.cfg = cfg
         self._rng = rng or np.random.default_rng(0)
-        self._drawn, self._start = drawn, start
+        self._trial, self._start = trial, start
         self.edges = False
         """Whether the table has its edges however far they are."""
         self._substeps = whole_steps(cfg.step_s, cfg.physics_dt_s, "--cfg", "planning.physics_dt_s")
         self._rollouts = Rollouts(cfg.threads)
-        self._names = [item.name for item in drawn.task.objects]
-        self._corners = {name: drawn.corners(name) for name in self._names}
+        self._names = [item.name for item in trial.task.objects]
+        self._corners = {name: trial.corners(name) for name in self._names}
         self.believe(beliefs)
         self._scratch = mujoco.MjData(self.models[0])
 
-    def believe(self, beliefs: Mapping[str, Physical] | Sequence[Mapping[str, Physical]]) -> None:
+    def believe(self, beliefs: Mapping[str, PhysicalParameters] | Sequence[Mapping[str, PhysicalParameters]]) -> None:
         """Rebuild the models with new masses and frictions."""
-        self.beliefs: list[Mapping[str, Physical]] = (
-            around(beliefs, self.cfg.uncertainty, self._rng) if isinstance(beliefs, Mapping) else list(beliefs)
+        self.beliefs: list[Mapping[str, PhysicalParameters]] = (
+            sample_beliefs(beliefs, self.cfg.uncertainty, self._rng) if isinstance(beliefs, Mapping) else list(beliefs)
         )
         self.models = self._build(endless=False)
         self._endless: list[mujoco.MjModel] = []
@@ -127,7 +127,7 @@ class PlanningWorld:
 
     def _build(self, endless: bool) -> list[mujoco.MjModel]:
         models = [
-            build_model(believing(self._drawn, one), self.cfg.hand, self.cfg.physics_dt_s, endless)
+            build_model(with_beliefs(self._trial, one), self.cfg.hand, self.cfg.physics_dt_s, endless)
             for one in self.beliefs
         ]
         if SLEEP and len(self._names) > 1 and self.cfg.rest_m_s > 0:
@@ -143,9 +143,9 @@ class PlanningWorld:
     @property
     def schema(self) -> dict[str, Quantity]:
         """What a cost can read here."""
-        return task_schema_of(self._drawn.task)
+        return task_schema_of(self._trial.task)
 
-    def rollout(self, now: Observation, controls: Controls, step: int = 0) -> tuple[Context, NDArray[np.bool_]]:
+    def rollout(self, now: Observation, controls: ControlSequences, step: int = 0) -> tuple[Context, NDArray[np.bool_]]:
         """Rehearse K sequences from the state now, under each belief.
 
         Args:
@@ -170,7 +170,7 @@ class PlanningWorld:
         control[..., -7:-4] = controls.position[:, :, None]
         control[..., -4:] = controls.quaternion[:, :, None]
         rolled = self._rollouts.run(
-            [Start.at(model, initial) for model in chosen],
+            [RolloutStart.at(model, initial) for model in chosen],
             control.reshape(total, horizon * self._substeps, -1),
             CONTROL,
             self._substeps,
@@ -181,7 +181,7 @@ class PlanningWorld:
 
     def present(self, now: Observation, step: int = 0) -> Context:
         """The measured state as a batch of one; contacts as the first belief has them after a step of keeping still."""
-        still = Controls(
+        still = ControlSequences(
             now.tool.position[None, None],
             now.tool.quaternion[None, None],
             np.full((1, 1), now.opening_m),
@@ -192,7 +192,7 @@ class PlanningWorld:
 
     def _inland(self, now: Observation) -> bool:
         """Whether nothing comes near an edge of the table for a while."""
-        table = self._drawn.task.table
+        table = self._trial.task.table
         half, center = np.asarray(table.size)[:2] / 2 - self.cfg.inland_m, np.asarray(table.center)
         points = [
             now.tool.position[None],
@@ -215,7 +215,7 @@ class PlanningWorld:
         return state
 
     def _values(
-        self, states: Array, sensors: Array, controls: Controls, now: Observation, step: int
+        self, states: Array, sensors: Array, controls: ControlSequences, now: Observation, step: int
     ) -> Mapping[str, Array]:
         index, horizon = self._index, states.shape[1]
         qpos, qvel = states[..., 1 : 1 + index.nq], states[..., 1 + index.nq : 1 + index.nq + index.nv]
@@ -258,17 +258,17 @@ class PlanningWorld:
             makers[f"{name}_hand_force"] = partial(sensed, pair("hand", name), FORCE)
             for side in ("left", "right"):
                 makers[f"{name}_{side}_contact"] = partial(touches, pair(side, name))
-            for point, local in self._drawn.task.object(name).points.items():
-                offset = np.asarray(local) * self._drawn.objects[name].scale
+            for point, local in self._trial.task.object(name).points.items():
+                offset = np.asarray(local) * self._trial.objects[name].scale
                 makers[f"{name}_{point}_pos"] = partial(placed, name, offset)
-        for name, other in contact_pairs(self._drawn):
+        for name, other in contact_pairs(self._trial):
             shared = pair(name, other) if pair(name, other) in index.sensor else pair(other, name)
             makers[f"{name}_{other}_contact"] = partial(touches, shared)
         return Lazy({**makers, **self._constants(len(states))})
 
     def _constants(self, total: int) -> Mapping[str, Callable[[], Array]]:
         if total not in self._fixed:
-            found = constants(self._drawn, self._start, self.beliefs, total)
+            found = constants(self._trial, self._start, self.beliefs, total)
             self._fixed[total] = {name: partial(_itself, value) for name, value in found.items()}
         return self._fixed[total]
 
@@ -322,7 +322,7 @@ def _shift_fingers(model: mujoco.MjModel, data: mujoco.MjData, most_m: float = 0
     data.joint("right_slide").qpos[0] -= shift
 
 
-def _own_axes(body: Body) -> Array:
+def _own_axes(body: BodyState) -> Array:
     return rotate(body.quaternion * np.array([1.0, -1, -1, -1]), body.angular_velocity)
 
 
@@ -350,7 +350,7 @@ def _without_divergence(
     return sane
 
 
-def _action(controls: Controls, repeats: int, step_s: float) -> Array:
+def _action(controls: ControlSequences, repeats: int, step_s: float) -> Array:
     """Shape=(K, H, 7): speeds of the commanded pose and opening."""
     move = np.diff(controls.position, axis=1, prepend=controls.position[:, :1]) / step_s
     q = controls.quaternion

@@ -11,22 +11,22 @@ from coral.contact.cost.context import Quantity
 from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.task import Task
-from coral.contact.scene.trial import Drawn, Physical
+from coral.contact.scene.trial import PhysicalParameters, Trial
 
 Array = NDArray[np.float64]
 
 
 def constants(
-    drawn: Drawn, start: Observation, beliefs: Sequence[Mapping[str, Physical]], total: int
+    trial: Trial, start: Observation, beliefs: Sequence[Mapping[str, PhysicalParameters]], total: int
 ) -> dict[str, Array]:
     """What does not change in a rollout: sizes, beliefs, first poses, places and numbers of the task."""
-    task = drawn.task
+    task = trial.task
     found: dict[str, Array] = {}
     for item in task.objects:
         name, body = item.name, start.objects[item.name]
         found[f"{name}_init_pos"] = body.position[None, None]
         found[f"{name}_init_quat"] = body.quaternion[None, None]
-        found[f"{name}_size"] = drawn.size(name)[None, None]
+        found[f"{name}_size"] = trial.size(name)[None, None]
         masses, frictions = zip(*((one[name].mass_kg, one[name].friction) for one in beliefs), strict=True)
         found[f"{name}_mass"] = np.repeat(np.array(masses), total // len(beliefs))[:, None]
         found[f"{name}_friction"] = np.repeat(np.array(frictions), total // len(beliefs))[:, None]

@@ -30,7 +30,7 @@ NEAR_M = 1e-3
 
 
 @dataclass(frozen=True)
-class Start:
+class RolloutStart:
     """Where all rollouts of a model begin.
 
     Args:
@@ -44,7 +44,7 @@ class Start:
     data: mujoco.MjData | None = None
 
     @classmethod
-    def at(cls, model: mujoco.MjModel, state: Array) -> Start:
+    def at(cls, model: mujoco.MjModel, state: Array) -> RolloutStart:
         """Begin at a state.
 
         Where the model enables sleep, everything sleeps that is slower than its `sleep_tolerance`, lies on something
@@ -117,7 +117,7 @@ class Rollouts:
         self._pool.shutdown()
         self._rollout.close()
 
-    def run(self, starts: Sequence[Start], control: Array, spec: int, every: int, mend: Mend) -> Rolled:
+    def run(self, starts: Sequence[RolloutStart], control: Array, spec: int, every: int, mend: Mend) -> Rolled:
         """Roll out every start under its share of the controls.
 
         Args:
@@ -191,7 +191,7 @@ def _parts(total: int, threads: int) -> list[slice]:
     return found
 
 
-def _at_once(each: Sequence[Start], part: slice) -> Iterator[slice]:
+def _at_once(each: Sequence[RolloutStart], part: slice) -> Iterator[slice]:
     """What of a part MuJoCo may roll out in one call: one at a time where each begins with a copy."""
     if each[part.start].data is None:
         yield part

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coral.config import Count, NonNegative
-from coral.contact.scene.trial import Physical
+from coral.contact.scene.trial import PhysicalParameters
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,9 +27,9 @@ class UncertaintyCfg:
     friction: NonNegative = 0.2
 
 
-def around(
-    belief: Mapping[str, Physical], cfg: UncertaintyCfg, rng: np.random.Generator
-) -> list[Mapping[str, Physical]]:
+def sample_beliefs(
+    belief: Mapping[str, PhysicalParameters], cfg: UncertaintyCfg, rng: np.random.Generator
+) -> list[Mapping[str, PhysicalParameters]]:
     """The belief, and others that are drawn around it: every mass and friction by itself, log-normal.
 
     Args:
@@ -38,8 +38,8 @@ def around(
         rng: Draws them.
     """
 
-    def other(one: Physical) -> Physical:
+    def other(one: PhysicalParameters) -> PhysicalParameters:
         mass, friction = np.exp(rng.normal(scale=[cfg.mass, cfg.friction]))
-        return Physical(one.mass_kg * float(mass), one.friction * float(friction))
+        return PhysicalParameters(one.mass_kg * float(mass), one.friction * float(friction))
 
     return [belief, *({name: other(one) for name, one in belief.items()} for _ in range(cfg.sets - 1))]

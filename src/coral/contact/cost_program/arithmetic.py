@@ -10,7 +10,18 @@ from typing import Any, cast
 import numpy as np
 
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.values import NUMBER, Contacts, Number, Seq, Table, Value, Vec, bounded, is_matrix, kind
+from coral.contact.cost_program.values import (
+    NUMBER,
+    ContactList,
+    DictValue,
+    Number,
+    Seq,
+    Value,
+    Vec,
+    bounded,
+    is_matrix,
+    kind,
+)
 
 LARGEST_INT = 2**53  # the largest whole number that stays exact among arrays of float64
 
@@ -46,7 +57,7 @@ def number(meter: Meter, value: Value) -> Number:
         return int(value)
     if isinstance(value, int | float):
         return value
-    if isinstance(value, Contacts):
+    if isinstance(value, ContactList):
         raise meter.fault("wrong_type", "a list of contact points is no number; use len(...)")
     if isinstance(value, Vec) and len(value.items) == 1:
         return number(meter, value.items[0])
@@ -64,11 +75,11 @@ def truth(meter: Meter, value: Value) -> bool | Mask:
             return value
         meter.made()
         return cast(Mask, value != 0)
-    if isinstance(value, Contacts):
+    if isinstance(value, ContactList):
         return value.touching
     if value is None or isinstance(value, bool | int | float | str):
         return bool(value)
-    if isinstance(value, Seq | Table):
+    if isinstance(value, Seq | DictValue):
         return bool(value.items)
     if isinstance(value, Vec):
         if len(value.items) == 1:
@@ -157,7 +168,7 @@ def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
         raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}; use np.array")
     if symbol in ("==", "!=") and (a is None or b is None or (isinstance(a, str) and isinstance(b, str))):
         return (a == b) == (symbol == "==")
-    if isinstance(a, Contacts) or isinstance(b, Contacts):
+    if isinstance(a, ContactList) or isinstance(b, ContactList):
         raise meter.fault("wrong_type", "a list of contact points is no number; use len(...)")
     raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}")
 

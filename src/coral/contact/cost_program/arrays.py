@@ -10,7 +10,18 @@ import numpy as np
 from coral.contact.cost_program.arithmetic import as_vector, components, each, number, transposed
 from coral.contact.cost_program.functions import flat
 from coral.contact.cost_program.limits import Meter
-from coral.contact.cost_program.values import NUMBER, Body, Number, Seq, Table, Value, Vec, bounded, is_matrix, kind
+from coral.contact.cost_program.values import (
+    NUMBER,
+    BodyHandle,
+    DictValue,
+    Number,
+    Seq,
+    Value,
+    Vec,
+    bounded,
+    is_matrix,
+    kind,
+)
 
 
 def array(meter: Meter, value: Value, dtype: Value = None, copy: Value = None) -> Value:
@@ -178,8 +189,8 @@ def copied(meter: Meter, value: Value) -> Value:
         return array(meter, value)
     if isinstance(value, Seq):
         return Seq(value.items, value.kind)
-    if isinstance(value, Table):
-        return Table(dict(value.items))
-    if isinstance(value, NUMBER) or value is None or isinstance(value, Body):
+    if isinstance(value, DictValue):
+        return DictValue(dict(value.items))
+    if isinstance(value, NUMBER) or value is None or isinstance(value, BodyHandle):
         return value
     raise meter.fault("wrong_type", f"{kind(value)} cannot be copied")

@@ -13,14 +13,14 @@ from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import filled, merge
 from coral.contact.cost_program.values import (
     Builtin,
-    Frame,
+    DictValue,
     Function,
     Module,
     Partial,
     Poison,
+    Scope,
     Seq,
     State,
-    Table,
     Value,
     Vec,
     bounded,
@@ -29,7 +29,7 @@ from coral.contact.cost_program.values import (
 from coral.errors import nearest
 
 Evaluate = Callable[[Machine, ast.expr], Value]
-CHANGERS = {"append": Seq, "extend": Seq, "update": Table}
+CHANGERS = {"append": Seq, "extend": Seq, "update": DictValue}
 
 
 def attribute(machine: Machine, base: Value, name: str) -> Value:
@@ -44,10 +44,10 @@ def attribute(machine: Machine, base: Value, name: str) -> Value:
         return _member(machine, base, name)
     if isinstance(base, Vec) or (isinstance(base, float | np.ndarray) and name in VECTOR_METHODS):
         return _of_vector(machine, base, name)
-    if isinstance(base, Table) and name in TABLE_METHODS:
+    if isinstance(base, DictValue) and name in TABLE_METHODS:
         method = TABLE_METHODS[name]
         return Builtin(name, lambda _, args, named: method(machine, base, [*args, *named.values()]))
-    raise _unknown(machine, base, name, list(TABLE_METHODS) if isinstance(base, Table) else [])
+    raise _unknown(machine, base, name, list(TABLE_METHODS) if isinstance(base, DictValue) else [])
 
 
 def _unknown(machine: Machine, base: Value, name: str, known: list[str]) -> Exception:
@@ -93,7 +93,7 @@ def _of_vector(machine: Machine, base: Value, name: str) -> Value:
     return Builtin(name, lambda meter, args, named: method.call(meter, [base, *args], named))
 
 
-def _get(machine: Machine, table: Table, args: list[Value]) -> Value:
+def _get(machine: Machine, table: DictValue, args: list[Value]) -> Value:
     if not 1 <= len(args) <= 2 or not isinstance(args[0], str | int):
         raise machine.meter.fault("wrong_call", "get takes a key and a default")
     default = args[1] if len(args) == 2 else None
@@ -103,23 +103,23 @@ def _get(machine: Machine, table: Table, args: list[Value]) -> Value:
     return found
 
 
-def _items(machine: Machine, table: Table, args: list[Value]) -> Value:
+def _items(machine: Machine, table: DictValue, args: list[Value]) -> Value:
     return Seq(tuple(Seq((key, value), "tuple") for key, value in table.items.items()))
 
 
-def _keys(machine: Machine, table: Table, args: list[Value]) -> Value:
+def _keys(machine: Machine, table: DictValue, args: list[Value]) -> Value:
     return Seq(tuple(table.items))
 
 
-def _values(machine: Machine, table: Table, args: list[Value]) -> Value:
+def _values(machine: Machine, table: DictValue, args: list[Value]) -> Value:
     return Seq(tuple(table.items.values()))
 
 
-def _copy(machine: Machine, table: Table, args: list[Value]) -> Value:
+def _copy(machine: Machine, table: DictValue, args: list[Value]) -> Value:
     return copied(machine.meter, table)
 
 
-TABLE_METHODS: dict[str, Callable[[Machine, Table, list[Value]], Value]] = {
+TABLE_METHODS: dict[str, Callable[[Machine, DictValue, list[Value]], Value]] = {
     "get": _get,
     "items": _items,
     "keys": _keys,
@@ -167,7 +167,7 @@ def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
 def _gaps(value: Value) -> bool:
     if isinstance(value, Seq):
         return any(isinstance(item, Partial) for item in value.items)
-    return isinstance(value, Table) and any(isinstance(item, Partial) for item in value.items.values())
+    return isinstance(value, DictValue) and any(isinstance(item, Partial) for item in value.items.values())
 
 
 def _reflect(machine: Machine, node: ast.Call, what: str, evaluate: Evaluate) -> Value:
@@ -203,7 +203,7 @@ def invoke(
         raise machine.meter.fault(
             "calls", f"functions call one another more than {machine.meter.cfg.calls} deep; recursion is not available"
         )
-    frame = Frame(function.frame, function.names, variables=bind(machine, function, args, named))
+    frame = Scope(function.frame, function.names, variables=bind(machine, function, args, named))
     mask, loops, line = machine.meter.mask, machine.loops, machine.meter.line
     machine.stack.append(frame)
     machine.loops = []
@@ -239,7 +239,7 @@ def leave(machine: Machine, value: Value, ledger: Value) -> None:
     machine.frame.exits.append((machine.meter.mask, value, ledger))
 
 
-def outcome(machine: Machine, frame: Frame, name: str) -> tuple[Value, Value]:
+def outcome(machine: Machine, frame: Scope, name: str) -> tuple[Value, Value]:
     """What a function returns: for every state what its first `return` gave; with the addends of a sum.
 
     Raises:

@@ -17,12 +17,12 @@ from coral.contact.cost_program.merging import merge
 from coral.contact.cost_program.subscripts import subscript
 from coral.contact.cost_program.values import (
     NUMBER,
-    Frame,
+    DictValue,
     Function,
     Partial,
     Poison,
+    Scope,
     Seq,
-    Table,
     Value,
     Vec,
     bounded,
@@ -208,7 +208,7 @@ def _relation(machine: Machine, operator: ast.cmpop, left: Value, right: Value) 
 
 
 def _contains(machine: Machine, item: Value, container: Value) -> Value:
-    if isinstance(container, Table):
+    if isinstance(container, DictValue):
         if not isinstance(item, str | int):
             raise machine.meter.fault("wrong_type", "the keys of a dict are constant texts or whole numbers")
         held = container.items.get(item)
@@ -244,13 +244,13 @@ def _dict(machine: Machine, node: Any) -> Value:
     for key_node, value_node in zip(node.keys, node.values, strict=True):
         if key_node is None:
             other = evaluate(machine, value_node)
-            if not isinstance(other, Table):
+            if not isinstance(other, DictValue):
                 raise machine.meter.fault("wrong_type", f"** takes a dict, not {kind(other)}")
             items.update(other.items)
         else:
             key = evaluate(machine, key_node)
             items[checked_key(machine, key)] = evaluate(machine, value_node)
-    return bounded(machine.meter, Table(items))
+    return bounded(machine.meter, DictValue(items))
 
 
 def checked_key(machine: Machine, key: Value) -> Value:
@@ -288,7 +288,7 @@ def _comprehension(machine: Machine, node: Any) -> Value:
     names = frozenset(
         item.id for generator in node.generators for item in ast.walk(generator.target) if isinstance(item, ast.Name)
     )
-    inner = Frame(machine.frame, names)
+    inner = Scope(machine.frame, names)
     found: list[tuple[Value, Value]] = []
     outermost = evaluate(machine, node.generators[0].iter)  # in the scope around, as in Python
     machine.stack.append(inner)
@@ -325,7 +325,7 @@ def _comprehension(machine: Machine, node: Any) -> Value:
     machine.branching -= 1
     machine.stack.pop()
     if isinstance(node, ast.DictComp):
-        return bounded(machine.meter, Table(dict(found)))
+        return bounded(machine.meter, DictValue(dict(found)))
     return bounded(machine.meter, Seq(tuple(value for _, value in found)))
 
 

@@ -26,7 +26,18 @@ from coral.contact.cost_program.arithmetic import (
     where,
 )
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.values import NUMBER, Contacts, Number, Partial, Seq, Table, Value, Vec, is_matrix, kind
+from coral.contact.cost_program.values import (
+    NUMBER,
+    ContactList,
+    DictValue,
+    Number,
+    Partial,
+    Seq,
+    Value,
+    Vec,
+    is_matrix,
+    kind,
+)
 
 Call = Callable[..., Value]
 """Takes the meter, then the arguments of the program."""
@@ -339,9 +350,9 @@ def round_to(meter: Meter, value: Value, decimals: Value = 0) -> Value:
 
 def length(meter: Meter, value: Value) -> Value:
     """Entries of a container; contact points count 1 when there are any."""
-    if isinstance(value, Contacts):
+    if isinstance(value, ContactList):
         return number(meter, value.touching)
-    if isinstance(value, Vec | Seq | Table):
+    if isinstance(value, Vec | Seq | DictValue):
         return len(value.items)
     raise meter.fault("wrong_type", f"{kind(value)} has no length")
 

@@ -11,7 +11,7 @@ from coral.contact.cost_program import arrays, functions, orientations
 from coral.contact.cost_program.arithmetic import dot, number, truth
 from coral.contact.cost_program.functions import of_one, of_two
 from coral.contact.cost_program.limits import Meter
-from coral.contact.cost_program.values import Builtin, Seq, Table, Value, Vec, bounded, kind
+from coral.contact.cost_program.values import Builtin, DictValue, Seq, Value, Vec, bounded, kind
 
 SILENT = ("dtype", "copy")  # keywords that change nothing here: every number is a float64
 
@@ -77,7 +77,7 @@ def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
     """
     if isinstance(value, Vec | Seq):
         return value.items
-    if isinstance(value, Table):
+    if isinstance(value, DictValue):
         return tuple(value.items)
     raise meter.fault("wrong_type", f"{kind(value)} cannot be looped over")
 
@@ -102,10 +102,10 @@ def _sequence(name: str) -> Callable[..., Value]:
 
 def _dict(meter: Meter, value: Value = None) -> Value:
     if value is None:
-        return Table({})
-    if not isinstance(value, Table):
+        return DictValue({})
+    if not isinstance(value, DictValue):
         raise meter.fault("wrong_call", "dict takes keywords or another dict")
-    return Table(dict(value.items))
+    return DictValue(dict(value.items))
 
 
 def _reversed(meter: Meter, value: Value) -> Value:
@@ -125,8 +125,8 @@ def _any(name: str) -> Callable[..., Value]:
 
 def _dict_call(meter: Meter, args: list[Value], named: dict[str, Value]) -> Value:
     base = DICT.call(meter, args, {})
-    assert isinstance(base, Table)
-    return Table(dict(base.items) | dict(named))
+    assert isinstance(base, DictValue)
+    return DictValue(dict(base.items) | dict(named))
 
 
 def _scalar_math(name: str) -> Callable[..., Value]:

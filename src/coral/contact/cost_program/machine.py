@@ -15,7 +15,7 @@ from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.merging import merge_variables
 from coral.contact.cost_program.pybullet import PyBullet
 from coral.contact.cost_program.state import StateSpace
-from coral.contact.cost_program.values import Frame, Function, Module, Partial, Poison, Seq, Table, Value, Vec
+from coral.contact.cost_program.values import DictValue, Function, Module, Partial, Poison, Scope, Seq, Value, Vec
 from coral.errors import nearest
 
 Snapshot = list[dict[str, Value]]
@@ -55,23 +55,23 @@ class Machine:
     sums: frozenset[str]
     own_names: Mapping[int, frozenset[str]]
     run: Callable[[Machine, list[ast.stmt]], bool]
-    stack: list[Frame] = field(default_factory=list)
+    stack: list[Scope] = field(default_factory=list)
     loops: list[Loop] = field(default_factory=list)
     exited: int = 0
     branching: int = 0
 
     @property
-    def frame(self) -> Frame:
+    def frame(self) -> Scope:
         """The present function's variables."""
         return self.stack[-1]
 
-    def owner(self, name: str) -> Frame | None:
+    def owner(self, name: str) -> Scope | None:
         """The frame that holds a name, from the inside out.
 
         Raises:
             CostError: It is a variable that is not set yet.
         """
-        frame: Frame | None = self.frame
+        frame: Scope | None = self.frame
         while frame is not None:
             if name in frame.variables:
                 return frame
@@ -177,7 +177,7 @@ class Machine:
             )
 
 
-def _parents(frame: Frame) -> list[Frame]:
+def _parents(frame: Scope) -> list[Scope]:
     found = []
     parent = frame.parent
     while parent is not None:
@@ -193,9 +193,11 @@ def _holds(held: Value, value: Value) -> int:
     if isinstance(held, Partial):
         return _holds(held.value, value)
     if isinstance(held, Seq | Vec):
-        return sum(_holds(item, value) for item in held.items if isinstance(item, Seq | Vec | Table))
-    if isinstance(held, Table):
-        return sum(_holds(item, value) for item in held.items.values() if isinstance(item, Seq | Vec | Table | Partial))
+        return sum(_holds(item, value) for item in held.items if isinstance(item, Seq | Vec | DictValue))
+    if isinstance(held, DictValue):
+        return sum(
+            _holds(item, value) for item in held.items.values() if isinstance(item, Seq | Vec | DictValue | Partial)
+        )
     if isinstance(held, Function):
         return sum(_holds(item, value) for item in held.defaults.values())
     return 0

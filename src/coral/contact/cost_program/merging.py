@@ -6,7 +6,7 @@ import numpy as np
 
 from coral.contact.cost_program.arithmetic import where
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.values import NUMBER, Contacts, Partial, Poison, Seq, Table, Value, Vec, kind
+from coral.contact.cost_program.values import NUMBER, ContactList, DictValue, Partial, Poison, Seq, Value, Vec, kind
 
 MISSING = object()
 
@@ -33,13 +33,13 @@ def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
         return Vec(items, order=a.order if a.order == b.order else "")
     if isinstance(a, Seq) and isinstance(b, Seq) and a.kind == b.kind and len(a.items) == len(b.items):
         return Seq(_merge_items(meter, condition, a.items, b.items), a.kind)
-    if isinstance(a, Table) and isinstance(b, Table):
+    if isinstance(a, DictValue) and isinstance(b, DictValue):
         return merge_tables(meter, condition, a, b)
     if isinstance(a, str) and isinstance(b, str) and a == b:
         return a
-    if isinstance(a, Contacts) and isinstance(b, Contacts):
+    if isinstance(a, ContactList) and isinstance(b, ContactList):
         meter.made()
-        return Contacts(np.where(condition, a.touching, b.touching))
+        return ContactList(np.where(condition, a.touching, b.touching))
     if isinstance(a, Poison):
         return a
     if isinstance(b, Poison):
@@ -51,10 +51,12 @@ def _merge_items(meter: Meter, condition: Mask, a: tuple[Value, ...], b: tuple[V
     return tuple(merge(meter, condition, x, y) for x, y in zip(a, b, strict=True))
 
 
-def merge_tables(meter: Meter, condition: Mask, a: Table, b: Table) -> Table:
+def merge_tables(meter: Meter, condition: Mask, a: DictValue, b: DictValue) -> DictValue:
     """Dicts joined key by key; a key of only one of them is set in some states only."""
     keys = [*a.items, *(key for key in b.items if key not in a.items)]
-    return Table({key: merge(meter, condition, a.items.get(key, MISSING), b.items.get(key, MISSING)) for key in keys})
+    return DictValue(
+        {key: merge(meter, condition, a.items.get(key, MISSING), b.items.get(key, MISSING)) for key in keys}
+    )
 
 
 def _partial(mask: Mask, value: Value) -> Value:

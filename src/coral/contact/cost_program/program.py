@@ -21,7 +21,7 @@ from coral.contact.cost_program.state import HANDLES, StateSpace
 from coral.contact.cost_program.statements import own_names, run_block
 from coral.contact.cost_program.sums import summed_variables
 from coral.contact.cost_program.trace import Trace, Traced
-from coral.contact.cost_program.values import NUMBER, Frame, Seq, State, Table, Value, kind
+from coral.contact.cost_program.values import NUMBER, DictValue, Scope, Seq, State, Value, kind
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +137,7 @@ class CostProgram:
         return self.names.line_of.get(term, 0)
 
     def _run(self, meter: Meter) -> Evaluated:
-        module = Frame(None, self.module_names)
+        module = Scope(None, self.module_names)
         machine = Machine(meter, self.space, self.bullet, self.names, self.sums, self.own_names, run_block, [module])
         run_block(machine, self.parsed.tree.body)
         entry = self.parsed.entry
@@ -145,9 +145,9 @@ class CostProgram:
         function = module.variables[entry.name]
         defaults = getattr(function, "defaults", {})
         variables: dict[str, Value] = {**defaults, arguments[0].arg: State()}
-        frame = Frame(module, self.own_names[id(entry)] | {argument.arg for argument in arguments}, True, variables)
+        frame = Scope(module, self.own_names[id(entry)] | {argument.arg for argument in arguments}, True, variables)
         if "terms" not in frame.names and "terms" not in module.names:
-            variables["terms"] = Table({})
+            variables["terms"] = DictValue({})
         machine.stack.append(frame)
         if run_block(machine, entry.body):
             leave(machine, *self._at_end(machine, frame))
@@ -155,10 +155,10 @@ class CostProgram:
         meter.line = 0
         return self._evaluated(machine, value, ledger)
 
-    def _at_end(self, machine: Machine, frame: Frame) -> tuple[Value, Value]:
+    def _at_end(self, machine: Machine, frame: Scope) -> tuple[Value, Value]:
         """A function that ends without a return has given its cost if it filled `terms`."""
         terms = frame.variables.get("terms")
-        return (terms, None) if isinstance(terms, Table) and terms.items else (None, None)
+        return (terms, None) if isinstance(terms, DictValue) and terms.items else (None, None)
 
     def _evaluated(self, machine: Machine, value: Value, ledger: Value) -> Evaluated:
         meter = machine.meter
@@ -166,12 +166,12 @@ class CostProgram:
             isinstance(value, Seq)
             and value.kind == "tuple"
             and len(value.items) == 2
-            and isinstance(value.items[1], Table)
+            and isinstance(value.items[1], DictValue)
         ):
             value, ledger = value.items[0], None  # cost, parts: the cost counts
         if value is None:
             raise meter.fault("no_return", "some state reaches the end of the function without a return")
-        if isinstance(value, Table):
+        if isinstance(value, DictValue):
             terms = self._terms(machine, value)
             total: Value = 0.0
             for term in terms.values():
@@ -180,14 +180,14 @@ class CostProgram:
             if not isinstance(value, NUMBER):
                 raise meter.fault("wrong_return", f"the cost is a number or a dict of named numbers, not {kind(value)}")
             total = value
-            named = isinstance(ledger, Table) and 0 < len(ledger.items) <= self.limits.terms
-            terms = self._terms(machine, ledger) if named and isinstance(ledger, Table) else {"cost": value}
+            named = isinstance(ledger, DictValue) and 0 < len(ledger.items) <= self.limits.terms
+            terms = self._terms(machine, ledger) if named and isinstance(ledger, DictValue) else {"cost": value}
         cost = self._batch(machine, total)
         return Evaluated(
             cost, {name: self._batch(machine, term) for name, term in terms.items()}, meter.steps, meter.arrays
         )
 
-    def _terms(self, machine: Machine, table: Table) -> dict[str, Value]:
+    def _terms(self, machine: Machine, table: DictValue) -> dict[str, Value]:
         meter = machine.meter
         if len(table.items) > self.limits.terms:
             raise meter.fault("memory", f"a cost has at most {self.limits.terms} terms")

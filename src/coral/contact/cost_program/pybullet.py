@@ -21,7 +21,7 @@ from coral.contact.cost_program.quaternions import (
     write_quat,
 )
 from coral.contact.cost_program.state import StateSpace
-from coral.contact.cost_program.values import Body, Contacts, Seq, Value, Vec, kind
+from coral.contact.cost_program.values import BodyHandle, ContactList, Seq, Value, Vec, kind
 
 IGNORED = ("physicsClientId", "computeForwardKinematics", "computeLinkVelocity")
 
@@ -70,7 +70,7 @@ class PyBullet:
         return Seq((self.space.read(meter, f"{name}_vel"), self.space.read(meter, f"{name}_angvel")), "tuple")
 
     def _contacts(self, meter: Meter, args: list[Value]) -> Value:
-        bodies = [item for item in args if isinstance(item, Body) and item.name != "other"]
+        bodies = [item for item in args if isinstance(item, BodyHandle) and item.name != "other"]
         if len(bodies) != 2:
             raise meter.fault("wrong_call", "getContactPoints is answered for two bodies, as (self.panda, self.box)")
         names = [body.name for body in bodies]
@@ -78,7 +78,7 @@ class PyBullet:
             if f"{thing}_{other}_contact" in self.space.schema:
                 touching = self.space.read(meter, f"{thing}_{other}_contact")
                 assert isinstance(touching, np.ndarray)
-                return Contacts(touching.astype(np.bool_))
+                return ContactList(touching.astype(np.bool_))
         known = [name for name in self.space.available() if name.endswith("_contact")]
         raise meter.fault(
             "unknown_state", f"contact of {names[0]} and {names[1]} is not in the state; it has {', '.join(known)}"
@@ -86,7 +86,7 @@ class PyBullet:
 
     def _body(self, meter: Meter, args: list[Value], what: str) -> str:
         body = args[0] if args else None
-        if not isinstance(body, Body):
+        if not isinstance(body, BodyHandle):
             raise meter.fault("wrong_call", f"the first argument must be a body as self.{what}, not {kind(body)}")
         if (what == "hand") != (body.name == "hand") or (what == "object" and body.name not in self.space.objects):
             choice = "self.panda" if what == "hand" else ", ".join(f"self.{name}" for name in self.space.objects)

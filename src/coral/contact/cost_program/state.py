@@ -9,7 +9,7 @@ import numpy as np
 
 from coral.contact.cost.context import Schema
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.values import Body, Value, Vec
+from coral.contact.cost_program.values import BodyHandle, Value, Vec
 from coral.errors import nearest
 
 HAND_BODIES = ("panda", "robot", "arm", "hand", "gripper")
@@ -56,9 +56,9 @@ class StateSpace:
             if name.startswith(f"{thing}_") and name.endswith("_contact")
         }
         self.fixtures = sorted(fixtures - set(NOT_THINGS) - set(self.objects))
-        self.bodies: dict[str, Body] = {}
+        self.bodies: dict[str, BodyHandle] = {}
         for name in (*HAND_BODIES, *self.objects, *sorted({*self.fixtures, *FIXED_BODIES})):
-            body = Body("hand" if name in HAND_BODIES else name)
+            body = BodyHandle("hand" if name in HAND_BODIES else name)
             for ending in ID_ENDINGS:
                 self.bodies[name + ending] = body
 
@@ -103,7 +103,7 @@ class StateSpace:
         if name in self.bodies:
             return self.bodies[name]
         if name in HANDLES:
-            return Body("other")
+            return BodyHandle("other")
         raise self.unknown(meter, name)
 
     def unknown(self, meter: Meter, name: str) -> Exception:

@@ -15,7 +15,7 @@ from coral.contact.cost_program.library import CONSTANTS, IMPORTABLE, MODULES, e
 from coral.contact.cost_program.machine import Loop, Machine
 from coral.contact.cost_program.subscripts import replaced, subscript
 from coral.contact.cost_program.sums import LEDGER, added, evaluate_sum, forgotten
-from coral.contact.cost_program.values import Module, Seq, Table, Value, Vec, kind
+from coral.contact.cost_program.values import DictValue, Module, Seq, Value, Vec, kind
 
 
 def run_block(machine: Machine, body: list[ast.stmt]) -> bool:
@@ -57,11 +57,11 @@ def _change(machine: Machine, node: ast.Call, function: ast.Attribute) -> None:
         more = (args[0],) if function.attr == "append" else entries(machine.meter, args[0])
         changed = Seq(base.items + more)
     else:
-        assert isinstance(base, Table)
-        other = args[0] if args else Table({})
-        if not isinstance(other, Table):
+        assert isinstance(base, DictValue)
+        other = args[0] if args else DictValue({})
+        if not isinstance(other, DictValue):
             raise machine.meter.fault("wrong_call", "update takes a dict")
-        changed = Table(base.items | other.items | dict(named))
+        changed = DictValue(base.items | other.items | dict(named))
     _rebind(machine, function.value, base, changed)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from coral.contact.cost_program.arithmetic import as_vector, components, number
 from coral.contact.cost_program.machine import Machine
-from coral.contact.cost_program.values import Seq, Table, Value, Vec, bounded, is_matrix, kind
+from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, bounded, is_matrix, kind
 
 Evaluate = Callable[[Machine, ast.expr], Value]
 Index = int | slice | tuple[int, ...] | str
@@ -20,7 +20,7 @@ def subscript(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate)
         CostError: There is no such entry, or the index depends on the state.
     """
     parts = node.elts if isinstance(node, ast.Tuple) else [node]
-    if isinstance(base, Table):
+    if isinstance(base, DictValue):
         key = evaluate(machine, node)
         return machine.usable(base.items[_known_key(machine, base, key)], str(key))
     if not isinstance(base, Vec | Seq):
@@ -66,7 +66,7 @@ def _whole(machine: Machine, value: Value) -> int:
     raise machine.meter.fault("not_fixed", f"an index is a constant whole number, not {kind(value)}")
 
 
-def _known_key(machine: Machine, table: Table, key: Value) -> Value:
+def _known_key(machine: Machine, table: DictValue, key: Value) -> Value:
     if not isinstance(key, str | int):
         raise machine.meter.fault("not_fixed", f"the key of a dict is a constant text, not {kind(key)}")
     if key not in table.items:
@@ -103,11 +103,11 @@ def replaced(machine: Machine, base: Value, node: ast.expr, value: Value, evalua
     Raises:
         CostError: There is no such entry, or the value does not fit in it.
     """
-    if isinstance(base, Table):
+    if isinstance(base, DictValue):
         key = evaluate(machine, node)
         if not isinstance(key, str | int) or isinstance(key, bool):
             raise machine.meter.fault("not_fixed", f"the key of a dict is a constant text, not {kind(key)}")
-        return bounded(machine.meter, Table({**base.items, key: value}))
+        return bounded(machine.meter, DictValue({**base.items, key: value}))
     if not isinstance(base, Vec | Seq):
         raise machine.meter.fault("wrong_type", f"the entries of {kind(base)} cannot be set")
     if isinstance(base, Seq) and base.kind == "tuple":

@@ -13,7 +13,7 @@ from coral.contact.cost_program.arrays import to_float
 from coral.contact.cost_program.expressions import evaluate, operate
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import filled
-from coral.contact.cost_program.values import NUMBER, Builtin, Table, Value
+from coral.contact.cost_program.values import NUMBER, Builtin, DictValue, Value
 
 LEDGER = "terms of "
 """Prefix of the hidden variable that holds a ledger; not a name that a program could write."""
@@ -79,7 +79,7 @@ def _converted(node: ast.expr) -> ast.expr | None:
     return None
 
 
-def evaluate_sum(machine: Machine, node: ast.expr, variable: str) -> tuple[Value, Table | None]:
+def evaluate_sum(machine: Machine, node: ast.expr, variable: str) -> tuple[Value, DictValue | None]:
     """A value together with its addends by name; None for the addends of what is no number.
 
     Args:
@@ -91,7 +91,7 @@ def evaluate_sum(machine: Machine, node: ast.expr, variable: str) -> tuple[Value
     return _sum(machine, node, variable, whole)
 
 
-def _sum(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple[Value, Table | None]:
+def _sum(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple[Value, DictValue | None]:
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
         chain: list[ast.BinOp] = []
         rest: ast.expr = node
@@ -107,7 +107,7 @@ def _sum(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple[
         return value, ledger if isinstance(value, NUMBER) else None
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         value, ledger = _sum(machine, node.operand, variable, whole)
-        return negative(machine.meter, value), _joined(machine, Table({}), ledger, True)
+        return negative(machine.meter, value), _joined(machine, DictValue({}), ledger, True)
     inner = _converted(node)
     if inner is not None and _plain_float(machine, node):
         value, ledger = _sum(machine, inner, variable, whole)
@@ -123,11 +123,11 @@ def _plain_float(machine: Machine, node: ast.expr) -> bool:
     return isinstance(found, Builtin) and found.name == "float"
 
 
-def _leaf(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple[Value, Table | None]:
+def _leaf(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple[Value, DictValue | None]:
     value = evaluate(machine, node)
     if isinstance(node, ast.Name) and node.id in machine.sums:
         kept = machine.frame.variables.get(LEDGER + node.id)
-        if isinstance(kept, Table):
+        if isinstance(kept, DictValue):
             return value, kept
     table = _summed_table(machine, node)
     if table is not None:
@@ -135,16 +135,16 @@ def _leaf(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple
     return value, ledger_of(machine, node, value, variable, whole)
 
 
-def ledger_of(machine: Machine, node: ast.expr, value: Value, variable: str, whole: bool) -> Table | None:
+def ledger_of(machine: Machine, node: ast.expr, value: Value, variable: str, whole: bool) -> DictValue | None:
     """The ledger of a single addend; a constant zero adds nothing."""
     if not isinstance(value, NUMBER):
         return None
     if isinstance(value, int | float) and value == 0:
-        return Table({})
-    return Table({machine.terms.of(node, whole, variable): number(machine.meter, value)})
+        return DictValue({})
+    return DictValue({machine.terms.of(node, whole, variable): number(machine.meter, value)})
 
 
-def _summed_table(machine: Machine, node: ast.expr) -> Table | None:
+def _summed_table(machine: Machine, node: ast.expr) -> DictValue | None:
     """The dict of `sum(terms.values())`, whose entries have names already."""
     if not (
         isinstance(node, ast.Call)
@@ -159,12 +159,12 @@ def _summed_table(machine: Machine, node: ast.expr) -> Table | None:
     if not (isinstance(inner, ast.Attribute) and inner.attr == "values" and isinstance(inner.value, ast.Name)):
         return None
     table = machine.lookup(inner.value.id)
-    if isinstance(table, Table) and all(isinstance(key, str) for key in table.items):
-        return Table(dict(table.items))
+    if isinstance(table, DictValue) and all(isinstance(key, str) for key in table.items):
+        return DictValue(dict(table.items))
     return None
 
 
-def _joined(machine: Machine, ledger: Table | None, more: Table | None, minus: bool) -> Table | None:
+def _joined(machine: Machine, ledger: DictValue | None, more: DictValue | None, minus: bool) -> DictValue | None:
     if ledger is None or more is None:
         return None
     items = dict(ledger.items)
@@ -174,14 +174,14 @@ def _joined(machine: Machine, ledger: Table | None, more: Table | None, minus: b
         if name in items:
             amount = binary(machine.meter, "+", filled(machine.meter, items[name], 0.0), amount)
         items[name] = amount
-    return Table(items)
+    return DictValue(items)
 
 
 def added(machine: Machine, variable: str, node: ast.expr, value: Value, minus: bool) -> None:
     """Enter what `variable += node` adds."""
     before = machine.frame.variables.get(LEDGER + variable)
     more = ledger_of(machine, node, value, variable, True)
-    joined = _joined(machine, before if isinstance(before, Table) else None, more, minus)
+    joined = _joined(machine, before if isinstance(before, DictValue) else None, more, minus)
     machine.frame.variables[LEDGER + variable] = joined
 
 

@@ -44,7 +44,7 @@ class Seq:
         self.items, self.kind = items, kind
 
 
-class Table:
+class DictValue:
     """A dict with texts or whole numbers as keys."""
 
     __slots__ = ("items",)
@@ -74,14 +74,14 @@ class Poison:
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class BodyHandle:
     """What PyBullet calls a body id, or another handle of the simulator: `hand`, an object, a fixture, or `other`."""
 
     name: str
 
 
 @dataclass(frozen=True, eq=False)
-class Contacts:
+class ContactList:
     """A list of contact points of which only its being empty or not is known."""
 
     touching: Mask
@@ -107,7 +107,7 @@ class Builtin:
 
 
 @dataclass(eq=False)
-class Frame:
+class Scope:
     """The variables of one running function.
 
     Args:
@@ -116,7 +116,7 @@ class Frame:
         entry: Whether it is the cost function itself, whose sums are kept as named terms.
     """
 
-    parent: Frame | None
+    parent: Scope | None
     names: frozenset[str]
     entry: bool = False
     variables: dict[str, Value] = field(default_factory=dict)
@@ -131,7 +131,7 @@ class Function:
     arguments: ast.arguments
     body: list[ast.stmt] | ast.expr
     defaults: dict[str, Value]
-    frame: Frame
+    frame: Scope
     names: frozenset[str]
 
 
@@ -148,14 +148,14 @@ def kind(value: Value) -> str:
     if isinstance(value, Seq):
         return f"a {value.kind} of {len(value.items)}"
     words = {
-        Table: "a dict",
+        DictValue: "a dict",
         str: "a text",
         Function: "a function",
         Builtin: "a function",
         Module: "a module",
         State: "self",
-        Body: "a body id",
-        Contacts: "a list of contact points",
+        BodyHandle: "a body id",
+        ContactList: "a list of contact points",
         type(None): "None",
         Partial: "a value that is not set in every state",
         Poison: "a value of two kinds",
@@ -174,7 +174,7 @@ def weight(value: Value, cap: int) -> int:
     items: tuple[Value, ...] = ()
     if isinstance(value, Vec | Seq):
         items = value.items
-    elif isinstance(value, Table):
+    elif isinstance(value, DictValue):
         items = tuple(value.items.values())
     for item in items:
         total += 1 if isinstance(item, NUMBER) else weight(item, cap - total)

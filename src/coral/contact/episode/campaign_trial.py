@@ -12,10 +12,10 @@ from typing import Any
 from coral.advisor.model_cfg import ModelCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
-from coral.contact.episode.variants import REMEMBERING, Asking, contact_model, make_mind
+from coral.contact.episode.variants import REMEMBERING, AdvisorSetup, contact_model, make_strategist
 from coral.contact.memory.memory import Memory
 from coral.contact.scene.task import Task
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.contact.thinker.think_cfg import within
 from coral.errors import RunError
 
@@ -57,10 +57,10 @@ def run_trial(
     with tempfile.TemporaryDirectory() as aside:
         own = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None
         known = own.load(memory, "memory") if own is not None and memory is not None else 0
-        mind = make_mind(
+        strategist = make_strategist(
             variant,
             task,
-            Asking(
+            AdvisorSetup(
                 advisor=advisor,
                 seed=seed,
                 world=world,
@@ -70,7 +70,7 @@ def run_trial(
                 model=model or contact_model(),
             ),
         )
-        episode = Episode(draw(task, seed), world, mind, cfg, folder, variant=variant, advisor=advisor)
+        episode = Episode(sample_trial(task, seed), world, strategist, cfg, folder, variant=variant, advisor=advisor)
         result = episode.run()
         if own is not None:
             _keep_new(own, known, folder)

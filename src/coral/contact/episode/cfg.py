@@ -9,8 +9,8 @@ from coral.config import Count
 from coral.contact.control.controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.control.reactive import ReactiveCfg
-from coral.contact.episode.recorder import RecordCfg
-from coral.contact.perception.advisor_camera import SightCfg
+from coral.contact.episode.recorder import EpisodeRecordCfg
+from coral.contact.perception.advisor_camera import AdvisorCameraCfg
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.policy.cfg import PolicyCfg
 from coral.contact.thinker.think_cfg import ThinkCfg
@@ -40,9 +40,9 @@ class EpisodeCfg:
     planning: PlanningCfg = field(default_factory=PlanningCfg)
     controller: ControllerCfg = field(default_factory=ControllerCfg)
     reactive: ReactiveCfg = field(default_factory=ReactiveCfg)
-    record: RecordCfg = field(default_factory=RecordCfg)
+    record: EpisodeRecordCfg = field(default_factory=EpisodeRecordCfg)
     think: ThinkCfg = field(default_factory=ThinkCfg)
     policy: PolicyCfg = field(default_factory=PolicyCfg)
     poses: Literal["tracked", "ground-truth"] = "tracked"
     tracked: TrackedCfg = field(default_factory=TrackedCfg)
-    sight: SightCfg = field(default_factory=SightCfg)
+    sight: AdvisorCameraCfg = field(default_factory=AdvisorCameraCfg)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-ENDS = {
+END_REASONS = {
     "success": "all of the task's conditions held long enough",
     "timeout": "the task's time was up",
     "dropped": "an object fell off the table",

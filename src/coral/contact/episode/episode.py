@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from coral.config import to_mapping, whole_steps
-from coral.contact.control.controller import Controller, Plan
+from coral.contact.control.controller import Controller, HandPlan
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.reactive import Reactive
 from coral.contact.cost.stages import Progress, Strategy
@@ -19,20 +19,20 @@ from coral.contact.cost_program.errors import CostError
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
-from coral.contact.perception.advisor_camera import eyes
+from coral.contact.perception.advisor_camera import make_advisor_camera
 from coral.contact.perception.guessed_world import GuessedWorld
-from coral.contact.perception.tracked_world import Seen, TrackedWorld
+from coral.contact.perception.tracked_world import PoseDifference, TrackedWorld
 from coral.contact.scene.judge import Judge
-from coral.contact.scene.observation import HandTarget, Observation, Step, Truth
-from coral.contact.scene.trial import Drawn, Physical, believing, prior
-from coral.contact.thinker.strategist import Mind, Moment, NoStrategy
-from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldFault
+from coral.contact.scene.observation import HandTarget, Observation, Transition, Truth
+from coral.contact.scene.trial import PhysicalParameters, Trial, prior_beliefs, with_beliefs
+from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
+from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError, RunError
 from coral.runs import RunWriter, provenance
 
 
-class Observer(Protocol):
+class EpisodeObserver(Protocol):
     """Anything that watches an episode: a progress bar, a live view."""
 
     def tick(self, episode: Episode) -> None:
@@ -48,9 +48,9 @@ class Episode:
     """Couples a world with the planner and writes what happens.
 
     Args:
-        drawn: The trial.
+        trial: The trial.
         world: Name of the evaluation world.
-        mind: Who decides on strategies.
+        strategist: Who decides on strategies.
         cfg: The rest.
         folder: Run folder, new or empty.
         variant: For the record.
@@ -59,39 +59,41 @@ class Episode:
 
     def __init__(
         self,
-        drawn: Drawn,
+        trial: Trial,
         world: str,
-        mind: Mind,
+        strategist: Strategist,
         cfg: EpisodeCfg,
         folder: Path,
         *,
         variant: str,
         advisor: str = "none",
     ) -> None:
-        self.drawn, self.mind, self.cfg = drawn, mind, cfg
+        self.trial, self.strategist, self.cfg = trial, strategist, cfg
         self.variant, self.advisor = variant, advisor
-        self.time_limit_s = drawn.task.time_limit_s
+        self.time_limit_s = trial.task.time_limit_s
         self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
         self.plan_ms: list[float] = []
-        self.judge = Judge(drawn)
+        self.judge = Judge(trial)
         whole_steps(cfg.planning.step_s, cfg.planning.physics_dt_s, "--cfg", "planning.physics_dt_s")
         whole_steps(cfg.planning.step_s, cfg.think.outer.replay_dt_s, "--cfg", "think.outer.replay_dt_s")
-        self.world: EvaluationWorld = make_world(world, drawn, cfg.planning.step_s)
-        self.look = eyes(self.world, drawn, cfg.tracked, cfg.sight, np.random.default_rng([drawn.seed, 5]))
+        self.world: EvaluationWorld = make_world(world, trial, cfg.planning.step_s)
+        self.look = make_advisor_camera(
+            self.world, trial, cfg.tracked, cfg.sight, np.random.default_rng([trial.seed, 5])
+        )
         self.tracked: TrackedWorld | None = None
         self.guessed: GuessedWorld | None = None
-        if mind.guesses:
-            self.world = self.guessed = GuessedWorld(self.world, drawn)
+        if strategist.guesses:
+            self.world = self.guessed = GuessedWorld(self.world, trial)
         elif cfg.poses == "tracked":
             self.world = self.tracked = TrackedWorld(
-                self.world, drawn, cfg.tracked, np.random.default_rng([drawn.seed, 4])
+                self.world, trial, cfg.tracked, np.random.default_rng([trial.seed, 4])
             )
         # All that can be refused has been looked at: only now is a folder made.
-        objects = [item.name for item in drawn.task.objects]
+        objects = [item.name for item in trial.task.objects]
         self.writer = RunWriter(folder, columns(objects))
         self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
         self._without_plan = 0
-        self._taken: list[Step] = []
+        self._taken: list[Transition] = []
         self._wall = 0.0
         self._late: InputError | RunError | None = None
         self.now: Observation
@@ -105,7 +107,7 @@ class Episode:
         """Name of the stage that is on."""
         return self.progress.stage.name
 
-    def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
+    def run(self, observers: Sequence[EpisodeObserver] = ()) -> dict[str, Any]:
         """Run to the end; returns metrics and timing together.
 
         Raises:
@@ -115,7 +117,7 @@ class Episode:
         try:
             try:
                 self._begin()
-            except WorldFault as fault:
+            except WorldError as fault:
                 self.end_reason, self.detail = fault.code, str(fault)
             except NoStrategy as none:
                 self.end_reason, self.detail = "no-strategy", str(none)
@@ -154,14 +156,14 @@ class Episode:
         """Append an event at the present step."""
         self.writer.event(self.step, self.t, event, **fields)
 
-    def _plan(self) -> Plan | None:
+    def _plan(self) -> HandPlan | None:
         stage = self.progress.stage
         begun = time.perf_counter()
         try:
             plan = self.controller.plan(self.now, stage, self.step)
             changed = self.progress.update(plan.now)
         except CostError as error:
-            other = self.mind.failed(error, stage.name, self.now)
+            other = self.strategist.failed(error, stage.name, self.now)
             if other is None:
                 self._cost_error(error, stage.name)
             else:
@@ -192,7 +194,7 @@ class Episode:
         if changed:
             self.emit("stage", before=stage.name, stage=self.stage, index=self.progress.index)
         try:
-            other = self.mind.after(Moment(self.step, self.now, plan, stage.name, tuple(self._taken)))
+            other = self.strategist.after(PlanReport(self.step, self.now, plan, stage.name, tuple(self._taken)))
         except CostError as error:
             self._cost_error(error, stage.name)
             return None
@@ -204,7 +206,7 @@ class Episode:
     def _cost_error(self, error: CostError, stage: str) -> None:
         self.end_reason, self.detail = "cost-error", f"stage {stage!r}: {error}"
 
-    def _act(self, plan: Plan, k: int) -> bool:
+    def _act(self, plan: HandPlan, k: int) -> bool:
         """One control step; false when the world could not take it."""
         before = self.now
         target = planned = plan.targets[k]
@@ -214,10 +216,10 @@ class Episode:
         try:
             self.now = self.world.step(command)
             truth = self.world.truth()
-        except WorldFault as fault:
+        except WorldError as fault:
             self.end_reason, self.detail = fault.code, str(fault)
             return False
-        self._taken.append(Step(before, command, self.now))
+        self._taken.append(Transition(before, command, self.now))
         self.step += 1
         self.t = self.now.time_s
         if target is planned:
@@ -248,17 +250,17 @@ class Episode:
         cfg = self.cfg
         self._write_head()
         self._say_start()
-        self.mind.listen(self.emit)
-        self.mind.open_eyes(self.look)
+        self.strategist.listen(self.emit)
+        self.strategist.open_eyes(self.look)
         self.now = self.world.reset()
         self.t = self.now.time_s
         if self.guessed is not None:
-            self.now = self.guessed.settle(self.mind.locate(self.drawn, self.now), self.now)
+            self.now = self.guessed.settle(self.strategist.locate(self.trial, self.now), self.now)
         self._tell_tracks()
         self.planner = PlanningWorld(
-            self.drawn, prior(self.drawn), self.now, cfg.planning, np.random.default_rng([self.drawn.seed, 6])
+            self.trial, prior_beliefs(self.trial), self.now, cfg.planning, np.random.default_rng([self.trial.seed, 6])
         )
-        self.controller = Controller(self.planner, cfg.controller, np.random.default_rng([self.drawn.seed, 1]))
+        self.controller = Controller(self.planner, cfg.controller, np.random.default_rng([self.trial.seed, 1]))
         self.reactive = Reactive(
             cfg.reactive,
             cfg.planning.step_s,
@@ -272,26 +274,26 @@ class Episode:
         self.recorder.row(0, self.now, truth, first, 0, self._off(truth))
         self.recorder.state(0, self.t, self.world)
         self.recorder.contacts(0, truth)
-        self._follow(self.mind.begin(known(self.drawn, self.now), self.now, self.planner))
+        self._follow(self.strategist.begin(as_perceived(self.trial, self.now), self.now, self.planner))
 
     def _write_head(self) -> None:
-        self.writer.yaml("task.yaml", self.drawn.task.model_dump(mode="json"))
+        self.writer.yaml("task.yaml", self.trial.task.model_dump(mode="json"))
         self.writer.yaml(
             "config.yaml",
             {
                 "system": "contact",
-                "task": self.drawn.task.name,
+                "task": self.trial.task.name,
                 "world": self.world.name,
                 "advisor": self.advisor,
                 "variant": self.variant,
-                "seed": self.drawn.seed,
+                "seed": self.trial.seed,
                 "episode": to_mapping(self.cfg),
                 "provenance": provenance(),
             },
         )
 
     def _say_start(self) -> None:
-        task = self.drawn.task
+        task = self.trial.task
         self.emit(
             "start",
             task=task.name,
@@ -299,13 +301,13 @@ class Episode:
             world=self.world.name,
             variant=self.variant,
             advisor=self.advisor,
-            seed=self.drawn.seed,
+            seed=self.trial.seed,
             poses=self.cfg.poses if self.guessed is None else "guessed",
             **({} if self.tracked is None else {"tracker": self.tracked.tracker}),
             time_limit_s=task.time_limit_s,
             trial={
-                name: {**_physical(item.physical), "size_m": numbers(self.drawn.size(name), 4)}
-                for name, item in self.drawn.objects.items()
+                name: {**_physical(item.physical), "size_m": numbers(self.trial.size(name), 4)}
+                for name, item in self.trial.objects.items()
             },
         )
 
@@ -314,7 +316,7 @@ class Episode:
         for fields in self.tracked.news() if self.tracked is not None else ():
             self.emit("track", **fields)
 
-    def _off(self, truth: Truth) -> Mapping[str, Seen] | None:
+    def _off(self, truth: Truth) -> Mapping[str, PoseDifference] | None:
         """How far tracked poses are from the truth: for the record, and seen by nobody who decides."""
         seen = self.tracked or self.guessed
         return None if seen is None else seen.compare(self.now, truth)
@@ -333,11 +335,11 @@ class Episode:
 
     def _end(self) -> None:
         try:
-            self.mind.ended(self.end_reason or "failed")
+            self.strategist.ended(self.end_reason or "failed")
         except (InputError, RunError) as error:
             # As a memory that cannot be written: said when the record is complete.
             self._late = error
-        account = self.mind.account
+        account = self.strategist.account
         self.recorder.state(self.step, self.t, self.world, last=True)
         self.recorder.close(self.step)
         self.emit(
@@ -367,9 +369,9 @@ class Episode:
         return {**metrics, **timing}
 
 
-def known(drawn: Drawn, now: Observation) -> Drawn:
+def as_perceived(trial: Trial, now: Observation) -> Trial:
     """The trial as the robot knows it at first: seen poses, and masses and frictions in the middle of their ranges."""
-    held = believing(drawn, prior(drawn))
+    held = with_beliefs(trial, prior_beliefs(trial))
     return dataclasses.replace(
         held, objects={name: dataclasses.replace(item, pose=now.objects[name]) for name, item in held.objects.items()}
     )
@@ -380,5 +382,5 @@ def _number(value: float) -> float | None:
     return round(value, 5) if np.isfinite(value) else None
 
 
-def _physical(held: Physical) -> dict[str, float]:
+def _physical(held: PhysicalParameters) -> dict[str, float]:
     return {"mass_kg": round(held.mass_kg, 5), "friction": round(held.friction, 4)}

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.episode import Episode, Observer
-from coral.contact.episode.variants import Asking, make_mind
-from coral.contact.scene.trial import Drawn, Physical, believing
+from coral.contact.episode.episode import Episode, EpisodeObserver
+from coral.contact.episode.variants import AdvisorSetup, make_strategist
+from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
 from coral.contact.thinker.think_cfg import within
 
 
@@ -35,19 +35,19 @@ class Found:
 
 
 def probe_episode(
-    drawn: Drawn,
+    trial: Trial,
     name: str,
-    truth: Physical,
-    first: Physical,
+    truth: PhysicalParameters,
+    first: PhysicalParameters,
     cfg: EpisodeCfg,
     folder: Path,
     world: str = "panda",
-    observer: Observer | None = None,
+    observer: EpisodeObserver | None = None,
 ) -> Found:
     """Do a task and correct what is believed meanwhile.
 
     Args:
-        drawn: The trial; everything but the object's true parameters is taken from it.
+        trial: The trial; everything but the object's true parameters is taken from it.
         name: The object.
         truth: What it really is: in the evaluation world, and nowhere else.
         first: What is believed at first: in the planning world, and nowhere else.
@@ -56,15 +56,15 @@ def probe_episode(
         world: The evaluation world.
         observer: Watches the episode.
     """
-    real = believing(drawn, {**{key: item.physical for key, item in drawn.objects.items()}, name: truth})
-    mind = make_mind(
+    real = with_beliefs(trial, {**{key: item.physical for key, item in trial.objects.items()}, name: truth})
+    strategist = make_strategist(
         "full",
-        drawn.task,
-        Asking(
-            seed=drawn.seed, world=world, folder=folder, think=within(cfg.controller, cfg.think), believe={name: first}
+        trial.task,
+        AdvisorSetup(
+            seed=trial.seed, world=world, folder=folder, think=within(cfg.controller, cfg.think), believe={name: first}
         ),
     )
-    episode = Episode(real, world, mind, cfg, folder, variant="full", advisor="heuristic")
+    episode = Episode(real, world, strategist, cfg, folder, variant="full", advisor="heuristic")
     result = episode.run([] if observer is None else [observer])
     events = (json.loads(line) for line in (folder / "events.jsonl").read_text(encoding="utf-8").splitlines())
     told = tuple(

@@ -18,12 +18,12 @@ from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
 from coral.contact.policy import libero_convention as libero
 from coral.contact.policy.address import Address
-from coral.contact.policy.cameras import Eyes
+from coral.contact.policy.cameras import PolicyCameras
 from coral.contact.policy.client import PolicyError, printable
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import Array, HandTarget, Observation
-from coral.contact.scene.trial import Drawn
-from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.scene.trial import Trial
+from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
 from coral.runs import RunWriter, provenance
@@ -44,7 +44,7 @@ class Policy(Protocol):
 
 
 class Observer(Protocol):
-    """Anything that watches; see `coral.contact.episode.episode.Observer`."""
+    """Anything that watches; see `coral.contact.episode.episode.EpisodeObserver`."""
 
     def tick(self, episode: PolicyEpisode) -> None:
         """Called after every chunk."""
@@ -61,7 +61,7 @@ class PolicyEpisode:
     The world stands still while the policy thinks, as in LIBERO.
 
     Args:
-        drawn: The trial.
+        trial: The trial.
         world: Name of the evaluation world.
         policy: Who acts.
         cfg: The rest; nothing of the planner in it is used but the workspace.
@@ -75,25 +75,25 @@ class PolicyEpisode:
     stage = "policy"
 
     def __init__(
-        self, drawn: Drawn, world: str, policy: Policy, cfg: EpisodeCfg, folder: Path, address: Address
+        self, trial: Trial, world: str, policy: Policy, cfg: EpisodeCfg, folder: Path, address: Address
     ) -> None:
-        self.drawn, self.policy, self.cfg, self.address = drawn, policy, cfg, address
-        self.time_limit_s = drawn.task.time_limit_s
+        self.trial, self.policy, self.cfg, self.address = trial, policy, cfg, address
+        self.time_limit_s = trial.task.time_limit_s
         self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
         self.calls = 0
-        self.judge = Judge(drawn)
+        self.judge = Judge(trial)
         means = cfg.policy.libero
         if means.tick_s < 0.002:
             raise InputError("--cfg", "policy.libero.ticks", means.ticks, "at most 500 ticks a second in all")
-        self.world = make_world(world, drawn, means.tick_s)
+        self.world = make_world(world, trial, means.tick_s)
         self._model, self._data = getattr(self.world, "model", None), getattr(self.world, "data", None)
         if self._model is None or self._data is None:
             raise InputError("--world", "", repr(world), "a simulated world, of which pictures can be made")
-        self.eyes = Eyes(self._model, cfg.policy.eyes)
+        self.eyes = PolicyCameras(self._model, cfg.policy.eyes)
         # Nothing is rehearsed, so that nothing can be fed back: the limits stay.
         low, high = np.asarray(cfg.controller.workspace_low_m), np.asarray(cfg.controller.workspace_high_m)
         self.reactive = Reactive(replace(cfg.reactive, enabled=False), means.tick_s, low, high)
-        objects = [item.name for item in drawn.task.objects]
+        objects = [item.name for item in trial.task.objects]
         self.writer = RunWriter(folder, columns(objects))
         self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
         self.now: Observation
@@ -111,7 +111,7 @@ class PolicyEpisode:
                 for observer in observers:
                     observer.tick(self)
                     self.end_reason = self.end_reason or observer.stop_requested()
-        except WorldFault as fault:
+        except WorldError as fault:
             self.end_reason, self.detail = fault.code, str(fault)
         except PolicyError as error:
             self.end_reason, self.detail = f"policy: {error.code}", str(error)
@@ -126,7 +126,7 @@ class PolicyEpisode:
 
         Raises:
             PolicyError: No actions came that can be taken.
-            WorldFault: The world cannot go on.
+            WorldError: The world cannot go on.
         """
         means = self.cfg.policy.libero
         actions = self._ask()[: means.execute]
@@ -154,7 +154,7 @@ class PolicyEpisode:
                 "observation/image": outside,
                 "observation/wrist_image": wrist,
                 "observation/state": libero.state(self.now, self.cfg.policy.libero),
-                "prompt": self.drawn.task.instruction,
+                "prompt": self.trial.task.instruction,
             }
         )
         self.calls += 1
@@ -187,7 +187,7 @@ class PolicyEpisode:
             self.end_reason = "timeout"
 
     def _begin(self) -> None:
-        task = self.drawn.task
+        task = self.trial.task
         self.now = self.world.reset()
         self.t, self._opening = self.now.time_s, self.now.opening_m
         self.writer.yaml("task.yaml", task.model_dump(mode="json"))
@@ -199,7 +199,7 @@ class PolicyEpisode:
                 "world": self.world.name,
                 "advisor": "none",
                 "variant": self.address.name,
-                "seed": self.drawn.seed,
+                "seed": self.trial.seed,
                 "policy": self.address.url,
                 "server": printable(repr(self.policy.metadata), 2000),
                 "episode": to_mapping(self.cfg),
@@ -213,16 +213,16 @@ class PolicyEpisode:
             world=self.world.name,
             variant=self.address.name,
             advisor="none",
-            seed=self.drawn.seed,
+            seed=self.trial.seed,
             poses="pictures",
             time_limit_s=task.time_limit_s,
             trial={
                 name: {
                     "mass_kg": round(item.physical.mass_kg, 5),
                     "friction": round(item.physical.friction, 4),
-                    "size_m": numbers(self.drawn.size(name), 4),
+                    "size_m": numbers(self.trial.size(name), 4),
                 }
-                for name, item in self.drawn.objects.items()
+                for name, item in self.trial.objects.items()
             },
         )
         self.emit("strategy", name=self.address.name, stages=[self.stage], beliefs=[])

@@ -13,7 +13,7 @@ from coral.contact.episode.policy_episode import PolicyEpisode
 from coral.contact.policy.address import Address
 from coral.contact.policy.client import OUTAGES, ClientCfg, PolicyClient, PolicyError
 from coral.contact.scene.task import Task
-from coral.contact.scene.trial import draw
+from coral.contact.scene.trial import sample_trial
 from coral.errors import RunError
 
 
@@ -45,7 +45,7 @@ def run_policy_trial(
     """
     cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
     with serving(address, cfg.policy.client) as client:
-        episode = PolicyEpisode(draw(task, seed), world, client, cfg, folder, address)
+        episode = PolicyEpisode(sample_trial(task, seed), world, client, cfg, folder, address)
         result = episode.run()
     reason = str(result["end_reason"])
     if reason.startswith("stopped by") or reason.removeprefix("policy: ") in OUTAGES:

@@ -9,17 +9,17 @@ from typing import IO, Any
 import numpy as np
 
 from coral.config import Positive
-from coral.contact.perception.tracked_world import Seen
+from coral.contact.perception.tracked_world import PoseDifference
 from coral.contact.scene.conditions import hand_force
 from coral.contact.scene.geometry import conjugate, rotate
-from coral.contact.scene.observation import Array, Body, Contact, HandTarget, Observation, Truth
+from coral.contact.scene.observation import Array, BodyState, Contact, HandTarget, Observation, Truth
 from coral.runs import RunWriter
 
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
 @dataclass(frozen=True, kw_only=True)
-class RecordCfg:
+class EpisodeRecordCfg:
     """What a run folder holds beyond its logs.
 
     Args:
@@ -76,11 +76,11 @@ class EpisodeRecorder:
         objects: Names of the movable objects.
     """
 
-    def __init__(self, writer: RunWriter, cfg: RecordCfg, objects: Sequence[str]) -> None:
+    def __init__(self, writer: RunWriter, cfg: EpisodeRecordCfg, objects: Sequence[str]) -> None:
         self._writer, self._cfg, self._objects = writer, cfg, tuple(objects)
         self._states: IO[str] | None = None
         self._due = 0.0
-        self._contacts = Contacts()
+        self._contacts = ContactLog()
 
     def row(
         self,
@@ -89,7 +89,7 @@ class EpisodeRecorder:
         truth: Truth,
         command: HandTarget,
         stage: int,
-        seen: Mapping[str, Seen] | None = None,
+        seen: Mapping[str, PoseDifference] | None = None,
     ) -> None:
         """One control step."""
         values: list[float | str] = [
@@ -146,7 +146,7 @@ class _Touch:
 
 
 @dataclass
-class Contacts:
+class ContactLog:
     """Contacts as stretches of time.
 
     Args:
@@ -219,5 +219,5 @@ def _touch_point(truth: Truth, name: str) -> list[float] | list[str]:
     return numbers(rotate(conjugate(body.quaternion), total / weight - body.position), 6)
 
 
-def _pose(body: Body) -> list[float]:
+def _pose(body: BodyState) -> list[float]:
     return [*map(float, body.position), *map(float, body.quaternion)]

@@ -20,9 +20,9 @@ from coral.contact.plan.cost_plan import in_process
 from coral.contact.rules.answers import RULES
 from coral.contact.rules.spoilt_answers import SPOILT
 from coral.contact.scene.task import Task
-from coral.contact.scene.trial import Physical
+from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.strategist import Fixed, Mind
+from coral.contact.thinker.strategist import FixedStrategist, Strategist
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinker import Thinker
 from coral.errors import InputError, nearest
@@ -34,7 +34,7 @@ def contact_model() -> ModelCfg:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asking:
+class AdvisorSetup:
     """Who is asked, and what goes with it.
 
     Args:
@@ -56,11 +56,11 @@ class Asking:
     folder: Path | None = None
     inbox: Path | None = None
     think: ThinkCfg = field(default_factory=ThinkCfg)
-    believe: Mapping[str, Physical] = field(default_factory=dict)
+    believe: Mapping[str, PhysicalParameters] = field(default_factory=dict)
     model: ModelCfg = field(default_factory=contact_model)
 
 
-Make = Callable[[Task, Asking], Mind]
+Make = Callable[[Task, AdvisorSetup], Strategist]
 DESK_S = 86_400.0
 """A person at the desk may take a day, unless the configuration says otherwise."""
 
@@ -77,7 +77,7 @@ def _thinking(
 ) -> Make:
     """A variant that asks, with what is switched off in it."""
 
-    def make(task: Task, asking: Asking) -> Mind:
+    def make(task: Task, asking: AdvisorSetup) -> Strategist:
         memory = Memory(asking.memory) if asking.memory is not None and remember else None
         think = dataclasses.replace(
             asking.think,
@@ -137,8 +137,8 @@ def _logging(folder: Path | None) -> Callable[[Attempt], None] | None:
 
 
 VARIANTS: dict[str, Make] = {
-    "expert": lambda task, asking: Fixed(expert(task, "expert")),
-    "expert-fsm": lambda task, asking: Fixed(expert(task, "expert-fsm")),
+    "expert": lambda task, asking: FixedStrategist(expert(task, "expert")),
+    "expert-fsm": lambda task, asking: FixedStrategist(expert(task, "expert-fsm")),
     "full": _thinking("full"),
     "no-memory": _thinking("no-memory", remember=False),
     "no-refinement": _thinking("no-refinement", refine=False),
@@ -156,14 +156,14 @@ REMEMBERING = ("full", "no-refinement", "no-regions", "no-tracking")
 """Variants that look into the experience memory; all but `no-regions` add to it."""
 
 
-def make_mind(variant: str, task: Task, asking: Asking | None = None) -> Mind:
+def make_strategist(variant: str, task: Task, asking: AdvisorSetup | None = None) -> Strategist:
     """Who decides in a variant.
 
     Raises:
         InputError: There is no such variant, or it has nothing for this task.
     """
     check_variant(variant)
-    return VARIANTS[variant](task, asking or Asking())
+    return VARIANTS[variant](task, asking or AdvisorSetup())
 
 
 def check_variant(variant: str, where: str = "--variant") -> None:

@@ -18,7 +18,7 @@ from coral.contact.libero.problem import Problem, read_problem
 from coral.contact.libero.simplification import SolidCfg, simplified
 from coral.contact.scene.conditions import Grasped, Inside, Lifted
 from coral.contact.scene.geometry import rotation_of
-from coral.contact.scene.shapes import Fixture, Movable, Shape, Table
+from coral.contact.scene.shapes import Fixture, Movable, Shape, TableTop
 from coral.contact.scene.task import Success, Task
 from coral.contact.scene.task_validation import check_task
 from coral.contact.scene.trial import corners
@@ -122,7 +122,7 @@ def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCf
         title="LIBERO-OBJECT",
         instruction=_instruction(problem),
         time_limit_s=40.0,
-        table=Table(size=(1.0, 1.1, 0.05), center=(0.1, 0.0)),
+        table=TableTop(size=(1.0, 1.1, 0.05), center=(0.1, 0.0)),
         fixtures=fixtures,
         objects=objects,
         places={"goal": (float(middle[0]), float(middle[1]), float(floor))},

@@ -11,7 +11,7 @@ from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAns
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
 
 
-def adapted(experience: Experience, facts: Mapping[str, Any]) -> tuple[PlanAnswer, RegionsAnswer]:
+def adapt(experience: Experience, facts: Mapping[str, Any]) -> tuple[PlanAnswer, RegionsAnswer]:
     """The remembered plan and regions in the names and sizes of this scene; to be verified as if newly given."""
     before = list(dict.fromkeys(goal["object"] for goal in experience.goals if goal["kind"] != "undisturbed"))
     names = dict(zip(before, roles(facts), strict=False))

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError, field_
 
 from coral.config import Fraction, Positive
 from coral.contact.memory.embedding import Embedder, Vector, best_embedder
-from coral.contact.memory.store import Store, store_of
+from coral.contact.memory.store import ExperienceStore, store_of
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.errors import InputError
@@ -119,7 +119,7 @@ class Memory:
     """
 
     def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
-        self.store: Store = store_of(where)
+        self.store: ExperienceStore = store_of(where)
         self.cfg, self.embedder = cfg or MemoryCfg(), embedder or best_embedder()
 
     @property

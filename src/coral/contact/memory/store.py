@@ -35,7 +35,7 @@ class Row:
     helped: int = 0
 
 
-class Store(Protocol):
+class ExperienceStore(Protocol):
     """Keeps rows. Many processes may write at once; what a call has acknowledged is not lost by a kill.
 
     Every call raises `InputError`, which names the store, where it cannot be read or written.
@@ -65,7 +65,7 @@ class Store(Protocol):
         ...
 
 
-def store_of(where: str | Path) -> Store:
+def store_of(where: str | Path) -> ExperienceStore:
     """The store that a word names.
 
     Args:

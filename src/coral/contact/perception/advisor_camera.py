@@ -10,11 +10,11 @@ import mujoco
 import numpy as np
 
 from coral.advisor.question import Picture
-from coral.contact.perception.camera import CameraCfg, RayCamera, RgbdFrame, look_at
+from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, RgbdFrame, look_at
 from coral.contact.perception.depth_noise import DepthNoise
-from coral.contact.perception.posed_scene import covered, instances
+from coral.contact.perception.posed_scene import hidden_geoms, instance_names
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld
 
 Look = Callable[[], RgbdFrame | None]
@@ -22,7 +22,7 @@ Look = Callable[[], RgbdFrame | None]
 
 
 @dataclass(frozen=True, kw_only=True)
-class SightCfg:
+class AdvisorCameraCfg:
     """The pictures that go with questions; the camera stands where the tracker's does.
 
     Args:
@@ -33,12 +33,14 @@ class SightCfg:
     height: int = 480
 
 
-def eyes(world: EvaluationWorld, drawn: Drawn, tracked: TrackedCfg, cfg: SightCfg, rng: np.random.Generator) -> Look:
+def make_advisor_camera(
+    world: EvaluationWorld, trial: Trial, tracked: TrackedCfg, cfg: AdvisorCameraCfg, rng: np.random.Generator
+) -> Look:
     """The advisor's camera. It is made with the first picture: many episodes take none.
 
     Args:
         world: A world that is simulated by MuJoCo has pictures, another has none.
-        drawn: The trial.
+        trial: The trial.
         tracked: Where the camera stands, and how its depth is measured.
         cfg: Its pictures.
         rng: Of the depth's noise; its own, so that looking changes nothing else.
@@ -50,7 +52,7 @@ def eyes(world: EvaluationWorld, drawn: Drawn, tracked: TrackedCfg, cfg: SightCf
         if not isinstance(model, mujoco.MjModel) or not isinstance(data, mujoco.MjData):
             return None
         if not camera:
-            lens = CameraCfg(
+            lens = RgbdCameraCfg(
                 width=cfg.width,
                 height=cfg.height,
                 vfov_deg=tracked.camera.vfov_deg,
@@ -62,11 +64,11 @@ def eyes(world: EvaluationWorld, drawn: Drawn, tracked: TrackedCfg, cfg: SightCf
                 RayCamera(
                     model,
                     lens,
-                    look_at(*viewpoint(drawn, tracked)),
-                    instances(model, drawn),
+                    look_at(*viewpoint(trial, tracked)),
+                    instance_names(model, trial),
                     noise=noise,
                     colours="shaded",
-                    hidden=covered(model, drawn),
+                    hidden=hidden_geoms(model, trial),
                 )
             )
         return camera[0].take(data, rng)
@@ -74,7 +76,7 @@ def eyes(world: EvaluationWorld, drawn: Drawn, tracked: TrackedCfg, cfg: SightCf
     return look
 
 
-def picture(frame: RgbdFrame) -> Picture:
+def to_picture(frame: RgbdFrame) -> Picture:
     """The colours of a frame as they go with a question."""
     assert frame.rgb is not None
     done, data = cv2.imencode(".png", frame.rgb[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 6])

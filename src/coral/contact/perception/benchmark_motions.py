@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from coral.contact.perception.rotation import about, pose
 from coral.contact.scene.geometry import rotation_of
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.trial import Trial
 from coral.errors import InputError, nearest
 
 Array = NDArray[np.float64]
@@ -25,7 +25,7 @@ _DOWN = np.diag([-1.0, 1.0, -1.0])
 
 
 @dataclass(frozen=True)
-class Moment:
+class MotionSample:
     """Where everything is at one time.
 
     Args:
@@ -39,7 +39,7 @@ class Moment:
     opening_m: float
 
 
-Phase = tuple[float, Callable[[float], Moment]]
+Phase = tuple[float, Callable[[float], MotionSample]]
 """How long (s), and where everything is as the share of it that has passed goes from 0 to 1."""
 
 
@@ -54,7 +54,7 @@ class Motion:
         """How long all phases take."""
         return sum(duration for duration, _ in self.phases)
 
-    def at(self, time_s: float) -> Moment:
+    def at(self, time_s: float) -> MotionSample:
         """Where everything is; before the beginning and after the end, where it is then."""
         for duration, place in self.phases:
             if time_s <= duration:
@@ -64,33 +64,33 @@ class Motion:
         return self.phases[-1][1](1.0)
 
 
-def motion_of(drawn: Drawn, kind: str | None = None) -> Motion:
+def motion_of(trial: Trial, kind: str | None = None) -> Motion:
     """The motion of a trial's first object; the others stand where they stand.
 
     Args:
-        drawn: The trial.
+        trial: The trial.
         kind: Name of the task whose motion it is; the trial's own by default, and that of `pick-box` for other tasks.
 
     Raises:
         InputError: There is no motion of that name.
     """
-    name = kind or (drawn.task.name if drawn.task.name in MOTIONS else "pick-box")
+    name = kind or (trial.task.name if trial.task.name in MOTIONS else "pick-box")
     if name not in MOTIONS:
         raise InputError("motion", "", name, f"one of {', '.join(MOTIONS)}{nearest(name, MOTIONS)}")
-    return Motion(tuple(MOTIONS[name](_Scene(drawn))))
+    return Motion(tuple(MOTIONS[name](_Scene(trial))))
 
 
 class _Scene:
     """A trial in the heading of its first object: the heading nearest the world's among those of the object's sides."""
 
-    def __init__(self, drawn: Drawn) -> None:
-        self.main = drawn.task.objects[0].name
+    def __init__(self, trial: Trial) -> None:
+        self.main = trial.task.objects[0].name
         self.poses = {
-            name: pose(rotation_of(item.pose.quaternion), item.pose.position) for name, item in drawn.objects.items()
+            name: pose(rotation_of(item.pose.quaternion), item.pose.position) for name, item in trial.objects.items()
         }
         start = self.poses[self.main]
-        corners = drawn.corners(self.main) @ start[:3, :3].T + start[:3, 3]
-        self.fixtures = drawn.task.fixtures
+        corners = trial.corners(self.main) @ start[:3, :3].T + start[:3, 3]
+        self.fixtures = trial.task.fixtures
         side = max((s * start[:3, k] for k in range(3) for s in (1.0, -1.0)), key=lambda axis: float(axis @ _X))
         self.heading = math.atan2(side[1], side[0])
         turn = about(_Z, self.heading)
@@ -99,12 +99,12 @@ class _Scene:
         self.extent = high - low
         self.turn = turn
 
-    def moment(self, tool: Array, opening: float, moved: Array | None = None) -> Moment:
+    def moment(self, tool: Array, opening: float, moved: Array | None = None) -> MotionSample:
         """Everything at the start, but the object moved by a transform of the world."""
         objects = dict(self.poses)
         if moved is not None:
             objects[self.main] = moved @ objects[self.main]
-        return Moment(objects, tool, opening)
+        return MotionSample(objects, tool, opening)
 
     def tool(self, offset: Array, orientation: Array = _DOWN) -> Array:
         """A tool pose given in the object's heading, its offset (m) from the object's middle."""
@@ -114,7 +114,7 @@ class _Scene:
         """The hand comes from 15 cm behind and above, while the object rests."""
         away = pose(np.eye(3), -0.1 * self.turn[:, 0] + 0.15 * _Z) @ tool
 
-        def place(share: float) -> Moment:
+        def place(share: float) -> MotionSample:
             return self.moment(pose(tool[:3, :3], (1 - share) * away[:3, 3] + share * tool[:3, 3]), opening, moved)
 
         return seconds, place
@@ -149,7 +149,7 @@ class _Scene:
                 total = pose(r, point - r @ point) @ total
             return np.asarray(pose(np.eye(3), share * shift) @ total @ first)
 
-        def place(share: float) -> Moment:
+        def place(share: float) -> MotionSample:
             hand = moved(share) @ tool
             return self.moment(pose(tool[:3, :3], hand[:3, 3]) if upright else hand, opening, moved(share))
 
@@ -176,7 +176,7 @@ def _pick(scene: _Scene) -> list[Phase]:
     down, moved = scene.carry(tool, width, 1.5, -0.14 * _Z, ((_X, -0.25, point),), moved)
     gone = moved @ tool
 
-    def leave(share: float) -> Moment:
+    def leave(share: float) -> MotionSample:
         return scene.moment(pose(gone[:3, :3], gone[:3, 3] + 0.2 * share * _Z), 0.08, moved)
 
     return [scene.approach(tool, 0.08), up, across, down, (1.0, leave)]
@@ -201,7 +201,7 @@ def _push_pick(scene: _Scene) -> list[Phase]:
     grip = scene.tool(np.array([scene.extent[0] / 2 - 0.02, 0.0, 0.0]), back)
     start, end = moved @ press, moved @ grip
 
-    def regrasp(share: float) -> Moment:
+    def regrasp(share: float) -> MotionSample:
         over = 0.15 * math.sin(math.pi * share) * _Z
         orientation = start[:3, :3] if share < 0.5 else end[:3, :3]
         return scene.moment(pose(orientation, (1 - share) * start[:3, 3] + share * end[:3, 3] + over), 0.04, moved)

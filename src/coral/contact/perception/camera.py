@@ -24,7 +24,7 @@ Colours = Literal["none", "shaded", "opengl", "best"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class CameraCfg:
+class RgbdCameraCfg:
     """Pinhole camera with square pixels; integer (u, v) are pixel centres; x right, y down, z forward."""
 
     width: int = 320
@@ -132,7 +132,7 @@ class RayCamera:
     def __init__(
         self,
         model: mujoco.MjModel,
-        cfg: CameraCfg,
+        cfg: RgbdCameraCfg,
         T_world_camera: Array,
         instances: Mapping[int, str],
         *,

@@ -83,7 +83,7 @@ def view_of(
     return cut(frame.depth, mask, robot_in(frame, cfg), frame.lens, box, pixels)
 
 
-def judge(model: ObjectModel, view: View, pose: Array, cfg: ConfidenceCfg, following: bool) -> Verdict:
+def judge_pose(model: ObjectModel, view: View, pose: Array, cfg: ConfidenceCfg, following: bool) -> Verdict:
     """What to think of a pose.
 
     Args:

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.rotation import vector
-from coral.contact.perception.tracker import Estimate, PoseTracker
+from coral.contact.perception.tracker import PoseEstimate, PoseTracker
 from coral.contact.scene.geometry import quaternion_of, rotation_of
-from coral.contact.scene.observation import Body
+from coral.contact.scene.observation import BodyState
 
 Array = NDArray[np.float64]
 
@@ -26,11 +26,11 @@ class Followed:
 
     def __init__(self, trackers: Mapping[str, PoseTracker], smoothing: float = 0.5) -> None:
         self._trackers, self._smoothing = dict(trackers), smoothing
-        self.estimates: dict[str, Estimate] = {}
-        self._bodies: dict[str, Body] = {}
+        self.estimates: dict[str, PoseEstimate] = {}
+        self._bodies: dict[str, BodyState] = {}
         self._seen_s: dict[str, float] = {}
 
-    def update(self, frame: RgbdFrame) -> dict[str, Body]:
+    def update(self, frame: RgbdFrame) -> dict[str, BodyState]:
         """Where everything is in a new picture.
 
         While an object is lost it is reported at rest where it was last seen, and its estimate says that it is lost.
@@ -48,7 +48,7 @@ class Followed:
         """Why objects are lost, by name; empty when all are followed."""
         return {name: estimate.reason for name, estimate in self.estimates.items() if estimate.lost}
 
-    def _body(self, name: str, estimate: Estimate, time_s: float) -> Body:
+    def _body(self, name: str, estimate: PoseEstimate, time_s: float) -> BodyState:
         T = estimate.T_world_object
         position, turn = T[:3, 3].copy(), T[:3, :3]
         before, seen_s = self._bodies.get(name), self._seen_s.get(name)
@@ -57,11 +57,11 @@ class Followed:
         else:
             self._seen_s[name] = time_s
         if estimate.lost or estimate.registered or before is None or seen_s is None or time_s <= seen_s:
-            return Body(position, quaternion_of(turn))
+            return BodyState(position, quaternion_of(turn))
         step, keep = time_s - seen_s, self._smoothing
         spin = vector(turn @ rotation_of(before.quaternion).T) / step
         speed = (position - before.position) / step
-        return Body(
+        return BodyState(
             position,
             quaternion_of(turn),
             keep * before.velocity + (1 - keep) * speed,

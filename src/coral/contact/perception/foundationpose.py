@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from coral.config import Count, Positive
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.confidence import ConfidenceCfg, judge, unseen, view_of
+from coral.contact.perception.confidence import ConfidenceCfg, judge_pose, unseen, view_of
 from coral.contact.perception.foundationpose_server import LIMIT_BYTES, Arrays, decode, encode
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.rotation import inverse
-from coral.contact.perception.tracker import Estimate, TrackerFailed
+from coral.contact.perception.tracker import PoseEstimate, TrackerFailed
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
@@ -80,7 +80,7 @@ class FoundationPoseTracker:
         if self._session is None:
             raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to init names no session")
 
-    def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
+    def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
         """See `PoseTracker`.
 
         Raises:
@@ -92,7 +92,7 @@ class FoundationPoseTracker:
         request = self._picture(frame) | {"mask": mask, "iterations": np.array(self.cfg.register_steps)}
         return self._judge(frame, mask, self._pose("register", request), registered=True)
 
-    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> Estimate:
+    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
         """See `PoseTracker`. FoundationPose follows from its own last pose, and takes no hint and no mask.
 
         The mask tells here whether the object is lost.
@@ -134,20 +134,20 @@ class FoundationPoseTracker:
             raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to {verb} is no pose")
         return pose.astype(float)
 
-    def _judge(self, frame: RgbdFrame, mask: NDArray[np.bool_], pose: Array, registered: bool = False) -> Estimate:
+    def _judge(self, frame: RgbdFrame, mask: NDArray[np.bool_], pose: Array, registered: bool = False) -> PoseEstimate:
         cfg = self.cfg.confidence
         view = view_of(frame, mask, self.model, [pose, inverse(frame.T_world_camera) @ self._reference], cfg, 12000)
         following = self._found and not self._lost
-        verdict = judge(self.model, view, pose, cfg, following)
+        verdict = judge_pose(self.model, view, pose, cfg, following)
         if verdict.reason:
             return self._give_up(verdict.reason, verdict.visible)
         self._reference = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
         self._found, self._lost = True, False
-        return Estimate(self._reference, verdict.confidence, False, verdict.visible, "", registered)
+        return PoseEstimate(self._reference, verdict.confidence, False, verdict.visible, "", registered)
 
-    def _give_up(self, reason: str, visible: float = 0.0) -> Estimate:
+    def _give_up(self, reason: str, visible: float = 0.0) -> PoseEstimate:
         self._lost = True
-        return Estimate(self._reference, 0.0, True, visible, reason)
+        return PoseEstimate(self._reference, 0.0, True, visible, reason)
 
     def _ask(self, verb: str, request: Arrays) -> Arrays:
         try:

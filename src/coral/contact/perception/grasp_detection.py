@@ -12,7 +12,7 @@ from coral.contact.scene.observation import Array
 
 
 @dataclass(frozen=True, kw_only=True)
-class GripCfg:
+class GraspDetectionCfg:
     """When a grip is believed.
 
     Args:
@@ -30,8 +30,8 @@ _PAD_X, _PAD_LOW, _PAD_HIGH = 0.01, -0.044, 0.008
 """m, the pads in the tool's frame: half their breadth, and their ends along the fingers."""
 
 
-def gripped(
-    shape: ObjectModel, T_tool_object: Array, opening_m: float, wanted_m: float, before: bool, cfg: GripCfg
+def is_grasped(
+    shape: ObjectModel, T_tool_object: Array, opening_m: float, wanted_m: float, before: bool, cfg: GraspDetectionCfg
 ) -> bool:
     """Whether the fingers, told to close further than they can, have the object between them.
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import mujoco
 
-from coral.contact.perception.posed_scene import object_model
+from coral.contact.perception.posed_scene import known_model
 from coral.contact.perception.rotation import pose
-from coral.contact.perception.tracked_world import Seen
+from coral.contact.perception.tracked_world import PoseDifference
 from coral.contact.scene.geometry import rotation_of
-from coral.contact.scene.observation import Body, HandTarget, Observation, Truth
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.observation import BodyState, HandTarget, Observation, Truth
+from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld
 from coral.errors import InputError
 
@@ -23,28 +23,28 @@ class GuessedWorld:
 
     Args:
         world: Where things happen; simulated by MuJoCo, so that there is a picture to guess by.
-        drawn: The trial; its shapes and symmetries are used, for comparing with the truth.
+        trial: The trial; its shapes and symmetries are used, for comparing with the truth.
 
     Raises:
         InputError: There are no pictures of the world.
     """
 
-    def __init__(self, world: EvaluationWorld, drawn: Drawn) -> None:
+    def __init__(self, world: EvaluationWorld, trial: Trial) -> None:
         self._world = world
         self.name, self.control_period_s = world.name, world.control_period_s
         model: Any = getattr(world, "model", None)
         if not isinstance(model, mujoco.MjModel):
             raise InputError("--variant", "", "poses guessed from a picture", "a world of which pictures can be made")
         self.model, self.data = model, getattr(world, "data")  # noqa: B009
-        self._shapes = {name: object_model(model, drawn, name) for name in drawn.objects}
-        self._guessed: dict[str, Body] = {}
+        self._shapes = {name: known_model(model, trial, name) for name in trial.objects}
+        self._guessed: dict[str, BodyState] = {}
 
     def reset(self) -> Observation:
         """See `EvaluationWorld.reset`; without any object until `settle`."""
         self._guessed = {}
         return self._seen(self._world.reset())
 
-    def settle(self, guessed: Mapping[str, Body], now: Observation) -> Observation:
+    def settle(self, guessed: Mapping[str, BodyState], now: Observation) -> Observation:
         """Take the poses that were guessed; the observation with them."""
         self._guessed = dict(guessed)
         return self._seen(now)
@@ -61,7 +61,7 @@ class GuessedWorld:
         """See `EvaluationWorld.close`."""
         self._world.close()
 
-    def compare(self, now: Observation, truth: Truth) -> dict[str, Seen]:
+    def compare(self, now: Observation, truth: Truth) -> dict[str, PoseDifference]:
         """How far the guesses are from the truth; for the record."""
         found = {}
         for name in now.objects:
@@ -69,7 +69,7 @@ class GuessedWorld:
                 pose(rotation_of(body.quaternion), body.position) for body in (now.objects[name], truth.objects[name])
             )
             shift, turn = self._shapes[name].symmetry.difference(seen, true)
-            found[name] = Seen(float(shift), float(turn), False)
+            found[name] = PoseDifference(float(shift), float(turn), False)
         return found
 
     def _seen(self, now: Observation) -> Observation:

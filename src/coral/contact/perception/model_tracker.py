@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from coral.config import Count, NonNegative, Positive
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.confidence import ConfidenceCfg, judge, robot_in, unseen, view_of
+from coral.contact.perception.confidence import ConfidenceCfg, judge_pose, robot_in, unseen, view_of
 from coral.contact.perception.image_patch import View
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.registration import RegistrationCfg, misfit, orientations, register
 from coral.contact.perception.rotation import about, angle, from_vector, inverse, vector
 from coral.contact.perception.rotation import pose as to_pose
-from coral.contact.perception.tracker import Estimate
+from coral.contact.perception.tracker import PoseEstimate
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ class ModelTracker:
         self._before: Array | None = None
         self._lost = False
 
-    def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
+    def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
         """Find the object without knowing where it was; see `PoseTracker`."""
         if unseen(frame, mask, self.cfg.confidence):
             return self._give_up("not seen")
@@ -82,7 +82,7 @@ class ModelTracker:
         )
         return self._judge(frame, self._view(frame, mask, [pose]), pose, registered=True)
 
-    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> Estimate:
+    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
         """Follow the object; where it was lost, find it again. The hint is one more start. See `PoseTracker`."""
         if self._last is None:
             return self.register(frame, mask)
@@ -138,23 +138,23 @@ class ModelTracker:
             for g in guesses
         )
 
-    def _judge(self, frame: RgbdFrame, view: View, pose: Array, *, registered: bool = False) -> Estimate:
+    def _judge(self, frame: RgbdFrame, view: View, pose: Array, *, registered: bool = False) -> PoseEstimate:
         """What to think of a pose (T_camera_object); it is kept if it is good enough."""
         cfg = self.cfg.confidence
         following = self._last is not None and not self._lost
-        verdict = judge(self.model, view, pose, cfg, following)
+        verdict = judge_pose(self.model, view, pose, cfg, following)
         if verdict.reason:
             return self._give_up(verdict.reason, verdict.visible)
         world = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
         self._before = None if registered or self._lost else self._last
         self._last = self._reference = world
         self._lost = False
-        return Estimate(world, verdict.confidence, False, verdict.visible, "", registered)
+        return PoseEstimate(world, verdict.confidence, False, verdict.visible, "", registered)
 
-    def _give_up(self, reason: str, visible: float = 0.0) -> Estimate:
+    def _give_up(self, reason: str, visible: float = 0.0) -> PoseEstimate:
         """Report the object as lost."""
         self._lost, self._before = True, None
-        return Estimate(self._reference, 0.0, True, visible, reason)
+        return PoseEstimate(self._reference, 0.0, True, visible, reason)
 
 
 def _ahead(last: Array, before: Array) -> Array:

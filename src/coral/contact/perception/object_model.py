@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception import raycast_kernels as kernels
-from coral.contact.perception.ray_solids import Part, Solids, from_mujoco, from_parts, from_triangles, read_mesh
+from coral.contact.perception.ray_solids import SolidPart, Solids, from_mujoco, from_parts, from_triangles, read_mesh
 from coral.contact.perception.rotation import inverse, pose
 from coral.contact.perception.surface_kernels import distance
 from coral.contact.perception.symmetry import Symmetry, of_shape
@@ -51,7 +51,7 @@ class ObjectModel:
     pivot: Array
 
 
-def from_primitives(name: str, parts: Sequence[Part], symmetry: Symmetry | None = None) -> ObjectModel:
+def from_primitives(name: str, parts: Sequence[SolidPart], symmetry: Symmetry | None = None) -> ObjectModel:
     """An object of primitive parts; its symmetry is found where none is declared."""
     return _model(name, from_parts(parts), symmetry)
 
@@ -90,8 +90,8 @@ def from_body(
     index = mujoco.mj_name2id(model, int(mujoco.mjtObj.mjOBJ_BODY), body)
     if index < 0:
         raise InputError("scene", "body", body, "the name of a body in the scene")
-    drawn = (model.geom_bodyid == index) & np.isin(model.geom_group, list(groups)) & (model.geom_rgba[:, 3] > 0)
-    geoms = np.flatnonzero(drawn).astype(np.int64)
+    trial = (model.geom_bodyid == index) & np.isin(model.geom_group, list(groups)) & (model.geom_rgba[:, 3] > 0)
+    geoms = np.flatnonzero(trial).astype(np.int64)
     if not len(geoms):
         raise InputError("scene", f"body {body}", "no drawn geoms", f"at least one geom in groups {tuple(groups)}")
     s = from_mujoco(model, geoms)

@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 
 from coral.contact.control.hand_model import HandCfg, add_hand
 from coral.contact.control.planning_world import put_state
-from coral.contact.perception.benchmark_motions import Moment
-from coral.contact.perception.camera import CameraCfg, Colours, RayCamera, RgbdFrame, look_at
+from coral.contact.perception.benchmark_motions import MotionSample
+from coral.contact.perception.camera import Colours, RayCamera, RgbdCameraCfg, RgbdFrame, look_at
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.object_model import ObjectModel, from_body
 from coral.contact.perception.symmetry import of_kind
 from coral.contact.scene.geometry import quaternion_of
 from coral.contact.scene.mujoco_scene import add_scene
-from coral.contact.scene.observation import Body, Observation
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.observation import BodyState, Observation
+from coral.contact.scene.trial import Trial
 
 Array = NDArray[np.float64]
 MOTIONS_EYE, MOTIONS_TARGET = (-0.35, -0.75, 0.6), (0.05, 0.0, 0.05)
@@ -24,11 +24,11 @@ MOTIONS_EYE, MOTIONS_TARGET = (-0.35, -0.75, 0.6), (0.05, 0.0, 0.05)
 viewpoint of their own, `tracked_cfg.EYE`, which the whole arm hides less from."""
 
 
-class Stage:
+class PosedScene:
     """A scene that is posed, not simulated.
 
     Args:
-        drawn: The trial.
+        trial: The trial.
         cfg: The camera.
         noise: Of its depth; None for none.
         T_world_camera: Shape=(4, 4); `MOTIONS_EYE` looking at `MOTIONS_TARGET` by default.
@@ -37,21 +37,23 @@ class Stage:
 
     def __init__(
         self,
-        drawn: Drawn,
-        cfg: CameraCfg,
+        trial: Trial,
+        cfg: RgbdCameraCfg,
         noise: DepthNoise | None,
         T_world_camera: Array | None = None,
         colours: Colours = "none",
     ) -> None:
         spec = mujoco.MjSpec()
-        add_scene(spec, drawn)
+        add_scene(spec, trial)
         add_hand(spec, HandCfg())
         self.model = spec.compile()
         self._data = mujoco.MjData(self.model)
         placed = look_at(MOTIONS_EYE, MOTIONS_TARGET) if T_world_camera is None else T_world_camera
-        self.camera = RayCamera(self.model, cfg, placed, instances(self.model, drawn), noise=noise, colours=colours)
+        self.camera = RayCamera(
+            self.model, cfg, placed, instance_names(self.model, trial), noise=noise, colours=colours
+        )
 
-    def take(self, moment: Moment, rng: np.random.Generator, time_s: float = 0.0) -> RgbdFrame:
+    def take(self, moment: MotionSample, rng: np.random.Generator, time_s: float = 0.0) -> RgbdFrame:
         """A picture of one moment."""
         objects = {name: _body(T) for name, T in moment.objects.items()}
         now = Observation(time_s, _body(moment.tool), moment.opening_m, np.zeros(6), objects)
@@ -61,18 +63,18 @@ class Stage:
         return self.camera.take(self._data, rng)
 
 
-def instances(model: mujoco.MjModel, drawn: Drawn) -> dict[int, str]:
+def instance_names(model: mujoco.MjModel, trial: Trial) -> dict[int, str]:
     """Which geoms are seen as which movable object; all that moves otherwise is the robot."""
-    bodies = {int(model.body(name).id): name for name in drawn.objects}
+    bodies = {int(model.body(name).id): name for name in trial.objects}
     robot = {i: "robot" for i, b in enumerate(model.geom_bodyid) if int(b) not in bodies and int(model.body_weldid[b])}
     return robot | {i: bodies[int(b)] for i, b in enumerate(model.geom_bodyid) if int(b) in bodies}
 
 
-def covered(model: mujoco.MjModel, drawn: Drawn) -> list[int]:
+def hidden_geoms(model: mujoco.MjModel, trial: Trial) -> list[int]:
     """Geoms that a picture to be looked at leaves out: collision shapes over pretty ones, and the room around."""
-    ours = {"table", *(fixture.name for fixture in drawn.task.fixtures)}
+    ours = {"table", *(fixture.name for fixture in trial.task.fixtures)}
     pretty = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
-    bodies = {model.body(name).id for name in drawn.objects}
+    bodies = {model.body(name).id for name in trial.objects}
     return [
         k
         for k in range(model.ngeom)
@@ -84,18 +86,18 @@ def covered(model: mujoco.MjModel, drawn: Drawn) -> list[int]:
     ]
 
 
-def object_model(model: mujoco.MjModel, drawn: Drawn, name: str) -> ObjectModel:
+def known_model(model: mujoco.MjModel, trial: Trial, name: str) -> ObjectModel:
     """What a tracker may know of one object of a trial: its exact shape, and its symmetry.
 
     The symmetry is the declared one, or that of the shape where this is larger: pictures of depth show nothing else.
     """
     found = from_body(model, name)
-    kind = drawn.task.object(name).symmetry
-    declared = of_kind(kind, drawn.size(name), found.pivot)
+    kind = trial.task.object(name).symmetry
+    declared = of_kind(kind, trial.size(name), found.pivot)
     if kind == "none" or len(declared.members(12)) <= len(found.symmetry.members(12)):
         return found
     return from_body(model, name, symmetry=declared)
 
 
-def _body(T: Array) -> Body:
-    return Body(T[:3, 3], quaternion_of(T[:3, :3]))
+def _body(T: Array) -> BodyState:
+    return BodyState(T[:3, 3], quaternion_of(T[:3, :3]))

@@ -48,7 +48,7 @@ class Solids:
 
 
 @dataclass(frozen=True)
-class Part:
+class SolidPart:
     """A primitive of an object.
 
     Args:
@@ -71,7 +71,7 @@ class Part:
             raise InputError("object", "size", self.size, f"{wanted} half extents between 0 and 10 m for a {self.kind}")
 
 
-def from_parts(parts: Iterable[Part]) -> Solids:
+def from_parts(parts: Iterable[SolidPart]) -> Solids:
     """Primitives in their object's frame."""
     parts = tuple(parts)
     if not parts:

@@ -10,15 +10,15 @@ import mujoco
 import numpy as np
 
 from coral.config import Count, NonNegative, Positive, Signed
-from coral.contact.perception.camera import CameraCfg, RayCamera, look_at
+from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
 from coral.contact.perception.depth_noise import DepthNoise, DepthNoiseCfg
 from coral.contact.perception.foundationpose import FoundationPoseCfg
-from coral.contact.perception.grasp_detection import GripCfg
+from coral.contact.perception.grasp_detection import GraspDetectionCfg
 from coral.contact.perception.model_tracker import TrackerCfg
 from coral.contact.perception.motion_filter import MotionFilterCfg
-from coral.contact.perception.posed_scene import instances
-from coral.contact.perception.tracker_registry import Choice, choose
-from coral.contact.scene.trial import Drawn
+from coral.contact.perception.posed_scene import instance_names
+from coral.contact.perception.tracker_registry import TrackerChoice, choose_tracker
+from coral.contact.scene.trial import Trial
 from coral.errors import InputError
 
 Place = tuple[Signed, Signed, Signed]
@@ -60,7 +60,7 @@ class TrackedCfg:
 
     period_s: Positive = 0.04
     latency_s: NonNegative = 0.04
-    camera: CameraCfg = field(default_factory=CameraCfg)
+    camera: RgbdCameraCfg = field(default_factory=RgbdCameraCfg)
     eye_m: Place | None = None
     target_m: Place | None = None
     noise: bool = True
@@ -70,7 +70,7 @@ class TrackedCfg:
     foundationpose: FoundationPoseCfg = field(default_factory=FoundationPoseCfg)
     colours: Literal["shaded", "best"] = "shaded"
     motion: MotionFilterCfg = field(default_factory=MotionFilterCfg)
-    grip: GripCfg = field(default_factory=GripCfg)
+    grip: GraspDetectionCfg = field(default_factory=GraspDetectionCfg)
     first_pictures: Count = 3
     search_s: NonNegative = 1.0
     blind_s: Positive = 0.5
@@ -83,36 +83,36 @@ class TrackedCfg:
             raise InputError("tracked", "latency_s", self.latency_s, f"at most period_s ({self.period_s:g} s)")
         self.choice()
 
-    def choice(self) -> Choice:
+    def choice(self) -> TrackerChoice:
         """The tracker that `by` names.
 
         Raises:
             InputError: It names none.
         """
-        return choose(self.by, self.tracker, self.foundationpose, "tracked", "by")
+        return choose_tracker(self.by, self.tracker, self.foundationpose, "tracked", "by")
 
 
-def viewpoint(drawn: Drawn, cfg: TrackedCfg) -> tuple[Place, Place]:
+def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:
     """Where the camera is, and what it looks at.
 
     Raises:
         InputError: It would look straight down.
     """
-    eye, target = EYES.get(drawn.task.name, (EYE, TARGET))
+    eye, target = EYES.get(trial.task.name, (EYE, TARGET))
     eye, target = cfg.eye_m or eye, cfg.target_m or target
     if np.allclose(eye[:2], target[:2]):
         raise InputError("tracked", "target_m", target, "a point that is not straight below the camera")
     return eye, target
 
 
-def make_camera(model: mujoco.MjModel, drawn: Drawn, cfg: TrackedCfg) -> RayCamera:
+def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg) -> RayCamera:
     """The camera of an episode, its noise and its colours as configured."""
     noise = DepthNoise(cfg.depth_noise) if cfg.noise else None
     return RayCamera(
         model,
         cfg.camera,
-        look_at(*viewpoint(drawn, cfg)),
-        instances(model, drawn),
+        look_at(*viewpoint(trial, cfg)),
+        instance_names(model, trial),
         groups=_DRAWN,
         noise=noise,
         colours=cfg.colours if cfg.choice().wants_colours else "none",

@@ -12,22 +12,22 @@ import mujoco
 import numpy as np
 
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.grasp_detection import gripped
+from coral.contact.perception.grasp_detection import is_grasped
 from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
-from coral.contact.perception.posed_scene import object_model
+from coral.contact.perception.posed_scene import known_model
 from coral.contact.perception.rotation import about, inverse, pose
 from coral.contact.perception.tracked_cfg import TrackedCfg, make_camera
-from coral.contact.perception.tracker import Estimate, PoseTracker, TrackerFailed
+from coral.contact.perception.tracker import PoseEstimate, PoseTracker, TrackerFailed
 from coral.contact.scene.geometry import from_rpy_deg, quaternion_of, rotation_of
-from coral.contact.scene.observation import Array, Body, HandTarget, Observation, Truth
-from coral.contact.scene.trial import Drawn
-from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldFault
+from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
+from coral.contact.scene.trial import Trial
+from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
 from coral.errors import InputError
 
 _IN_HAND_GAIN = 0.3
 
 
-class Eye(Protocol):
+class PictureSource(Protocol):
     """Whatever takes the pictures."""
 
     def take(self, data: mujoco.MjData, rng: np.random.Generator) -> RgbdFrame | None:
@@ -36,7 +36,7 @@ class Eye(Protocol):
 
 
 @dataclass(frozen=True)
-class Seen:
+class PoseDifference:
     """How one object was tracked, for reports; never for deciding.
 
     Args:
@@ -84,7 +84,7 @@ class TrackedWorld:
 
     Args:
         world: Where things happen; simulated by MuJoCo, with `model` and `data`.
-        drawn: The trial; of it shapes, symmetries and the task's ranges are used, as they are known beforehand.
+        trial: The trial; of it shapes, symmetries and the task's ranges are used, as they are known beforehand.
         cfg: How.
         rng: Of the pictures' noise.
         eye: Takes the pictures; a ray-casting camera by default.
@@ -97,9 +97,14 @@ class TrackedWorld:
     poses = "tracked"
 
     def __init__(
-        self, world: EvaluationWorld, drawn: Drawn, cfg: TrackedCfg, rng: np.random.Generator, eye: Eye | None = None
+        self,
+        world: EvaluationWorld,
+        trial: Trial,
+        cfg: TrackedCfg,
+        rng: np.random.Generator,
+        eye: PictureSource | None = None,
     ) -> None:
-        self._world, self._drawn, self.cfg, self._rng = world, drawn, cfg, rng
+        self._world, self._trial, self.cfg, self._rng = world, trial, cfg, rng
         self.name, self.control_period_s = world.name, world.control_period_s
         model, data = getattr(world, "model", None), getattr(world, "data", None)
         if model is None or data is None:
@@ -109,8 +114,8 @@ class TrackedWorld:
         self._choice = cfg.choice()
         self._choice.check()
         self.tracker = self._choice.name
-        self._eye = eye or make_camera(model, drawn, cfg)
-        self._shapes = {name: object_model(model, drawn, name) for name in drawn.objects}
+        self._eye = eye or make_camera(model, trial, cfg)
+        self._shapes = {name: known_model(model, trial, name) for name in trial.objects}
         self._objects: dict[str, _Followed] = {}
         self._news: list[dict[str, Any]] = []
 
@@ -118,16 +123,16 @@ class TrackedWorld:
         """See `EvaluationWorld.reset`; the hand waits until every object has been found.
 
         Raises:
-            WorldFault: An object was not found ("not-found"), there are no pictures ("camera-off"), or no poses
+            WorldError: An object was not found ("not-found"), there are no pictures ("camera-off"), or no poses
                 ("tracker-failed").
         """
         now = self._world.reset()
         self._let_go()
         for name, shape in self._shapes.items():
             with _named():
-                tracker = self._choice.make(shape, nominal(self._drawn, name))
+                tracker = self._choice.make(shape, nominal_pose(self._trial, name))
             self._objects[name] = _Followed(tracker, self.cfg.motion)
-        self._late: deque[tuple[float, Array, dict[str, Estimate]]] = deque()
+        self._late: deque[tuple[float, Array, dict[str, PoseEstimate]]] = deque()
         self._pictured_s, self._due_s, self._retreated_s = now.time_s, now.time_s, -np.inf
         self._news.clear()
         rest = HandTarget(now.tool.position, now.tool.quaternion, now.opening_m, 600.0)
@@ -142,7 +147,7 @@ class TrackedWorld:
                 return self._seen(now)
             if now.time_s >= self.cfg.search_s - 1e-9:
                 what = ", ".join(f"{name} ({reason})" for name, reason in missing.items())
-                raise WorldFault("not-found", f"not found in {self.cfg.search_s:g} s: {what}")
+                raise WorldError("not-found", f"not found in {self.cfg.search_s:g} s: {what}")
             while now.time_s < self._due_s - 1e-9:
                 now = self._world.step(rest)
 
@@ -150,14 +155,14 @@ class TrackedWorld:
         """See `EvaluationWorld.step`.
 
         Raises:
-            WorldFault: The world cannot go on, or there are no pictures any more ("camera-off"), or no poses
+            WorldError: The world cannot go on, or there are no pictures any more ("camera-off"), or no poses
                 ("tracker-failed").
         """
         now = self._world.step(target)
         tool = _transform(now.tool)
         self._deliver(now.time_s)
         for name, one in self._objects.items():
-            held = gripped(
+            held = is_grasped(
                 self._shapes[name],
                 inverse(tool) @ one.at(tool, now.time_s),
                 now.opening_m,
@@ -215,12 +220,12 @@ class TrackedWorld:
         lead = np.array([0.0, 0.0, 0.2 * cfg.retreat_m_s])
         return HandTarget(now.tool.position + lead, now.tool.quaternion, target.opening_m, target.stiffness)
 
-    def compare(self, now: Observation, truth: Truth) -> dict[str, Seen]:
+    def compare(self, now: Observation, truth: Truth) -> dict[str, PoseDifference]:
         """How far what is held of the objects is from the truth; for the record."""
         found = {}
         for name, shape in self._shapes.items():
             shift, turn = shape.symmetry.difference(_transform(now.objects[name]), _transform(truth.objects[name]))
-            found[name] = Seen(float(shift), float(turn), self._objects[name].lost_since is not None)
+            found[name] = PoseDifference(float(shift), float(turn), self._objects[name].lost_since is not None)
         return found
 
     def _first(self, now: Observation, frame: RgbdFrame | None) -> dict[str, str]:
@@ -250,7 +255,7 @@ class TrackedWorld:
             self._pictured_s = now.time_s
             return frame
         if now.time_s - self._pictured_s >= self.cfg.blind_s - 1e-9:
-            raise WorldFault("camera-off", f"no picture since {self._pictured_s:.2f} s")
+            raise WorldError("camera-off", f"no picture since {self._pictured_s:.2f} s")
         return None
 
     def _deliver(self, time_s: float) -> None:
@@ -260,7 +265,7 @@ class TrackedWorld:
             for name, estimate in estimates.items():
                 self._measure(name, estimate, tool, taken_s, time_s)
 
-    def _measure(self, name: str, estimate: Estimate, tool: Array, taken_s: float, time_s: float) -> None:
+    def _measure(self, name: str, estimate: PoseEstimate, tool: Array, taken_s: float, time_s: float) -> None:
         one = self._objects[name]
         if estimate.lost:
             if one.lost_since is None:
@@ -281,14 +286,14 @@ class TrackedWorld:
         objects = {name: self._body(one, now.tool, tool, now.time_s) for name, one in self._objects.items()}
         return Observation(now.time_s, now.tool, now.opening_m, now.wrench, objects)
 
-    def _body(self, one: _Followed, hand: Body, tool: Array, time_s: float) -> Body:
+    def _body(self, one: _Followed, hand: BodyState, tool: Array, time_s: float) -> BodyState:
         T = one.at(tool, time_s)
         velocity, spin = one.known.velocity, one.known.spin
         if one.held:
             lever = T[:3, 3] - hand.position
             velocity = tool[:3, :3] @ velocity + hand.velocity + np.cross(hand.angular_velocity, lever)
             spin = tool[:3, :3] @ spin + hand.angular_velocity
-        return Body(T[:3, 3], quaternion_of(T[:3, :3]), velocity, spin)
+        return BodyState(T[:3, 3], quaternion_of(T[:3, :3]), velocity, spin)
 
 
 @contextmanager
@@ -297,15 +302,15 @@ def _named() -> Iterator[None]:
     try:
         yield
     except TrackerFailed as error:
-        raise WorldFault("tracker-failed", str(error)) from None
+        raise WorldError("tracker-failed", str(error)) from None
 
 
-def nominal(drawn: Drawn, name: str) -> Array:
+def nominal_pose(trial: Trial, name: str) -> Array:
     """T_world_object in the middle of the task file's ranges: of equal poses, the one nearest to it is reported."""
-    item = drawn.task.object(name)
+    item = trial.task.object(name)
     turn = about(np.array([0.0, 0.0, 1.0]), float(np.radians(np.mean(item.yaw_deg))))
     return pose(turn @ rotation_of(from_rpy_deg(item.rpy_deg)), np.array([np.mean(item.x), np.mean(item.y), 0.0]))
 
 
-def _transform(body: Body) -> Array:
+def _transform(body: BodyState) -> Array:
     return pose(rotation_of(body.quaternion), body.position)

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Estimate:
+class PoseEstimate:
     """Where an object is held to be.
 
     Args:
@@ -51,7 +51,7 @@ class PoseTracker(Protocol):
     name: str
     wants_colours: bool
 
-    def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Estimate:
+    def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
         """Find the object without knowing where it was.
 
         Args:
@@ -63,7 +63,7 @@ class PoseTracker(Protocol):
         """
         ...
 
-    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> Estimate:
+    def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
         """Follow the object into the next picture.
 
         Args:

@@ -19,7 +19,7 @@ WORDS = "model or foundationpose:http://HOST:PORT"
 
 
 @dataclass(frozen=True)
-class Choice:
+class TrackerChoice:
     """A tracker that was chosen.
 
     Args:
@@ -36,13 +36,13 @@ class Choice:
     check: Callable[[], None]
 
 
-def choose(
+def choose_tracker(
     word: str,
     model: TrackerCfg | None = None,
     server: FoundationPoseCfg | None = None,
     where: str = "--tracker",
     field: str = "",
-) -> Choice:
+) -> TrackerChoice:
     """The tracker that a word names.
 
     Args:
@@ -57,7 +57,7 @@ def choose(
     """
     kind, separator, url = word.partition(":")
     if word == "model":
-        return Choice(
+        return TrackerChoice(
             ModelTracker.name,
             ModelTracker.wants_colours,
             lambda shape, expected: ModelTracker(shape, model, expected),
@@ -69,7 +69,7 @@ def choose(
     if kind != "foundationpose" or not cfg.url:
         raise InputError(where, field, repr(word), WORDS)
     parse_url(cfg.url, where, field)
-    return Choice(
+    return TrackerChoice(
         FoundationPoseTracker.name,
         FoundationPoseTracker.wants_colours,
         lambda shape, expected: FoundationPoseTracker(shape, cfg, expected),

@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 from coral.config import Count, Fraction, TimeStep
 from coral.contact.perception.agreement_kernels import AGREE, DRAWN, WRONG
 from coral.contact.perception.benchmark_motions import motion_of
-from coral.contact.perception.camera import CameraCfg, Colours, RgbdFrame
+from coral.contact.perception.camera import Colours, RgbdCameraCfg, RgbdFrame
 from coral.contact.perception.confidence import ConfidenceCfg, view_of
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.pose_error import add, add_s, mssd
-from coral.contact.perception.posed_scene import Stage, object_model
+from coral.contact.perception.posed_scene import PosedScene, known_model
 from coral.contact.perception.rotation import inverse
 from coral.contact.perception.tracker import PoseTracker
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.trial import Trial
 
 Array = NDArray[np.float64]
 MakeTracker = Callable[[ObjectModel], PoseTracker]
@@ -32,7 +32,7 @@ MakeTracker = Callable[[ObjectModel], PoseTracker]
 class AccuracyCfg:
     """One measurement."""
 
-    camera: CameraCfg
+    camera: RgbdCameraCfg
     noise: DepthNoise | None
     colours: Colours = "none"
     """Whether pictures have colours: networks need them."""
@@ -84,17 +84,17 @@ class Accuracy:
     registration_s: float
 
 
-def measure(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]:
+def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]:
     """Follow every object of a trial through the motion of its task."""
-    motion = motion_of(drawn)
-    stage = Stage(drawn, cfg.camera, cfg.noise, colours=cfg.colours)
-    rng = np.random.default_rng([drawn.seed, 1])
+    motion = motion_of(trial)
+    stage = PosedScene(trial, cfg.camera, cfg.noise, colours=cfg.colours)
+    rng = np.random.default_rng([trial.seed, 1])
     times = np.arange(round(motion.duration_s / cfg.period_s) + 1) * cfg.period_s
     truths = [motion.at(float(t)) for t in times]
     frames = [stage.take(truth, rng, float(t)) for truth, t in zip(truths, times, strict=True)]
     found = []
-    for name in drawn.objects:
-        model = object_model(stage.model, drawn, name)
+    for name in trial.objects:
+        model = known_model(stage.model, trial, name)
         with closing(make(model)) as tracker:
             _warm(tracker, frames[0].mask(name), frames[0])
         visible = [
@@ -126,7 +126,7 @@ def measure(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]
         some = poses[:: max(1, len(poses) // 20)]
         found.append(
             Accuracy(
-                drawn.task.name,
+                trial.task.name,
                 name,
                 len(frames),
                 mm,

@@ -10,11 +10,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception.benchmark_motions import Moment, motion_of
-from coral.contact.perception.posed_scene import Stage, object_model
+from coral.contact.perception.benchmark_motions import MotionSample, motion_of
+from coral.contact.perception.posed_scene import PosedScene, known_model
 from coral.contact.perception.rotation import about, pose
 from coral.contact.perception.tracking_accuracy import AccuracyCfg, MakeTracker
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.trial import Trial
 
 Array = NDArray[np.float64]
 How = Literal["out of view", "covered"]
@@ -22,7 +22,7 @@ _SECONDS = 1.0
 
 
 @dataclass(frozen=True)
-class Loss:
+class TrackingLoss:
     """One object, lost and found.
 
     Args:
@@ -50,14 +50,14 @@ class Loss:
     slowest_s: float
 
 
-def lose(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg, how: How) -> Loss:
+def measure_loss(trial: Trial, make: MakeTracker, cfg: AccuracyCfg, how: How) -> TrackingLoss:
     """Follow the first object of a trial for a second, take it away for one, and give it back for one."""
-    stage = Stage(drawn, cfg.camera, cfg.noise, colours=cfg.colours)
-    name = drawn.task.objects[0].name
-    model = object_model(stage.model, drawn, name)
-    start = motion_of(drawn).at(0.0)
-    rng = np.random.default_rng([drawn.seed, 2])
-    aside = Moment(start.objects, pose(start.tool[:3, :3], np.array([-0.5, 0.3, 0.5])), 0.04)
+    stage = PosedScene(trial, cfg.camera, cfg.noise, colours=cfg.colours)
+    name = trial.task.objects[0].name
+    model = known_model(stage.model, trial, name)
+    start = motion_of(trial).at(0.0)
+    rng = np.random.default_rng([trial.seed, 2])
+    aside = MotionSample(start.objects, pose(start.tool[:3, :3], np.array([-0.5, 0.3, 0.5])), 0.04)
     gone, after = _gone(stage, aside, name, how)
     count = round(_SECONDS / cfg.period_s)
     lost: list[bool] = []
@@ -74,8 +74,8 @@ def lose(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg, how: How) -> Loss:
             reason = reason or estimate.reason
     shift, turn = model.symmetry.difference(estimate.T_world_object, after.objects[name])
     away, back = lost[count : 2 * count], lost[2 * count :]
-    return Loss(
-        drawn.task.name,
+    return TrackingLoss(
+        trial.task.name,
         name,
         how,
         away.index(True) + 1 if any(away) else 0,
@@ -88,7 +88,7 @@ def lose(drawn: Drawn, make: MakeTracker, cfg: AccuracyCfg, how: How) -> Loss:
     )
 
 
-def _gone(stage: Stage, aside: Moment, name: str, how: How) -> tuple[Moment, Moment]:
+def _gone(stage: PosedScene, aside: MotionSample, name: str, how: How) -> tuple[MotionSample, MotionSample]:
     """The moments without the object, and after."""
     here = aside.objects[name]
     if how == "out of view":
@@ -96,8 +96,8 @@ def _gone(stage: Stage, aside: Moment, name: str, how: How) -> tuple[Moment, Mom
         turn = about(np.array([0.0, 0.0, 1.0]), np.radians(40.0))
         there = pose(turn @ here[:3, :3], here[:3, 3] + np.array([0.08, 0.0, 0.0]))
         return (
-            Moment(aside.objects | {name: away}, aside.tool, aside.opening_m),
-            Moment(aside.objects | {name: there}, aside.tool, aside.opening_m),
+            MotionSample(aside.objects | {name: away}, aside.tool, aside.opening_m),
+            MotionSample(aside.objects | {name: there}, aside.tool, aside.opening_m),
         )
     there = pose(here[:3, :3], here[:3, 3] + np.array([0.03, 0.0, 0.0]))
     camera = stage.camera.T_world_camera
@@ -110,4 +110,4 @@ def _gone(stage: Stage, aside: Moment, name: str, how: How) -> tuple[Moment, Mom
     hand = pose(np.stack([sight, side, np.cross(sight, side)], 1), camera[:3, 3] + 0.16 * sight)
     hand[:3, 3] += 0.07 * hand[:3, 2]
     objects = aside.objects | {name: there}
-    return Moment(objects, hand, 0.0), Moment(objects, aside.tool, aside.opening_m)
+    return MotionSample(objects, hand, 0.0), MotionSample(objects, aside.tool, aside.opening_m)

@@ -6,7 +6,7 @@ import numpy as np
 
 from coral.contact.cost.context import Array, Context, Terms
 from coral.contact.cost_program.state import objects_of
-from coral.contact.plan.cost_fault import Fault, Traceable, VerifyCfg
+from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable
 from coral.contact.plan.reach_check import Paid, changed, summed
 
 STEPS = 33
@@ -14,7 +14,7 @@ FAR_M = 0.12
 """Approaches begin at least this far away, so that a gate near the target lies in their second half."""
 
 
-def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: VerifyCfg) -> list[Fault]:
+def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: CostCheckCfg) -> list[CostFault]:
     """Faults for terms that begin near a target and rise there (the second pitfall).
 
     The hand is moved in a straight line to each target that the cost wants it at, everything else staying as it is.
@@ -34,7 +34,7 @@ def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: VerifyC
                 named.add(name)
                 line = cost.term_line(name) or item.line
                 found.append(
-                    Fault(
+                    CostFault(
                         "barrier",
                         line,
                         f"line {line} (`{cost.line(line)}`): the term {name!r} begins only "
@@ -45,7 +45,7 @@ def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: VerifyC
         if len(terms) == 1 and len(paid) == 1 and not found:
             line = item.line
             found.append(
-                Fault(
+                CostFault(
                     "barrier",
                     line,
                     f"line {line} (`{cost.line(line)}`): the cost rises by "
@@ -56,7 +56,7 @@ def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: VerifyC
     return found
 
 
-def _along_path(cost: Traceable, pool: Context, item: Paid, cfg: VerifyCfg) -> Terms | None:
+def _along_path(cost: Traceable, pool: Context, item: Paid, cfg: CostCheckCfg) -> Terms | None:
     """Terms on straight ways of the hand to the target, each Shape=(paths, STEPS)."""
     start = np.asarray(pool["ee_pos"])[:, 0, :]
     far = np.linalg.norm(item.target - start, axis=-1)
@@ -83,7 +83,7 @@ def _gated_rise(term: Array) -> Array:
     return np.where(flat, np.maximum(rise, 0.0), 0.0)
 
 
-def contact_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: VerifyCfg) -> list[Fault]:
+def contact_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: CostCheckCfg) -> list[CostFault]:
     """Faults for terms that begin at the touch of an object which the cost sends the hand to, and add to the cost."""
     found = []
     for thing in objects_of(pool.names()):
@@ -109,7 +109,7 @@ def contact_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: Veri
             ):
                 line = cost.term_line(name)
                 found.append(
-                    Fault(
+                    CostFault(
                         "barrier",
                         line,
                         f"line {line} (`{cost.line(line)}`): the term {name!r} begins when "

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from coral.contact.scene.geometry import from_rpy_deg, rotation_of
 from coral.contact.scene.mesh import mesh_vertices
 from coral.contact.scene.shapes import Shape
-from coral.contact.scene.trial import Drawn, part_scale, part_size
+from coral.contact.scene.trial import Trial, part_scale, part_size
 
 Array = NDArray[np.float64]
 
@@ -98,10 +98,10 @@ def box(size: Array, position: Array | None = None, rotation: Array | None = Non
     )
 
 
-def pieces(drawn: Drawn, name: str) -> tuple[Solid, ...]:
+def pieces(trial: Trial, name: str) -> tuple[Solid, ...]:
     """An object's parts in its own frame, as large as they are in a trial; of a mesh its hull, as that touches."""
-    scale = drawn.objects[name].scale
-    return tuple(_piece(part, scale) for part in drawn.task.object(name).parts)
+    scale = trial.objects[name].scale
+    return tuple(_piece(part, scale) for part in trial.task.object(name).parts)
 
 
 def _piece(part: Shape, scale: Array) -> Solid:

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from coral.contact.cost.context import Array, Context, Cost, Terms
 from coral.contact.cost_program.errors import CostError
 from coral.contact.plan.barrier_check import contact_barriers, path_barriers
-from coral.contact.plan.cost_fault import Fault, Traceable, VerifyCfg
+from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable
 from coral.contact.plan.reach_check import paid_distances, unreachable
 
 
-def verify_cost(cost: Cost, samples: Sequence[Context], cfg: VerifyCfg | None = None) -> list[Fault]:
+def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None = None) -> list[CostFault]:
     """What is wrong with a cost; nothing in the list means that it may be used.
 
     Args:
@@ -27,13 +27,13 @@ def verify_cost(cost: Cost, samples: Sequence[Context], cfg: VerifyCfg | None = 
         samples: Batches of rolled-out states, varied enough to hold both good and bad rollouts.
         cfg: Thresholds.
     """
-    cfg = cfg or VerifyCfg()
+    cfg = cfg or CostCheckCfg()
     evaluated: list[tuple[Context, Terms]] = []
     for sample in samples:
         try:
             terms = cost(sample)
         except CostError as error:
-            return [Fault(error.code, error.line, str(error))]
+            return [CostFault(error.code, error.line, str(error))]
         faults = _malformed(terms, sample)
         if faults:
             return faults
@@ -55,7 +55,7 @@ def verify_cost(cost: Cost, samples: Sequence[Context], cfg: VerifyCfg | None = 
             *contact_barriers(cost, pool, paid, cfg),
         ]
     except CostError as error:
-        return [Fault(error.code, error.line, str(error))]
+        return [CostFault(error.code, error.line, str(error))]
     return [*found, *notes]
 
 
@@ -77,15 +77,15 @@ def pooled(samples: Sequence[Context], count: int) -> Context:
     return Context(joined, (len(next(iter(joined.values()))), 1))
 
 
-def _malformed(terms: Terms, sample: Context) -> list[Fault]:
+def _malformed(terms: Terms, sample: Context) -> list[CostFault]:
     if not terms:
-        return [Fault("shape", 0, "the cost has no terms")]
+        return [CostFault("shape", 0, "the cost has no terms")]
     for name, term in terms.items():
         values = np.asarray(term)
         fits = values.ndim == 2 and all(n in (1, m) for n, m in zip(values.shape, sample.shape, strict=True))
         if not fits or not np.issubdtype(values.dtype, np.number):
             return [
-                Fault(
+                CostFault(
                     "shape",
                     0,
                     f"the term {name!r} has shape {values.shape} in a batch of {sample.shape}; it "
@@ -93,7 +93,7 @@ def _malformed(terms: Terms, sample: Context) -> list[Fault]:
                 )
             ]
         if not np.isfinite(values).all():
-            return [Fault("not_finite", 0, f"the term {name!r} is nan or infinite in some state")]
+            return [CostFault("not_finite", 0, f"the term {name!r} is nan or infinite in some state")]
     return []
 
 
@@ -104,13 +104,13 @@ def _sum(terms: Terms, shape: tuple[int, int]) -> Array:
     return total
 
 
-def _constant(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[Fault]:
+def _constant(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
     for sample, terms in evaluated:
         rollouts = _sum(terms, sample.shape).sum(axis=1)
         if np.ptp(rollouts) > 1e-9 * (1.0 + np.abs(rollouts).max()):
             return []
     return [
-        Fault(
+        CostFault(
             "constant",
             0,
             "the cost is the same for every sampled rollout, so it cannot tell good from bad; let "
@@ -119,7 +119,7 @@ def _constant(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[Fault]
     ]
 
 
-def _idle(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[Fault]:
+def _idle(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
     """Terms that never change: no reason to refuse, a phase may not have begun, but worth telling."""
     found = []
     for name in evaluated[0][1]:
@@ -128,5 +128,5 @@ def _idle(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[Fault]:
         if high - low <= 1e-12 * (1.0 + abs(high)):
             line = cost.term_line(name) if isinstance(cost, Traceable) else 0
             text = f"the term {name!r} is {high + 0.0:g} in every sampled state"
-            found.append(Fault("constant", line, text, fatal=False))
+            found.append(CostFault("constant", line, text, fatal=False))
     return found

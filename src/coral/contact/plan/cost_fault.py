@@ -10,7 +10,7 @@ from coral.contact.cost_program.trace import Traced
 
 
 @dataclass(frozen=True)
-class Fault:
+class CostFault:
     """One thing that is wrong with a cost.
 
     Args:
@@ -27,7 +27,7 @@ class Fault:
 
 
 @dataclass(frozen=True, kw_only=True)
-class VerifyCfg:
+class CostCheckCfg:
     """Thresholds of the checks.
 
     Args:

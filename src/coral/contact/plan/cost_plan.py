@@ -17,7 +17,7 @@ from coral.contact.cost.stages import Guide, Stage, Strategy, Test
 from coral.contact.cost_program import CostError, CostProgram
 from coral.contact.plan.contact_regions import Array, RegionsAnswer, guide
 from coral.contact.plan.cost_check import verify_cost
-from coral.contact.plan.cost_fault import VerifyCfg
+from coral.contact.plan.cost_fault import CostCheckCfg
 from coral.contact.plan.last_good_cost import LastGoodCost
 
 Loader = Callable[[str, Schema, str], Cost]
@@ -164,7 +164,7 @@ def verify_plan(
     schema: Schema,
     samples: Sequence[Context],
     load: Loader = in_process,
-    cfg: VerifyCfg | None = None,
+    cfg: CostCheckCfg | None = None,
 ) -> Rejection | None:
     """Why a plan cannot be used, or None: names, programs, what they do on rolled-out states.
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from coral.contact.cost.context import Context, Cost, Terms
 from coral.contact.cost_program.errors import CostError
 from coral.contact.plan.cost_check import verify_cost
-from coral.contact.plan.cost_fault import Fault, VerifyCfg
+from coral.contact.plan.cost_fault import CostCheckCfg, CostFault
 
 
 class LastGoodCost:
@@ -34,7 +34,7 @@ class LastGoodCost:
         """The cost in use."""
         return self._good[-1] if self._good else None
 
-    def propose(self, cost: Cost, samples: Sequence[Context], cfg: VerifyCfg | None = None) -> list[Fault]:
+    def propose(self, cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None = None) -> list[CostFault]:
         """Verify a cost and, when nothing fatal is found, use it from now on.
 
         Returns:

@@ -14,7 +14,7 @@ import numpy as np
 from coral.contact.cost.context import Array, Context, Terms
 from coral.contact.cost_program.state import objects_of
 from coral.contact.cost_program.trace import Distance
-from coral.contact.plan.cost_fault import Fault, Traceable, VerifyCfg
+from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable
 
 SHIFT = np.array([0.011, -0.017, 0.013])
 """A shift of the hand, m, whose components differ so that they can be told apart."""
@@ -97,7 +97,7 @@ def _target(before: Distance, after: Distance, hand: Array) -> Array | None:
     return None
 
 
-def unreachable(cost: Traceable, pool: Context, paid: list[Paid], cfg: VerifyCfg) -> list[Fault]:
+def unreachable(cost: Traceable, pool: Context, paid: list[Paid], cfg: CostCheckCfg) -> list[CostFault]:
     """Faults for targets that something solid keeps the hand from (the first pitfall)."""
     found, lines = [], set()
     for item in paid:
@@ -106,11 +106,11 @@ def unreachable(cost: Traceable, pool: Context, paid: list[Paid], cfg: VerifyCfg
         reason = _inside(pool, item, cfg) or _pushed_back(pool, item, cfg)
         if reason:
             lines.add(item.line)
-            found.append(Fault("unreachable", item.line, f"line {item.line} (`{cost.line(item.line)}`): {reason}"))
+            found.append(CostFault("unreachable", item.line, f"line {item.line} (`{cost.line(item.line)}`): {reason}"))
     return found
 
 
-def _inside(pool: Context, item: Paid, cfg: VerifyCfg) -> str:
+def _inside(pool: Context, item: Paid, cfg: CostCheckCfg) -> str:
     """Whether the target lies inside an object too wide for the fingers to straddle."""
     for thing in objects_of(pool.names()):
         names = [f"{thing}_pos", f"{thing}_quat", f"{thing}_size"]
@@ -127,7 +127,7 @@ def _inside(pool: Context, item: Paid, cfg: VerifyCfg) -> str:
     return ""
 
 
-def _pushed_back(pool: Context, item: Paid, cfg: VerifyCfg) -> str:
+def _pushed_back(pool: Context, item: Paid, cfg: CostCheckCfg) -> str:
     """Whether in the closest states something pushes the hand away from the target."""
     closest = np.argsort(item.value, kind="stable")[: max(8, len(item.value) // 50)]
     least = float(item.value[closest[0]])

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.control.hand_model import MAX_OPENING_M
-from coral.contact.control.planning_world import Controls, PlanningWorld
+from coral.contact.control.planning_world import ControlSequences, PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Stage
 from coral.contact.plan.contact_regions import PAD_M, tool_quaternion
 from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, rotation_of, to_rotvec
-from coral.contact.scene.observation import Body, Observation
+from coral.contact.scene.observation import BodyState, Observation
 
 Array = NDArray[np.float64]
 ABOVE_M = 0.06
@@ -48,7 +48,7 @@ def sample_states(
     position = np.stack([_along(now.tool.position, way[0], share) for way in ways])
     quaternion = np.stack([_turning(now.tool.quaternion, way[1], share) for way in ways])
     opening = np.stack([now.opening_m + (way[2] - now.opening_m) * np.minimum(1, 2 * share) for way in ways])
-    context, _ = world.rollout(now, Controls(position, quaternion, opening, world.cfg.hand.stiffness_n_m))
+    context, _ = world.rollout(now, ControlSequences(position, quaternion, opening, world.cfg.hand.stiffness_n_m))
     return [context]
 
 
@@ -61,7 +61,7 @@ def _some(now: Observation, sizes: Mapping[str, Array], rng: np.random.Generator
     return ways + [_anywhere(now, rng) for _ in range(count)]
 
 
-def _around(body: Body, size: Array, now: Observation) -> list[Way]:
+def _around(body: BodyState, size: Array, now: Observation) -> list[Way]:
     rotation = rotation_of(body.quaternion)
     up = int(np.argmax(np.abs(rotation[2])))
     top = body.position + np.array([0, 0, size[up] / 2])
@@ -103,7 +103,7 @@ def _turning(start: Array, end: Array, share: Array) -> Array:
     return multiply(start, from_rotvec(np.minimum(1, 3 * share)[:, None] * turn))
 
 
-def gain(
+def rehearsed_gain(
     world: PlanningWorld,
     stage: Stage,
     now: Observation,
@@ -139,7 +139,7 @@ def gain(
         ways = _some(now, sizes, rng, count)
     ways.append(([start.position], start.quaternion, now.opening_m))
     share = np.linspace(0, 1, horizon)
-    controls = Controls(
+    controls = ControlSequences(
         np.stack([_along(start.position, way[0], np.minimum(1, 1.5 * share)) for way in ways]),
         np.stack([_turning(start.quaternion, way[1], share) for way in ways]),
         np.stack([now.opening_m + (way[2] - now.opening_m) * np.minimum(1, 2 * share) for way in ways]),

@@ -22,7 +22,7 @@ from coral.contact.plan.contact_regions import (
 )
 from coral.contact.plan.convex_pieces import Solid, box, pieces
 from coral.contact.scene.geometry import from_rotvec, rotate, rotation_of
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.trial import Trial
 
 Array = NDArray[np.float64]
 MISSED, TABLE, REACH = "off the face", "below the table's top", "out of the hand's reach"
@@ -39,9 +39,9 @@ class Scenery:
     objects: Mapping[str, tuple[Solid, ...]]
 
     @classmethod
-    def of(cls, drawn: Drawn) -> Scenery:
+    def of(cls, trial: Trial) -> Scenery:
         """The true shapes of a trial."""
-        return cls({name: pieces(drawn, name) for name in drawn.objects})
+        return cls({name: pieces(trial, name) for name in trial.objects})
 
     @classmethod
     def boxes(cls, facts: Mapping[str, Any]) -> Scenery:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from coral.config import Signed
-from coral.contact.perception.camera import CameraCfg, RayCamera, look_at
+from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
 from coral.contact.scene.geometry import rotation_of
-from coral.contact.scene.observation import Array, Body
+from coral.contact.scene.observation import Array, BodyState
 from coral.errors import InputError
 
 Image = NDArray[np.uint8]
@@ -22,7 +22,7 @@ _HIDDEN = 5
 
 
 @dataclass(frozen=True, kw_only=True)
-class EyesCfg:
+class PolicyCamerasCfg:
     """The cameras.
 
     Args:
@@ -45,7 +45,7 @@ class EyesCfg:
     colours: Literal["shaded", "best"] = "shaded"
 
 
-class Eyes:
+class PolicyCameras:
     """Looks at a simulated world.
 
     Args:
@@ -56,20 +56,20 @@ class Eyes:
         InputError: The camera looks straight down, or the scene cannot be drawn.
     """
 
-    def __init__(self, model: mujoco.MjModel, cfg: EyesCfg) -> None:
+    def __init__(self, model: mujoco.MjModel, cfg: PolicyCamerasCfg) -> None:
         if np.allclose(cfg.eye_m[:2], cfg.target_m[:2]):
             raise InputError("policy.eyes", "target_m", cfg.target_m, "a point that is not straight below the camera")
         self._cfg = cfg
         shown = _uncovered(model)
 
         def camera(vfov_deg: float, near_m: float, pose: Array) -> RayCamera:
-            lens = CameraCfg(width=cfg.pixels, height=cfg.pixels, vfov_deg=vfov_deg, near_m=near_m)
+            lens = RgbdCameraCfg(width=cfg.pixels, height=cfg.pixels, vfov_deg=vfov_deg, near_m=near_m)
             return RayCamera(shown, lens, pose, {}, colours=cfg.colours)
 
         self._outside = camera(cfg.vfov_deg, 0.05, look_at(cfg.eye_m, cfg.target_m))
         self._wrist = camera(cfg.wrist_vfov_deg, 0.005, np.eye(4))
 
-    def look(self, data: mujoco.MjData, tool: Body) -> tuple[Image, Image]:
+    def look(self, data: mujoco.MjData, tool: BodyState) -> tuple[Image, Image]:
         """Pictures from across the table and from the wrist, each Shape=(H, W, 3), RGB.
 
         Args:
@@ -85,7 +85,7 @@ class Eyes:
         return np.ascontiguousarray(picture[:, ::-1] if self._cfg.mirrored else picture)
 
 
-def wrist_pose(tool: Body, place_m: Array) -> Array:
+def wrist_pose(tool: BodyState, place_m: Array) -> Array:
     """T_world_camera of the wrist's camera (x right, y down, z forward), Shape=(4, 4).
 
     Args:

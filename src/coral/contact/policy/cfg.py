@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from coral.contact.policy.cameras import EyesCfg
+from coral.contact.policy.cameras import PolicyCamerasCfg
 from coral.contact.policy.client import ClientCfg
 from coral.contact.policy.libero_convention import LiberoCfg
 
@@ -21,4 +21,4 @@ class PolicyCfg:
 
     client: ClientCfg = field(default_factory=ClientCfg)
     libero: LiberoCfg = field(default_factory=LiberoCfg)
-    eyes: EyesCfg = field(default_factory=EyesCfg)
+    eyes: PolicyCamerasCfg = field(default_factory=PolicyCamerasCfg)

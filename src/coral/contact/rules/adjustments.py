@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from coral.contact.rules.scene_reading import Choice
+from coral.contact.rules.scene_reading import SkillAdjustment
 
 
-def choice_after(diagnoses: Sequence[str]) -> Choice:
+def adjustment_after(diagnoses: Sequence[str]) -> SkillAdjustment:
     """What the composing rules change after these failures, in order."""
-    choice = Choice()
+    choice = SkillAdjustment()
     for kind in diagnoses:
         if kind == "slipped":
             choice = replace(
@@ -28,7 +28,7 @@ def choice_after(diagnoses: Sequence[str]) -> Choice:
     return choice
 
 
-def change_words(before: Choice, after: Choice) -> str:
+def change_words(before: SkillAdjustment, after: SkillAdjustment) -> str:
     """What a repair changes, in a sentence."""
     words = []
     if after.turn != before.turn:

@@ -11,16 +11,16 @@ from coral.advisor.question import AdvisorUnavailable, Rejection
 from coral.advisor.rules import Rule
 from coral.contact.plan.contact_regions import ObjectRegions, RegionsAnswer
 from coral.contact.plan.region_validation import UNTOUCHABLE
-from coral.contact.rules.adjustments import change_words, choice_after
+from coral.contact.rules.adjustments import adjustment_after, change_words
 from coral.contact.rules.composition import Composed, compose
-from coral.contact.rules.estimates import estimate
+from coral.contact.rules.estimates import estimate_parameters
 from coral.contact.rules.goals import NoRule, goal_words
 from coral.contact.rules.outcome_cost import outcome_plan
-from coral.contact.rules.poses import locate
+from coral.contact.rules.poses import estimate_poses
 from coral.contact.thinker.diagnosis import TEXTS
 from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.contact.world_model.parameter_answer import ObjectParameters, ParametersAnswer
-from coral.contact.world_model.parameter_estimates import Estimate
+from coral.contact.world_model.parameter_estimates import ParameterEstimate
 
 
 def _composed(facts: Mapping[str, Any], refused: int = 0) -> Composed:
@@ -32,7 +32,7 @@ def _composed(facts: Mapping[str, Any], refused: int = 0) -> Composed:
         return Composed(plan, RegionsAnswer({}))
     diagnoses = [*facts.get("diagnoses", ()), *["no-progress"] * refused]
     try:
-        return compose(facts, choice_after(diagnoses))
+        return compose(facts, adjustment_after(diagnoses))
     except NoRule as error:
         raise AdvisorUnavailable("no-rule", str(error), final=True) from None
 
@@ -63,7 +63,7 @@ def _repair(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseMo
     diagnoses = list(facts["diagnoses"])
     made = _composed(facts, len(rejections)).plan
     why = TEXTS.get(diagnoses[-1], diagnoses[-1])
-    before, after = choice_after(diagnoses[:-1]), choice_after([*diagnoses, *["no-progress"] * len(rejections)])
+    before, after = adjustment_after(diagnoses[:-1]), adjustment_after([*diagnoses, *["no-progress"] * len(rejections)])
     # A skill that has no other side or grasp must not claim to take one.
     change = change_words(before, after if _composed({**facts, "diagnoses": diagnoses[:-1]}).plan != made else before)
     words = f"The plan before failed because {why}. {change}: {made.explanation}"
@@ -82,10 +82,10 @@ def _parameters(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> Ba
 def _unified(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
     """Its rules for each part, one after the other; what is believed already is kept."""
     found = {
-        name: Estimate(mass_kg=item["mass_kg"], friction_coeff=item["friction"])
+        name: ParameterEstimate(mass_kg=item["mass_kg"], friction_coeff=item["friction"])
         for name, item in facts["objects"].items()
         if "mass_kg" in item
-    } or estimate(facts, rejections).root
+    } or estimate_parameters(facts, rejections).root
     believed = {
         name: {**item, "mass_kg": found[name].mass_kg, "friction": found[name].friction_coeff}
         for name, item in facts["objects"].items()
@@ -95,11 +95,11 @@ def _unified(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseM
 
 
 RULES: Mapping[str, Rule] = {
-    "physical-parameters": estimate,
+    "physical-parameters": estimate_parameters,
     "cost-function": _plan,
     "contact-regions": _regions,
     "cost-repair": _repair,
     "parameter-repair": _parameters,
-    "object-poses": locate,
+    "object-poses": estimate_poses,
     "unified": _unified,
 }

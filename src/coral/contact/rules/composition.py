@@ -12,9 +12,9 @@ from typing import Any
 
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
-from coral.contact.rules.goals import NoRule, goal_words, once, served, wanted
-from coral.contact.rules.placement import spot_of
-from coral.contact.rules.scene_reading import Choice, Draft, Thing, number
+from coral.contact.rules.goals import NoRule, goal_words, merged_goals, movement_goals, served
+from coral.contact.rules.placement import placement_of
+from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, number
 from coral.contact.rules.skill_edge import add_overhang, can_overhang
 from coral.contact.rules.skill_grasp import add_grasp, add_lift, add_place, add_release
 from coral.contact.rules.skill_pivot import add_pivot
@@ -29,7 +29,7 @@ class Composed:
     regions: RegionsAnswer
 
 
-def compose(facts: Mapping[str, Any], choice: Choice | None = None) -> Composed:
+def compose(facts: Mapping[str, Any], choice: SkillAdjustment | None = None) -> Composed:
     """The plan for a scene.
 
     Args:
@@ -39,14 +39,14 @@ def compose(facts: Mapping[str, Any], choice: Choice | None = None) -> Composed:
     Raises:
         NoRule: The rules know no way; the text says to what.
     """
-    choice = choice or Choice()
+    choice = choice or SkillAdjustment()
     drafts = []
     for name in dict.fromkeys(goal["object"] for goal in facts["goals"]):
         asked = [goal for goal in facts["goals"] if goal["object"] == name]
-        moving = wanted(asked, facts)
+        moving = movement_goals(asked, facts)
         if not moving:
             continue
-        goals = {goal["kind"]: goal for goal in asked} | once(moving)
+        goals = {goal["kind"]: goal for goal in asked} | merged_goals(moving)
         thing = Thing(name, facts)
         drafts.append((thing, _for_object(thing, goals, [goal["kind"] for goal in moving], facts, choice)))
     if not drafts:
@@ -66,7 +66,7 @@ def compose(facts: Mapping[str, Any], choice: Choice | None = None) -> Composed:
 
 
 def _for_object(
-    thing: Thing, goals: Mapping[str, Any], moving: Sequence[str], facts: Mapping[str, Any], choice: Choice
+    thing: Thing, goals: Mapping[str, Any], moving: Sequence[str], facts: Mapping[str, Any], choice: SkillAdjustment
 ) -> Draft:
     """The one way that serves what is asked of an object.
 
@@ -120,7 +120,7 @@ def _for_object(
     if put is not None and thing.closings():
         # What is put somewhere rests there; whether on the right thing, the place decides.
         served(goals, asked, {put, "resting"}, thing.name, "put down")
-        spot = spot_of(thing, facts, goals[put])
+        spot = placement_of(thing, facts, goals[put])
         add_grasp(draft, thing, facts, choice)
         add_place(draft, thing, facts, spot, choice)
         return draft

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from coral.advisor.question import Rejection
-from coral.contact.world_model.parameter_estimates import Estimate, Estimates
+from coral.contact.world_model.parameter_estimates import ParameterEstimate, ParameterEstimates
 
 # Mean density of a thing called so, air inside counted (kg/m3), and friction on a table. Handbook orders of magnitude.
 MATERIALS: Mapping[str, tuple[float, float]] = {
@@ -44,7 +44,7 @@ MATERIALS: Mapping[str, tuple[float, float]] = {
 UNKNOWN = (500.0, 0.5)
 
 
-def estimate(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> Estimates:
+def estimate_parameters(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> ParameterEstimates:
     """The heuristic's answer: volume times the density of what the label names, within what the task file states.
 
     Refused estimates are drawn to the middle of what the task file states.
@@ -60,5 +60,5 @@ def estimate(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> 
         mass, friction = (
             min(max(value, low), high) for value, (low, high) in zip((mass, friction), ranges, strict=True)
         )
-        found[name] = Estimate(mass_kg=mass, friction_coeff=friction)
-    return Estimates(found)
+        found[name] = ParameterEstimate(mass_kg=mass, friction_coeff=friction)
+    return ParameterEstimates(found)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from coral.contact.rules.scene_reading import Thing
-from coral.contact.rules.support import around, rests_on, top
+from coral.contact.rules.support import rests_on, things_around, top_height
 
 KEPT = ("undisturbed", "upright", "released")
 """What holds of what is left alone; a plan that moves an object lets go of it and keeps it as it stood anyway."""
@@ -30,11 +30,11 @@ def moves(goal: Mapping[str, Any], facts: Mapping[str, Any]) -> bool:
     thing = Thing(goal["object"], facts)
     if kind == "inside":
         there = (np.asarray(goal["low"]) <= thing.position) & (thing.position <= np.asarray(goal["high"]))
-        return not (there.all() and any(rests_on(thing, facts, name) for name in around(facts, thing)))
+        return not (there.all() and any(rests_on(thing, facts, name) for name in things_around(facts, thing)))
     return not rests_on(thing, facts, goal["thing"])
 
 
-def wanted(asked: Sequence[Mapping[str, Any]], facts: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def movement_goals(asked: Sequence[Mapping[str, Any]], facts: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Of the goals of one object, those that ask for it to be moved."""
     found = [goal for goal in asked if moves(goal, facts)]
     if any(goal["kind"] != "resting" for goal in found):
@@ -43,7 +43,7 @@ def wanted(asked: Sequence[Mapping[str, Any]], facts: Mapping[str, Any]) -> list
     return found
 
 
-def once(goals: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
+def merged_goals(goals: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
     """Goals of one object by their kind.
 
     Raises:
@@ -61,7 +61,7 @@ def once(goals: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
 
 
 def _top(name: str, facts: Mapping[str, Any]) -> float:
-    return top(facts, name, np.zeros(2), np.inf) or 0.0
+    return top_height(facts, name, np.zeros(2), np.inf) or 0.0
 
 
 def goal_words(goal: Mapping[str, Any]) -> str:

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from coral.contact.plan.cost_plan import PlanAnswer
-from coral.contact.rules.goals import wanted
+from coral.contact.rules.goals import movement_goals
 from coral.contact.rules.scene_reading import Thing, axis_of, number, vector
-from coral.contact.rules.support import rise, top
+from coral.contact.rules.support import rise, top_height
 
 MARGIN_M = 0.02
 """Beyond an object's largest half extent the hand is drawn to it; within, it may touch anywhere."""
@@ -27,11 +27,11 @@ EDGE_M = 0.02
 def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
     """One cost for the whole task, of its goals alone; None where no goal asks for something that a cost can lower."""
     terms: list[str] = []
-    drawn: list[str] = []
+    trial: list[str] = []
     moving = [
         goal
         for name in dict.fromkeys(goal["object"] for goal in facts["goals"])
-        for goal in wanted([one for one in facts["goals"] if one["object"] == name], facts)
+        for goal in movement_goals([one for one in facts["goals"] if one["object"] == name], facts)
     ]
     for goal in facts["goals"]:
         kind, name = goal["kind"], goal["object"]
@@ -40,13 +40,13 @@ def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
         if kind == "resting" and goal in moving:
             terms.append(f"    terms['{name} on {goal['thing']}'] = {_onto(goal, facts)}")
         if goal in moving:
-            drawn.append(name)
-    if not drawn:
+            trial.append(name)
+    if not trial:
         return None
     let_go = {goal["object"] for goal in facts["goals"] if goal["kind"] == "released"}
     reach = [
         _reach(name, facts, name in let_go, [line for line in terms if f"'{name} " in line])
-        for name in dict.fromkeys(drawn)
+        for name in dict.fromkeys(trial)
     ]
     body = "\n".join([*terms, *reach])
     return PlanAnswer(
@@ -105,7 +105,7 @@ def _onto(goal: Mapping[str, Any], facts: Mapping[str, Any]) -> str:
     else:
         middle = Thing(name, facts).position
         aside = f"norm(({at} - self.{name}_pos)[:2])"
-    height = (top(facts, name, middle[:2]) or 0.0) + rise(thing)
+    height = (top_height(facts, name, middle[:2]) or 0.0) + rise(thing)
     return f"10.0 * ({aside} + abs({at}[2] - {number(height)}))"
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from coral.contact.rules.goals import NoRule, goal_words
 from coral.contact.rules.scene_reading import Array, Thing, vector
-from coral.contact.rules.support import around, rise, top
+from coral.contact.rules.support import rise, things_around, top_height
 
 HAND_M = 0.11
 """Half the width of the hand: what stands nearer to a spot may be under the palm."""
@@ -20,7 +20,7 @@ HIGHEST_M = 0.4
 
 
 @dataclass(frozen=True, kw_only=True)
-class Spot:
+class Placement:
     """A spot.
 
     Args:
@@ -42,7 +42,7 @@ class Spot:
     palm_m: float = 0.0
 
 
-def spot_of(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
+def placement_of(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
     """The spot that a goal asks for.
 
     Raises:
@@ -53,9 +53,9 @@ def spot_of(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> 
     return _in_region(thing, facts, goal) if goal["kind"] == "inside" else _on_top(thing, facts, goal)
 
 
-def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
+def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
     place, point = np.asarray(facts["places"][goal["place"]], dtype=float), goal.get("point")
-    return Spot(
+    return Placement(
         where=f"self.{goal['place']}_pos",
         near_m=min(0.02, 0.5 * goal["tolerance_m"]),
         height_m=float(place[2] + thing.height / 2 if "z" not in goal.get("axes", "xy") else place[2]),
@@ -64,7 +64,7 @@ def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -
     )
 
 
-def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
+def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
     low, high = np.asarray(goal["low"], dtype=float), np.asarray(goal["high"], dtype=float)
     sharing = [
         one["object"]
@@ -75,7 +75,7 @@ def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) 
     middle = (low + high) / 2
     # Side by side, where one region is for several objects.
     middle[along] = low[along] + (high - low)[along] * (sharing.index(thing.name) + 0.5) / len(sharing)
-    tops = [top(facts, name, middle[:2]) for name in around(facts, thing)]
+    tops = [top_height(facts, name, middle[:2]) for name in things_around(facts, thing)]
     floor = max((height for height in tops if height is not None and height < high[2]), default=None)
     if floor is None:
         raise NoRule(f"nothing is there for the {thing.name} to lie on: {goal_words(goal)}")
@@ -84,7 +84,7 @@ def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) 
         raise NoRule(f"let go there, the {thing.name} comes to rest at a height of {height:.3f} m: {goal_words(goal)}")
     over, palm = _tops_around(thing, facts, middle[:2], floor)
     _not_too_high(thing, over, goal)
-    return Spot(
+    return Placement(
         where=vector([*middle[:2], floor]),
         height_m=height,
         top_m=over,
@@ -94,7 +94,7 @@ def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) 
     )
 
 
-def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Spot:
+def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
     name = goal["thing"]
     if name == "table":
         raise NoRule(f"no goal says where on the table the {thing.name} is to be put: {goal_words(goal)}")
@@ -105,12 +105,12 @@ def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> 
         other = Thing(name, facts)
         at, extent = other.position + other.rotation @ other.middle, float(min(other.size[other.lying]))
         where = f"(self.{name}_pos + {vector(at - other.position)})"
-    floor = top(facts, name, at[:2])
+    floor = top_height(facts, name, at[:2])
     if floor is None:
         raise NoRule(f"the {name} has no top in its middle to put the {thing.name} on: {goal_words(goal)}")
     over, palm = _tops_around(thing, facts, at[:2], floor)
     _not_too_high(thing, over, goal)
-    return Spot(
+    return Placement(
         where=where or vector([*at[:2], floor]),
         height_m=floor + rise(thing),
         top_m=over,
@@ -122,7 +122,7 @@ def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> 
 
 def _tops_around(thing: Thing, facts: Mapping[str, Any], point: Array, floor: float) -> tuple[float, float]:
     """The highest top near a spot, and where the palm has to stay on account of it (m)."""
-    near = [top(facts, name, point, HAND_M) for name in around(facts, thing)]
+    near = [top_height(facts, name, point, HAND_M) for name in things_around(facts, thing)]
     over = max([floor, *(height for height in near if height is not None)])
     return over, over + CLEAR_M if over > floor else 0.0
 

@@ -12,7 +12,7 @@ from coral.contact.scene.geometry import rotation_of
 from coral.contact.thinker.pose_question import LEAST_PIXELS, ObjectPose, PosesAnswer
 
 
-def locate(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> PosesAnswer:
+def estimate_poses(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> PosesAnswer:
     """The heuristic's answer: usual orientation, place by the box around what depth measured of the object.
 
     Only the sides that face the camera are in that box, so that the guess is off towards the camera. What was refused,

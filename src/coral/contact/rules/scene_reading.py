@@ -19,7 +19,7 @@ GRASP_M = 0.074
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choice:
+class SkillAdjustment:
     """What a repair may change about a composed plan.
 
     Args:

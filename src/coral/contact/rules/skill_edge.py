@@ -10,7 +10,7 @@ import numpy as np
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.plan.contact_regions import Array, Region, tool_quaternion
 from coral.contact.plan.cost_plan import StageAnswer
-from coral.contact.rules.scene_reading import GRASP_M, Choice, Draft, Thing, axis_of, care, number, vector
+from coral.contact.rules.scene_reading import GRASP_M, Draft, SkillAdjustment, Thing, axis_of, care, number, vector
 from coral.contact.rules.skill_push import add_behind, behind_head
 
 OPEN_M = 0.07
@@ -26,7 +26,7 @@ def can_overhang(thing: Thing) -> bool:
     return thing.height <= GRASP_M and max(thing.size[thing.lying]) > 2 * thing.height
 
 
-def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: float, choice: Choice) -> None:
+def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: float, choice: SkillAdjustment) -> None:
     """Push an end over the edge, go round, pinch it, lift."""
     n = thing.name
     axis, sign, grip = _end(thing, facts)

@@ -9,7 +9,7 @@ import numpy as np
 
 from coral.contact.plan.contact_regions import PAD_M, Array, Region
 from coral.contact.plan.cost_plan import StageAnswer
-from coral.contact.rules.scene_reading import Choice, Draft, Thing, axis_of, care, number, vector
+from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, axis_of, care, number, vector
 from coral.contact.rules.skill_push import abreast, add_behind, behind_head
 
 
@@ -31,7 +31,7 @@ def nearest_face(thing: Thing, item: Mapping[str, Any]) -> tuple[Array, Array]:
     return best[1], best[2]
 
 
-def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str, choice: Choice) -> None:
+def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str, choice: SkillAdjustment) -> None:
     """Push against something upright, raise the near end while pressing, let go."""
     n = thing.name
     point, way = nearest_face(thing, facts["fixtures"][against])

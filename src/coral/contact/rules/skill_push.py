@@ -9,7 +9,7 @@ import numpy as np
 
 from coral.contact.plan.contact_regions import PAD_M, Region
 from coral.contact.plan.cost_plan import StageAnswer
-from coral.contact.rules.scene_reading import Choice, Draft, Thing, axis_of, care, number
+from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, axis_of, care, number
 
 HIGH = 0.75
 """Where a box is tipped, -1 at the bottom to 1 at the top: some face is left below the upper edge for the fingertip."""
@@ -46,7 +46,7 @@ def add_behind(
     axis: int,
     sign: float,
     height_m: float,
-    choice: Choice,
+    choice: SkillAdjustment,
     handed: bool = False,
 ) -> None:
     """Come from above to the face that is to be pushed."""
@@ -105,7 +105,12 @@ def _square(n: str, axis: int, handed: float) -> str:
 
 
 def add_push(
-    draft: Draft, thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any], newtons: float | None, choice: Choice
+    draft: Draft,
+    thing: Thing,
+    facts: Mapping[str, Any],
+    goal: Mapping[str, Any],
+    newtons: float | None,
+    choice: SkillAdjustment,
 ) -> None:
     """Push to a place, with a given force if one is asked for."""
     n, place = thing.name, goal["place"]
@@ -234,11 +239,11 @@ def add_draw_back(
     )
 
 
-def _push_height(thing: Thing, choice: Choice) -> float:
+def _push_height(thing: Thing, choice: SkillAdjustment) -> float:
     return float(thing.low + max(0.014, 0.35 * thing.height - choice.lower_m))
 
 
-def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Choice) -> None:
+def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> None:
     """Push near the top so that the object falls over its far lower edge."""
     n = thing.name
     ranked = sorted(thing.lying, key=lambda k: thing.size[k])

@@ -31,7 +31,7 @@ def blocks(facts: Mapping[str, Any], name: str) -> Iterator[tuple[Array, Array, 
         yield at[:2], ways / np.linalg.norm(ways, axis=1)[:, None], half[thing.lying], float(at[2] + half[thing.up])
 
 
-def top(facts: Mapping[str, Any], name: str, point: Array, within_m: float = 0.0) -> float | None:
+def top_height(facts: Mapping[str, Any], name: str, point: Array, within_m: float = 0.0) -> float | None:
     """Height (m) of the highest piece of a fixture, object or the table at a point, or within so much of it; else None.
 
     Args:
@@ -53,7 +53,7 @@ def top(facts: Mapping[str, Any], name: str, point: Array, within_m: float = 0.0
     return max(found, default=None)
 
 
-def around(facts: Mapping[str, Any], thing: Thing) -> list[str]:
+def things_around(facts: Mapping[str, Any], thing: Thing) -> list[str]:
     """Everything but an object itself."""
     return ["table", *facts["fixtures"], *(name for name in facts["objects"] if name != thing.name)]
 
@@ -65,5 +65,5 @@ def rise(thing: Thing) -> float:
 
 def rests_on(thing: Thing, facts: Mapping[str, Any], name: str) -> bool:
     """Whether an object seems to lie on something now; poses are tracked, so within a centimetre."""
-    height = top(facts, name, thing.position[:2])
+    height = top_height(facts, name, thing.position[:2])
     return height is not None and abs(thing.low - height) < 0.01

@@ -12,15 +12,15 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from coral.contact.scene.geometry import rotate
-from coral.contact.scene.observation import Array, Body, Truth
+from coral.contact.scene.observation import Array, BodyState, Truth
 from coral.contact.scene.shapes import in_order
 from coral.errors import InputError, nearest
 
 if TYPE_CHECKING:
     from coral.contact.scene.task import Task
-    from coral.contact.scene.trial import Drawn
+    from coral.contact.scene.trial import Trial
 
-Watch = Callable[[Truth], bool]
+Monitor = Callable[[Truth], bool]
 Angle = Annotated[float, Field(ge=0, le=180, strict=True)]
 Metre = Annotated[float, Field(ge=-10, le=10, strict=True)]
 AXES = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
@@ -51,7 +51,7 @@ class _Condition(BaseModel):
             others = [name for name in (*task.things, *objects) if name != self.object]
             _known(thing, others, where, f"{field}.thing")
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """The judge of one episode."""
         raise NotImplementedError
 
@@ -72,7 +72,7 @@ class Lifted(_Condition):
     kind: Literal["lifted"] = "lifted"
     height_m: float = Field(gt=0, le=1, strict=True)
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
 
         def holds(truth: Truth) -> bool:
@@ -82,7 +82,7 @@ class Lifted(_Condition):
                 for pair in truth.contacts
                 if self.object in (pair.first, pair.second) and not held_up & {pair.first, pair.second}
             ]
-            return drawn.lowest_point(self.object, truth.objects[self.object]) >= self.height_m and not others
+            return trial.lowest_point(self.object, truth.objects[self.object]) >= self.height_m and not others
 
         return holds
 
@@ -92,7 +92,7 @@ class Grasped(_Condition):
 
     kind: Literal["grasped"] = "grasped"
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
         return lambda truth: all(_touching(truth, self.object, finger) for finger in ("left", "right"))
 
@@ -102,7 +102,7 @@ class Released(_Condition):
 
     kind: Literal["released"] = "released"
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
         return lambda truth: not any(_touching(truth, self.object, part) for part in ("hand", "left", "right"))
 
@@ -122,14 +122,14 @@ class At(_Condition):
         if self.point is not None:
             _known(self.point, list(task.object(self.object).points), where, f"{field}.point")
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
-        goal = np.asarray(drawn.task.places[self.place])
+        goal = np.asarray(trial.task.places[self.place])
         kept = ["xyz".index(axis) for axis in self.axes]
 
         def holds(truth: Truth) -> bool:
             body = truth.objects[self.object]
-            place = body.position if self.point is None else drawn.point(self.object, self.point, body)
+            place = body.position if self.point is None else trial.point(self.object, self.point, body)
             return bool(np.linalg.norm((place - goal)[kept]) <= self.tolerance_m)
 
         return holds
@@ -148,7 +148,7 @@ class Inside(_Condition):
         if any(low >= high for low, high in zip(self.low, self.high, strict=True)):
             raise InputError(where, f"{field}.low", list(self.low), f"all below high, {list(self.high)}")
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
         low, high = np.asarray(self.low), np.asarray(self.high)
 
@@ -165,7 +165,7 @@ class Resting(_Condition):
     kind: Literal["resting"] = "resting"
     thing: str = "table"
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
 
         def holds(truth: Truth) -> bool:
@@ -174,7 +174,7 @@ class Resting(_Condition):
         return holds
 
 
-def _slow(body: Body) -> bool:
+def _slow(body: BodyState) -> bool:
     return bool(np.linalg.norm(body.velocity) < 0.02 and np.linalg.norm(body.angular_velocity) < 0.3)
 
 
@@ -186,9 +186,9 @@ class Flipped(_Condition):
     degrees: float = Field(default=90, ge=0, le=180, strict=True)
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
-        before = rotate(drawn.objects[self.object].pose.quaternion, AXES[self.axis])
+        before = rotate(trial.objects[self.object].pose.quaternion, AXES[self.axis])
 
         def holds(truth: Truth) -> bool:
             turned = _degrees(before, rotate(truth.objects[self.object].quaternion, AXES[self.axis]))
@@ -203,9 +203,9 @@ class Upright(_Condition):
     kind: Literal["upright"] = "upright"
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
-        return Flipped(object=self.object, axis="z", degrees=0, tolerance_deg=self.tolerance_deg).watch(drawn)
+        return Flipped(object=self.object, axis="z", degrees=0, tolerance_deg=self.tolerance_deg).watch(trial)
 
 
 class TouchedWhileTurning(_Condition):
@@ -222,9 +222,9 @@ class TouchedWhileTurning(_Condition):
     between_deg: Annotated[tuple[Angle, Angle], AfterValidator(in_order)] = (15.0, 75.0)
     for_s: float = Field(default=0.1, gt=0, le=10, strict=True)
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
-        before = rotate(drawn.objects[self.object].pose.quaternion, AXES[self.axis])
+        before = rotate(trial.objects[self.object].pose.quaternion, AXES[self.axis])
         low, high = self.between_deg
         touched, against, reached, last, touching = 0.0, 0.0, low, None, False
 
@@ -267,7 +267,7 @@ class SteadyForce(_Condition):
     window_s: float = Field(default=0.2, ge=0.001, le=2, strict=True)
     for_s: float = Field(default=1.0, ge=0, strict=True)
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
         recent: list[tuple[float, float]] = []
         counted, within, last = 0.0, 0.0, None
@@ -307,9 +307,9 @@ class Undisturbed(_Condition):
     kind: Literal["undisturbed"] = "undisturbed"
     tolerance_m: float = Field(default=0.05, gt=0, le=1, strict=True)
 
-    def watch(self, drawn: Drawn) -> Watch:
+    def watch(self, trial: Trial) -> Monitor:
         """See `_Condition.watch`."""
-        start = drawn.objects[self.object].pose.position
+        start = trial.objects[self.object].pose.position
         return lambda truth: bool(np.linalg.norm(truth.objects[self.object].position - start) <= self.tolerance_m)
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from coral.contact.scene.geometry import conjugate, from_rotvec, rotate
 from coral.contact.scene.observation import Truth
 from coral.contact.scene.shapes import Fixture
-from coral.contact.scene.trial import Drawn, corners
+from coral.contact.scene.trial import Trial, corners
 
 Array = NDArray[np.float64]
 
@@ -22,21 +22,21 @@ class Judge:
     """Watches one episode.
 
     Args:
-        drawn: The trial.
+        trial: The trial.
     """
 
-    def __init__(self, drawn: Drawn) -> None:
-        self._drawn = drawn
-        self._success = drawn.task.success
-        self._watches = [condition.watch(drawn) for condition in self._success.conditions]
+    def __init__(self, trial: Trial) -> None:
+        self._trial = trial
+        self._success = trial.task.success
+        self._watches = [condition.watch(trial) for condition in self._success.conditions]
         # An object's own origin may lie anywhere, as at its foot.
-        hulls = {name: drawn.corners(name) for name in drawn.objects}
+        hulls = {name: trial.corners(name) for name in trial.objects}
         self._middle = {name: (found.min(axis=0) + found.max(axis=0)) / 2 for name, found in hulls.items()}
         self._solid = {
-            item.name: corners(item.model_copy(update={"parts": item.parts[:1]}), drawn.objects[item.name].scale).mean(
+            item.name: corners(item.model_copy(update={"parts": item.parts[:1]}), trial.objects[item.name].scale).mean(
                 axis=0
             )
-            for item in drawn.task.objects
+            for item in trial.task.objects
         }
         """A point that is surely inside of each object."""
         self._before: dict[str, Array] = {}
@@ -55,13 +55,13 @@ class Judge:
 
     def failure(self, truth: Truth) -> str | None:
         """Name of what can no longer be mended, or None; to be shown every control step."""
-        table = self._drawn.task.table
+        table = self._trial.task.table
         for name, body in truth.objects.items():
             point = body.position + rotate(body.quaternion, self._solid[name])
             before, self._before[name] = self._before.get(name, point), point
-            if any(_crosses(fixture, before, point) for fixture in self._drawn.task.fixtures):
+            if any(_crosses(fixture, before, point) for fixture in self._trial.task.fixtures):
                 return f"tunnelling: {name}"
-            if self._drawn.lowest_point(name, body) > -BELOW_TABLE_M:
+            if self._trial.lowest_point(name, body) > -BELOW_TABLE_M:
                 continue
             middle = body.position + rotate(body.quaternion, self._middle[name])
             over_table = all(abs(middle[k] - table.center[k]) < table.size[k] / 2 for k in (0, 1))

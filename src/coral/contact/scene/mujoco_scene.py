@@ -10,7 +10,7 @@ import numpy as np
 
 from coral.contact.scene.geometry import from_rotvec, from_rpy_deg
 from coral.contact.scene.shapes import Movable, Shape
-from coral.contact.scene.trial import Drawn, DrawnObject, part_size
+from coral.contact.scene.trial import Trial, TrialObject, part_size
 
 # MuJoCo's own way with a warning is to print it and to write a file into the working directory.
 mujoco.set_mju_user_warning(logging.getLogger(__name__).debug)
@@ -30,7 +30,7 @@ _GEOMS = {
 }
 
 
-def add_scene(spec: mujoco.MjSpec, drawn: Drawn, condim: int = 4) -> None:
+def add_scene(spec: mujoco.MjSpec, trial: Trial, condim: int = 4) -> None:
     """Add what stands in the trial.
 
     The table's geom is "table", a fixture's its name; an object's body bears its name, its free joint "NAME_free" and
@@ -38,10 +38,10 @@ def add_scene(spec: mujoco.MjSpec, drawn: Drawn, condim: int = 4) -> None:
 
     Args:
         spec: The model to add to.
-        drawn: The trial.
+        trial: The trial.
         condim: Contact dimension of objects: 3 slides only, 4 also resists twisting.
     """
-    task = drawn.task
+    task = trial.task
     table = task.table
     spec.worldbody.add_geom(
         name="table",
@@ -62,10 +62,10 @@ def add_scene(spec: mujoco.MjSpec, drawn: Drawn, condim: int = 4) -> None:
             rgba=[*fixture.color, 1],
         )
     for item in task.objects:
-        _add_object(spec, item, drawn.objects[item.name], condim)
+        _add_object(spec, item, trial.objects[item.name], condim)
 
 
-def _add_object(spec: mujoco.MjSpec, item: Movable, found: DrawnObject, condim: int) -> None:
+def _add_object(spec: mujoco.MjSpec, item: Movable, found: TrialObject, condim: int) -> None:
     body = spec.worldbody.add_body(name=item.name, pos=found.pose.position, quat=found.pose.quaternion)
     body.add_freejoint(name=f"{item.name}_free")
     volumes = np.array([_volume(part, found.scale) for part in item.parts])
@@ -100,11 +100,11 @@ def _volume(part: Shape, scale: np.ndarray) -> float:
     return factor * float(np.prod(part_size(part, scale)))
 
 
-def contact_pairs(drawn: Drawn) -> Iterable[tuple[str, str]]:
+def contact_pairs(trial: Trial) -> Iterable[tuple[str, str]]:
     """Pairs (object, thing or other object) whose touch a cost may read."""
-    names = [item.name for item in drawn.task.objects]
+    names = [item.name for item in trial.task.objects]
     for name in names:
-        for thing in drawn.task.things:
+        for thing in trial.task.things:
             yield name, thing
         for other in names:
             if other != name:

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyState:
     """Pose and velocity of a rigid body in the world frame.
 
     Args:
@@ -46,10 +46,10 @@ class Observation:
     """
 
     time_s: float
-    tool: Body
+    tool: BodyState
     opening_m: float
     wrench: Array
-    objects: Mapping[str, Body]
+    objects: Mapping[str, BodyState]
 
 
 @dataclass(frozen=True)
@@ -95,14 +95,14 @@ class Truth:
     """The world as it is, for the judge."""
 
     time_s: float
-    tool: Body
+    tool: BodyState
     opening_m: float
-    objects: Mapping[str, Body]
+    objects: Mapping[str, BodyState]
     contacts: tuple[Contact, ...]
 
 
 @dataclass(frozen=True)
-class Step:
+class Transition:
     """One control step as the robot knows it.
 
     Args:

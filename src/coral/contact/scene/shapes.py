@@ -122,7 +122,7 @@ class Fixture(TaskPart):
     color: Color = (0.55, 0.58, 0.62)
 
 
-class Table(TaskPart):
+class TableTop(TaskPart):
     """The table: its top face lies at z = 0."""
 
     size: Extents = (0.8, 0.8, 0.05)

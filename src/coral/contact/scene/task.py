@@ -11,7 +11,7 @@ from typing import Literal
 from pydantic import Field
 
 from coral.contact.scene.conditions import Condition
-from coral.contact.scene.shapes import Fixture, Movable, Name, Number, Table, TaskPart, Vector
+from coral.contact.scene.shapes import Fixture, Movable, Name, Number, TableTop, TaskPart, Vector
 
 FORMAT: Literal["coral-contact/1"] = "coral-contact/1"
 
@@ -31,7 +31,7 @@ class Task(TaskPart):
     title: str = Field(min_length=1, max_length=80)
     instruction: str = Field(min_length=1, max_length=400)
     time_limit_s: float = Field(gt=0, le=600, strict=True)
-    table: Table = Table()
+    table: TableTop = TableTop()
     fixtures: tuple[Fixture, ...] = Field(default=(), max_length=12)
     objects: tuple[Movable, ...] = Field(min_length=1, max_length=8)
     places: dict[Name, Vector] = Field(default_factory=dict)

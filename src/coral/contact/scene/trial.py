@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import from_rotvec, from_rpy_deg, multiply, rotate, rotation_of
 from coral.contact.scene.mesh import mesh_vertices
-from coral.contact.scene.observation import Body
+from coral.contact.scene.observation import BodyState
 from coral.contact.scene.shapes import Movable, Shape
 from coral.contact.scene.task import Task
 from coral.errors import InputError
@@ -21,7 +21,7 @@ SUNK_M = 0.005
 
 
 @dataclass(frozen=True)
-class Physical:
+class PhysicalParameters:
     """What cannot be seen: mass (kg) and friction coefficient."""
 
     mass_kg: float
@@ -29,7 +29,7 @@ class Physical:
 
 
 @dataclass(frozen=True)
-class DrawnObject:
+class TrialObject:
     """An object as it stands in one trial.
 
     Args:
@@ -39,17 +39,17 @@ class DrawnObject:
     """
 
     scale: Array
-    physical: Physical
-    pose: Body
+    physical: PhysicalParameters
+    pose: BodyState
 
 
 @dataclass(frozen=True)
-class Drawn:
+class Trial:
     """A task with everything that was left open decided."""
 
     task: Task
     seed: int
-    objects: dict[str, DrawnObject]
+    objects: dict[str, TrialObject]
 
     def size(self, name: str) -> Array:
         """Full extents (m) of the object along its own axes, Shape=(3,)."""
@@ -60,12 +60,12 @@ class Drawn:
         """Points, Shape=(n, 3), in the object's frame, whose hull holds it."""
         return corners(self.task.object(name), self.objects[name].scale)
 
-    def point(self, name: str, point: str, body: Body) -> Array:
+    def point(self, name: str, point: str, body: BodyState) -> Array:
         """A named point on the object, in the world, Shape=(3,)."""
         local = np.asarray(self.task.object(name).points[point]) * self.objects[name].scale
         return np.asarray(body.position + rotate(body.quaternion, local))
 
-    def lowest_point(self, name: str, body: Body) -> float:
+    def lowest_point(self, name: str, body: BodyState) -> float:
         """Height (m) of the object's lowest point above the table's top."""
         return float(body.position[2] + (self.corners(name) @ rotation_of(body.quaternion).T)[:, 2].min())
 
@@ -108,7 +108,7 @@ def corners(item: Movable, scale: Array) -> Array:
     return np.concatenate(found)
 
 
-def draw(task: Task, seed: int, where: str = "") -> Drawn:
+def sample_trial(task: Task, seed: int, where: str = "") -> Trial:
     """One trial: the same task and seed give the same trial, on every machine.
 
     Args:
@@ -123,12 +123,12 @@ def draw(task: Task, seed: int, where: str = "") -> Drawn:
     rng = np.random.default_rng([seed, *task.name.encode()])
     clash = None
     for _ in range(100):
-        objects = {item.name: _draw_object(item, rng) for item in task.objects}
-        drawn = Drawn(task, seed, objects)
-        _check_heights(drawn, where)
-        clash = _clash(drawn)
+        objects = {item.name: _sample_object(item, rng) for item in task.objects}
+        trial = Trial(task, seed, objects)
+        _check_heights(trial, where)
+        clash = _clash(trial)
         if clash is None:
-            return drawn
+            return trial
     raise InputError(
         where,
         "objects",
@@ -137,18 +137,20 @@ def draw(task: Task, seed: int, where: str = "") -> Drawn:
     )
 
 
-def _draw_object(item: Movable, rng: np.random.Generator) -> DrawnObject:
+def _sample_object(item: Movable, rng: np.random.Generator) -> TrialObject:
     scale = np.array([rng.uniform(*axis) for axis in item.scale])
-    physical = Physical(mass_kg=float(rng.uniform(*item.mass_kg)), friction=float(rng.uniform(*item.friction)))
+    physical = PhysicalParameters(
+        mass_kg=float(rng.uniform(*item.mass_kg)), friction=float(rng.uniform(*item.friction))
+    )
     x, y, yaw = rng.uniform(*item.x), rng.uniform(*item.y), np.radians(rng.uniform(*item.yaw_deg))
     quaternion = multiply(from_rotvec([0, 0, yaw]), from_rpy_deg(item.rpy_deg))
     z = item.z if item.z is not None else -(corners(item, scale) @ rotation_of(quaternion).T)[:, 2].min()
-    return DrawnObject(scale, physical, Body(np.array([x, y, z]), quaternion))
+    return TrialObject(scale, physical, BodyState(np.array([x, y, z]), quaternion))
 
 
-def _check_heights(drawn: Drawn, where: str) -> None:
-    for index, item in enumerate(drawn.task.objects):
-        lowest = drawn.lowest_point(item.name, drawn.objects[item.name].pose)
+def _check_heights(trial: Trial, where: str) -> None:
+    for index, item in enumerate(trial.task.objects):
+        lowest = trial.lowest_point(item.name, trial.objects[item.name].pose)
         if item.z is not None and lowest < -SUNK_M:
             raise InputError(
                 where,
@@ -158,18 +160,18 @@ def _check_heights(drawn: Drawn, where: str) -> None:
             )
 
 
-def _clash(drawn: Drawn, gap_m: float = 0.01) -> str | None:
+def _clash(trial: Trial, gap_m: float = 0.01) -> str | None:
     """Two objects whose upright bounding boxes come too near, or an object that stands in a fixture."""
     placed = {
-        name: drawn.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
-        for name, item in drawn.objects.items()
+        name: trial.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
+        for name, item in trial.objects.items()
     }
     names = list(placed)
     for k, name in enumerate(names):
         for other in names[k + 1 :]:
             if not _separated(placed[name], placed[other], np.eye(3), gap_m):
                 return f"{name} and {other}"
-        for fixture in drawn.task.fixtures:
+        for fixture in trial.task.fixtures:
             turn = rotation_of(from_rotvec([0, 0, np.radians(fixture.yaw_deg)]))
             walls = box_corners(np.asarray(fixture.size)) @ turn.T + fixture.position
             # It may stand on a fixture or against it, but not in it.
@@ -189,15 +191,15 @@ def box_corners(size: Array) -> Array:
     return np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T * (size / 2)
 
 
-def believing(drawn: Drawn, beliefs: Mapping[str, Physical]) -> Drawn:
+def with_beliefs(trial: Trial, beliefs: Mapping[str, PhysicalParameters]) -> Trial:
     """The trial as someone holds it to be who cannot see masses and frictions."""
-    objects = {name: replace(item, physical=beliefs[name]) for name, item in drawn.objects.items()}
-    return replace(drawn, objects=objects)
+    objects = {name: replace(item, physical=beliefs[name]) for name, item in trial.objects.items()}
+    return replace(trial, objects=objects)
 
 
-def prior(drawn: Drawn) -> dict[str, Physical]:
+def prior_beliefs(trial: Trial) -> dict[str, PhysicalParameters]:
     """The middle of the task file's ranges: what is known of masses and frictions before anything is asked or felt."""
     return {
-        item.name: Physical(mass_kg=float(np.mean(item.mass_kg)), friction=float(np.mean(item.friction)))
-        for item in drawn.task.objects
+        item.name: PhysicalParameters(mass_kg=float(np.mean(item.mass_kg)), friction=float(np.mean(item.friction)))
+        for item in trial.task.objects
     }

@@ -11,19 +11,19 @@ import numpy as np
 from coral.advisor.question import Rejection
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.uncertainty import UncertaintyCfg
-from coral.contact.scene.observation import Observation, Step
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.observation import Observation, Transition
+from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.force_balance import balances
 from coral.contact.world_model.history import windows
-from coral.contact.world_model.history_replay import Replay
-from coral.contact.world_model.identification import correction, explained, weighed
+from coral.contact.world_model.history_replay import HistoryReplay
+from coral.contact.world_model.identification import fit_by_balance, fit_by_replay, replay_errors
 from coral.contact.world_model.parameter_answer import ParametersAnswer, verify_parameters
 
 
 @dataclass(frozen=True)
-class Past:
+class TouchHistory:
     """What there is to learn from.
 
     Args:
@@ -31,16 +31,16 @@ class Past:
         recent: The last of it, as prompts show it.
     """
 
-    steps: Sequence[Step]
+    steps: Sequence[Transition]
     recent: Sequence[Mapping[str, Any]]
 
 
-def correct(
+def correct_beliefs(
     asker: Asker,
     name: str,
     now: Observation,
-    past: Past,
-    drawn: Drawn,
+    past: TouchHistory,
+    trial: Trial,
     world: PlanningWorld,
     facts: Mapping[str, Any],
     cfg: ThinkCfg,
@@ -54,7 +54,7 @@ def correct(
         name: The object.
         now: What the sensors say.
         past: What there is to learn from.
-        drawn: The trial as the robot knows it.
+        trial: The trial as the robot knows it.
         world: The planning world, whose beliefs are corrected.
         facts: The scene.
         cfg: Thresholds.
@@ -66,29 +66,31 @@ def correct(
         past.steps,
         name,
         most=14,
-        usable=lambda start: drawn.lowest_point(name, start.objects[name]) > -cfg.outer.sunk_m,
+        usable=lambda start: trial.lowest_point(name, start.objects[name]) > -cfg.outer.sunk_m,
     )
     if len(stretches) < 2:
         emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
         return False
     believed = dict(world.beliefs[0])
     finer = PlanningWorld(
-        drawn, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s, uncertainty=UncertaintyCfg())
+        trial, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s, uncertainty=UncertaintyCfg())
     )
     try:
-        replay = Replay(finer, stretches, cfg.identify.replay)
-        found = balances(past.steps, name, drawn, cfg.identify.balance) if cfg.identify.by == "balance" else None
+        replay = HistoryReplay(finer, stretches, cfg.identify.replay)
+        found = balances(past.steps, name, trial, cfg.identify.balance) if cfg.identify.by == "balance" else None
         if found is None or len(found) < cfg.identify.balance.least:
-            fit = correction(replay, name, believed, cfg.identify, rng)
+            fit = fit_by_replay(replay, name, believed, cfg.identify, rng)
         else:
-            fit = weighed(found, replay, name, believed, cfg.identify)
+            fit = fit_by_balance(found, replay, name, believed, cfg.identify)
         tried = [fit.error_before, fit.error_after]
 
         def wrong(answer: ParametersAnswer) -> Rejection | None:
             refusal = verify_parameters(answer, believed, cfg.belief)
             if refusal is not None:
                 return refusal
-            before, after = tried[:] = explained(replay, name, believed, answer.physical(believed), cfg.identify, found)
+            before, after = tried[:] = replay_errors(
+                replay, name, believed, answer.physical(believed), cfg.identify, found
+            )
             if after < (1.0 - cfg.identify.better) * before:
                 return None
             return Rejection(

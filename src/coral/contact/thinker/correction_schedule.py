@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from coral.contact.scene.observation import Step
+from coral.contact.scene.observation import Transition
 from coral.contact.world_model.history import most_telling
 
 
 @dataclass
-class Rhythm:
+class CorrectionSchedule:
     """Counts the corrections of an episode.
 
     Args:
@@ -24,7 +24,7 @@ class Rhythm:
     _since: float = 0.0
     _seen: int = 0
 
-    def due(self, steps: Sequence[Step], last: bool = False) -> str | None:
+    def due(self, steps: Sequence[Transition], last: bool = False) -> str | None:
         """The object to correct now, or None.
 
         Args:

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from coral.contact.scene.observation import Step
+from coral.contact.scene.observation import Transition
 
 Diagnosis = Literal["cost-error", "not-reached", "slipped", "not-moved", "moved-otherwise", "no-progress"]
 TEXTS: Mapping[Diagnosis, str] = {
@@ -20,7 +20,7 @@ TEXTS: Mapping[Diagnosis, str] = {
 }
 
 
-def diagnose(steps: Sequence[Step], name: str, returns: int, surprise_m: float) -> Diagnosis:
+def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: float) -> Diagnosis:
     """What the last stretch of an episode looks like.
 
     Args:
@@ -45,7 +45,7 @@ def diagnose(steps: Sequence[Step], name: str, returns: int, surprise_m: float) 
 
 
 def recent(
-    steps: Sequence[Step], costs: Sequence[tuple[float, float]], name: str, most: int = 5
+    steps: Sequence[Transition], costs: Sequence[tuple[float, float]], name: str, most: int = 5
 ) -> list[dict[str, Any]]:
     """The last stretch in a few rows, as the prompts show it (the paper's last five steps).
 

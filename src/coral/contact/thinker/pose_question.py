@@ -15,12 +15,12 @@ from pydantic import BaseModel, RootModel
 
 from coral.advisor.question import Rejection
 from coral.advisor.rules import Rule
-from coral.contact.perception.advisor_camera import picture
+from coral.contact.perception.advisor_camera import to_picture
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.tracked_world import nominal
+from coral.contact.perception.tracked_world import nominal_pose
 from coral.contact.scene.geometry import quaternion_of, rotate
-from coral.contact.scene.observation import Array, Body, Observation
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.observation import Array, BodyState, Observation
+from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.scene_facts import pose
 
@@ -45,13 +45,13 @@ class ObjectPose(BaseModel):
 class PosesAnswer(RootModel[dict[str, ObjectPose]]):
     """Poses by the objects' names."""
 
-    def bodies(self, facts: Mapping[str, Any]) -> dict[str, Body]:
+    def bodies(self, facts: Mapping[str, Any]) -> dict[str, BodyState]:
         """As an observation holds them, at rest: positions of the frames' origins, no longer of the boxes' centres."""
         found = {}
         for name, one in self.root.items():
             quaternion = np.array(one.quaternion) / np.linalg.norm(one.quaternion)
             middle = np.array(facts["objects"][name]["middle_m"])
-            found[name] = Body(np.array(one.position) - rotate(quaternion, middle), quaternion)
+            found[name] = BodyState(np.array(one.position) - rotate(quaternion, middle), quaternion)
         return found
 
 
@@ -82,28 +82,28 @@ def verify_poses(answer: PosesAnswer, facts: Mapping[str, Any]) -> Rejection | N
     return None
 
 
-def pose_facts(drawn: Drawn, now: Observation, frame: RgbdFrame) -> dict[str, Any]:
+def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, Any]:
     """What is known before anything is: shapes, how things usually stand, the camera, and what its depth measured.
 
     Args:
-        drawn: The trial; only the task file and sizes are read of it.
+        trial: The trial; only the task file and sizes are read of it.
         now: Of the robot's own sensors.
         frame: The first picture, with the objects' outlines.
     """
-    table, objects = drawn.task.table, {}
+    table, objects = trial.task.table, {}
     points = _points(frame)
-    for item in drawn.task.objects:
-        T = nominal(drawn, item.name)
+    for item in trial.task.objects:
+        T = nominal_pose(trial, item.name)
         seen = points[frame.mask(item.name) & (frame.depth > 0)]
-        corners = drawn.corners(item.name)
+        corners = trial.corners(item.name)
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
-        usual = Body(T[:3, 3], quaternion_of(T[:3, :3]))
+        usual = BodyState(T[:3, 3], quaternion_of(T[:3, :3]))
         objects[item.name] = {
             "label": item.label or item.name,
-            "size_m": [round(float(v), 5) for v in drawn.size(item.name)],
+            "size_m": [round(float(v), 5) for v in trial.size(item.name)],
             "middle_m": _rounded(middle),
             "points_m": {
-                point: _rounded(np.asarray(at) * drawn.objects[item.name].scale - middle)
+                point: _rounded(np.asarray(at) * trial.objects[item.name].scale - middle)
                 for point, at in item.points.items()
             },
             "usual_pose": pose(usual),
@@ -112,8 +112,8 @@ def pose_facts(drawn: Drawn, now: Observation, frame: RgbdFrame) -> dict[str, An
         }
     height, width = frame.depth.shape
     return {
-        "task": drawn.task.name,
-        "instruction": drawn.task.instruction,
+        "task": trial.task.name,
+        "instruction": trial.task.instruction,
         "objects": objects,
         "table": {
             "x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
@@ -147,26 +147,26 @@ def pose_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def ask_poses(
-    asker: Asker, drawn: Drawn, first: Observation, frame: RgbdFrame, fallback: Rule, emit: Callable[..., None]
-) -> dict[str, Body]:
+    asker: Asker, trial: Trial, first: Observation, frame: RgbdFrame, fallback: Rule, emit: Callable[..., None]
+) -> dict[str, BodyState]:
     """Where the objects are, by an advisor or, where none answers, by the rule.
 
     Args:
         asker: The advisor.
-        drawn: As of `pose_facts`.
+        trial: As of `pose_facts`.
         first: Likewise.
         frame: Likewise.
         fallback: The rule that answers where the advisor does not.
         emit: Where to report.
     """
-    facts = pose_facts(drawn, first, frame)
+    facts = pose_facts(trial, first, frame)
     outcome = asker.ask(
         "object-poses",
         PosesAnswer,
         facts,
         pose_prompt(facts),
         lambda answer: verify_poses(answer, facts),
-        pictures=(picture(frame),),
+        pictures=(to_picture(frame),),
     )
     answer = outcome.answer or fallback(facts, ())
     assert isinstance(answer, PosesAnswer)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from coral.config import Count, Fraction, NonNegative, Positive
-from coral.contact.scene.observation import Step
-from coral.contact.thinker.strategist import Moment
+from coral.contact.scene.observation import Transition
+from coral.contact.thinker.strategist import PlanReport
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,7 @@ class OuterCfg:
 
 
 @dataclass
-class Watch:
+class ProgressMonitor:
     """Counts attempts without progress and remembers the recent past.
 
     Args:
@@ -52,7 +52,7 @@ class Watch:
     order: tuple[str, ...]
     attempts: int = 0
     returns: int = 0
-    steps: list[Step] = field(default_factory=list)
+    steps: list[Transition] = field(default_factory=list)
     costs: list[tuple[float, float]] = field(default_factory=list)
     surprise_m: Mapping[str, float] = field(default_factory=dict)
     _farthest: int = -1
@@ -64,7 +64,7 @@ class Watch:
     _found: Mapping[str, np.ndarray] = field(default_factory=dict)
     _moved: dict[str, float] = field(default_factory=dict)
 
-    def see(self, moment: Moment) -> bool:
+    def see(self, moment: PlanReport) -> bool:
         """Look at a plan; true when n_retry attempts have brought nothing."""
         now = moment.now.time_s
         self._remember(moment)
@@ -89,7 +89,7 @@ class Watch:
             self.attempts, self._since = self.attempts + 1, now
         return self.attempts >= self.cfg.n_retry
 
-    def _farther(self, moment: Moment) -> bool:
+    def _farther(self, moment: PlanReport) -> bool:
         farther = False
         for name, start in self._found.items():
             way = float(np.linalg.norm(moment.now.objects[name].position - start))
@@ -100,7 +100,7 @@ class Watch:
     def _progress(self, now: float) -> None:
         self.attempts, self._since = 0, now
 
-    def _remember(self, moment: Moment) -> None:
+    def _remember(self, moment: PlanReport) -> None:
         self.steps += moment.taken
         self.costs.append((moment.now.time_s, moment.plan.cost))
         surprise = dict(self.surprise_m)

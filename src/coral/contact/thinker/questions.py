@@ -18,13 +18,13 @@ from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.rehearsal import sample_states
 from coral.contact.plan.touchable_points import Scenery, candidates_of
 from coral.contact.scene.observation import Observation
-from coral.contact.scene.trial import Drawn, Physical, prior
+from coral.contact.scene.trial import PhysicalParameters, Trial, prior_beliefs
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.scene_facts import interface_text, scene_facts
 from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
-from coral.contact.thinker.unified_question import ask_all
-from coral.contact.world_model.parameter_estimates import Estimates, belief_prompt, verify_estimates
+from coral.contact.thinker.unified_question import ask_unified
+from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt, verify_estimates
 
 Array = NDArray[np.float64]
 Emit = Callable[..., None]
@@ -35,7 +35,7 @@ class Questions:
 
     Args:
         asker: The advisor.
-        drawn: The trial.
+        trial: The trial.
         world: The planning world; it is told what to believe.
         cfg: What is on.
         rng: Draws the states that programs are checked on.
@@ -54,7 +54,7 @@ class Questions:
     def __init__(
         self,
         asker: Asker,
-        drawn: Drawn,
+        trial: Trial,
         world: PlanningWorld,
         cfg: ThinkCfg,
         rng: np.random.Generator,
@@ -63,23 +63,23 @@ class Questions:
         emit: Emit,
     ) -> None:
         self.facts: dict[str, Any] = {}
-        self.sizes = {name: drawn.size(name) for name in drawn.objects}
-        self.scenery = Scenery.of(drawn)
+        self.sizes = {name: trial.size(name) for name in trial.objects}
+        self.scenery = Scenery.of(trial)
         self.diagnoses: list[str] = []
-        self._asker, self._drawn, self._world, self._cfg = asker, drawn, world, cfg
+        self._asker, self._trial, self._world, self._cfg = asker, trial, world, cfg
         self._rng, self.load, self._fallback, self._emit = rng, load, fallback, emit
         self._unanswered = ""
 
     @property
-    def beliefs(self) -> dict[str, Physical]:
+    def beliefs(self) -> dict[str, PhysicalParameters]:
         """What the planning world believes of the objects."""
         return dict(self._world.beliefs[0])
 
     def look(self, now: Observation, believed: bool = True) -> None:
         """Gather the facts anew, with what is believed of the objects or without."""
-        self.facts = scene_facts(self._drawn, now, self.beliefs if believed else None)
+        self.facts = scene_facts(self._trial, now, self.beliefs if believed else None)
 
-    def parameters(self, given: Mapping[str, Physical]) -> None:
+    def parameters(self, given: Mapping[str, PhysicalParameters]) -> None:
         """Masses and frictions, believed from now on: those given, the others as the advisor says."""
         if set(given) >= set(self.sizes):
             self._world.believe(given)
@@ -87,7 +87,7 @@ class Questions:
             return
         outcome = self._asker.ask(
             "physical-parameters",
-            Estimates,
+            ParameterEstimates,
             self.facts,
             belief_prompt(self.facts),
             lambda answer: verify_estimates(
@@ -95,7 +95,7 @@ class Questions:
             ),
             seen=True,
         )
-        beliefs = {**(prior(self._drawn) if outcome.answer is None else outcome.answer.physical()), **given}
+        beliefs = {**(prior_beliefs(self._trial) if outcome.answer is None else outcome.answer.physical()), **given}
         self._world.believe(beliefs)
         source = "given" if given else outcome.failure or "advisor"
         self._emit("beliefs", source=source, attempts=outcome.attempts, refused=_reasons(outcome), **_told(beliefs))
@@ -170,7 +170,7 @@ class Questions:
     ) -> tuple[PlanAnswer, RegionsAnswer] | None:
         """One question about all of it (variant `unified`); what is accepted is believed."""
         before = self.beliefs
-        outcome = ask_all(
+        outcome = ask_unified(
             self._asker,
             self._asked(),
             self._shown(),
@@ -242,5 +242,5 @@ def _reasons(outcome: Outcome[Any]) -> list[str]:
     return [rejection.reason for rejection in outcome.rejections]
 
 
-def _told(beliefs: Mapping[str, Physical]) -> dict[str, list[float]]:
+def _told(beliefs: Mapping[str, PhysicalParameters]) -> dict[str, list[float]]:
     return {name: [round(one.mass_kg, 5), round(one.friction, 4)] for name, one in beliefs.items()}

@@ -9,8 +9,8 @@ import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.cost.context import Schema
-from coral.contact.scene.observation import Body, Observation
-from coral.contact.scene.trial import Drawn, Physical, part_size
+from coral.contact.scene.observation import BodyState, Observation
+from coral.contact.scene.trial import PhysicalParameters, Trial, part_size
 
 FUNCTIONS = (
     "norm(v), dot(a, b), cross(a, b), clip(x, low, high), clip01(x), sigmoid(x), near(distance, scale) = "
@@ -19,25 +19,27 @@ FUNCTIONS = (
 )
 
 
-def scene_facts(drawn: Drawn, now: Observation, beliefs: Mapping[str, Physical] | None = None) -> dict[str, Any]:
+def scene_facts(
+    trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalParameters] | None = None
+) -> dict[str, Any]:
     """The scene as plain numbers: metres, kilograms, quaternions (w, x, y, z), world frame.
 
     Args:
-        drawn: The trial; only shapes are read of it.
+        trial: The trial; only shapes are read of it.
         now: What the sensors say.
         beliefs: Masses and frictions as believed; None while nobody has said anything.
     """
-    task = drawn.task
+    task = trial.task
     objects = {}
     for item in task.objects:
         name = item.name
-        factors = drawn.objects[name].scale
+        factors = trial.objects[name].scale
         objects[name] = {
             "label": item.label or name,
-            "size_m": _round(drawn.size(name)),
+            "size_m": _round(trial.size(name)),
             "pose": pose(now.objects[name]),
             "shapes": sorted({part.shape for part in item.parts}),
-            "solid_share": round(_solid_share(drawn, name), 3),
+            "solid_share": round(_solid_share(trial, name), 3),
             "parts": [
                 {"size_m": _round(part_size(part, factors)), "position": _round(np.asarray(part.position) * factors)}
                 for part in item.parts
@@ -47,7 +49,7 @@ def scene_facts(drawn: Drawn, now: Observation, beliefs: Mapping[str, Physical] 
             "stated_mass_kg": list(item.mass_kg),
             "stated_friction": list(item.friction),
         }
-        corners = drawn.corners(name)
+        corners = trial.corners(name)
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
         if np.abs(middle).max() > 0.001:
             objects[name]["middle_m"] = _round(middle)
@@ -73,7 +75,7 @@ def scene_facts(drawn: Drawn, now: Observation, beliefs: Mapping[str, Physical] 
     }
 
 
-def pose(body: Body) -> list[float]:
+def pose(body: BodyState) -> list[float]:
     """x, y, z, qw, qx, qy, qz."""
     return [*_round(body.position), *_round(body.quaternion)]
 
@@ -92,15 +94,15 @@ def _round(values: Any) -> list[float]:
     return [round(float(value), 5) for value in values]
 
 
-def _solid_share(drawn: Drawn, name: str) -> float:
+def _solid_share(trial: Trial, name: str) -> float:
     """Volume of the parts as a share of the bounding box's, at most 1."""
-    item = drawn.task.object(name)
+    item = trial.task.object(name)
     factors = {"box": 1.0, "cylinder": np.pi / 4, "sphere": np.pi / 6}
-    scale = drawn.objects[name].scale
+    scale = trial.objects[name].scale
     volume = sum(
         factors[part.shape] * float(np.prod(np.asarray(part.size) * scale))
         for part in item.parts
         if part.shape != "mesh"
     )
-    box = float(np.prod(drawn.size(name)))
+    box = float(np.prod(trial.size(name)))
     return min(1.0, volume / box if volume else 0.6)

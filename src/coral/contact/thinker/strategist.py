@@ -6,17 +6,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from coral.contact.control.controller import Plan
+from coral.contact.control.controller import HandPlan
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.perception.advisor_camera import Look
-from coral.contact.scene.observation import Body, Observation, Step
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.observation import BodyState, Observation, Transition
+from coral.contact.scene.trial import Trial
 
 
 @dataclass(frozen=True)
-class Account:
+class StrategistCounts:
     """What a mind has done so far, as the metrics count it.
 
     Args:
@@ -31,7 +31,7 @@ class Account:
 
 
 @dataclass(frozen=True)
-class Moment:
+class PlanReport:
     """What a mind sees after a plan: nothing that the robot does not know.
 
     Args:
@@ -44,20 +44,20 @@ class Moment:
 
     step: int
     now: Observation
-    plan: Plan
+    plan: HandPlan
     stage: str
-    taken: tuple[Step, ...] = ()
+    taken: tuple[Transition, ...] = ()
 
 
 class NoStrategy(RuntimeError):
     """Nobody knows what is to be done; the text says why."""
 
 
-class Mind(Protocol):
+class Strategist(Protocol):
     """Decides on strategies, and on what is believed of masses and frictions."""
 
     @property
-    def account(self) -> Account:
+    def account(self) -> StrategistCounts:
         """What it has done so far."""
         ...
 
@@ -66,11 +66,11 @@ class Mind(Protocol):
         """Whether it says where the objects are, once, and nobody looks for them afterwards."""
         ...
 
-    def locate(self, drawn: Drawn, first: Observation) -> Mapping[str, Body]:
+    def locate(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
         """Where the objects are, by a look; asked for before `begin` of a mind that guesses.
 
         Args:
-            drawn: The trial; its poses are not for looking at.
+            trial: The trial; its poses are not for looking at.
             first: What the sensors say at first, without any object.
         """
         ...
@@ -83,11 +83,11 @@ class Mind(Protocol):
         """Be given a camera."""
         ...
 
-    def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
+    def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """The strategy to begin with; it may set the planning world's beliefs.
 
         Args:
-            drawn: The trial as the robot knows it: true shapes, seen poses, masses and frictions as believed before.
+            trial: The trial as the robot knows it: true shapes, seen poses, masses and frictions as believed before.
             first: What the sensors say at first.
             world: The planning world.
 
@@ -96,7 +96,7 @@ class Mind(Protocol):
         """
         ...
 
-    def after(self, moment: Moment) -> Strategy | None:
+    def after(self, moment: PlanReport) -> Strategy | None:
         """Look at a plan; another strategy to go on with, or None.
 
         Raises:
@@ -119,40 +119,40 @@ class Mind(Protocol):
         ...
 
 
-class Fixed:
+class FixedStrategist:
     """A strategy that was written beforehand and stays.
 
     Args:
         strategy: The strategy.
     """
 
-    account = Account()
+    account = StrategistCounts()
     guesses = False
 
     def __init__(self, strategy: Strategy) -> None:
         self._strategy = strategy
 
     def listen(self, emit: Callable[..., None]) -> None:
-        """See `Mind.listen`."""
+        """See `Strategist.listen`."""
 
     def open_eyes(self, look: Look) -> None:
-        """See `Mind.open_eyes`."""
+        """See `Strategist.open_eyes`."""
 
-    def locate(self, drawn: Drawn, first: Observation) -> Mapping[str, Body]:
-        """See `Mind.locate`; what was written beforehand knows no poses."""
+    def locate(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
+        """See `Strategist.locate`; what was written beforehand knows no poses."""
         return {}
 
-    def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
-        """See `Mind.begin`."""
+    def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
+        """See `Strategist.begin`."""
         return self._strategy
 
-    def after(self, moment: Moment) -> Strategy | None:
-        """See `Mind.after`."""
+    def after(self, moment: PlanReport) -> Strategy | None:
+        """See `Strategist.after`."""
         return None
 
     def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
-        """See `Mind.failed`."""
+        """See `Strategist.failed`."""
         return None
 
     def ended(self, reason: str) -> None:
-        """See `Mind.ended`."""
+        """See `Strategist.ended`."""

@@ -10,7 +10,7 @@ from coral.contact.control.controller import ControllerCfg
 from coral.contact.plan.contact_regions import RegionCfg
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.world_model.identification import IdentifyCfg
-from coral.contact.world_model.parameter_estimates import BeliefCfg
+from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +44,7 @@ class ThinkCfg:
     correct_every_s: NonNegative = 0.0
     corrections: Count = 5
     budget: BudgetCfg = field(default_factory=lambda: BudgetCfg(deadline_s=600.0))
-    belief: BeliefCfg = field(default_factory=BeliefCfg)
+    belief: ParameterBoundsCfg = field(default_factory=ParameterBoundsCfg)
     region: RegionCfg = field(default_factory=RegionCfg)
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
     outer: OuterCfg = field(default_factory=OuterCfg)

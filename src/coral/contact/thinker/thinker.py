@@ -14,23 +14,23 @@ from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Cost
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError, CostWorker
-from coral.contact.memory.adaptation import adapted
+from coral.contact.memory.adaptation import adapt
 from coral.contact.memory.memory import Experience, Match, Memory, scene_numbers
-from coral.contact.perception.advisor_camera import Look, picture
+from coral.contact.perception.advisor_camera import Look, to_picture
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
 from coral.contact.plan.last_good_cost import LastGoodCost
-from coral.contact.plan.rehearsal import gain
-from coral.contact.scene.observation import Body, Observation, Step
-from coral.contact.scene.trial import Drawn, Physical
+from coral.contact.plan.rehearsal import rehearsed_gain
+from coral.contact.scene.observation import BodyState, Observation, Transition
+from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.correction import Past, correct
-from coral.contact.thinker.correction_schedule import Rhythm
+from coral.contact.thinker.correction import TouchHistory, correct_beliefs
+from coral.contact.thinker.correction_schedule import CorrectionSchedule
 from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent
 from coral.contact.thinker.pose_question import ask_poses
-from coral.contact.thinker.progress_monitor import Watch
+from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
-from coral.contact.thinker.strategist import Account, Moment, NoStrategy
+from coral.contact.thinker.strategist import NoStrategy, PlanReport, StrategistCounts
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.history import most_telling
 from coral.errors import RunError
@@ -60,7 +60,7 @@ class Thinker:
         memory: Memory | None = None,
         load: Loader = in_process,
         provenance: Mapping[str, Any] | None = None,
-        given: Mapping[str, Physical] | None = None,
+        given: Mapping[str, PhysicalParameters] | None = None,
         worker: CostWorker | None = None,
     ) -> None:
         self.asker, self.cfg, self.memory = asker, cfg, memory
@@ -69,26 +69,28 @@ class Thinker:
         self._emit: Callable[..., None] = lambda event, **fields: None
         self._given = dict(given or {})
         self._worker = worker or CostWorker()  # its process starts at the first program
-        self._rhythm = Rhythm(cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0, cfg.corrections)
+        self._rhythm = CorrectionSchedule(
+            cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0, cfg.corrections
+        )
         self._now: Observation
         self._repairs = 0
         self._hit: Match | None = None
         self._recalled: PlanAnswer | None = None
-        self._past: list[Step] = []
-        self._drawn: Drawn
+        self._past: list[Transition] = []
+        self._trial: Trial
         self._world: PlanningWorld
         self._plan: PlanAnswer
         self._regions = RegionsAnswer({})
         self._questions: Questions
-        self._watch: Watch
+        self._watch: ProgressMonitor
         self._failure: CostError | None = None
         self._keep = self._keeping()
         self._look: Look = lambda: None
 
     @property
-    def account(self) -> Account:
+    def account(self) -> StrategistCounts:
         """See `Mind.account`."""
-        return Account(self.asker.calls, self._repairs, self._hit is not None)
+        return StrategistCounts(self.asker.calls, self._repairs, self._hit is not None)
 
     def listen(self, emit: Callable[..., None]) -> None:
         """See `Mind.listen`."""
@@ -102,24 +104,24 @@ class Thinker:
     def open_eyes(self, look: Look) -> None:
         """See `Mind.open_eyes`."""
         self._look = look
-        self.asker.pictures = lambda: tuple(picture(frame) for frame in (look(),) if frame is not None)
+        self.asker.pictures = lambda: tuple(to_picture(frame) for frame in (look(),) if frame is not None)
 
-    def locate(self, drawn: Drawn, first: Observation) -> dict[str, Body]:
+    def locate(self, trial: Trial, first: Observation) -> dict[str, BodyState]:
         """See `Mind.locate`."""
         frame = self._look()
         if frame is None:
             raise RunError("poses cannot be guessed in a world without pictures")
-        return ask_poses(self.asker, drawn, first, frame, self._fallback["object-poses"], self._emit)
+        return ask_poses(self.asker, trial, first, frame, self._fallback["object-poses"], self._emit)
 
-    def begin(self, drawn: Drawn, first: Observation, world: PlanningWorld) -> Strategy:
+    def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Perceive, recall or ask, check, and make the strategy."""
-        self._drawn, self._world = drawn, world
+        self._trial, self._world = trial, world
         self._questions = Questions(
-            self.asker, drawn, world, self.cfg, self._rng, self._load, self._fallback, self._emit
+            self.asker, trial, world, self.cfg, self._rng, self._load, self._fallback, self._emit
         )
         self._questions.look(first, believed=False)
         strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
-        self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
+        self._watch = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
         return strategy
 
     def _ask_all(self, first: Observation) -> Strategy:
@@ -139,7 +141,7 @@ class Thinker:
         self._regions = questions.regions(self._plan)
         return self._strategy("asked")
 
-    def after(self, moment: Moment) -> Strategy | None:
+    def after(self, moment: PlanReport) -> Strategy | None:
         """Watch the progress; think again when there is none, or when a cost failed and the last good one took over.
 
         Raises:
@@ -202,7 +204,7 @@ class Thinker:
         facts = self._questions.facts
         for match in self.memory.find(facts):
             # A memory may come from anybody, and hold what a model wrote: nothing of it runs in this process.
-            plan, regions = adapted(match.stored.experience, facts)
+            plan, regions = adapt(match.stored.experience, facts)
             refusal = self._questions.wrong_plan(plan, first, self._worker.load)
             if refusal is None and self.cfg.regions:
                 refusal = self._questions.wrong_regions(regions, plan)
@@ -212,7 +214,7 @@ class Thinker:
                 self._keep = self._keeping()
                 try:
                     strategy = self._strategy(f"remembered {match.stored.id}", self._worker.load)
-                    risen = gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
+                    risen = rehearsed_gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
                 except CostError as error:
                     refusal = Rejection(code=error.code, reason=str(error))
             if refusal is None and risen < self.cfg.least_gain:
@@ -258,7 +260,7 @@ class Thinker:
             strategy = self._strategy(f"repair {self._repairs}")
         except CostError as error:
             raise RunError(f"the repaired plan cannot be made: {error}") from None
-        self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
+        self._watch = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
         return strategy
 
     def _replan(self, now: Observation, otherwise: Callable[[], PlanAnswer], error: str = "") -> None:
@@ -278,7 +280,7 @@ class Thinker:
         if self._plan is not before:  # a plan that stays keeps the places that it was made for
             self._regions = self._questions.regions(self._plan)
 
-    def _refine(self, moment: Moment) -> Strategy | None:
+    def _refine(self, moment: PlanReport) -> Strategy | None:
         """The outer loop: what went wrong, a better world model, a better plan."""
         watch, now = self._watch, moment.now
         name = most_telling(watch.steps) or next(iter(self._questions.sizes))
@@ -298,20 +300,20 @@ class Thinker:
         self._questions.look(now)
         if corrected and kind == "moved-otherwise":
             # The plan was right and the world model was not: the stage goes on, rehearsed in the corrected one.
-            self._watch = Watch(self.cfg.outer, tuple(self._plan.names))
+            self._watch = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
             return None
         self._questions.diagnoses.append(kind)
         self._replan(now, lambda: self._plan)
         return self._repaired()
 
     def _correct(self, name: str, now: Observation) -> bool:
-        past = Past(tuple(self._past), recent(self._watch.steps, self._watch.costs, name))
-        return correct(
+        past = TouchHistory(tuple(self._past), recent(self._watch.steps, self._watch.costs, name))
+        return correct_beliefs(
             self.asker,
             name,
             now,
             past,
-            self._drawn,
+            self._trial,
             self._world,
             self._questions.facts,
             self.cfg,
@@ -326,7 +328,7 @@ class Thinker:
             self._correct(name, self._now)
 
     def _experience(self) -> Experience:
-        task = self._drawn.task
+        task = self._trial.task
         return Experience(
             task=task.name,
             instruction=task.instruction,

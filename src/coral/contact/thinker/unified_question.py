@@ -21,7 +21,7 @@ from coral.contact.plan.touchable_points import Scenery
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.scene_facts import interface_text
 from coral.contact.thinker.think_cfg import ThinkCfg
-from coral.contact.world_model.parameter_estimates import Estimate, Estimates, verify_estimates
+from coral.contact.world_model.parameter_estimates import ParameterEstimate, ParameterEstimates, verify_estimates
 
 KIND = "unified"
 
@@ -34,13 +34,13 @@ class UnifiedAnswer(PlanAnswer):
         regions: Where to touch, by the objects' names.
     """
 
-    parameters: dict[str, Estimate]
+    parameters: dict[str, ParameterEstimate]
     regions: dict[str, ObjectRegions] = Field(default_factory=dict)
 
     @property
-    def estimates(self) -> Estimates:
+    def estimates(self) -> ParameterEstimates:
         """As the question about them alone would have it."""
-        return Estimates(self.parameters)
+        return ParameterEstimates(self.parameters)
 
     @property
     def places(self) -> RegionsAnswer:
@@ -53,7 +53,7 @@ class UnifiedAnswer(PlanAnswer):
         return PlanAnswer(code=self.code, stages=self.stages, explanation=self.explanation)
 
 
-def ask_all(
+def ask_unified(
     asker: Asker,
     facts: Mapping[str, Any],
     shown: Mapping[str, Any],

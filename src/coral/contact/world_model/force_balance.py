@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from coral.config import Count, NonNegative, Positive
 from coral.contact.scene.geometry import rotation_of
-from coral.contact.scene.observation import Step
-from coral.contact.scene.trial import Drawn, Physical
+from coral.contact.scene.observation import Transition
+from coral.contact.scene.trial import PhysicalParameters, Trial
 
 Array = NDArray[np.float64]
 GRAVITY_M_S2 = 9.81
@@ -79,13 +79,13 @@ class Balance:
         return len(self.dragged) + len(self.held)
 
 
-def balances(steps: Sequence[Step], name: str, drawn: Drawn, cfg: BalanceCfg) -> Balance:
+def balances(steps: Sequence[Transition], name: str, trial: Trial, cfg: BalanceCfg) -> Balance:
     """The stretches of a history that count; they overlap.
 
     Args:
         steps: The history.
         name: The object.
-        drawn: The trial as the robot knows it.
+        trial: The trial as the robot knows it.
         cfg: Which count.
     """
     if len(steps) <= cfg.steps + 2 * cfg.reach:
@@ -93,9 +93,9 @@ def balances(steps: Sequence[Step], name: str, drawn: Drawn, cfg: BalanceCfg) ->
     force = np.array([step.after.wrench[:3] for step in steps])
     place = np.array([step.after.objects[name].position for step in steps])
     turn = np.array([rotation_of(step.after.objects[name].quaternion)[:, 0] for step in steps])
-    lowest = np.array([drawn.lowest_point(name, step.after.objects[name]) for step in steps])
+    lowest = np.array([trial.lowest_point(name, step.after.objects[name]) for step in steps])
     lift = np.array([step.after.tool.velocity[2] for step in steps])
-    clear = np.array([above_table(drawn, step) for step in steps])
+    clear = np.array([above_table(trial, step) for step in steps])
     step_s = float(np.median(np.diff([step.after.time_s for step in steps])))
     r, n = cfg.reach, cfg.steps
     way, turned = np.zeros_like(place), np.ones(len(steps))
@@ -124,18 +124,18 @@ def balances(steps: Sequence[Step], name: str, drawn: Drawn, cfg: BalanceCfg) ->
     return Balance(np.array(dragged, dtype=float).reshape(-1, 3), np.array(held, dtype=float).reshape(-1, 2))
 
 
-def above_table(drawn: Drawn, step: Step) -> float:
+def above_table(trial: Trial, step: Transition) -> float:
     """Height (m) of the lowest corner of the fingers that is above the table; infinite beside it."""
     tool = step.after.tool
     size = FINGER_M + np.array([0.0, step.after.opening_m / 2, 0.0])
     corners = size * np.array([[x, y, 1.0] for x in (-1, 1) for y in (-1, 1)]) @ rotation_of(tool.quaternion).T
     corners += tool.position
-    table = drawn.task.table
+    table = trial.task.table
     over = (np.abs(corners[:, :2] - table.center) < np.asarray(table.size[:2]) / 2).all(axis=1)
     return float(np.where(over, corners[:, 2], np.inf).min())
 
 
-def solve(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[Physical, Array]:
+def solve(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[PhysicalParameters, Array]:
     """The most likely mass and friction, and the covariance of their logarithms, Shape=(2, 2).
 
     Errors are taken for Cauchy's: what touches something else is felt, too, and hard.
@@ -154,10 +154,10 @@ def solve(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[Physical, Arr
     # Stretches overlap: so many tell as much as one.
     information = (slope / (1.0 + np.square(left))) @ slope.T / cfg.steps
     covariance = np.linalg.inv(information + 0.01 * np.eye(2)) + cfg.model**2 * np.eye(2)
-    return Physical(float(np.exp(best[0])), float(np.exp(best[1]))), covariance
+    return PhysicalParameters(float(np.exp(best[0])), float(np.exp(best[1]))), covariance
 
 
-def unbalanced(found: Balance, beliefs: Sequence[Physical], cfg: BalanceCfg) -> Array:
+def unbalanced(found: Balance, beliefs: Sequence[PhysicalParameters], cfg: BalanceCfg) -> Array:
     """Mean of log(1 + r^2) over the stretches, r what is left over in its deviation, Shape=(beliefs,)."""
     theta = np.log([[one.mass_kg, one.friction] for one in beliefs])
     return np.asarray(np.log1p(np.square(_left(theta, found, cfg))).mean(axis=1))

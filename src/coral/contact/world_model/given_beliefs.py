@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from coral.contact.scene.task import Task
-from coral.contact.scene.trial import Physical
-from coral.contact.world_model.parameter_estimates import BeliefCfg
+from coral.contact.scene.trial import PhysicalParameters
+from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
 from coral.errors import InputError, nearest
 
 FORM = "NAME=MASS,FRICTION, more than one separated by semicolons"
 
 
-def parse_beliefs(text: str, task: Task, where: str = "--believe", cfg: BeliefCfg | None = None) -> dict[str, Physical]:
+def parse_beliefs(
+    text: str, task: Task, where: str = "--believe", cfg: ParameterBoundsCfg | None = None
+) -> dict[str, PhysicalParameters]:
     """What is believed of a task's objects.
 
     Args:
@@ -22,9 +24,9 @@ def parse_beliefs(text: str, task: Task, where: str = "--believe", cfg: BeliefCf
     Raises:
         InputError: It is of another form, names no object of the task or one twice, or is out of bounds.
     """
-    cfg = cfg or BeliefCfg()
+    cfg = cfg or ParameterBoundsCfg()
     names = [item.name for item in task.objects]
-    found: dict[str, Physical] = {}
+    found: dict[str, PhysicalParameters] = {}
     for word in (part.strip() for part in text.split(";") if part.strip()):
         name, _, values = (part.strip() for part in word.partition("="))
         try:
@@ -40,7 +42,7 @@ def parse_beliefs(text: str, task: Task, where: str = "--believe", cfg: BeliefCf
         for what, value, (low, high) in (("mass (kg)", mass, cfg.mass_kg), ("friction", friction, cfg.friction)):
             if not low <= value <= high:
                 raise InputError(where, f"{name}, {what}", value, f"a number from {low:g} to {high:g}")
-        found[name] = Physical(mass, friction)
+        found[name] = PhysicalParameters(mass, friction)
     if not found:
         raise InputError(where, "", repr(text), FORM)
     return found

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coral.contact.scene.observation import Observation, Step
+from coral.contact.scene.observation import Observation, Transition
 
 
 @dataclass(frozen=True)
 class Window:
     """Consecutive steps."""
 
-    steps: tuple[Step, ...]
+    steps: tuple[Transition, ...]
 
     @property
     def start(self) -> Observation:
@@ -24,7 +24,7 @@ class Window:
 
 
 def windows(
-    steps: Sequence[Step],
+    steps: Sequence[Transition],
     name: str,
     length: int = 12,
     most: int = 10,
@@ -59,7 +59,7 @@ def windows(
     return [window for _, _, window in sorted(best, key=lambda item: item[1])]
 
 
-def most_telling(steps: Sequence[Step]) -> str | None:
+def most_telling(steps: Sequence[Transition]) -> str | None:
     """The object that moved farthest, or the nearest one to a hand that felt something; None without any."""
     if not steps:
         return None
@@ -81,5 +81,5 @@ def most_telling(steps: Sequence[Step]) -> str | None:
     return min(names, key=lambda one: float(np.linalg.norm(felt.after.objects[one].position - tool)))
 
 
-def _near(part: Sequence[Step], name: str, most_m: float = 0.25) -> bool:
+def _near(part: Sequence[Transition], name: str, most_m: float = 0.25) -> bool:
     return any(np.linalg.norm(step.after.objects[name].position - step.after.tool.position) < most_m for step in part)

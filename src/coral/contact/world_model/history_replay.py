@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Positive
-from coral.contact.control.planning_world import Controls, PlanningWorld
+from coral.contact.control.planning_world import ControlSequences, PlanningWorld
 from coral.contact.control.rollouts import SLEEP
 from coral.contact.scene.geometry import angle_between
-from coral.contact.scene.trial import Physical
+from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.world_model.history import Window
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ class ReplayCfg:
     most: Positive = 6.0
 
 
-class Replay:
+class HistoryReplay:
     """Replays windows of a history under many beliefs at once.
 
     Args:
@@ -55,7 +55,7 @@ class Replay:
         self.world, self.windows, self.cfg = world, list(windows), cfg or ReplayCfg()
         self.world.edges = True
 
-    def parts(self, beliefs: Sequence[Mapping[str, Physical]], name: str) -> Array:
+    def parts(self, beliefs: Sequence[Mapping[str, PhysicalParameters]], name: str) -> Array:
         """Root mean square errors in their units, Shape=(beliefs, windows, kinds); diverged rehearsals are infinite.
 
         Args:
@@ -88,7 +88,7 @@ class Replay:
         stiffness = float(np.median([step.command.stiffness for step in steps]))
         # The rehearsal has one stiffness and no added force: both become displacements that pull as hard.
         position = np.array([_pulled(step.before.tool.position, step.command, stiffness) for step in steps])
-        controls = Controls(
+        controls = ControlSequences(
             position[None],
             np.array([step.command.quaternion for step in steps])[None],
             np.array([[step.command.opening_m for step in steps]]),

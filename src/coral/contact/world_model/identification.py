@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count, Fraction, Positive
-from coral.contact.scene.trial import Physical
+from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.world_model.force_balance import Balance, BalanceCfg, solve, unbalanced
-from coral.contact.world_model.history_replay import Replay, ReplayCfg
+from coral.contact.world_model.history_replay import HistoryReplay, ReplayCfg
 from coral.words import many
 
 Array = NDArray[np.float64]
@@ -74,8 +74,8 @@ class Fit:
     """
 
     object: str
-    before: Physical
-    after: Physical
+    before: PhysicalParameters
+    after: PhysicalParameters
     error_before: float
     error_after: float
     accepted: bool
@@ -99,7 +99,11 @@ class Fit:
 
 
 def identify(
-    replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
+    replay: HistoryReplay,
+    name: str,
+    believed: Mapping[str, PhysicalParameters],
+    cfg: IdentifyCfg,
+    rng: np.random.Generator,
 ) -> Fit:
     """Fit the mass and friction of one object.
 
@@ -116,7 +120,7 @@ def identify(
     held = [True] * len(seen) if all(seen) else [not one for one in seen]
 
     def parts(theta: Array) -> Array:
-        beliefs = [{**believed, name: Physical(float(np.exp(m)), float(np.exp(f)))} for m, f in theta]
+        beliefs = [{**believed, name: PhysicalParameters(float(np.exp(m)), float(np.exp(f)))} for m, f in theta]
         return replay.parts(beliefs, name)
 
     low = np.log([cfg.mass_kg[0], cfg.friction[0]])
@@ -136,7 +140,7 @@ def identify(
         spread = 0.6 * spread
     floor = found.min(axis=0)
     optimum, sd = _valley(all_theta, replay.score(found[:, seen], floor[seen]).mean(axis=1), low, high)
-    after = Physical(float(np.exp(optimum[0])), float(np.exp(optimum[1])))
+    after = PhysicalParameters(float(np.exp(optimum[0])), float(np.exp(optimum[1])))
     pair = replay.score(parts(np.stack([present, optimum])), floor)[:, held].mean(axis=1)
     return Fit(
         name,
@@ -150,8 +154,12 @@ def identify(
     )
 
 
-def correction(
-    replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
+def fit_by_replay(
+    replay: HistoryReplay,
+    name: str,
+    believed: Mapping[str, PhysicalParameters],
+    cfg: IdentifyCfg,
+    rng: np.random.Generator,
 ) -> Fit:
     """A fit, drawn back to the belief along what the history does not tell.
 
@@ -165,11 +173,13 @@ def correction(
         cfg: The fit.
         rng: Draws the refinements.
     """
-    return drawn_back(identify(replay, name, believed, cfg, rng), replay, believed, cfg)
+    return shrink_to_belief(identify(replay, name, believed, cfg, rng), replay, believed, cfg)
 
 
-def weighed(found: Balance, replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg) -> Fit:
-    """What the balance of forces proposes, drawn back as in `correction`; the replay says whether it is better.
+def fit_by_balance(
+    found: Balance, replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters], cfg: IdentifyCfg
+) -> Fit:
+    """What the balance of forces proposes, drawn back as in `fit_by_replay`; the replay says whether it is better.
 
     Args:
         found: One stretch or more.
@@ -182,13 +192,17 @@ def weighed(found: Balance, replay: Replay, name: str, believed: Mapping[str, Ph
     one = np.ones(2)
     sd = [float(np.sqrt(v)) for v in (covariance[0, 0], covariance[1, 1], one @ covariance @ one)]
     fit = Fit(name, believed[name], after, np.inf, np.inf, False, sd[0], sd[1], sd[2], len(replay.windows))
-    return drawn_back(fit, replay, believed, cfg, found)
+    return shrink_to_belief(fit, replay, believed, cfg, found)
 
 
-def drawn_back(
-    fit: Fit, replay: Replay, believed: Mapping[str, Physical], cfg: IdentifyCfg, forces: Balance | None = None
+def shrink_to_belief(
+    fit: Fit,
+    replay: HistoryReplay,
+    believed: Mapping[str, PhysicalParameters],
+    cfg: IdentifyCfg,
+    forces: Balance | None = None,
 ) -> Fit:
-    """A fit drawn back to the belief, accepted if the replay explains the history better; see `correction`.
+    """A fit drawn back to the belief, accepted if the replay explains the history better; see `fit_by_replay`.
 
     Args:
         fit: As the history alone tells.
@@ -203,8 +217,8 @@ def drawn_back(
     doubted = np.diag(np.square([cfg.mass_doubt, cfg.friction_doubt]))
     now, found = (np.log([one.mass_kg, one.friction]) for one in (fit.before, fit.after))
     mean = now + doubted @ np.linalg.solve(doubted + told, found - now)
-    after = Physical(float(np.exp(mean[0])), float(np.exp(mean[1])))
-    before_error, after_error = explained(replay, name, believed, {**believed, name: after}, cfg, forces)
+    after = PhysicalParameters(float(np.exp(mean[0])), float(np.exp(mean[1])))
+    before_error, after_error = replay_errors(replay, name, believed, {**believed, name: after}, cfg, forces)
     sd = fit.mass_sd, fit.friction_sd, fit.product_sd
     return replace(
         fit,
@@ -225,7 +239,12 @@ class Corrections:
         self.fits: list[Fit] = []
 
     def add(
-        self, replay: Replay, name: str, believed: Mapping[str, Physical], cfg: IdentifyCfg, rng: np.random.Generator
+        self,
+        replay: HistoryReplay,
+        name: str,
+        believed: Mapping[str, PhysicalParameters],
+        cfg: IdentifyCfg,
+        rng: np.random.Generator,
     ) -> Fit:
         """Fit the new history, average with the fits before, and accept if the replay explains it better.
 
@@ -243,7 +262,7 @@ class Corrections:
         mass, mass_sd = _average([(fit.after.mass_kg, fit.mass_sd) for fit in self.fits])
         friction, friction_sd = _average([(fit.after.friction, fit.friction_sd) for fit in self.fits])
         _, product_sd = _average([(1.0, fit.product_sd) for fit in self.fits])
-        after = Physical(mass, friction)
+        after = PhysicalParameters(mass, friction)
         before_error, after_error = compare(replay, name, believed, {**believed, name: after})
         return replace(
             newest,
@@ -263,11 +282,11 @@ def _accepted(before: float, after: float, sd: tuple[float, float, float], cfg: 
     return after < (1.0 - (cfg.better if min(sd) <= cfg.known else cfg.much)) * before
 
 
-def explained(
-    replay: Replay,
+def replay_errors(
+    replay: HistoryReplay,
     name: str,
-    believed: Mapping[str, Physical],
-    proposed: Mapping[str, Physical],
+    believed: Mapping[str, PhysicalParameters],
+    proposed: Mapping[str, PhysicalParameters],
     cfg: IdentifyCfg,
     found: Balance | None = None,
 ) -> tuple[float, float]:
@@ -283,7 +302,10 @@ def explained(
 
 
 def compare(
-    replay: Replay, name: str, believed: Mapping[str, Physical], proposed: Mapping[str, Physical]
+    replay: HistoryReplay,
+    name: str,
+    believed: Mapping[str, PhysicalParameters],
+    proposed: Mapping[str, PhysicalParameters],
 ) -> tuple[float, float]:
     """Replay errors of a belief and of a proposal."""
     found = replay.parts([believed, proposed], name)

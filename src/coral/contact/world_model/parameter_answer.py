@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pydantic import BaseModel, Field
 
 from coral.advisor.question import Rejection
-from coral.contact.scene.trial import Physical
-from coral.contact.world_model.parameter_estimates import BeliefCfg
+from coral.contact.scene.trial import PhysicalParameters
+from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
 
 
 class ObjectParameters(BaseModel):
@@ -24,16 +24,16 @@ class ParametersAnswer(BaseModel):
 
     objects: list[ObjectParameters] = Field(min_length=1, max_length=8)
 
-    def physical(self, believed: Mapping[str, Physical]) -> dict[str, Physical]:
+    def physical(self, believed: Mapping[str, PhysicalParameters]) -> dict[str, PhysicalParameters]:
         """The beliefs with the correction."""
-        return {**believed, **{one.label: Physical(one.mass, one.friction) for one in self.objects}}
+        return {**believed, **{one.label: PhysicalParameters(one.mass, one.friction) for one in self.objects}}
 
 
 def verify_parameters(
-    answer: ParametersAnswer, believed: Mapping[str, Physical], cfg: BeliefCfg | None = None
+    answer: ParametersAnswer, believed: Mapping[str, PhysicalParameters], cfg: ParameterBoundsCfg | None = None
 ) -> Rejection | None:
     """Why corrected parameters cannot be tried, or None; whether they are better is for the replay to say."""
-    cfg = cfg or BeliefCfg()
+    cfg = cfg or ParameterBoundsCfg()
     for one in answer.objects:
         if one.label not in believed:
             return Rejection(code="objects", reason=f"{one.label} is no object; there are {', '.join(believed)}")

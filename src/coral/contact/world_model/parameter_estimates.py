@@ -11,10 +11,10 @@ from pydantic import BaseModel, ConfigDict, RootModel
 
 from coral.advisor.question import Rejection
 from coral.config import Positive
-from coral.contact.scene.trial import Physical
+from coral.contact.scene.trial import PhysicalParameters
 
 
-class Estimate(BaseModel):
+class ParameterEstimate(BaseModel):
     """One object's parameters."""
 
     model_config = ConfigDict(allow_inf_nan=True)
@@ -22,16 +22,19 @@ class Estimate(BaseModel):
     friction_coeff: float
 
 
-class Estimates(RootModel[dict[str, Estimate]]):
+class ParameterEstimates(RootModel[dict[str, ParameterEstimate]]):
     """The completed table of the paper's A.7, by the objects' names."""
 
-    def physical(self) -> dict[str, Physical]:
+    def physical(self) -> dict[str, PhysicalParameters]:
         """As beliefs of the planning world."""
-        return {name: Physical(mass_kg=one.mass_kg, friction=one.friction_coeff) for name, one in self.root.items()}
+        return {
+            name: PhysicalParameters(mass_kg=one.mass_kg, friction=one.friction_coeff)
+            for name, one in self.root.items()
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
-class BeliefCfg:
+class ParameterBoundsCfg:
     """What is possible of something that a hand can move.
 
     Args:
@@ -46,7 +49,7 @@ class BeliefCfg:
 
 
 def verify_estimates(
-    answer: Estimates, sizes: Mapping[str, Sequence[float]], cfg: BeliefCfg | None = None
+    answer: ParameterEstimates, sizes: Mapping[str, Sequence[float]], cfg: ParameterBoundsCfg | None = None
 ) -> Rejection | None:
     """Why estimates cannot be believed, or None.
 
@@ -55,7 +58,7 @@ def verify_estimates(
         sizes: Full extents (m) of every object that moves.
         cfg: Bounds.
     """
-    cfg = cfg or BeliefCfg()
+    cfg = cfg or ParameterBoundsCfg()
     wanted, given = set(sizes), set(answer.root)
     if wanted != given:
         missing, extra = sorted(wanted - given), sorted(given - wanted)

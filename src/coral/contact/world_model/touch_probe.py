@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from coral.config import Count, Positive
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.scene.geometry import rotate
-from coral.contact.scene.observation import HandTarget, Step
-from coral.contact.scene.trial import Drawn, Physical, believing
+from coral.contact.scene.observation import HandTarget, Transition
+from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
 from coral.contact.world_model.history import windows
-from coral.contact.world_model.history_replay import Replay
+from coral.contact.world_model.history_replay import HistoryReplay
 from coral.contact.world_model.identification import Corrections, Fit, IdentifyCfg
 from coral.contact.worlds.evaluation_world import EvaluationWorld
 from coral.contact.worlds.registry import make_world
@@ -50,10 +50,10 @@ class ProbeCfg:
 
 
 def probe(
-    drawn: Drawn,
+    trial: Trial,
     name: str,
-    truth: Physical,
-    first: Physical,
+    truth: PhysicalParameters,
+    first: PhysicalParameters,
     cfg: ProbeCfg,
     rng: np.random.Generator,
     world: str = "hand",
@@ -61,7 +61,7 @@ def probe(
     """Push and correct, round by round.
 
     Args:
-        drawn: The trial; everything but the true parameters is taken from it.
+        trial: The trial; everything but the true parameters is taken from it.
         name: The object; it is pushed along its y axis.
         truth: What it really is.
         first: What is believed at first.
@@ -72,11 +72,11 @@ def probe(
     Yields:
         Each correction, accepted or not.
     """
-    real = make_world(world, believing(drawn, {**_known(drawn), name: truth}), 0.02)
-    along = drawn.corners(name)[:, 1]
+    real = make_world(world, with_beliefs(trial, {**_known(trial), name: truth}), 0.02)
+    along = trial.corners(name)[:, 1]
     hand = _Pusher(real, name, float(along.min()), float(along.max()))
-    beliefs = {**_known(drawn), name: first}
-    planner = PlanningWorld(drawn, beliefs, hand.now, PlanningCfg(physics_dt_s=cfg.replay_dt_s, threads=1))
+    beliefs = {**_known(trial), name: first}
+    planner = PlanningWorld(trial, beliefs, hand.now, PlanningCfg(physics_dt_s=cfg.replay_dt_s, threads=1))
     known = Corrections()
     try:
         for turn in range(cfg.corrections):
@@ -84,7 +84,7 @@ def probe(
             for end, speed in ((1.0, cfg.slow_m_s), (-1.0, cfg.fast_m_s), (1.0, cfg.fast_m_s), (-1.0, cfg.slow_m_s)):
                 # Every other round the other way about, so that the board stays where it is.
                 hand.push(end * (1.0 if turn % 2 == 0 else -1.0), speed)
-            replay = Replay(planner, windows(hand.steps, name, most=cfg.windows), cfg.identify.replay)
+            replay = HistoryReplay(planner, windows(hand.steps, name, most=cfg.windows), cfg.identify.replay)
             fit = known.add(replay, name, beliefs, cfg.identify, rng)
             if fit.accepted:
                 beliefs = {**beliefs, name: fit.after}
@@ -94,8 +94,8 @@ def probe(
         real.close()
 
 
-def _known(drawn: Drawn) -> dict[str, Physical]:
-    return {name: item.physical for name, item in drawn.objects.items()}
+def _known(trial: Trial) -> dict[str, PhysicalParameters]:
+    return {name: item.physical for name, item in trial.objects.items()}
 
 
 class _Pusher:
@@ -104,7 +104,7 @@ class _Pusher:
     def __init__(self, world: EvaluationWorld, name: str, rear_m: float, front_m: float) -> None:
         self._world, self._name, self._rear, self._front = world, name, rear_m, front_m
         self.now = world.reset()
-        self.steps: list[Step] = []
+        self.steps: list[Transition] = []
 
     def push(self, end: float, speed: float) -> None:
         """Go over to an end, push it by some centimetres, draw back at once."""
@@ -125,4 +125,4 @@ class _Pusher:
             position = start + way * min(1.0, (k + 1) * speed * self._world.control_period_s / length)
             command = HandTarget(position, ACROSS, 0.07, 600.0)
             before, self.now = self.now, self._world.step(command)
-            self.steps.append(Step(before, command, self.now))
+            self.steps.append(Transition(before, command, self.now))

@@ -7,7 +7,7 @@ from typing import Protocol
 from coral.contact.scene.observation import HandTarget, Observation, Truth
 
 
-class WorldFault(RuntimeError):
+class WorldError(RuntimeError):
     """The world can no longer be stepped.
 
     Args:
@@ -34,7 +34,7 @@ class EvaluationWorld(Protocol):
         """One control period.
 
         Raises:
-            WorldFault: The simulation diverged, or the robot cannot go on.
+            WorldError: The simulation diverged, or the robot cannot go on.
         """
         ...
 

@@ -16,9 +16,9 @@ from coral.contact.control.hand_model import HandCfg, add_hand, set_stiffness
 from coral.contact.control.planning_world import put_state
 from coral.contact.scene.geometry import rotate
 from coral.contact.scene.mujoco_scene import add_scene
-from coral.contact.scene.observation import Array, Body, HandTarget, Observation, Truth
-from coral.contact.scene.trial import Drawn
-from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
+from coral.contact.scene.trial import Trial
+from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.merged_contacts import merged_contacts
 
 
@@ -48,15 +48,15 @@ class HandWorld:
 
     name = "hand"
 
-    def __init__(self, drawn: Drawn, cfg: HandWorldCfg) -> None:
-        self.cfg, self._drawn = cfg, drawn
+    def __init__(self, trial: Trial, cfg: HandWorldCfg) -> None:
+        self.cfg, self._trial = cfg, trial
         self.control_period_s = cfg.control_period_s
         spec = mujoco.MjSpec()
         spec.option.timestep = cfg.physics_dt_s
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
         spec.option.impratio = 10
-        add_scene(spec, drawn)
+        add_scene(spec, trial)
         add_hand(spec, cfg.hand)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
@@ -66,8 +66,8 @@ class HandWorld:
     def reset(self) -> Observation:
         """See `EvaluationWorld.reset`."""
         mujoco.mj_resetData(self.model, self.data)
-        start = Body(np.asarray(self.cfg.start_m, dtype=float), DOWN)
-        objects = {name: item.pose for name, item in self._drawn.objects.items()}
+        start = BodyState(np.asarray(self.cfg.start_m, dtype=float), DOWN)
+        objects = {name: item.pose for name, item in self._trial.objects.items()}
         put_state(self.model, self.data, Observation(0.0, start, 0.08, np.zeros(6), objects))
         self._pull(HandTarget(start.position, start.quaternion, 0.08, self.cfg.hand.stiffness_n_m))
         mujoco.mj_forward(self.model, self.data)
@@ -79,7 +79,7 @@ class HandWorld:
         mujoco.mj_step(self.model, self.data, self._substeps)
         bad = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
         if not np.isfinite(self.data.qvel).all() or any(self.data.warning[int(kind)].number for kind in bad):
-            raise WorldFault("diverged", f"the simulation diverged at {self.data.time:.2f} s")
+            raise WorldError("diverged", f"the simulation diverged at {self.data.time:.2f} s")
         mujoco.mj_forward(self.model, self.data)
         return self._observe()
 
@@ -112,7 +112,7 @@ class HandWorld:
     def _observe(self) -> Observation:
         model, data = self.model, self.data
         opening = float(sum(data.joint(f"{side}_slide").qpos[0] for side in ("left", "right")))
-        objects = {name: _body(model, data, name) for name in self._drawn.objects}
+        objects = {name: _body(model, data, name) for name in self._trial.objects}
         wrench = np.zeros(6)
         tool = data.body("hand").xpos
         for contact in merged_contacts(model, data, part_of):
@@ -129,9 +129,9 @@ def part_of(model: mujoco.MjModel, geom: int) -> str:
     return str(model.geom(geom).name if body == 0 else model.body(body).name)
 
 
-def _body(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> Body:
+def _body(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> BodyState:
     velocity = np.zeros(6)
     body = model.body(name).id
     mujoco.mj_objectVelocity(model, data, int(mujoco.mjtObj.mjOBJ_XBODY), body, velocity, 0)
     quaternion: Array = data.xquat[body].copy()
-    return Body(data.xpos[body].copy(), quaternion, velocity[3:].copy(), velocity[:3].copy())
+    return BodyState(data.xpos[body].copy(), quaternion, velocity[3:].copy(), velocity[:3].copy())

@@ -4,31 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.errors import InputError, nearest
 
 
-def _hand(drawn: Drawn, period_s: float) -> EvaluationWorld:
-    return HandWorld(drawn, HandWorldCfg(control_period_s=period_s))
+def _hand(trial: Trial, period_s: float) -> EvaluationWorld:
+    return HandWorld(trial, HandWorldCfg(control_period_s=period_s))
 
 
-def _panda(drawn: Drawn, period_s: float) -> EvaluationWorld:
+def _panda(trial: Trial, period_s: float) -> EvaluationWorld:
     from coral.contact.worlds.panda.world import PandaWorld, PandaWorldCfg
 
-    return PandaWorld(drawn, PandaWorldCfg(control_period_s=period_s))
+    return PandaWorld(trial, PandaWorldCfg(control_period_s=period_s))
 
 
-WORLDS: dict[str, Callable[[Drawn, float], EvaluationWorld]] = {"panda": _panda, "hand": _hand}
+WORLDS: dict[str, Callable[[Trial, float], EvaluationWorld]] = {"panda": _panda, "hand": _hand}
 
 
-def make_world(name: str, drawn: Drawn, period_s: float) -> EvaluationWorld:
+def make_world(name: str, trial: Trial, period_s: float) -> EvaluationWorld:
     """An evaluation world.
 
     Args:
         name: "panda": the robot in robosuite; "hand": the free-flying hand.
-        drawn: The trial.
+        trial: The trial.
         period_s: Of the control.
 
     Raises:
@@ -36,7 +36,7 @@ def make_world(name: str, drawn: Drawn, period_s: float) -> EvaluationWorld:
         RunError: What it needs is not installed.
     """
     check_world(name)
-    return WORLDS[name](drawn, period_s)
+    return WORLDS[name](trial, period_s)
 
 
 def check_world(name: str, where: str = "--world") -> None:

@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception.camera import CameraCfg, RayCamera, look_at
-from coral.contact.perception.posed_scene import covered
-from coral.contact.scene.trial import Drawn, draw
+from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
+from coral.contact.perception.posed_scene import hidden_geoms
+from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
@@ -40,8 +40,8 @@ class Scene:
         self.times: Array = states.get("t", np.zeros(0))
         if not len(self.times):
             raise InputError(str(run.path), "states.csv", "no states", "a run that kept them (record.states)")
-        self.drawn = trial(run)
-        world = make_world(str(run.config.get("world", "hand")), self.drawn, 0.02)
+        self.trial = trial_of_run(run)
+        world = make_world(str(run.config.get("world", "hand")), self.trial, 0.02)
         try:
             self._model: mujoco.MjModel = getattr(world, "model")  # noqa: B009
         finally:
@@ -55,14 +55,14 @@ class Scene:
                 f"{self._places.shape[1]} joint positions",
                 f"the {self._model.nq} of its world",
             )
-        camera = CameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG)
+        camera = RgbdCameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG)
         self._camera = RayCamera(
             self._model,
             camera,
-            _overview(run, self.drawn),
+            _overview(run, self.trial),
             {},
             colours="shaded",
-            hidden=covered(self._model, self.drawn),
+            hidden=hidden_geoms(self._model, self.trial),
         )
 
     def at(self, t: float) -> Image:
@@ -76,9 +76,9 @@ class Scene:
         return picture
 
 
-def _overview(run: RunFolder, drawn: Drawn) -> Array:
+def _overview(run: RunFolder, trial: Trial) -> Array:
     """T_world_camera from which all that moved is seen, Shape=(4, 4)."""
-    prefixes = ("", *(f"{name}_" for name in drawn.objects))
+    prefixes = ("", *(f"{name}_" for name in trial.objects))
     paths = [[run.column(f"{prefix}{axis}") for axis in "xyz"] for prefix in prefixes]
     points = np.concatenate([np.stack(path, axis=1) for path in paths])
     points = points[np.isfinite(points).all(axis=1)]
@@ -89,7 +89,7 @@ def _overview(run: RunFolder, drawn: Drawn) -> Array:
     return look_at(middle + FROM / np.linalg.norm(FROM) * radius / np.sin(np.radians(VFOV_DEG / 2)), middle)
 
 
-def trial(run: RunFolder) -> Drawn:
+def trial_of_run(run: RunFolder) -> Trial:
     """The trial of a run, drawn again.
 
     Raises:
@@ -99,4 +99,4 @@ def trial(run: RunFolder) -> Drawn:
     seed = run.config.get("seed")
     if not path.is_file() or not isinstance(seed, int):
         raise InputError(str(run.path), "", "no task.yaml and seed", "the folder of a contact run")
-    return draw(load_task(path), seed)
+    return sample_trial(load_task(path), seed)

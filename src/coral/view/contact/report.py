@@ -14,7 +14,7 @@ import yaml
 from markupsafe import Markup
 
 from coral.contact.episode.metrics import DEFINITIONS, metrics_of
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.trial import Trial
 from coral.errors import InputError, RunError
 from coral.view.contact.figures import (
     cost_chart,
@@ -29,7 +29,7 @@ from coral.view.contact.figures import (
     tracks,
 )
 from coral.view.contact.keyframes import Keyframe, keyframes, sheet
-from coral.view.contact.replay import trial
+from coral.view.contact.replay import trial_of_run
 from coral.view.contact.thought import answers, counted, seen, thoughts
 from coral.view.contact.views import three_views, touch_views
 from coral.view.pictures import png
@@ -84,12 +84,12 @@ def write_contact_report(run_folder: str | Path) -> Path:
 def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[str]) -> str:
     """The whole page as text."""
     try:
-        drawn: Drawn | None = trial(run)
+        trial: Trial | None = trial_of_run(run)
     except InputError as error:
-        drawn = None
+        trial = None
         notes = [*notes, f"The task cannot be drawn again: {error}"]
     metrics = _metrics(run)
-    objects = list(drawn.objects) if drawn is not None else []
+    objects = list(trial.objects) if trial is not None else []
     start: Record = (run.select("start") or [{}])[0]
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
@@ -112,9 +112,9 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
         counted=counted(given),
         seen=seen(run),
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, objects) if svg],
-        views=Markup(three_views(run, drawn)) if drawn is not None and len(run.column("t")) else "",
+        views=Markup(three_views(run, trial)) if trial is not None and len(run.column("t")) else "",
         touches=[
-            (name, Markup(svg)) for name in objects if drawn is not None and (svg := touch_views(run, drawn, name))
+            (name, Markup(svg)) for name in objects if trial is not None and (svg := touch_views(run, trial, name))
         ],
         contacts=[
             (
@@ -210,7 +210,7 @@ def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, s
 def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
     if not len(run.column("t")):
         return []
-    drawn = [
+    trial = [
         ("Stages and contacts", "Which stage of the strategy was on, and what touched what.", stages_chart(run)),
         (
             "Force",
@@ -222,9 +222,9 @@ def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
         ("Fingers", "Distance between the finger pads.", opening_chart(run)),
     ]
     note = f"Distance of each tracked pose from the true one, modulo symmetry; nothing decides by it. {tracks(run)}"
-    drawn.append(("Tracking", note, tracking_chart(run, objects)))
+    trial.append(("Tracking", note, tracking_chart(run, objects)))
     if run.select("plan"):
-        drawn[1:1] = [
+        trial[1:1] = [
             (
                 "Cost, term by term",
                 "Expected value of each term over the horizon, at every plan; dashed: the "
@@ -232,8 +232,8 @@ def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
                 cost_chart(run),
             )
         ]
-        drawn.append(("Effective samples", "How many of the rehearsals shared in each plan.", samples_chart(run)))
-    return drawn
+        trial.append(("Effective samples", "How many of the rehearsals shared in each plan.", samples_chart(run)))
+    return trial
 
 
 def _beliefs(run: RunFolder, start: Record) -> list[tuple[str, str, str, str, str, str]]:

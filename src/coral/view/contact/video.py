@@ -68,7 +68,7 @@ def pictures(run: RunFolder, scene: Scene) -> Iterator[Image]:
     """The film picture by picture, Shape=(HEIGHT + STRIP, WIDTH, 3) RGB each."""
     spans = stage_spans(run)
     times = run.column("t")
-    forces = np.stack([run.column(f"{name}_hand_force") for name in scene.drawn.objects]).max(axis=0)
+    forces = np.stack([run.column(f"{name}_hand_force") for name in scene.trial.objects]).max(axis=0)
     rate = run.duration_s / LONGEST_S
     outcome = str(run.metrics.get("end_reason", ""))
     for t in moments(run.duration_s):

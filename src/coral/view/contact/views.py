@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import rotation_of
-from coral.contact.scene.trial import Drawn, corners
+from coral.contact.scene.trial import Trial, corners
 from coral.view.contact.figures import HUES
 from coral.view.run import RunFolder
 from coral.view.svg import line, text
@@ -41,14 +41,14 @@ class Panel:
         return np.stack([x, y], axis=1)
 
 
-def three_views(run: RunFolder, drawn: Drawn) -> str:
+def three_views(run: RunFolder, trial: Trial) -> str:
     """Paths of the tool and the objects, with the objects' first and last places, from above and from two sides."""
-    paths = {"tool": _path(run, ""), **{name: _path(run, f"{name}_") for name in drawn.objects}}
+    paths = {"tool": _path(run, ""), **{name: _path(run, f"{name}_") for name in trial.objects}}
     paths = {name: points for name, points in paths.items() if len(points)}
     if not paths:
         return ""
-    shapes = {name: [_outline(run, drawn, name, row) for row in (0, -1)] for name in drawn.objects if name in paths}
-    places = [np.asarray(place)[None] for place in drawn.task.places.values()]
+    shapes = {name: [_outline(run, trial, name, row) for row in (0, -1)] for name in trial.objects if name in paths}
+    places = [np.asarray(place)[None] for place in trial.task.places.values()]
     outlines = [points for pair in shapes.values() for points in pair]
     everything = np.concatenate([*paths.values(), *outlines, *places, np.zeros((1, 3))])
     low, high = everything.min(axis=0) - 0.03, everything.max(axis=0) + 0.03
@@ -62,14 +62,14 @@ def three_views(run: RunFolder, drawn: Drawn) -> str:
         if up == 2:
             ground = panel(np.array([[low[0], low[1], 0.0], [high[0], high[1], 0.0]]))
             body.append(line(ground[0, 0], ground[0, 1], ground[1, 0], ground[1, 1], "axis"))
-        for fixture in drawn.task.fixtures:
+        for fixture in trial.task.fixtures:
             half = np.asarray(fixture.size) / 2
             body.append(_polygon(_hull(panel(_box(half) + np.asarray(fixture.position))), "#8a95a1", 0.35))
-        for row, place in enumerate(drawn.task.places.values()):
+        for row, place in enumerate(trial.task.places.values()):
             x, y = panel(np.asarray(place, float)[None])[0]
             body.append(
                 f'<path d="M{x - 5:.1f},{y:.1f}h10m-5,-5v10" style="stroke:#be00aa;stroke-width:2"><title>'
-                f"{list(drawn.task.places)[row]}</title></path>"
+                f"{list(trial.task.places)[row]}</title></path>"
             )
         for number, (thing, points) in enumerate(paths.items()):
             hue = HUES[number % len(HUES)]
@@ -88,7 +88,7 @@ def three_views(run: RunFolder, drawn: Drawn) -> str:
     return _svg(body, total, "Paths of the tool and the objects from three sides")
 
 
-def touch_views(run: RunFolder, drawn: Drawn, name: str) -> str:
+def touch_views(run: RunFolder, trial: Trial, name: str) -> str:
     """Where the hand touched an object, in the object's own frame, from three sides; "" where it never did."""
     points = np.stack([run.column(f"{name}_touch_{axis}") for axis in "xyz"], axis=1)
     force = run.column(f"{name}_hand_force")
@@ -98,7 +98,7 @@ def touch_views(run: RunFolder, drawn: Drawn, name: str) -> str:
     points, force = points[touched], force[touched]
     keep = np.unique(np.linspace(0, len(points) - 1, 240).astype(int))
     points, force = points[keep], force[keep]
-    hull = corners(drawn.task.object(name), drawn.objects[name].scale)
+    hull = corners(trial.task.object(name), trial.objects[name].scale)
     low, high = np.minimum(hull.min(axis=0), points.min(axis=0)), np.maximum(hull.max(axis=0), points.max(axis=0))
     scale = min(200.0 / max(float(v), 1e-3) for v in high - low)
     height = max((high[up] - low[up]) * scale for _, _, up in SIDES)
@@ -122,10 +122,10 @@ def _path(run: RunFolder, prefix: str) -> Array:
     return points[np.unique(np.linspace(0, len(points) - 1, 400).astype(int))] if len(points) else points
 
 
-def _outline(run: RunFolder, drawn: Drawn, name: str, row: int) -> Array:
+def _outline(run: RunFolder, trial: Trial, name: str, row: int) -> Array:
     """The object's corners as it stood at a row of the trajectory."""
     pose = np.array([run.column(f"{name}_{part}")[row] for part in ("x", "y", "z", "qw", "qx", "qy", "qz")])
-    return np.asarray(drawn.corners(name) @ rotation_of(pose[3:]).T + pose[:3])
+    return np.asarray(trial.corners(name) @ rotation_of(pose[3:]).T + pose[:3])
 
 
 def _box(half: Array) -> Array:

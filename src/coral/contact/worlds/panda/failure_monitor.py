@@ -8,12 +8,12 @@ import mujoco
 import numpy as np
 
 from coral.contact.scene.observation import Array, HandTarget
-from coral.contact.worlds.evaluation_world import WorldFault
+from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.panda.names import ROBOT_PARTS, part_of
 
 
 @dataclass(frozen=True, kw_only=True)
-class WatchCfg:
+class FailureMonitorCfg:
     """Limits.
 
     Args:
@@ -32,7 +32,7 @@ class WatchCfg:
     rest_m_s: float = 0.02
 
 
-class Watch:
+class FailureMonitor:
     """Looks at the state after every control period.
 
     Args:
@@ -41,7 +41,7 @@ class Watch:
         objects: Bodies of the movable objects.
     """
 
-    def __init__(self, model: mujoco.MjModel, cfg: WatchCfg, objects: tuple[int, ...]) -> None:
+    def __init__(self, model: mujoco.MjModel, cfg: FailureMonitorCfg, objects: tuple[int, ...]) -> None:
         self.cfg, self._model, self._objects = cfg, model, objects
         self._robot = np.array([part_of(model, geom) in ROBOT_PARTS for geom in range(model.ngeom)])
         self._table = model.geom("table").id
@@ -63,21 +63,21 @@ class Watch:
             target: What the hand was pulled to.
 
         Raises:
-            WorldFault: "diverged", "tunnelling" or "unreachable".
+            WorldError: "diverged", "tunnelling" or "unreachable".
         """
         self._check_finite(data)
         for body in self._objects:
             over, sunk = self._over_table(data, body), self._sunk(data, body)
             if self._above[body] and over and sunk:
                 name = self._model.body(body).name
-                raise WorldFault("tunnelling", f"{name} went through the table at {data.time:.2f} s")
+                raise WorldError("tunnelling", f"{name} went through the table at {data.time:.2f} s")
             self._above[body] = over and not sunk
         self._check_reach(data, error, target)
 
     def _check_finite(self, data: mujoco.MjData) -> None:
         speed = float(np.abs(data.qvel).max())
         if not (np.isfinite(speed) and np.isfinite(data.qpos).all()) or speed > self.cfg.max_speed:
-            raise WorldFault("diverged", f"the simulation diverged at {data.time:.2f} s (speed {speed:.3g})")
+            raise WorldError("diverged", f"the simulation diverged at {data.time:.2f} s (speed {speed:.3g})")
 
     def _over_table(self, data: mujoco.MjData, body: int) -> bool:
         inside = np.abs(data.xipos[body] - data.geom_xpos[self._table]) < self._model.geom_size[self._table]
@@ -98,7 +98,7 @@ class Watch:
             self._stuck_since = data.time if far and not touches else None
             self._place = tool
         elif data.time - self._stuck_since > cfg.reach_time_s:
-            raise WorldFault(
+            raise WorldError(
                 "unreachable",
                 f"the arm cannot bring its hand to {np.round(target.position, 3).tolist()} m: it rests "
                 f"{np.linalg.norm(away):.3f} m and {np.linalg.norm(error[3:]):.2f} rad away, touching nothing",

@@ -10,11 +10,11 @@ import numpy as np
 
 from coral.config import TimeStep
 from coral.contact.scene.mujoco_scene import add_scene
-from coral.contact.scene.observation import Array, Body, HandTarget, Observation, Truth
-from coral.contact.scene.trial import Drawn
+from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
+from coral.contact.scene.trial import Trial
 from coral.contact.worlds.merged_contacts import merged_contacts
 from coral.contact.worlds.panda.environment import RobotCfg, make_environment
-from coral.contact.worlds.panda.failure_monitor import Watch, WatchCfg
+from coral.contact.worlds.panda.failure_monitor import FailureMonitor, FailureMonitorCfg
 from coral.contact.worlds.panda.impedance import Impedance, ImpedanceCfg
 from coral.contact.worlds.panda.names import FINGER_JOINTS, JOINTS, PAD_OVERLAP_M, SITE, TOOL_IN_SITE, part_of
 from coral.contact.worlds.panda.wrist_wrench import Wrist
@@ -37,7 +37,7 @@ class PandaWorldCfg:
     control_period_s: TimeStep = 0.02
     robot: RobotCfg = field(default_factory=RobotCfg)
     impedance: ImpedanceCfg = field(default_factory=ImpedanceCfg)
-    watch: WatchCfg = field(default_factory=WatchCfg)
+    watch: FailureMonitorCfg = field(default_factory=FailureMonitorCfg)
     start_opening_m: float = 0.08
     settle_s: float = 0.1
     settle_stiffness: float = 600.0
@@ -47,7 +47,7 @@ class PandaWorld:
     """A simulated trial with the Panda.
 
     Args:
-        drawn: The trial.
+        trial: The trial.
         cfg: The world.
 
     Raises:
@@ -56,12 +56,12 @@ class PandaWorld:
 
     name = "panda"
 
-    def __init__(self, drawn: Drawn, cfg: PandaWorldCfg | None = None) -> None:
+    def __init__(self, trial: Trial, cfg: PandaWorldCfg | None = None) -> None:
         self.cfg = cfg = cfg or PandaWorldCfg()
         self.control_period_s = cfg.control_period_s
-        self._drawn = drawn
+        self._trial = trial
         self._env = make_environment(
-            lambda spec: add_scene(spec, drawn), cfg.robot, cfg.control_period_s, self._before_physics_step
+            lambda spec: add_scene(spec, trial), cfg.robot, cfg.control_period_s, self._before_physics_step
         )
         self.model: mujoco.MjModel = self._env.sim.model._model
         self.data: mujoco.MjData = self._env.sim.data._data
@@ -69,11 +69,11 @@ class PandaWorld:
         self._site = model.site(SITE).id
         self._arm = np.array([model.joint(name).qposadr[0] for name in JOINTS])
         self._fingers = np.array([model.joint(name).qposadr[0] for name in FINGER_JOINTS])
-        self._objects = {name: model.body(name).id for name in drawn.objects}
+        self._objects = {name: model.body(name).id for name in trial.objects}
         self._place_robot()
         self._impedance = Impedance(model, self.data, cfg.impedance, np.array(cfg.robot.joints))
         self._wrist = Wrist(model, self.data)
-        self._watch = Watch(model, cfg.watch, tuple(self._objects.values()))
+        self._watch = FailureMonitor(model, cfg.watch, tuple(self._objects.values()))
         self._start = self._settle()
 
     def reset(self) -> Observation:
@@ -164,18 +164,18 @@ class PandaWorld:
         left, right = self.data.qpos[self._fingers]
         return float(left - right - PAD_OVERLAP_M)
 
-    def _tool(self) -> Body:
+    def _tool(self) -> BodyState:
         jacobian = np.zeros((6, self.model.nv))
         mujoco.mj_jacSite(self.model, self.data, jacobian[:3], jacobian[3:], self._site)
         velocity = jacobian @ self.data.qvel
         rotation = self.data.site_xmat[self._site].reshape(3, 3) @ TOOL_IN_SITE
         quaternion = np.zeros(4)
         mujoco.mju_mat2Quat(quaternion, rotation.reshape(-1))
-        return Body(self.data.site_xpos[self._site].copy(), quaternion, velocity[:3], velocity[3:])
+        return BodyState(self.data.site_xpos[self._site].copy(), quaternion, velocity[:3], velocity[3:])
 
-    def _body(self, name: str) -> Body:
+    def _body(self, name: str) -> BodyState:
         body = self._objects[name]
         dof = int(self.model.body_dofadr[body])
         quaternion: Array = self.data.xquat[body].copy()
         spin = self.data.xmat[body].reshape(3, 3) @ self.data.qvel[dof + 3 : dof + 6]
-        return Body(self.data.xpos[body].copy(), quaternion, self.data.qvel[dof : dof + 3].copy(), spin)
+        return BodyState(self.data.xpos[body].copy(), quaternion, self.data.qvel[dof : dof + 3].copy(), spin)
