@@ -3,4 +3,52 @@
 import sys
 from pathlib import Path
 
+import numpy as np
+import pytest
+
+from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.plan.rehearsal import sample_states
+from coral.contact.scene.trial import prior_beliefs, sample_trial
+from coral.contact.tasks import load_task
+from coral.contact.thinker.scene_facts import scene_facts
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+
 sys.path.insert(0, str(Path(__file__).parent))
+
+
+class Scene:
+    """A trial at its beginning, with a planning world that believes the middle of what the task states."""
+
+    def __init__(self, task, seed=0):
+        self.trial = sample_trial(load_task(task) if isinstance(task, str) else task, seed)
+        self.now = HandWorld(self.trial, HandWorldCfg()).reset()
+        self.beliefs = prior_beliefs(self.trial)
+        self.world = PlanningWorld(self.trial, self.beliefs, self.now, PlanningCfg(threads=1))
+        self.facts = scene_facts(self.trial, self.now, self.beliefs)
+        self.sizes = {name: self.trial.size(name) for name in self.trial.objects}
+
+    @property
+    def samples(self):
+        return sample_states(self.world, self.now, self.sizes, np.random.default_rng(0))
+
+
+@pytest.fixture
+def scene():
+    made = []
+
+    def make(task, seed=0):
+        made.append(Scene(task, seed))
+        return made[-1]
+
+    yield make
+    for one in made:
+        one.world.close()
+
+
+@pytest.fixture(params=["sqlite", "lance"])
+def place(request, tmp_path):
+    """Where a memory of some name is to be, in each of the stores."""
+    if request.param == "sqlite":
+        return lambda name: str(tmp_path / f"{name}.sqlite")
+    pytest.importorskip("lancedb")
+    return lambda name: f"lance:{tmp_path / name}"

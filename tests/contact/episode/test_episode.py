@@ -4,6 +4,7 @@ import json
 import numpy as np
 import pytest
 import yaml
+from episodes import COARSE, ObedientWorld, make_trial, stay, strategy
 
 from coral.contact.control.reactive import ReactiveCfg
 from coral.contact.cost.stages import Stage, Strategy
@@ -15,8 +16,6 @@ from coral.contact.scene.observation import BodyState
 from coral.contact.thinker.strategist import FixedStrategist, StrategistCounts
 from coral.contact.worlds.evaluation_world import WorldError
 from coral.errors import InputError
-
-from .episodes import COARSE, ObedientWorld, make_trial, stay, strategy
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@ import json
 
 import numpy as np
 import pytest
+from episodes import COARSE, ObedientWorld, make_trial, strategy
 
 from coral.contact.episode import episode as module
 from coral.contact.episode.episode import Episode
@@ -16,8 +17,6 @@ from coral.contact.thinker.strategist import FixedStrategist
 from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.errors import InputError
-
-from .episodes import COARSE, ObedientWorld, make_trial, strategy
 
 SMALL = TrackedCfg(camera=RgbdCameraCfg(width=160, height=120))
 

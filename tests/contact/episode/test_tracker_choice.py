@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from episodes import COARSE, make_trial, short_task, strategy
 from stub_foundationpose import Oracle, serving
 
 from coral.cli import main
@@ -20,8 +21,6 @@ from coral.contact.scene.geometry import rotation_of
 from coral.contact.thinker.strategist import FixedStrategist
 from coral.errors import InputError, RunError
 from coral.view.contact.report import write_contact_report
-
-from .episodes import COARSE, make_trial, short_task, strategy
 
 NOBODY = "foundationpose:http://127.0.0.1:9"
 SMALL = dataclasses.replace(COARSE, poses="tracked", tracked=TrackedCfg(camera=RgbdCameraCfg(width=160, height=120)))
