@@ -3,7 +3,7 @@ import io
 import pytest
 from rich.console import Console
 
-from coral.campaign.episode import Outcome
+from coral.campaign.episode import EpisodeOutcome
 from coral.campaign.progress import CampaignProgress, duration
 from coral.campaign.spec import Spec
 
@@ -19,7 +19,7 @@ def test_without_a_terminal_lines_appear_now_and_then_and_at_the_end(told):
     now = [0.0]
     progress = CampaignProgress(clock=lambda: now[0], console=Console(file=told, width=200))
     progress.begin(6, 2, jobs=1)
-    good, bad = Outcome(SPEC, {}), Outcome(SPEC, message="[b] no")
+    good, bad = EpisodeOutcome(SPEC, {}), EpisodeOutcome(SPEC, message="[b] no")
     for seconds, outcome in ((5.0, good), (20.0, good), (30.0, bad), (40.0, good)):
         now[0] = seconds
         progress.ended(outcome)
@@ -38,14 +38,14 @@ def test_the_last_round_of_parallel_missions_takes_a_whole_mission(told):
     progress.begin(5, 0, jobs=4)
     now[0] = 100.0
     for _ in range(4):
-        progress.ended(Outcome(SPEC, {}))
+        progress.ended(EpisodeOutcome(SPEC, {}))
     assert progress.status() == "4 of 5 · about 2 min left"
 
 
 def test_quiet_is_quiet(told):
     progress = CampaignProgress(quiet=True, console=Console(file=told, force_terminal=True))
     progress.begin(1, 0, jobs=1)
-    progress.ended(Outcome(SPEC, message="no"))
+    progress.ended(EpisodeOutcome(SPEC, message="no"))
     progress.close()
     assert told.getvalue() == ""
 

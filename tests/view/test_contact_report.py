@@ -18,7 +18,7 @@ from coral.errors import InputError
 from coral.mppi.knots import KnotMppiCfg
 from coral.view.contact.figures import curves_chart, stage_spans, touching
 from coral.view.contact.keyframes import MOST, keyframes, moments
-from coral.view.contact.replay import Scene, trial_of_run
+from coral.view.contact.replay import ReplayedScene, trial_of_run
 from coral.view.contact.report import write_contact_report
 from coral.view.contact.video import moments as film_moments
 from coral.view.contact.video import pictures
@@ -130,7 +130,7 @@ def test_the_trial_is_drawn_again_from_the_folder(recorded):
 
 def test_pictures_show_what_moved(recorded):
     run = RunFolder.read(recorded)
-    scene = Scene(run, (96, 72))
+    scene = ReplayedScene(run, (96, 72))
     first, last = scene.at(0.0), scene.at(0.8)
     assert first.shape == (72, 96, 3)
     assert (first != last).any(axis=-1).mean() > 0.01
@@ -141,7 +141,7 @@ def test_states_of_another_world_are_refused(copy):
     rows = (copy / "states.csv").read_text().splitlines()
     (copy / "states.csv").write_text("\n".join(row.rsplit(",", 1)[0] for row in rows) + "\n")
     with pytest.raises(InputError, match="joint positions"):
-        Scene(RunFolder.read(copy), (96, 72))
+        ReplayedScene(RunFolder.read(copy), (96, 72))
 
 
 def test_moments_are_in_order_and_hold_beginning_stages_and_end(recorded):
@@ -180,7 +180,7 @@ def test_a_film_has_a_picture_for_each_moment(recorded, monkeypatch):
     run = RunFolder.read(recorded)
     monkeypatch.setattr("coral.view.contact.video.WIDTH", 160)
     monkeypatch.setattr("coral.view.contact.video.HEIGHT", 120)
-    film = list(pictures(run, Scene(run, (160, 120))))
+    film = list(pictures(run, ReplayedScene(run, (160, 120))))
     assert len(film) == len(film_moments(1.2))
     assert all(picture.shape == film[0].shape for picture in film)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Any, cast
 
-from coral.campaign.episode import Episode, Executor, Outcome, Task
+from coral.campaign.episode import Episode, Executor, EpisodeOutcome, EpisodeTask
 from coral.campaign.progress import CampaignProgress
 from coral.campaign.spec import Spec
 from coral.campaign.store import Store
@@ -63,7 +63,7 @@ def run_campaign(
     progress = progress or CampaignProgress(quiet=True)
     progress.begin(len(specs), found, executor.jobs)
     finished = failed = 0
-    tasks = [Task(spec, store.scratch(spec)) for spec in pending]
+    tasks = [EpisodeTask(spec, store.scratch(spec)) for spec in pending]
     try:
         with closing(cast(Any, executor.run(episode, tasks))) as outcomes:
             for outcome in outcomes:
@@ -79,7 +79,7 @@ def run_campaign(
     return Summary(len(specs), found, finished, failed)
 
 
-def _check_version(outcome: Outcome, mix: bool) -> None:
+def _check_version(outcome: EpisodeOutcome, mix: bool) -> None:
     there = outcome.about.get("code", code_version())
     if there != code_version() and not mix:
         raise RunError(

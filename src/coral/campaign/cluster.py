@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from coral.campaign.episode import ONE_THREAD, Episode, Outcome, Task, perform
+from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, perform
 from coral.errors import InputError, RunError, first_line
 
 ATTEMPTS = 4
@@ -56,14 +56,14 @@ class RayExecutor:
             raise RunError(f"no Ray cluster at {address}: {first_line(error)}") from None
         self.jobs = max(1, int(ray.cluster_resources().get("CPU", 1)))
 
-    def run(self, episode: Episode, tasks: Sequence[Task]) -> Iterator[Outcome]:
+    def run(self, episode: Episode, tasks: Sequence[EpisodeTask]) -> Iterator[EpisodeOutcome]:
         """Yield each task's outcome as it comes (see `Executor`)."""
         ray = self._ray
         # Retries are counted here and not by Ray, so that the record can tell how often an episode was tried.
         remote = ray.remote(num_cpus=1, max_retries=0, runtime_env={"env_vars": ONE_THREAD})(_perform_there)
         shared = ray.put(episode)
         queue = deque((task, 1) for task in tasks)
-        running: dict[Any, tuple[Task, int]] = {}
+        running: dict[Any, tuple[EpisodeTask, int]] = {}
         try:
             while queue or running:
                 while queue and len(running) < IN_FLIGHT * self.jobs:
@@ -74,7 +74,7 @@ class RayExecutor:
                     try:
                         outcome, files = ray.get(reference)
                     except ray.exceptions.RayTaskError as error:  # raised in the task, but not by the episode
-                        yield Outcome(
+                        yield EpisodeOutcome(
                             task.spec,
                             message=f"not run by Ray: {first_line(error.cause)}",
                             detail=str(error),
@@ -84,7 +84,7 @@ class RayExecutor:
                         if attempt < ATTEMPTS:
                             queue.append((task, attempt + 1))
                         else:
-                            yield Outcome(
+                            yield EpisodeOutcome(
                                 task.spec,
                                 message=f"lost {ATTEMPTS} times: {type(error).__name__}",
                                 detail=str(error),
@@ -111,7 +111,7 @@ def _knock(address: str) -> None:
         raise RunError(f"no Ray cluster at {address}: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _perform_there(episode: Episode, spec: Any) -> tuple[Outcome, bytes]:
+def _perform_there(episode: Episode, spec: Any) -> tuple[EpisodeOutcome, bytes]:
     """The Ray task: run in a folder of the node, return what was written there along with the outcome."""
     import ray
 

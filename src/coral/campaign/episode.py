@@ -24,7 +24,7 @@ ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_
 
 
 @dataclass(frozen=True)
-class Task:
+class EpisodeTask:
     """An episode to run and where it writes."""
 
     spec: Spec
@@ -32,7 +32,7 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class EpisodeOutcome:
     """What became of a task: a result, or a message why there is none."""
 
     spec: Spec
@@ -49,7 +49,7 @@ class Executor(Protocol):
     jobs: int
     """Episodes at a time, for the estimate of the time that is left."""
 
-    def run(self, episode: Episode, tasks: Sequence[Task]) -> Iterator[Outcome]:
+    def run(self, episode: Episode, tasks: Sequence[EpisodeTask]) -> Iterator[EpisodeOutcome]:
         """Run every task and yield each outcome once, as soon as it is there.
 
         What an episode wrote lies in its task's scratch folder by then. A worker that dies takes no other episode
@@ -59,7 +59,7 @@ class Executor(Protocol):
         ...
 
 
-def perform(episode: Episode, spec: Spec, folder: Path) -> Outcome:
+def perform(episode: Episode, spec: Spec, folder: Path) -> EpisodeOutcome:
     """Run one episode here; whatever it raises, or a result that is not JSON, becomes a failure with its message."""
     started = time.perf_counter()
     about: dict[str, Any] = {"host": socket.gethostname(), "pid": os.getpid(), "code": code_version()}
@@ -70,7 +70,7 @@ def perform(episode: Episode, spec: Spec, folder: Path) -> Outcome:
     except Exception as error:
         message, detail = f"{type(error).__name__}: {error}", traceback.format_exc()
     about["episode_wall_s"] = round(time.perf_counter() - started, 3)
-    return Outcome(spec, result, message, detail, about)
+    return EpisodeOutcome(spec, result, message, detail, about)
 
 
 def plain(value: Any) -> Any:

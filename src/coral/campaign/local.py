@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from typing import Any, cast
 
-from coral.campaign.episode import ONE_THREAD, Episode, Outcome, Task, perform
+from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, perform
 from coral.errors import RunError
 
 ATTEMPTS = 2
@@ -28,7 +28,7 @@ _READY = "ready"
 class _Worker:
     process: SpawnProcess
     pipe: Connection
-    task: Task | None = None
+    task: EpisodeTask | None = None
     ready: bool = False
 
 
@@ -39,7 +39,7 @@ class LocalExecutor:
         self.jobs = jobs
         self._context = multiprocessing.get_context("spawn")
 
-    def run(self, episode: Episode, tasks: Sequence[Task]) -> Iterator[Outcome]:
+    def run(self, episode: Episode, tasks: Sequence[EpisodeTask]) -> Iterator[EpisodeOutcome]:
         """Yield each task's outcome as it comes (see `Executor`).
 
         Raises:
@@ -75,7 +75,7 @@ class LocalExecutor:
                             if deaths[key] < ATTEMPTS:
                                 queue.appendleft(worker.task)
                             else:
-                                yield Outcome(
+                                yield EpisodeOutcome(
                                     worker.task.spec,
                                     message=f"its worker process died {ATTEMPTS} times ({_cause(code)})",
                                     about={"attempts": ATTEMPTS},
@@ -84,7 +84,7 @@ class LocalExecutor:
                     if message == _READY:
                         worker.ready, stillborn = True, 0
                     else:
-                        outcome = cast(Outcome, message)
+                        outcome = cast(EpisodeOutcome, message)
                         worker.task = None
                         about = {**outcome.about, "attempts": deaths[outcome.spec.key] + 1}
                         _give(worker, queue)  # before the caller takes its time over the outcome
@@ -103,7 +103,7 @@ class LocalExecutor:
         return _Worker(process, ours)
 
 
-def _give(worker: _Worker, queue: deque[Task]) -> None:
+def _give(worker: _Worker, queue: deque[EpisodeTask]) -> None:
     if queue and worker.ready and worker.task is None:
         worker.task = queue.popleft()
         shutil.rmtree(worker.task.scratch, ignore_errors=True)
@@ -134,7 +134,7 @@ def _work(pipe: Connection, episode: Episode) -> None:
     pipe.send(_READY)
     while True:
         try:
-            task: Task = pipe.recv()
+            task: EpisodeTask = pipe.recv()
         except (EOFError, OSError):
             return
         task.scratch.parent.mkdir(parents=True, exist_ok=True)

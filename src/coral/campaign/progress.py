@@ -8,7 +8,7 @@ from collections.abc import Callable
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from coral.campaign.episode import Outcome
+from coral.campaign.episode import EpisodeOutcome
 from coral.words import many
 
 LINE_EVERY_S = 15.0
@@ -51,7 +51,7 @@ class CampaignProgress:
         if found and not self._quiet:
             self._console.print(f"there already: {found} of {many(total, 'episode')}", highlight=False)
 
-    def ended(self, outcome: Outcome) -> None:
+    def ended(self, outcome: EpisodeOutcome) -> None:
         """Count an episode; a failure is told at once."""
         self._ended += 1
         self._failed += outcome.result is None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coral.view.contact.figures import stage_spans
-from coral.view.contact.replay import Scene
+from coral.view.contact.replay import ReplayedScene
 from coral.view.pictures import Image, draw_text
 from coral.view.run import RunFolder
 
@@ -62,7 +62,7 @@ def keyframes(run: RunFolder) -> list[Keyframe]:
         InputError: It kept none.
         RunError: Its world cannot be built here.
     """
-    scene = Scene(run, SIZE)
+    scene = ReplayedScene(run, SIZE)
     return [Keyframe(t, why, scene.at(t)) for t, why in moments(run)]
 
 

@@ -23,7 +23,7 @@ FROM = np.array([0.6, -0.68, 0.42])
 VFOV_DEG = 38.0
 
 
-class Scene:
+class ReplayedScene:
     """The simulated world of a run folder, set to its recorded states.
 
     Args:

@@ -32,7 +32,7 @@ FAILED = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class ThoughtPart:
     """One step of a thought.
 
     Args:
@@ -68,7 +68,7 @@ class Thought:
     t: float
     title: str
     state: str
-    parts: tuple[Part, ...]
+    parts: tuple[ThoughtPart, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,7 +164,7 @@ def _why(kinds: list[str], step: int) -> tuple[str, str]:
     return ("Before it began" if step == 0 else "Thought again"), ""
 
 
-def _beliefs(event: Record) -> Part:
+def _beliefs(event: Record) -> ThoughtPart:
     named = {
         key: value
         for key, value in event.items()
@@ -173,20 +173,20 @@ def _beliefs(event: Record) -> Part:
     chips = tuple(f"{name}: {mass:.3g} kg, friction {friction:.2g}" for name, (mass, friction) in named.items())
     source = str(event.get("source", "advisor"))
     if source != "advisor":
-        return Part(
+        return ThoughtPart(
             title="Masses and frictions",
             state="bad",
             chips=chips,
             text=f"The middle of what the task states, because {_failed(source)}.",
             refused=_refused(event),
         )
-    return Part(title="Masses and frictions", chips=chips, refused=_refused(event), text=_tries(event))
+    return ThoughtPart(title="Masses and frictions", chips=chips, refused=_refused(event), text=_tries(event))
 
 
-def _poses(event: Record) -> Part:
+def _poses(event: Record) -> ThoughtPart:
     named = {key: value for key, value in event.items() if isinstance(value, list) and len(value) == 7}
     chips = tuple(f"{name} at {', '.join(f'{100 * v:.1f}' for v in value[:3])} cm" for name, value in named.items())
-    return Part(
+    return ThoughtPart(
         title="Where the objects are held to be, from now on",
         state="warn",
         chips=chips,
@@ -195,24 +195,26 @@ def _poses(event: Record) -> Part:
     )
 
 
-def _recall(event: Record) -> Part:
+def _recall(event: Record) -> ThoughtPart:
     known = f"It is similar by {float(event['similarity']):.2f} and differs by {float(event['distance']):.2f}"
     gain = f"rehearsed, the ways tried lower the cost by {100 * float(event['gain']):.0f} %"
     if event.get("refused"):
-        return Part(
+        return ThoughtPart(
             title=f"Memory {event['id']} was not used", state="warn", text=f"{known}.", refused=(str(event["refused"]),)
         )
-    return Part(title=f"Memory {event['id']} was used", state="good", text=f"{known}; {gain}. No plan was asked for.")
+    return ThoughtPart(
+        title=f"Memory {event['id']} was used", state="good", text=f"{known}; {gain}. No plan was asked for."
+    )
 
 
-def _plan(event: Record) -> Part:
+def _plan(event: Record) -> ThoughtPart:
     again = event["kind"] == "cost-repair"
     title, failure = ("A better plan" if again else "The plan"), str(event.get("failure", ""))
     if failure:
-        return Part(
+        return ThoughtPart(
             title=f"{title}: none", state="bad", text=f"{_failed(failure).capitalize()}.", refused=_refused(event)
         )
-    return Part(
+    return ThoughtPart(
         title=title,
         state="good" if again else "",
         text=str(event.get("explanation", "")),
@@ -221,7 +223,7 @@ def _plan(event: Record) -> Part:
     )
 
 
-def _regions(event: Record) -> Part:
+def _regions(event: Record) -> ThoughtPart:
     held: Mapping[str, Any] = event.get("regions", {})
     chips = tuple(
         f"{name}, {region.get('approach') or 'touch'}{': ' + region['stage'] if region.get('stage') else ''}"
@@ -229,7 +231,7 @@ def _regions(event: Record) -> Part:
         for region in item.get("regions", ())
     )
     failure = str(event.get("failure", ""))
-    return Part(
+    return ThoughtPart(
         title="Where to touch",
         state="bad" if failure else "",
         chips=chips,
@@ -238,7 +240,7 @@ def _regions(event: Record) -> Part:
     )
 
 
-def _candidates(event: Record) -> Part:
+def _candidates(event: Record) -> ThoughtPart:
     said = []
     for item in event.get("regions", ()):
         lost: Mapping[str, int] = item["lost"]
@@ -247,10 +249,10 @@ def _candidates(event: Record) -> Part:
             f"{item['kept']} of {item['kept'] + sum(lost.values())} are left on the {item['object']}{stage}; "
             f"{', '.join(f'{count} {reason}' for reason, count in lost.items())}."
         )
-    return Part(title="Some points cannot be touched", text=" ".join(said))
+    return ThoughtPart(title="Some points cannot be touched", text=" ".join(said))
 
 
-def _stuck(event: Record) -> Part:
+def _stuck(event: Record) -> ThoughtPart:
     kind = str(event.get("diagnosis", ""))
     said = str(event.get("text", ""))
     rows: list[tuple[str, ...]] = [
@@ -267,7 +269,7 @@ def _stuck(event: Record) -> Part:
                 "–" if row.get("cost") is None else f"{row['cost']:.3g}",
             )
         )
-    return Part(
+    return ThoughtPart(
         title=f"Diagnosis: {kind.replace('-', ' ')}",
         state="warn",
         text=f"{said[:1].upper()}{said[1:]}.",
@@ -280,7 +282,7 @@ def _stuck(event: Record) -> Part:
     )
 
 
-def _correction(event: Record) -> Part:
+def _correction(event: Record) -> ThoughtPart:
     accepted, name = bool(event.get("accepted")), event.get("object")
     errors = event.get("errors")
     chips: tuple[str, ...] = ()
@@ -290,7 +292,7 @@ def _correction(event: Record) -> Part:
     if errors:
         chips += (f"replay error over all windows {errors[0]:.2f} → {errors[1]:.2f}",)
     said = str(event.get("text", ""))
-    return Part(
+    return ThoughtPart(
         title=f"World model of the {name}: {'corrected' if accepted else 'kept'}",
         chips=chips,
         state="good" if accepted else "",
@@ -299,10 +301,10 @@ def _correction(event: Record) -> Part:
     )
 
 
-def _cost_error(event: Record) -> Part:
+def _cost_error(event: Record) -> ThoughtPart:
     meanwhile = event.get("meanwhile")
     text = f"In stage “{event.get('stage')}”: {event.get('reason')}."
-    return Part(
+    return ThoughtPart(
         title="The cost could not be evaluated",
         state="bad",
         chips=(str(event.get("code")),),
@@ -310,27 +312,29 @@ def _cost_error(event: Record) -> Part:
     )
 
 
-def _fallback(event: Record) -> Part:
+def _fallback(event: Record) -> ThoughtPart:
     why = f"because {_failed(str(event.get('because')))}."
     if event.get("what") == "beliefs":
-        return Part(
+        return ThoughtPart(
             title="Masses and frictions are those of the task", state="bad", text=f"The middle of its ranges, {why}"
         )
-    return Part(
+    return ThoughtPart(
         title=f"The rules of {event.get('by')} took over", state="bad", text=f"For the {event.get('what')}, {why}"
     )
 
 
-def _remembered(event: Record) -> Part:
+def _remembered(event: Record) -> ThoughtPart:
     text = f"This success is number {event.get('id')} in {event.get('file')}."
-    return Part(title="Remembered", state="good", text=text)
+    return ThoughtPart(title="Remembered", state="good", text=text)
 
 
-def _strategy(event: Record) -> Part | None:
-    return Part(title=f"Follows “{event.get('name')}”", chips=tuple(str(stage) for stage in event.get("stages", ())))
+def _strategy(event: Record) -> ThoughtPart | None:
+    return ThoughtPart(
+        title=f"Follows “{event.get('name')}”", chips=tuple(str(stage) for stage in event.get("stages", ()))
+    )
 
 
-_PARTS: Mapping[str, Callable[[Record], Part | None]] = {
+_PARTS: Mapping[str, Callable[[Record], ThoughtPart | None]] = {
     "poses": _poses,
     "beliefs": _beliefs,
     "recall": _recall,

@@ -11,7 +11,7 @@ import numpy as np
 
 from coral.errors import InputError
 from coral.view.contact.figures import stage_spans
-from coral.view.contact.replay import Scene
+from coral.view.contact.replay import ReplayedScene
 from coral.view.pictures import Image, draw_text
 from coral.view.run import RunFolder
 
@@ -32,7 +32,7 @@ def write_contact_video(run_folder: str | Path) -> Path:
         RunError: Its world cannot be built here.
     """
     run = RunFolder.read(run_folder)
-    scene = Scene(run, (WIDTH, HEIGHT))
+    scene = ReplayedScene(run, (WIDTH, HEIGHT))
     path, partial = run.path / "episode.mp4", run.path / "episode.part.mp4"
     import imageio_ffmpeg
 
@@ -64,7 +64,7 @@ def moments(duration_s: float) -> list[float]:
     return [float(t) for t in np.linspace(0.0, duration_s, count)]
 
 
-def pictures(run: RunFolder, scene: Scene) -> Iterator[Image]:
+def pictures(run: RunFolder, scene: ReplayedScene) -> Iterator[Image]:
     """The film picture by picture, Shape=(HEIGHT + STRIP, WIDTH, 3) RGB each."""
     spans = stage_spans(run)
     times = run.column("t")

@@ -23,7 +23,7 @@ SIDES = (("from above", 0, 1), ("from the right", 0, 2), ("from the robot", 1, 2
 
 
 @dataclass(frozen=True)
-class Panel:
+class ViewPanel:
     """One view: metres to pixels."""
 
     left: float
@@ -57,7 +57,7 @@ def three_views(run: RunFolder, trial: Trial) -> str:
     heights = [(high[up] - low[up]) * scale for _, _, up in SIDES]
     body, total = [], max(heights) + 64
     for k, (name, across, up) in enumerate(SIDES):
-        panel = Panel(10 + k * (PANEL + 30), 34, scale, low, across, up, max(heights))
+        panel = ViewPanel(10 + k * (PANEL + 30), 34, scale, low, across, up, max(heights))
         body.append(text(panel.left, 20, name, "mark", "start"))
         if up == 2:
             ground = panel(np.array([[low[0], low[1], 0.0], [high[0], high[1], 0.0]]))
@@ -104,7 +104,7 @@ def touch_views(run: RunFolder, trial: Trial, name: str) -> str:
     height = max((high[up] - low[up]) * scale for _, _, up in SIDES)
     body = []
     for k, (_, across, up) in enumerate(SIDES):
-        panel = Panel(40 + k * (PANEL + 30), 34, scale, low, across, up, height)
+        panel = ViewPanel(40 + k * (PANEL + 30), 34, scale, low, across, up, height)
         body.append(text(panel.left, 20, f"its {'xyz'[across]} – {'xyz'[up]} plane", "mark", "start"))
         body.append(_polygon(_hull(panel(hull)), "#8a95a1", 0.25))
         for (x, y), newtons, share in zip(panel(points), force, np.linspace(0, 1, len(points)), strict=True):

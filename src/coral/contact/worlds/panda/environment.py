@@ -86,7 +86,7 @@ def make_environment(
     whole_steps(control_period_s, cfg.physics_step_s, "panda", "physics_step_s")
     _, manipulation_env, empty_arena, manipulation_task = _robosuite()
 
-    class TableTop(manipulation_env):  # type: ignore[misc, valid-type]
+    class PandaAtTable(manipulation_env):  # type: ignore[misc, valid-type]
         """The Panda before a table; no reward, no cameras and no observables: the world reads the state itself."""
 
         def _load_model(self) -> None:
@@ -121,7 +121,7 @@ def make_environment(
     mujoco.set_mju_user_warning(_LOGGER.debug)  # MuJoCo would write a file into the working directory
     logging.disable(logging.WARNING)
     try:
-        return TableTop(
+        return PandaAtTable(
             robots="Panda",
             initialization_noise=None,
             use_camera_obs=False,
