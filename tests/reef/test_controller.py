@@ -249,6 +249,16 @@ def test_drives_around_an_obstacle_without_touching_it_and_holds_at_the_goal():
     assert abs(vehicle.state.u) < 0.01
 
 
+@pytest.mark.parametrize("period_s", [0.1, 0.25])
+def test_the_warm_start_is_one_control_period_later(period_s):
+    controller = DdpMppi(rng=np.random.default_rng(1), control_period_s=period_s)
+    plan = controller.plan(VehicleState(3.0, 6.0, 0.0, 0.3), CostField.compute(OPEN, (9.0, 6.0)), OPEN)
+    expected = shift_matrix(controller.schedule.dt, period_s) @ plan.controls
+    np.testing.assert_allclose(controller.warm_start(), expected)
+    # Half an interval of 0.5 s later the first command is the mean of the first two of the old ones, and so on.
+    assert not np.allclose(controller.warm_start(), plan.controls)
+
+
 def test_a_goal_behind_is_turned_to_on_a_small_circle():
     vehicle, trace, plans = go(DdpMppi(rng=np.random.default_rng(1)), OPEN, (6.0, 6.0, 0.0), (3.0, 6.0), 25.0)
     assert math.dist(vehicle.state[:2], (3.0, 6.0)) < 0.3

@@ -1,17 +1,21 @@
 import dataclasses
 import json
 
+import numpy as np
 import pytest
 
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Reply
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.answers import CentroidChoice
+from coral.reef.controller import shift_matrix
+from coral.reef.costfield import CostField
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.metrics import compute_metrics
 from coral.reef.mission import Mission, MissionCfg
 from coral.reef.record import RecordCfg
 from coral.reef.variants import VARIANTS, apply_variant
+from coral.reef.vehicle import VehicleState
 
 QUIET = MissionCfg(time_limit_s=150.0, latency="fixed:3", record=RecordCfg(pictures=False, frames=False))
 
@@ -65,6 +69,14 @@ def test_the_same_seed_gives_the_same_run_and_another_seed_does_not(pond, finish
         assert (tmp_path / "again" / name).read_bytes() == (folder / name).read_bytes()
     run(pond, tmp_path / "other", seed=1)
     assert (tmp_path / "other" / "trajectory.csv").read_bytes() != (folder / "trajectory.csv").read_bytes()
+
+
+def test_the_controller_shifts_its_plan_by_the_mission_s_control_period(pond, tmp_path):
+    cfg = dataclasses.replace(QUIET, control_period_s=0.2)
+    driver = Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run", seed=0).robots[0].driver
+    distance = np.full((120, 120), np.inf, dtype=np.float32)
+    plan = driver.plan(VehicleState(1.0, 1.0, 0.0, 0.3), CostField.compute(distance, (4.0, 4.0)), distance)
+    np.testing.assert_allclose(driver.warm_start(), shift_matrix(driver.schedule.dt, 0.2) @ plan.controls)
 
 
 def test_a_folder_with_something_in_it_is_left_alone(pond, tmp_path):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Any, cast
 
-from coral.campaign.episode import Episode, Executor, EpisodeOutcome, EpisodeTask
+from coral.campaign.episode import Episode, EpisodeOutcome, EpisodeTask, Executor
 from coral.campaign.progress import CampaignProgress
 from coral.campaign.spec import Spec
 from coral.campaign.store import Store

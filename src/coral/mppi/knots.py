@@ -67,7 +67,11 @@ class Update:
 
 
 class KnotMppi:
-    """Keeps a plan of knots and betters it.
+    """Minimise over knots theta_1 .. theta_n the cost S(u(theta)) of the control sequence that they span.
+
+    S may be any function of rollouts, contacts included; no gradient is needed. Each iteration samples
+    theta_k ~ N(theta, sigma^2), evaluates S_k, and updates theta <- sum_k w_k theta_k with w = softmax(-S / lambda)
+    (Eqs. 4-6). `advance` shifts theta in time for the next plan.
 
     Args:
         cfg: The sampler.
@@ -117,7 +121,7 @@ class KnotMppi:
         return update
 
     def advance(self, by: float, span: float) -> None:
-        """Begin the plan `by` later (warm start)."""
+        """Shift the plan by `by` in time: the warm start of the next one."""
         self.knots = shift(self.knots, by, span, self.cfg.spline)
 
 

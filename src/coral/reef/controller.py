@@ -176,10 +176,26 @@ def shift_matrix(dt: Array, by_s: float) -> Array:
 
 
 class DdpMppi:
-    """The controller; keeps the previous solution and its random numbers, nothing else."""
+    """Minimise over v, omega the weighted sum of `COSTS` along the rollout, subject to clearance >= margin at every step.
+
+    The commands are constant on the intervals of Eq. 10. Each tick samples K sequences, rolls them out over the
+    vehicle's dynamics, drops those that collide, and takes the mean of the others with weights softmax(-cost / lambda).
+    The mean is the next tick's warm start.
+
+    Args:
+        cfg: The controller.
+        vehicle: Limits, hull and dynamics of the vehicle.
+        rng: Source of the samples.
+        control_period_s: Time between two plans, by which the warm start is shifted.
+    """
 
     def __init__(
-        self, cfg: MppiCfg | None = None, vehicle: VehicleCfg | None = None, rng: np.random.Generator | None = None
+        self,
+        cfg: MppiCfg | None = None,
+        vehicle: VehicleCfg | None = None,
+        rng: np.random.Generator | None = None,
+        *,
+        control_period_s: float = 0.1,
     ) -> None:
         self.cfg = cfg = cfg or MppiCfg()
         self.vehicle = vehicle = vehicle or VehicleCfg()
@@ -187,7 +203,7 @@ class DdpMppi:
         self._model = planar(parameter_set(vehicle.parameters), vehicle.thrusters, vehicle.thrust_max_n)
         self.schedule = schedule(cfg, vehicle)
         self._times = np.concatenate([[0.0], np.cumsum(self.schedule.dt)])
-        self._shift = shift_matrix(self.schedule.dt, 0.1)
+        self._shift = shift_matrix(self.schedule.dt, control_period_s)
         c = cfg.costs
         self._weights = np.array([c.goal, c.obstacle, c.speed, c.path, c.heading, c.smooth])
         self._nominal = np.zeros((cfg.n_steps, 2))
@@ -209,6 +225,10 @@ class DdpMppi:
         """Forget the previous solution, as after a new goal in another direction."""
         self._nominal[:] = 0.0
         self._executed[:] = 0.0
+
+    def warm_start(self) -> Array:
+        """The previous solution, one control period later, Shape=(T, 2)."""
+        return np.asarray(self._shift @ self._nominal)
 
     def plan(
         self,
@@ -307,8 +327,8 @@ class DdpMppi:
         # Half of them brake from a random step on: in clutter few constants stay free for the whole horizon.
         brake = self._rng.integers(1, n, n_window)
         brake[::2] = n
-        warm = self._shift @ self._nominal
-        shape_samples(controls, (cfg.sigma_v, cfg.sigma_omega), warm, self._guide, self._n_warm, window, brake,
+        warm_start = self.warm_start()
+        shape_samples(controls, (cfg.sigma_v, cfg.sigma_omega), warm_start, self._guide, self._n_warm, window, brake,
                       (v_max, w_max))  # fmt: skip
         return controls
 

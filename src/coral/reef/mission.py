@@ -126,7 +126,12 @@ class Mission:
         drivers: list[LocalPlanner] = [
             PdController(vehicle=cfg.simulator.vehicle)
             if cfg.driver == "pd"
-            else DdpMppi(cfg.controller, cfg.simulator.vehicle, streams[3 * k + 1])
+            else DdpMppi(
+                cfg.controller,
+                cfg.simulator.vehicle,
+                streams[3 * k + 1],
+                control_period_s=cfg.control_period_s,
+            )
             for k in range(cfg.robots)
         ]
         # All that can be refused has been looked at: only now is a folder made.
