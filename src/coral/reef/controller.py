@@ -176,7 +176,7 @@ def shift_matrix(dt: Array, by_s: float) -> Array:
 
 
 class DdpMppi:
-    """Minimise over v, omega the weighted sum of `COSTS` along the rollout, subject to clearance >= margin at every step.
+    """Minimise over (v, omega) the weighted sum of `COSTS` on a rollout, subject to clearance >= margin at each step.
 
     The commands are constant on the intervals of Eq. 10. Each tick samples K sequences, rolls them out over the
     vehicle's dynamics, drops those that collide, and takes the mean of the others with weights softmax(-cost / lambda).
