@@ -7,7 +7,8 @@ import pytest
 
 from coral.contact.control.controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
-from coral.contact.experts.push import DOWN, SOFT_N_M, ahead_of, behind, fsm, recent
+from coral.contact.experts.abreast import DOWN
+from coral.contact.experts.push import SOFT_N_M, ahead_of, behind, fsm, recent
 from coral.contact.scene.geometry import angle_between
 from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.trial import prior_beliefs, sample_trial

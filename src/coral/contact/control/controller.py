@@ -76,7 +76,7 @@ class ControllerCfg:
 
 @dataclass(frozen=True)
 class HandPlan:
-    """What came of one plan.
+    """One plan and what its rehearsals expect.
 
     Args:
         targets: One for each control step of the horizon.
@@ -107,10 +107,13 @@ class HandPlan:
 
 
 class Controller:
-    """Keeps a plan over poses of the hand.
+    """Minimise over hand targets u the risk over beliefs of phi(x_H) + mean_t l(x_t), subject to bounds on u.
 
-    Knots hold a position in the world, a rotation vector about the present target's orientation, and an opening, so
-    that the sampler works on plain vectors and no orientation is singular.
+    l is the stage's cost and phi its value at the last state (Eq. 4); x follows from u by rehearsals in the planning
+    world, contacts included. u starts at the present target, moves no faster than `speed_m_s`, `turn_rad_s` and
+    `opening_m_s`, and stays in the workspace and within the arm's reach. MPPI over knots of u solves it: a knot holds
+    a position in the world, a rotation vector about the present target's orientation, and an opening, so that the
+    sampler works on plain vectors and no orientation is singular.
     """
 
     def __init__(self, world: PlanningWorld, cfg: ControllerCfg, rng: np.random.Generator) -> None:
@@ -124,7 +127,7 @@ class Controller:
         self._centre: Array | None = None
 
     def restart(self, now: Observation) -> None:
-        """Forget the plan: stay where the hand is."""
+        """Reset the plan to standing still where the hand is."""
         self._target = HandTarget(
             now.tool.position.copy(), now.tool.quaternion.copy(), now.opening_m, self.world.cfg.hand.stiffness_n_m
         )
@@ -190,7 +193,7 @@ class Controller:
         )
 
     def executed(self, target: HandTarget, steps: int) -> None:
-        """Say what was commanded last and how many steps of the plan have passed."""
+        """Take note of the last command, and shift the plan by the steps that were executed."""
         self._target = target
         self.mppi.advance(steps * self.world.cfg.step_s, self.span_s)
 

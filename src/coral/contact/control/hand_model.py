@@ -31,7 +31,8 @@ class HandCfg:
         stiffness_n_m: Translational stiffness when nothing else is asked for.
         lever_m2: Rotational stiffness in N m/rad for each N/m of translational stiffness.
         damping_ratio: 1 is critical.
-        force_limit_n, torque_limit_n_m: Bounds of the impedance along each axis.
+        axis_force_limit_n, axis_torque_limit_n_m: Bounds of the impedance along each axis; `reactive.force_limit_n`
+            bounds the whole pull.
         finger_stiffness_n_m, finger_force_n: Of each finger (the Panda's gripper holds with about 20 N).
     """
 
@@ -40,8 +41,8 @@ class HandCfg:
     stiffness_n_m: Positive = 600.0
     lever_m2: Positive = 0.05
     damping_ratio: Positive = 1.0
-    force_limit_n: Positive = 60.0
-    torque_limit_n_m: Positive = 10.0
+    axis_force_limit_n: Positive = 60.0
+    axis_torque_limit_n_m: Positive = 10.0
     finger_stiffness_n_m: Positive = 1000.0
     finger_force_n: Positive = 20.0
 
@@ -114,7 +115,7 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
             name=f"pull_{axis}", trntype=mujoco.mjtTrn.mjTRN_SITE, target="tool", refsite="target", gear=np.eye(6)[axis]
         )
         pull.biastype = mujoco.mjtBias.mjBIAS_AFFINE
-        limit = cfg.force_limit_n if axis < 3 else cfg.torque_limit_n_m
+        limit = cfg.axis_force_limit_n if axis < 3 else cfg.axis_torque_limit_n_m
         pull.forcerange, pull.forcelimited = [-limit, limit], True
     for body in ("left", "right"):
         spec.add_exclude(bodyname1="hand", bodyname2=body)

@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
+from coral.contact.experts.abreast import ABREAST_M, PAD_M, on_box, palm_down
 from coral.contact.experts.terms import axis, dot, near, norm
-from coral.contact.experts.wall import ABREAST_M, PAD_M, on_box
-from coral.contact.scene.geometry import from_rotvec, multiply, rotation_of
+from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
-DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 HIGH = 0.75
 """Where to push, -1 at the bottom to 1 at the top: as high as leaves the fingertip some face below the upper edge."""
 
@@ -39,8 +38,7 @@ def behind(state: Context, name: str, gap_m: float = 0.0) -> Array:
 
 def facing(state: Context, name: str) -> Array:
     """Orientation for that: palm down, fingers abreast of the broad side, Shape=(4,)."""
-    toward = ahead(state, name)[0, 0]
-    return np.asarray(multiply(from_rotvec([0, 0, float(np.arctan2(toward[1], toward[0]))]), DOWN))
+    return palm_down(ahead(state, name)[0, 0])
 
 
 def _squareness(state: Context, name: str) -> Array:

@@ -13,13 +13,11 @@ from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
+from coral.contact.experts.abreast import ABREAST_M, PAD_M, facing, reach_terms
 from coral.contact.experts.terms import axis, dot, level, near, norm
-from coral.contact.experts.wall import ABREAST_M, PAD_M
-from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
-DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 PACE_M_S = 0.035
 """20 cm in 6 s; the spring's damping adds 2 N at this pace."""
 SOFT_N_M = 150.0
@@ -92,11 +90,6 @@ def ahead_of(now: Context, name: str) -> Array:
     top = now[f"{name}_pos"][0, 0, 2] + now[f"{name}_size"][0, 0, 2] / 2
     from_here = np.array([*now.ee_pos[0, 0, :2], min(now.ee_pos[0, 0, 2], top - 0.01)])
     return np.asarray(from_here + np.array([[0.04], [0.065], [0.09]]) * way / max(float(np.linalg.norm(way)), 1e-6))
-
-
-def _facing(state: Context, name: str) -> Array:
-    ahead = axis(state[f"{name}_quat"], "x")[0, 0]
-    return np.asarray(multiply(from_rotvec([0, 0, float(np.arctan2(ahead[1], ahead[0]))]), DOWN))
 
 
 def recent(values: Array) -> Array:
@@ -175,7 +168,7 @@ def single(task: Task) -> Strategy:
             Stage(
                 "push",
                 cost,
-                (Guide(onward, lambda now: _facing(now, name), ABREAST_M),),
+                (Guide(onward, lambda now: facing(now, name), ABREAST_M),),
                 stiffness_n_m=SOFT_N_M,
                 sigma=STEADY,
             ),
@@ -188,15 +181,7 @@ def fsm(task: Task) -> Strategy:
     name = task.objects[0].name
 
     def reach(state: Context) -> Terms:
-        off = state.ee_pos - behind(state, name, 0.012)
-        over = np.clip(norm(off[..., :2]) - 0.015, 0, 0.05) / 0.05
-        return {
-            "reach": 12.0 * norm(off),
-            "come from above": 30.0 * over * np.clip(0.1 - state.ee_pos[..., 2], 0, 0.1),
-            "square": 4.0 * square(state, name),
-            "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
-            "leave alone": 0.2 * norm(state[f"{name}_hand_force"]),
-        }
+        return reach_terms(state, name, behind(state, name, 0.012), square(state, name), above_m=0.1)
 
     def push(state: Context) -> Terms:
         way = to_goal(state, name)
@@ -238,9 +223,9 @@ def fsm(task: Task) -> Strategy:
     def short(now: Context) -> bool:
         return bool(norm(to_goal(now, name))[0, 0] > 0.024)
 
-    place = Guide(lambda now: behind(now, name, 0.012)[0], lambda now: _facing(now, name), ABREAST_M)
+    place = Guide(lambda now: behind(now, name, 0.012)[0], lambda now: facing(now, name), ABREAST_M)
     above = Guide(
-        lambda now: behind(now, name, 0.012)[0] + np.array([0, 0, 0.1]), lambda now: _facing(now, name), ABREAST_M
+        lambda now: behind(now, name, 0.012)[0] + np.array([0, 0, 0.1]), lambda now: facing(now, name), ABREAST_M
     )
     return Strategy(
         "push, stages",

@@ -12,17 +12,11 @@ from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
+from coral.contact.experts.abreast import ABREAST_M, DOWN, PAD_M, facing, on_box, reach_terms
 from coral.contact.experts.terms import axis, dot, near, norm
-from coral.contact.scene.geometry import from_rotvec, multiply, rotate
 from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
-DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""Palm down, fingers side by side along the world's y: two fingers abreast hold a pushed face square."""
-PAD_M = 0.010
-"""From the tool to the finger's forward face."""
-ABREAST_M = 0.03
-"""Opening at which the fingers push: wide enough to steer, narrower than the box."""
 
 
 def wall_face(state: Context) -> Array:
@@ -33,13 +27,6 @@ def wall_face(state: Context) -> Array:
 def raised(state: Context, name: str) -> Array:
     """Sine of the angle to which the near end is raised: 0 flat, 1 standing."""
     return -axis(state[f"{name}_quat"], "x")[..., 2]
-
-
-def on_box(state: Context, name: str, along: float, up: float) -> Array:
-    """A point of the box in the world; -1 to 1 over its own length and height."""
-    half = state[f"{name}_size"] / 2
-    local = half * np.array([along, 0.0, up])
-    return np.asarray(state[f"{name}_pos"] + rotate(state[f"{name}_quat"], local))
 
 
 def behind(state: Context, name: str, gap_m: float = 0.0, height_m: float = 0.016) -> Array:
@@ -59,11 +46,6 @@ def square(state: Context, name: str | None = None) -> Array:
     """How far the hand is from palm down with the fingers abreast of the box's near face (or of the wall)."""
     ahead = np.array([1.0, 0.0, 0.0]) if name is None else axis(state[f"{name}_quat"], "x")
     return 1 + axis(state.ee_quat, "z")[..., 2] + 3.0 * np.square(dot(axis(state.ee_quat, "y"), ahead))
-
-
-def _yawed(state: Context, name: str) -> Array:
-    ahead = axis(state[f"{name}_quat"], "x")[0, 0]
-    return np.asarray(multiply(from_rotvec([0, 0, float(np.arctan2(ahead[1], ahead[0]))]), DOWN))
 
 
 def single(task: Task) -> Strategy:
@@ -86,7 +68,7 @@ def single(task: Task) -> Strategy:
 
     return Strategy(
         "flip with wall, single stage",
-        (Stage("flip", cost, (Guide(lambda now: behind(now, name)[0], lambda now: _yawed(now, name), ABREAST_M),)),),
+        (Stage("flip", cost, (Guide(lambda now: behind(now, name)[0], lambda now: facing(now, name), ABREAST_M),)),),
     )
 
 
@@ -95,15 +77,7 @@ def fsm(task: Task) -> Strategy:
     name = task.objects[0].name
 
     def reach(state: Context) -> Terms:
-        off = state.ee_pos - behind(state, name, 0.012)
-        over = np.clip(norm(off[..., :2]) - 0.015, 0, 0.05) / 0.05
-        return {
-            "reach": 12.0 * norm(off),
-            "come from above": 30.0 * over * np.clip(0.09 - state.ee_pos[..., 2], 0, 0.1),
-            "square": 4.0 * square(state, name),
-            "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
-            "leave alone": 0.2 * norm(state[f"{name}_hand_force"]),
-        }
+        return reach_terms(state, name, behind(state, name, 0.012), square(state, name), above_m=0.09)
 
     def gap(state: Context) -> Array:
         return np.clip(wall_face(state) - on_box(state, name, 1.0, 0.0)[..., 0], 0, None)
@@ -168,15 +142,15 @@ def fsm(task: Task) -> Strategy:
                 "reach",
                 reach,
                 (
-                    Guide(lambda now: behind(now, name, 0.012)[0], lambda now: _yawed(now, name), ABREAST_M),
-                    Guide(lambda now: behind(now, name, 0.012, 0.1)[0], lambda now: _yawed(now, name), ABREAST_M),
+                    Guide(lambda now: behind(now, name, 0.012)[0], lambda now: facing(now, name), ABREAST_M),
+                    Guide(lambda now: behind(now, name, 0.012, 0.1)[0], lambda now: facing(now, name), ABREAST_M),
                 ),
                 until=in_place,
             ),
             Stage(
                 "push",
                 push,
-                (Guide(lambda now: behind(now, name, -0.02)[0], lambda now: _yawed(now, name), ABREAST_M),),
+                (Guide(lambda now: behind(now, name, -0.02)[0], lambda now: facing(now, name), ABREAST_M),),
                 until=at_wall,
                 back=("reach", lost),
                 sigma=0.6,
