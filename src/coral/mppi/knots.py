@@ -20,7 +20,7 @@ Evaluate = Callable[[Array], Array]
 
 @dataclass(frozen=True, kw_only=True)
 class KnotMppiCfg:
-    """The paper's sampler, with knots.
+    """The sampler of the CoRAL paper, over knots.
 
     Args:
         samples: K (paper, section 4).
@@ -47,7 +47,7 @@ class KnotMppiCfg:
 
 @dataclass(frozen=True)
 class Update:
-    """One plan.
+    """The result of one update.
 
     Args:
         knots: Shape=(n, nu), the weighted mean.

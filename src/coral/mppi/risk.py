@@ -1,4 +1,4 @@
-"""One cost for a sequence that was rolled out under several beliefs."""
+"""Risk: one cost for a control sequence that was rolled out under several beliefs."""
 
 from __future__ import annotations
 

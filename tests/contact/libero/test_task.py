@@ -73,7 +73,7 @@ def test_success_is_the_origin_in_the_region(installed, place, holds):
     pose = trial.objects["can"].pose
     bodies = {"can": BodyState(np.array(place), pose.quaternion), "slab": trial.objects["slab"].pose}
     (condition,) = trial.task.success.conditions
-    assert condition.watch(trial)(Truth(0.0, pose, 0.08, bodies, ())) is holds
+    assert condition.monitor(trial)(Truth(0.0, pose, 0.08, bodies, ())) is holds
 
 
 def test_mass_and_friction_spread_about_the_model(installed):

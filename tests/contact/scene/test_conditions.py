@@ -11,7 +11,7 @@ UP = (0, 0, 0.16)
 
 def watch(drawn_changes=None, **condition):
     trial = make_trial(condition, **(drawn_changes or {}))
-    return trial.task.success.conditions[0].watch(trial)
+    return trial.task.success.conditions[0].monitor(trial)
 
 
 def shown(judge, *states):
@@ -244,7 +244,7 @@ def test_force_is_the_hands_net_force_and_not_the_squeeze():
 def test_force_of_a_hand_that_comes_second_by_name():
     box = plain()["objects"][0] | {"name": "tin"}
     trial = make_trial({"kind": "steady-force", "newtons": 5, "object": "tin", "for_s": 0.1}, objects=[box])
-    judge = trial.task.success.conditions[0].watch(trial)
+    judge = trial.task.success.conditions[0].monitor(trial)
     moving = body(velocity=(0.05, 0, 0))
     said = [
         judge(truth(0.02 * k, None, touch("right", "tin", (3, 0, 0)), touch("tin", "hand", (-2, 0, 0)), tin=moving))

@@ -1,4 +1,4 @@
-"""MPPI in the planning world: which pose the hand is pulled to, replanned at every control step (Eqs. 4-6)."""
+"""MPPI over targets of the hand, rehearsed in the planning world (Eqs. 4-6)."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class ControllerCfg:
     risk: RiskCfg = field(default_factory=RiskCfg)
 
     def __post_init__(self) -> None:
-        """The corners make a box."""
+        """Check that the corners make a box."""
         if any(low >= high for low, high in zip(self.workspace_low_m, self.workspace_high_m, strict=True)):
             raise InputError(
                 "--cfg",
@@ -204,7 +204,7 @@ class Controller:
         return np.asarray(total.mean(axis=1) + self.cfg.terminal * total[:, -1])
 
     def _bounded_start(self, now: Observation, target: HandTarget) -> HandTarget:
-        """The present target, no further ahead of the hand than allowed."""
+        """The present target, clipped to the allowed lead over the hand."""
         ahead = target.position - now.tool.position
         length = float(np.linalg.norm(ahead))
         position = now.tool.position + ahead * min(1.0, self.cfg.lead_m / max(length, 1e-9))
@@ -221,7 +221,7 @@ class Controller:
         self._centre = start.quaternion
 
     def _bound(self, knots: Array, start: HandTarget) -> Array:
-        """Begin at the present target, and move no faster than allowed, within the workspace."""
+        """Start knots at the present target and clip them to the speeds, the workspace and the reach."""
         cfg = self.cfg
         knots = knots.copy()
         before = np.tile(np.concatenate([start.position, np.zeros(3), [start.opening_m]]), (len(knots), 1))
@@ -244,7 +244,7 @@ class Controller:
         return knots
 
     def _within_reach(self, knots: Array, centre: Array) -> Array:
-        """Positions, Shape=(K, 3), with those drawn in at which the wrist would be out of the arm's reach."""
+        """Positions, Shape=(K, 3), pulled back where the wrist would be out of the arm's reach."""
         shoulder, reach = np.asarray(self.cfg.shoulder_m), self.cfg.reach_m
         wrist = knots[:, :3] - FLANGE_TO_TOOL_M * column_of(multiply(centre, from_rotvec(knots[:, 3:6])), 2)
         away = wrist - shoulder
@@ -252,7 +252,7 @@ class Controller:
         return np.where(far > reach, knots[:, :3] - away * (1 - reach / np.maximum(far, reach)), knots[:, :3])
 
     def _towards(self, sampled: Array, start: HandTarget, aims: list[tuple[Guide, Array, Array | None]]) -> Array:
-        """Turn the last samples into motions towards points of contact, at a random pace, with half the noise kept."""
+        """Replace the last samples by motions towards points of contact, at a random pace, with half of the noise."""
         chosen = range(len(sampled) - int(self.cfg.guided * len(sampled)), len(sampled))
         times = np.linspace(0.0, 1.0, sampled.shape[1])
         noises = 0.5 * (sampled - self.mppi.knots)

@@ -1,4 +1,4 @@
-"""A free-flying two-finger hand with the geometry of the Panda's, pulled to its target by a Cartesian impedance.
+"""A floating two-finger hand with the Panda's geometry, driven by a Cartesian impedance.
 
 The impedance is six actuators between the tool and a mocap body, the target: force = -K e - D v with the exact pose
 error, so nothing is singular below half a turn. The tool frame: z out of the palm, y along the opening.
@@ -123,7 +123,7 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
 
 
 def set_stiffness(model: mujoco.MjModel, cfg: HandCfg, stiffness_n_m: float) -> None:
-    """Make the impedance as stiff as asked, critically damped for the hand's apparent inertia."""
+    """Set the stiffness of the impedance, critically damped for the hand's apparent inertia."""
     for axis in range(6):
         pull = model.actuator(f"pull_{axis}").id
         gain = stiffness_n_m if axis < 3 else stiffness_n_m * cfg.lever_m2

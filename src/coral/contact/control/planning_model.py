@@ -1,4 +1,4 @@
-"""The reduced MuJoCo model of a scene as someone believes it to be: coarse steps, cheap contacts, sensors of touch."""
+"""The reduced MuJoCo model of a believed scene: coarse steps, cheap contacts, contact sensors."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SWING_RAD = 0.8
 
 
 def build_model(trial: Trial, hand: HandCfg, physics_dt_s: float, endless: bool = False) -> mujoco.MjModel:
-    """The reduced model, as stiff as the hand is when nothing else is asked for.
+    """Compile the reduced model with the hand's default stiffness.
 
     Args:
         trial: The trial as it is believed to be.
@@ -94,7 +94,7 @@ def _add_sensors(spec: mujoco.MjSpec, trial: Trial) -> None:
 
 
 class Index:
-    """Where things lie in the state and the sensor vectors."""
+    """Indices into the state and the sensor vectors."""
 
     def __init__(self, model: mujoco.MjModel, names: Sequence[str]) -> None:
         self.nq, self.nv = model.nq, model.nv

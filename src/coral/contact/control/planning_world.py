@@ -1,7 +1,7 @@
 """The planning world: a reduced model of hand and scene, built from beliefs, in which action sequences are rehearsed.
 
-It is MuJoCo with the floating hand of `hand.py`, coarse steps and cheap contacts, rolled out in a batch on all cores by
-`mujoco.rollout`. Contacts are read by sensors, as a rollout has no other way out.
+It is MuJoCo with the floating hand of `hand_model.py`, coarse steps and cheap contacts, rolled out in a batch on all
+cores by `mujoco.rollout`. Contacts are read by sensors, as a rollout has no other way out.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ SANE_SPEED_M_S = 8.0
 
 @dataclass(frozen=True, kw_only=True)
 class PlanningCfg:
-    """How coarse the rehearsal is.
+    """Time steps and approximations of rehearsals.
 
     Args:
         step_s: One control step of the plan.
@@ -67,7 +67,7 @@ class PlanningCfg:
 
 @dataclass(frozen=True)
 class ControlSequences:
-    """What a batch of rehearsals does, one row for each control step.
+    """Hand targets of a batch of rehearsals, one for each control step.
 
     Args:
         position: Shape=(K, H, 3) m, target of the tool.
@@ -83,7 +83,7 @@ class ControlSequences:
 
 
 class PlanningWorld:
-    """A belief about the scene in which action sequences can be tried.
+    """A simulation of the scene under believed parameters, in which control sequences are rolled out.
 
     Args:
         trial: The trial; its sizes and shapes are known, its masses and frictions are replaced by `beliefs`.

@@ -1,4 +1,4 @@
-"""What a cost for one task can read beyond the hand: its names, and the values that stay the same in a rehearsal."""
+"""Quantities of one task: the names that its costs may read, and the values that are constant in a rollout."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 def constants(
     trial: Trial, start: Observation, beliefs: Sequence[Mapping[str, PhysicalParameters]], total: int
 ) -> dict[str, Array]:
-    """What does not change in a rollout: sizes, beliefs, first poses, places and numbers of the task."""
+    """Values that are constant in a rollout: sizes, beliefs, initial poses, places and numbers of the task."""
     task = trial.task
     found: dict[str, Array] = {}
     for item in task.objects:
@@ -45,7 +45,7 @@ def constants(
 
 
 def task_schema_of(task: Task) -> dict[str, Quantity]:
-    """What a cost for this task can read."""
+    """Names and units of everything that a cost for this task may read."""
     schema = dict(HAND)
     for item in task.objects:
         others = [other.name for other in task.objects if other.name != item.name]

@@ -1,4 +1,4 @@
-"""Batched rollouts in MuJoCo on several threads; what rests sleeps until something touches it.
+"""Batched MuJoCo rollouts on several threads; resting objects sleep until something touches them.
 
 A sleeping object costs nearly nothing, and goes on as if it had been awake when it is touched. But what is asleep is no
 part of MuJoCo's state, and what one rollout wakes would be awake in the next one on that thread. So every rollout
@@ -82,7 +82,7 @@ def _for_a_moment(model: mujoco.MjModel) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Rolled:
-    """What came of a batch.
+    """Results of a batch of rollouts.
 
     Args:
         states: Shape=(N, T, S), full physics states.
@@ -100,7 +100,7 @@ Mend = Callable[[Array, Array], NDArray[np.bool_]]
 
 
 class Rollouts:
-    """Threads that roll out.
+    """A pool of threads that roll out batches.
 
     Args:
         threads: 0 takes every core.
@@ -169,19 +169,19 @@ class Rollouts:
         return found
 
     def _own(self, model: mujoco.MjModel) -> list[mujoco.MjData]:
-        """The threads' data for models of this make."""
+        """The threads' MjData for models of this structure."""
         if model.signature not in self._datas:
             self._datas[model.signature] = [mujoco.MjData(model) for _ in range(self._threads)]
         return self._datas[model.signature]
 
 
 def _by_columns(*shape: int) -> Array:
-    """An empty array whose columns lie together, as costs read them."""
+    """An empty array in column-major order, as costs read it."""
     return np.moveaxis(np.empty((shape[-1], *shape[:-1])), 0, -1)
 
 
 def _parts(total: int, threads: int) -> list[slice]:
-    """Ever smaller parts of the whole, so that no thread waits long for another's last one."""
+    """Slices of decreasing size, so that no thread waits long for another's last one."""
     found: list[slice] = []
     begin = 0
     while begin < total:

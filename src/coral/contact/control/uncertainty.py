@@ -1,4 +1,4 @@
-"""Beliefs around a belief: what else masses and frictions may be, for plans that have to hold for all of them."""
+"""Samples of the belief about masses and frictions, for plans that must hold under all of them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from coral.contact.scene.trial import PhysicalParameters
 
 @dataclass(frozen=True, kw_only=True)
 class UncertaintyCfg:
-    """How many beliefs a plan is rehearsed under, and how far apart they are.
+    """How many sampled beliefs a plan is rehearsed under, and their spread.
 
     Args:
         sets: Beliefs: what is believed, and others drawn around it. Each costs as many rehearsals again. 1: the belief
@@ -30,12 +30,12 @@ class UncertaintyCfg:
 def sample_beliefs(
     belief: Mapping[str, PhysicalParameters], cfg: UncertaintyCfg, rng: np.random.Generator
 ) -> list[Mapping[str, PhysicalParameters]]:
-    """The belief, and others that are drawn around it: every mass and friction by itself, log-normal.
+    """The belief itself, then samples around it: each mass and friction log-normal, independently.
 
     Args:
         belief: What is believed of each object.
         cfg: How many, how far.
-        rng: Draws them.
+        rng: Of the samples.
     """
 
     def other(one: PhysicalParameters) -> PhysicalParameters:

@@ -45,7 +45,7 @@ Schema = Mapping[str, Quantity]
 
 
 class Lazy(Mapping[str, Array]):
-    """Values that are made when they are first read: a cost reads a few of the dozens of names that it may."""
+    """Values computed at their first read: a cost reads only a few of the names that it may."""
 
     def __init__(self, makers: Mapping[str, Callable[[], Array]]) -> None:
         self._makers = makers

@@ -1,4 +1,4 @@
-"""What the planner is to do, stage by stage: a cost, where to touch, how stiff to be, and when the stage is over."""
+"""A strategy is a list of stages: a cost, where to touch, how stiff to be, and when the stage is over."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Test = Callable[[Context], bool]
 
 @dataclass(frozen=True)
 class Guide:
-    """Points towards which some of the samples are drawn (Eq. 3's candidates, or any others).
+    """Points that some of the samples head for (the candidates of Eq. 3, or any others).
 
     Args:
         points: From the state now, Shape=(n, 3) m in the world for the tool to reach.
@@ -68,18 +68,18 @@ class Strategy:
 
 
 class Progress:
-    """Which stage of a strategy is on."""
+    """The active stage of a strategy."""
 
     def __init__(self, strategy: Strategy) -> None:
         self.strategy, self.index = strategy, 0
 
     @property
     def stage(self) -> Stage:
-        """The stage that is on."""
+        """The active stage."""
         return self.strategy.stages[self.index]
 
     def update(self, now: Context) -> bool:
-        """Look at the state now, a batch of one; true when the stage changed."""
+        """Update the active stage from the present state, a batch of one; true when it changed."""
         stage = self.stage
         if stage.back is not None and stage.back[1](now):
             self.index = self.strategy.stage(stage.back[0])

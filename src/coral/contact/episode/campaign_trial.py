@@ -1,4 +1,4 @@
-"""One episode as a campaign runs it: no report, everything that the tables need returned."""
+"""One episode of a campaign: no report; returns everything that the tables need."""
 
 from __future__ import annotations
 

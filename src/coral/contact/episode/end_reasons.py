@@ -1,4 +1,4 @@
-"""Why episodes end."""
+"""End reasons of episodes."""
 
 from __future__ import annotations
 

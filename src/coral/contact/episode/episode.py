@@ -1,4 +1,4 @@
-"""One contact episode, end to end: a trial of a task, a world to judge it in and a mind, in; a run folder out."""
+"""One contact episode: runs a strategist and the planner on a trial in a world, and writes a run folder."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class EpisodeObserver(Protocol):
 
 
 class Episode:
-    """Couples a world with the planner and writes what happens.
+    """Couples an evaluation world with the planner and records what happens.
 
     Args:
         trial: The trial.
@@ -104,7 +104,7 @@ class Episode:
 
     @property
     def stage(self) -> str:
-        """Name of the stage that is on."""
+        """Name of the active stage."""
         return self.progress.stage.name
 
     def run(self, observers: Sequence[EpisodeObserver] = ()) -> dict[str, Any]:
@@ -312,17 +312,17 @@ class Episode:
         )
 
     def _tell_tracks(self) -> None:
-        """Report objects that were lost or found again."""
+        """Emit events for objects that the tracker lost or found again."""
         for fields in self.tracked.news() if self.tracked is not None else ():
             self.emit("track", **fields)
 
     def _off(self, truth: Truth) -> Mapping[str, PoseDifference] | None:
-        """How far tracked poses are from the truth: for the record, and seen by nobody who decides."""
+        """Error of the tracked poses: for the record, never for a decision."""
         seen = self.tracked or self.guessed
         return None if seen is None else seen.compare(self.now, truth)
 
     def _follow(self, strategy: Strategy) -> None:
-        """Begin a strategy."""
+        """Start a strategy at its first stage."""
         self.progress = Progress(strategy)
         self.reactive.reset()
         self.emit(
@@ -370,7 +370,7 @@ class Episode:
 
 
 def as_perceived(trial: Trial, now: Observation) -> Trial:
-    """The trial as the robot knows it at first: seen poses, and masses and frictions in the middle of their ranges."""
+    """The trial as the robot perceives it: estimated poses, prior masses and frictions."""
     held = with_beliefs(trial, prior_beliefs(trial))
     return dataclasses.replace(
         held, objects={name: dataclasses.replace(item, pose=now.objects[name]) for name, item in held.objects.items()}
@@ -378,7 +378,7 @@ def as_perceived(trial: Trial, now: Observation) -> Trial:
 
 
 def _number(value: float) -> float | None:
-    """A number for JSON; None for a cost that is none."""
+    """A number for JSON; None where it is not finite."""
     return round(value, 5) if np.isfinite(value) else None
 
 

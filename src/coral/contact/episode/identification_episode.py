@@ -1,4 +1,4 @@
-"""Mass and friction of an object found while a task is done with it, from a belief that is far off (Fig. 4).
+"""An episode that identifies an object's mass and friction while it does a task, from a wrong belief (Fig. 4).
 
 Nothing is done for the sake of knowing: the object is pushed, pinched and lifted as the task wants it, and what was
 felt so far is replayed at intervals.
@@ -21,7 +21,7 @@ from coral.contact.thinker.think_cfg import within
 
 @dataclasses.dataclass(frozen=True)
 class Found:
-    """What an episode told.
+    """Beliefs about the object over the episode.
 
     Args:
         corrections: Events `correction` with their time `t`, of those that had something to replay.
@@ -44,7 +44,7 @@ def probe_episode(
     world: str = "panda",
     observer: EpisodeObserver | None = None,
 ) -> Found:
-    """Do a task and correct what is believed meanwhile.
+    """Run a task and correct the belief meanwhile.
 
     Args:
         trial: The trial; everything but the object's true parameters is taken from it.

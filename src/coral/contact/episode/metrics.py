@@ -1,4 +1,4 @@
-"""The metrics of a contact episode, computed from its run folder alone, so that anyone can compute them again."""
+"""Metrics of a contact episode, computed from its run folder alone."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
 
 
 def _tracked(row: Mapping[str, str], ending: str) -> list[float]:
-    """What is known of tracked poses in a row; they are empty, or nan, where none are tracked."""
+    """Tracking errors in a row of the trajectory; none where nothing was tracked."""
     return [float(row[name]) for name in row if name.endswith(ending) and row[name] not in ("", "nan")]
 
 

@@ -1,4 +1,4 @@
-"""One contact episode driven by a served policy: the same trial, world, judge, limits and run folder, no planner."""
+"""One contact episode driven by a served policy: same trial, world, judge, limits and run folder, no planner."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Observer(Protocol):
 
 
 class PolicyEpisode:
-    """Couples a world with a policy and writes what happens.
+    """Couples an evaluation world with a policy and records what happens.
 
     The world stands still while the policy thinks, as in LIBERO.
 

@@ -1,4 +1,4 @@
-"""A served policy from connection to metrics: for one run, and for a campaign."""
+"""Runs a served policy, from the connection to the metrics."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 @dataclass(frozen=True, kw_only=True)
 class EpisodeRecordCfg:
-    """What a run folder holds beyond its logs.
+    """Optional contents of a run folder.
 
     Args:
         states: Keep the simulator's joint positions at intervals; the report's pictures and the video need them.
@@ -112,7 +112,7 @@ class EpisodeRecorder:
         self._writer.row(*(value if isinstance(value, str) else float(value) for value in values))
 
     def state(self, step: int, t: float, world: Any, last: bool = False) -> None:
-        """Joint positions of a world that is simulated by MuJoCo, when it is time; nothing of another."""
+        """Record the joint positions of a simulated world, at the configured rate."""
         data = getattr(world, "data", None)
         if not self._cfg.states or data is None or (t < self._due - 1e-9 and not last):
             return
@@ -124,7 +124,7 @@ class EpisodeRecorder:
         self._states.write(",".join([str(step), f"{t:.6g}", *(f"{value:.6g}" for value in data.qpos)]) + "\n")
 
     def contacts(self, step: int, truth: Truth) -> None:
-        """Tell of contacts that have begun or ended."""
+        """Emit events for contacts that have begun or ended."""
         for t, event, fields in self._contacts.update(truth):
             self._writer.event(step, t, event, **fields)
 
@@ -175,7 +175,7 @@ class ContactLog:
         return said
 
     def finish(self) -> list[tuple[float, str, dict[str, Any]]]:
-        """The contacts that are still on, ended."""
+        """End the contacts that are still active."""
         said = [(touch.seen_s, "contact_end", _ended(pair, touch)) for pair, touch in self._on.items()]
         self._on.clear()
         return said

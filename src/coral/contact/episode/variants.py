@@ -29,13 +29,13 @@ from coral.errors import InputError, nearest
 
 
 def contact_model() -> ModelCfg:
-    """How a real model is called here: it writes programs, and simulated time does not pass while it does."""
+    """Defaults for calling a real model: it writes programs, so it gets more time and tokens than in reef."""
     return ModelCfg(attempt_timeout_s=120.0, deadline_s=180.0, max_output_tokens=16_384)
 
 
 @dataclass(frozen=True, kw_only=True)
 class AdvisorSetup:
-    """Who is asked, and what goes with it.
+    """The advisor of an episode and what it needs.
 
     Args:
         advisor: As on the command line.
@@ -75,7 +75,7 @@ def _thinking(
     unified: bool = False,
     tracking: bool = True,
 ) -> Make:
-    """A variant that asks, with what is switched off in it."""
+    """A variant that asks an advisor, with parts of the method disabled."""
 
     def make(task: Task, asking: AdvisorSetup) -> Strategist:
         memory = Memory(asking.memory) if asking.memory is not None and remember else None
@@ -123,7 +123,7 @@ def _thinking(
 
 
 def _logging(folder: Path | None) -> Callable[[Attempt], None] | None:
-    """Into the run folder, which exists by the time that something is asked."""
+    """A logger into the run folder, opened at the first question."""
     if folder is None:
         return None
     recorders: list[AttemptRecorder] = []
@@ -149,15 +149,15 @@ VARIANTS: dict[str, Make] = {
     "unified": _thinking("unified", remember=False, unified=True),
     "no-tracking": _thinking("no-tracking", tracking=False),
 }
-"""Who decides in each variant."""
+"""How each variant makes its strategist."""
 ALONE = ("expert", "expert-fsm")
-"""Variants that ask no advisor."""
+"""Variants without an advisor."""
 REMEMBERING = ("full", "no-refinement", "no-regions", "no-tracking")
 """Variants that look into the experience memory; all but `no-regions` add to it."""
 
 
 def make_strategist(variant: str, task: Task, asking: AdvisorSetup | None = None) -> Strategist:
-    """Who decides in a variant.
+    """Make the strategist of a variant.
 
     Raises:
         InputError: There is no such variant, or it has nothing for this task.
@@ -167,7 +167,7 @@ def make_strategist(variant: str, task: Task, asking: AdvisorSetup | None = None
 
 
 def check_variant(variant: str, where: str = "--variant") -> None:
-    """See that a variant exists.
+    """Check that a variant exists.
 
     Raises:
         InputError: It does not.

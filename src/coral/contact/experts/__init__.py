@@ -33,7 +33,7 @@ _FSM = {
 
 
 def expert(task: Task, kind: Kind) -> Strategy:
-    """The hand-written strategy of a shipped task; every task to pick, or to pick and place, is served by theirs.
+    """The hand-written strategy of a task. Tasks to pick, or to pick and place, share theirs.
 
     Raises:
         InputError: Nobody has written one for this task.
@@ -60,7 +60,7 @@ def expert(task: Task, kind: Kind) -> Strategy:
 
 
 def _try_out(strategy: Strategy, task: Task) -> None:
-    """Read once whatever the strategy reads: a file with a shipped task's name may lack what the shipped one has."""
+    """Evaluate the strategy once: a file with a shipped task's name may lack what the shipped one has."""
     anywhere = {
         name: np.ones((1, 1, *([found.size] if found.size else []))) for name, found in task_schema_of(task).items()
     }

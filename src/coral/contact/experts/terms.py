@@ -1,4 +1,4 @@
-"""Words for writing costs: small functions of batched quantities, in the terms in which an expert thinks."""
+"""Building blocks of hand-written costs: small functions of batched quantities."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def axis(quaternion: Array, name: str) -> Array:
 
 
 def near(distance: Array, scale: float) -> Array:
-    """1 where a distance is nothing, falling to 0 over a few scales: the gate of a bonus."""
+    """exp(-(distance / scale)^2): 1 at distance 0, the gate of a bonus."""
     return np.asarray(np.exp(-np.square(distance / scale)))
 
 

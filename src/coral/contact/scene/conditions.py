@@ -1,12 +1,13 @@
-"""What a task asks for: conditions on the world as it is, each with an unbroken or a remembered history.
+"""Success conditions of a task, evaluated on the true state of the world.
 
-A condition is a value from the task file; `watch` makes the judge of one episode, which is shown every control step.
+A condition is a value from the task file. Its `monitor` is evaluated at every control step of one episode, and may keep
+a history.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, Union
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -26,12 +27,15 @@ Metre = Annotated[float, Field(ge=-10, le=10, strict=True)]
 AXES = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
 
 
-class _Condition(BaseModel):
+class BaseCondition(BaseModel):
+    """One condition. A subclass with a `kind` of its own is a new kind that task files may name; nothing else lists them."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
     object: str
+    kind: str
 
     def check(self, task: Task, where: str, field: str) -> None:
-        """See that everything named exists.
+        """Check that everything named exists.
 
         Args:
             task: Whose condition it is.
@@ -51,8 +55,8 @@ class _Condition(BaseModel):
             others = [name for name in (*task.things, *objects) if name != self.object]
             _known(thing, others, where, f"{field}.thing")
 
-    def watch(self, trial: Trial) -> Monitor:
-        """The judge of one episode."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """A function of the true state, called at every control step: whether the condition holds."""
         raise NotImplementedError
 
 
@@ -66,14 +70,14 @@ def _touching(truth: Truth, first: str, second: str) -> bool:
     return any({contact.first, contact.second} == pair for contact in truth.contacts)
 
 
-class Lifted(_Condition):
+class Lifted(BaseCondition):
     """The lowest point of the object is `height_m` above the table, and nothing but the hand touches it."""
 
     kind: Literal["lifted"] = "lifted"
     height_m: float = Field(gt=0, le=1, strict=True)
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
 
         def holds(truth: Truth) -> bool:
             held_up = {"hand", "left", "right"}
@@ -87,27 +91,27 @@ class Lifted(_Condition):
         return holds
 
 
-class Grasped(_Condition):
+class Grasped(BaseCondition):
     """Both fingers touch the object."""
 
     kind: Literal["grasped"] = "grasped"
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
         return lambda truth: all(_touching(truth, self.object, finger) for finger in ("left", "right"))
 
 
-class Released(_Condition):
+class Released(BaseCondition):
     """No part of the hand touches the object."""
 
     kind: Literal["released"] = "released"
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
         return lambda truth: not any(_touching(truth, self.object, part) for part in ("hand", "left", "right"))
 
 
-class At(_Condition):
+class At(BaseCondition):
     """The object's centre, or a named point on it, is within `tolerance_m` of a place."""
 
     kind: Literal["at"] = "at"
@@ -117,13 +121,13 @@ class At(_Condition):
     axes: Literal["xy", "xyz", "x", "y", "z"] = "xy"
 
     def check(self, task: Task, where: str, field: str) -> None:
-        """See `_Condition.check`."""
+        """See `BaseCondition.check`."""
         super().check(task, where, field)
         if self.point is not None:
             _known(self.point, list(task.object(self.object).points), where, f"{field}.point")
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
         goal = np.asarray(trial.task.places[self.place])
         kept = ["xyz".index(axis) for axis in self.axes]
 
@@ -135,7 +139,7 @@ class At(_Condition):
         return holds
 
 
-class Inside(_Condition):
+class Inside(BaseCondition):
     """The origin of the object's frame lies in the upright box from `low` to `high` (m, world frame)."""
 
     kind: Literal["inside"] = "inside"
@@ -143,13 +147,13 @@ class Inside(_Condition):
     high: tuple[Metre, Metre, Metre]
 
     def check(self, task: Task, where: str, field: str) -> None:
-        """See `_Condition.check`."""
+        """See `BaseCondition.check`."""
         super().check(task, where, field)
         if any(low >= high for low, high in zip(self.low, self.high, strict=True)):
             raise InputError(where, f"{field}.low", list(self.low), f"all below high, {list(self.high)}")
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
         low, high = np.asarray(self.low), np.asarray(self.high)
 
         def holds(truth: Truth) -> bool:
@@ -159,14 +163,14 @@ class Inside(_Condition):
         return holds
 
 
-class Resting(_Condition):
+class Resting(BaseCondition):
     """The object lies on `thing`, moving slower than 2 cm/s and 0.3 rad/s."""
 
     kind: Literal["resting"] = "resting"
     thing: str = "table"
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
 
         def holds(truth: Truth) -> bool:
             return _touching(truth, self.object, self.thing) and _slow(truth.objects[self.object])
@@ -178,7 +182,7 @@ def _slow(body: BodyState) -> bool:
     return bool(np.linalg.norm(body.velocity) < 0.02 and np.linalg.norm(body.angular_velocity) < 0.3)
 
 
-class Flipped(_Condition):
+class Flipped(BaseCondition):
     """The object's `axis` is turned by `degrees` from where it pointed at first, within `tolerance_deg`."""
 
     kind: Literal["flipped"] = "flipped"
@@ -186,8 +190,8 @@ class Flipped(_Condition):
     degrees: float = Field(default=90, ge=0, le=180, strict=True)
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
         before = rotate(trial.objects[self.object].pose.quaternion, AXES[self.axis])
 
         def holds(truth: Truth) -> bool:
@@ -197,18 +201,18 @@ class Flipped(_Condition):
         return holds
 
 
-class Upright(_Condition):
+class Upright(BaseCondition):
     """The object stands as it stood at first, its z axis within `tolerance_deg`; where it points does not matter."""
 
     kind: Literal["upright"] = "upright"
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
-        return Flipped(object=self.object, axis="z", degrees=0, tolerance_deg=self.tolerance_deg).watch(trial)
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
+        return Flipped(object=self.object, axis="z", degrees=0, tolerance_deg=self.tolerance_deg).monitor(trial)
 
 
-class TouchedWhileTurning(_Condition):
+class TouchedWhileTurning(BaseCondition):
     """The object's `axis` was turned through `between_deg` against `thing`.
 
     It touched it for at least `for_s` in all, and during at least a third of that turn. Keeps a history: a flip made
@@ -222,8 +226,8 @@ class TouchedWhileTurning(_Condition):
     between_deg: Annotated[tuple[Angle, Angle], AfterValidator(in_order)] = (15.0, 75.0)
     for_s: float = Field(default=0.1, gt=0, le=10, strict=True)
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
         before = rotate(trial.objects[self.object].pose.quaternion, AXES[self.axis])
         low, high = self.between_deg
         touched, against, reached, last, touching = 0.0, 0.0, low, None, False
@@ -251,7 +255,7 @@ def _degrees(first: Array, second: Array) -> float:
     return float(np.degrees(np.arccos(np.clip(first @ second, -1, 1))))
 
 
-class SteadyForce(_Condition):
+class SteadyForce(BaseCondition):
     """While the hand pushed the object along, the force was `newtons` on average and seldom far from it.
 
     Counted are the times at which the hand touches the object and the object moves faster than `moving_m_s`; the force
@@ -267,8 +271,8 @@ class SteadyForce(_Condition):
     window_s: float = Field(default=0.2, ge=0.001, le=2, strict=True)
     for_s: float = Field(default=1.0, ge=0, strict=True)
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
         recent: list[tuple[float, float]] = []
         counted, within, last = 0.0, 0.0, None
 
@@ -301,29 +305,19 @@ def hand_force(truth: Truth, name: str) -> float | None:
     return float(np.linalg.norm(total)) if touching else None
 
 
-class Undisturbed(_Condition):
+class Undisturbed(BaseCondition):
     """The object has not been moved by more than `tolerance_m` from where it stood at first."""
 
     kind: Literal["undisturbed"] = "undisturbed"
     tolerance_m: float = Field(default=0.05, gt=0, le=1, strict=True)
 
-    def watch(self, trial: Trial) -> Monitor:
-        """See `_Condition.watch`."""
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
         start = trial.objects[self.object].pose.position
         return lambda truth: bool(np.linalg.norm(truth.objects[self.object].position - start) <= self.tolerance_m)
 
 
-Condition = Annotated[
-    Lifted
-    | Grasped
-    | Released
-    | At
-    | Inside
-    | Resting
-    | Flipped
-    | Upright
-    | TouchedWhileTurning
-    | SteadyForce
-    | Undisturbed,
-    Field(discriminator="kind"),
-]
+if TYPE_CHECKING:
+    Condition = BaseCondition
+else:
+    Condition = Annotated[Union[tuple(BaseCondition.__subclasses__())], Field(discriminator="kind")]  # noqa: UP007

@@ -1,4 +1,4 @@
-"""Rotations and the extents of objects. Quaternions are (w, x, y, z); arrays may have leading batch axes."""
+"""Rotations. Quaternions are (w, x, y, z); arrays may have leading batch axes."""
 
 from __future__ import annotations
 

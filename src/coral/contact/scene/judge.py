@@ -1,4 +1,4 @@
-"""Whether an episode has succeeded or can no longer succeed, by the world as it is."""
+"""The judge: whether an episode has succeeded, or has failed for good, by the true state."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PRESSED_M = 0.005
 
 
 class Judge:
-    """Watches one episode.
+    """Judges one episode.
 
     Args:
         trial: The trial.
@@ -28,7 +28,7 @@ class Judge:
     def __init__(self, trial: Trial) -> None:
         self._trial = trial
         self._success = trial.task.success
-        self._watches = [condition.watch(trial) for condition in self._success.conditions]
+        self._monitors = [condition.monitor(trial) for condition in self._success.conditions]
         # An object's own origin may lie anywhere, as at its foot.
         hulls = {name: trial.corners(name) for name in trial.objects}
         self._middle = {name: (found.min(axis=0) + found.max(axis=0)) / 2 for name, found in hulls.items()}
@@ -44,8 +44,8 @@ class Judge:
         self.holding: tuple[bool, ...] = ()
 
     def success(self, truth: Truth) -> bool:
-        """Whether all conditions have held long enough; to be shown every control step."""
-        self.holding = tuple(watch(truth) for watch in self._watches)
+        """Whether all conditions have held long enough. Call it at every control step."""
+        self.holding = tuple(monitor(truth) for monitor in self._monitors)
         if not all(self.holding):
             self._since = None
             return False
@@ -54,7 +54,7 @@ class Judge:
         return truth.time_s - self._since >= self._success.hold_s - 1e-9
 
     def failure(self, truth: Truth) -> str | None:
-        """Name of what can no longer be mended, or None; to be shown every control step."""
+        """Why the episode has failed for good, or None. Call it at every control step."""
         table = self._trial.task.table
         for name, body in truth.objects.items():
             point = body.position + rotate(body.quaternion, self._solid[name])
@@ -73,7 +73,7 @@ class Judge:
 
 
 def _crosses(fixture: Fixture, first: Array, second: Array) -> bool:
-    """Whether the way from the first point to the second leads through the inside of a fixture."""
+    """Whether the segment from the first point to the second passes through a fixture."""
     back = conjugate(from_rotvec([0.0, 0.0, np.radians(fixture.yaw_deg)]))
     start, end = (rotate(back, point - np.asarray(fixture.position)) for point in (first, second))
     half = np.asarray(fixture.size) / 2

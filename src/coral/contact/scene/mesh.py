@@ -1,4 +1,4 @@
-"""Vertices of a mesh file, read by MuJoCo, which simulates it too."""
+"""Vertices of a mesh file, as MuJoCo reads it for the simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table, the fixtures and the objects of a trial, added to a MuJoCo model; every simulated world is built on it."""
+"""Adds the table, the fixtures and the objects of a trial to a MuJoCo model. All simulated worlds use it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _GEOMS = {
 
 
 def add_scene(spec: mujoco.MjSpec, trial: Trial, condim: int = 4) -> None:
-    """Add what stands in the trial.
+    """Add the table, fixtures and objects of a trial.
 
     The table's geom is "table", a fixture's its name; an object's body bears its name, its free joint "NAME_free" and
     its geoms "NAME/0", "NAME/1", ...
@@ -95,13 +95,13 @@ def _add_object(spec: mujoco.MjSpec, item: Movable, found: TrialObject, condim: 
 
 
 def _volume(part: Shape, scale: np.ndarray) -> float:
-    """Volume up to the shape's own factor, by which the mass is shared among parts."""
+    """Volume of a part, in proportion to which it gets its share of the mass."""
     factor = {"box": 1.0, "cylinder": np.pi / 4, "sphere": np.pi / 6, "mesh": 0.5}[part.shape]
     return factor * float(np.prod(part_size(part, scale)))
 
 
 def contact_pairs(trial: Trial) -> Iterable[tuple[str, str]]:
-    """Pairs (object, thing or other object) whose touch a cost may read."""
+    """Pairs (object, fixture or other object) whose contact a cost may read."""
     names = [item.name for item in trial.task.objects]
     for name in names:
         for thing in trial.task.things:

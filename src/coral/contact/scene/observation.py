@@ -1,4 +1,4 @@
-"""The world that an episode is judged in, whatever simulates or is it.
+"""What is measured, what is commanded, and what is true: the values that pass between a world and an episode.
 
 Frames: world, metres, z up, the table's top at z = 0, x away from the robot. The tool frame sits midway between the
 fingertips: z out of the palm, y along the fingers' opening. Quaternions are (w, x, y, z).
@@ -34,7 +34,7 @@ class BodyState:
 
 @dataclass(frozen=True)
 class Observation:
-    """What the robot's own sensors say, and where the objects are held to be.
+    """What the robot's sensors measure, and the estimated poses of the objects.
 
     Args:
         time_s: Simulated time since reset.
@@ -54,7 +54,7 @@ class Observation:
 
 @dataclass(frozen=True)
 class HandTarget:
-    """Where the hand's impedance controller pulls it during the next control period.
+    """The target of the hand's impedance controller for the next control period.
 
     Args:
         position: Shape=(3,) m of the tool frame.
@@ -75,7 +75,7 @@ class HandTarget:
 
 @dataclass(frozen=True)
 class Contact:
-    """Touch between two named things in the world as it truly is; for judging and for reports, never for deciding.
+    """A true contact between two named things: for the judge and for reports, never for decisions.
 
     Args:
         first: "hand", "left", "right" (finger), "robot" (the arm's other links), an object, or a fixture, as "table".
@@ -92,7 +92,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class Truth:
-    """The world as it is, for the judge."""
+    """The true state of the world, for the judge."""
 
     time_s: float
     tool: BodyState

@@ -19,7 +19,7 @@ from pydantic import (
 
 
 def in_order(value: tuple[float, float]) -> tuple[float, float]:
-    """A range as it is, or a ValueError."""
+    """The range itself; ValueError where its ends are in the wrong order."""
     if value[0] > value[1]:
         raise ValueError("a range, its lower end first")
     return value

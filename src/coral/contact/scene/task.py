@@ -1,4 +1,4 @@
-"""A contact task is a file: what is asked, what stands on the table, what varies between trials, when it is done.
+"""A contact task: what is asked, what stands on the table, what varies between trials, when it is done.
 
 Frames: world, metres, z up, the table's top at z = 0, x away from the robot. Lengths are full extents. Angles in files
 are degrees. A range `[low, high]` is sampled in each trial; one number stands for both ends.

@@ -21,14 +21,14 @@ TASKS_DIR = Path(__file__).parent / "tasks"
 
 
 def shipped_tasks() -> tuple[str, ...]:
-    """Names of the tasks that come with the package, in the order of the paper."""
+    """Names of the shipped tasks, in the order of the paper."""
     known = {path.stem for path in TASKS_DIR.glob("*.yaml")}
     order = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
     return tuple(name for name in order if name in known) + tuple(sorted(known - set(order)))
 
 
 def load_task_file(name_or_path: str | Path) -> Task:
-    """A shipped task by name, or one from a file.
+    """Load a shipped task by its name, or a task file.
 
     Raises:
         InputError: No such task, or something in the file is wrong; the error names the field.

@@ -1,4 +1,4 @@
-"""What a task file can have wrong though each of its values is well formed: clashing names, things that do not fit."""
+"""Checks across the fields of a task file: clashing names, objects off the table, meshes that cannot be read."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ RESERVED_BEGINNINGS = ("robot0", "gripper0", "mount0", "fixed_mount0", "left_eef
 
 
 def check_task(task: Task, where: str) -> None:
-    """See that the parts of a task fit together.
+    """Check that the parts of a task fit together.
 
     Raises:
         InputError: They do not; the error names the field.

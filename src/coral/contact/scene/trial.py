@@ -1,4 +1,4 @@
-"""One trial of a task: poses, masses, frictions and sizes drawn from the task's ranges."""
+"""Trials: poses, masses, frictions and sizes sampled from a task's ranges."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SUNK_M = 0.005
 
 @dataclass(frozen=True)
 class PhysicalParameters:
-    """What cannot be seen: mass (kg) and friction coefficient."""
+    """What no camera shows: mass (kg) and friction coefficient."""
 
     mass_kg: float
     friction: float
@@ -30,12 +30,12 @@ class PhysicalParameters:
 
 @dataclass(frozen=True)
 class TrialObject:
-    """An object as it stands in one trial.
+    """An object of one trial.
 
     Args:
         scale: Shape=(3,) factors on its parts.
         physical: Its true mass and friction.
-        pose: Where it stands at first.
+        pose: Its pose at the start.
     """
 
     scale: Array
@@ -45,7 +45,7 @@ class TrialObject:
 
 @dataclass(frozen=True)
 class Trial:
-    """A task with everything that was left open decided."""
+    """A task with a value sampled for everything that varies."""
 
     task: Task
     seed: int
@@ -109,11 +109,11 @@ def corners(item: Movable, scale: Array) -> Array:
 
 
 def sample_trial(task: Task, seed: int, where: str = "") -> Trial:
-    """One trial: the same task and seed give the same trial, on every machine.
+    """Sample a trial; the same task and seed give the same trial on every machine.
 
     Args:
-        task: What is drawn from.
-        seed: Decides.
+        task: Whose ranges are sampled.
+        seed: Of the sampling.
         where: The task's file, for errors.
 
     Raises:
@@ -161,7 +161,7 @@ def _check_heights(trial: Trial, where: str) -> None:
 
 
 def _clash(trial: Trial, gap_m: float = 0.01) -> str | None:
-    """Two objects whose upright bounding boxes come too near, or an object that stands in a fixture."""
+    """Names of two objects whose bounding boxes are too close, or of an object inside a fixture; None for no clash."""
     placed = {
         name: trial.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
         for name, item in trial.objects.items()
@@ -192,13 +192,13 @@ def box_corners(size: Array) -> Array:
 
 
 def with_beliefs(trial: Trial, beliefs: Mapping[str, PhysicalParameters]) -> Trial:
-    """The trial as someone holds it to be who cannot see masses and frictions."""
+    """The trial with believed masses and frictions in place of the true ones."""
     objects = {name: replace(item, physical=beliefs[name]) for name, item in trial.objects.items()}
     return replace(trial, objects=objects)
 
 
 def prior_beliefs(trial: Trial) -> dict[str, PhysicalParameters]:
-    """The middle of the task file's ranges: what is known of masses and frictions before anything is asked or felt."""
+    """The middle of the task file's ranges: masses and frictions believed before anything is asked or measured."""
     return {
         item.name: PhysicalParameters(mass_kg=float(np.mean(item.mass_kg)), friction=float(np.mean(item.friction)))
         for item in trial.task.objects
