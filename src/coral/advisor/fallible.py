@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import BaseModel
 
+from coral.advisor.attribution import source_of
 from coral.advisor.corrupt import corrupt
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply, Usage
@@ -83,6 +84,7 @@ class FallibleAdvisor:
         self._previous: dict[str, dict[str, Any]] = {}
         self.name = f"fallible:{sum(dataclasses.astuple(cfg)):g}:{inner.name}"
         self.latency = getattr(inner, "latency", "measured")
+        self.source = source_of(inner)
 
     async def warm_up(self) -> None:
         """Warm the inner advisor up."""

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from coral.advisor.attribution import Source
 from coral.advisor.log import question_key
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
 from coral.errors import InputError
@@ -36,6 +37,7 @@ class ReplayAdvisor:
     """
 
     latency = "recorded"
+    source: Source = "recording"
 
     def __init__(self, file: Path, where: str = "--advisor") -> None:
         """Read a recording.

@@ -5,12 +5,13 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
 
+from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
 from coral.campaign.bench import digest, make_executor, table_json
@@ -24,6 +25,7 @@ from coral.campaign.sweep import parse_sweeps
 from coral.campaign.table import document
 from coral.campaign.version import code_version
 from coral.commands.config_flag import config_words, configured
+from coral.commands.reef_run import with_fallback
 from coral.config import checked, to_mapping
 from coral.errors import InputError, RunError
 from coral.reef.episode import run_episode
@@ -62,6 +64,11 @@ class ReefEpisode:
         )
 
 
+def mission_alone() -> MissionCfg:
+    """The mission of a campaign, in which the advisor stands alone."""
+    return with_fallback(MissionCfg(), FOR_BENCHES)
+
+
 @dataclass(frozen=True, kw_only=True)
 class ReefBench:
     """Compare variants of the reef survey over worlds, seeds and advisors.
@@ -80,6 +87,9 @@ class ReefBench:
     sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
     """KEY=V1,V2,...: the whole grid as it is, and once more for each value. KEY: current, visibility, mask_errors,
     depth_noise, pose_drift, or a key of the configuration. Given several times, each key is swept on its own."""
+    fallback: Fallback | None = None
+    """What decides where an advisor did not: hold (the default: it stands alone), fail (the mission ends), or rules,
+    whose rows are marked."""
     jobs: int = 1
     """Missions at a time (executor local)."""
     executor: Literal["local", "ray"] = "local"
@@ -102,17 +112,19 @@ class ReefBench:
     """No progress."""
     model: ModelCfg = field(default_factory=ModelCfg)
     """How a real model is called, and what each mission may spend."""
-    cfg: MissionCfg = field(default_factory=MissionCfg)
+    cfg: MissionCfg = field(default_factory=mission_alone)
     """The mission."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefBench | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        cfg = configured(words, MissionCfg())
+        cfg = configured(words, mission_alone())
         return None if cfg is None else cls(cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Run what is missing, then make the tables."""
+        if self.fallback is not None:
+            return replace(self, cfg=with_fallback(self.cfg, self.fallback), fallback=None)()
         store = Store(self.out)
         if self.collect:
             store.manifest()
@@ -278,7 +290,7 @@ class ReefBench:
             self.advisors,
         ]
         words += [word for text in self.sweep for word in ("--sweep", text)]
-        words += config_words(self.cfg, MissionCfg(), self.config)
+        words += config_words(self.cfg, mission_alone(), self.config)
         words += config_words(self.model, ModelCfg(), None, "model")
         return shlex.join(words)
 

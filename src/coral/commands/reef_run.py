@@ -13,7 +13,9 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from coral.advisor.attribution import who_decided
 from coral.advisor.consult import BudgetCfg
+from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
 from coral.commands.config_flag import configured
@@ -46,6 +48,9 @@ class ReefRun:
     """Configuration of the pipeline: full, or an ablation or baseline."""
     robots: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """How many robots survey the reef together, 1 to 4; by default as configured, which is 1."""
+    fallback: Fallback | None = None
+    """What decides where the advisor did not: rules (the default, said at the end), hold (keep the goal, ask again),
+    fail (end the mission)."""
     seed: int = 0
     """Seed of everything random."""
     out: Path | None = None
@@ -89,6 +94,7 @@ class ReefRun:
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
         cfg = self.cfg if self.robots is None else dataclasses.replace(self.cfg, robots=self.robots)
+        cfg = with_fallback(cfg, self.fallback)
         if not 1 <= cfg.robots <= MOST_ROBOTS:
             raise InputError("--robots", "", cfg.robots, f"a number from 1 to {MOST_ROBOTS}")
         cfg = checked(apply_variant(self.variant, cfg), "--cfg")
@@ -117,6 +123,7 @@ class ReefRun:
             draw=question_pictures if cfg.record.pictures else None,
         )
         progress = MissionProgress(quiet=self.quiet)
+        mission.listeners.append(FallbackNotice(cfg.pilot.fallback))
         about = {"world": world.name, "variant": self.variant, "seed": self.seed, "run": str(folder)}
         if asks_people and not self.quiet:
             print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)
@@ -130,7 +137,8 @@ class ReefRun:
                 )
         finally:
             progress.close()
-        return {**result, "run": str(folder), **render(folder, cfg)}
+        decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
+        return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 
     @contextmanager
     def _page(self) -> Iterator[Callable[[Mission], list[Observer]]]:
@@ -165,7 +173,34 @@ class ReefRun:
             f"run folder: {result['run']}",
         ]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
+        lines += [str(result["decided"])] if result["decided"] else []
         return "\n".join(lines)
+
+
+class FallbackNotice:
+    """Says on standard error, at the first time, that the advisor did not decide."""
+
+    def __init__(self, policy: Fallback) -> None:
+        self._policy, self._said = policy, False
+
+    def __call__(self, event: Mapping[str, Any]) -> None:
+        """Hear an event of the mission."""
+        if event["event"] == "fallback" and not self._said:
+            self._said = True
+            then = {"rules": "the fallback's rules decide", "hold": "the goal is kept", "fail": "the mission ends"}
+            print(
+                f"at {event['t']:.0f} s the advisor did not decide ({event['failure']}): {then[self._policy]} "
+                f"(--fallback {self._policy})",
+                file=sys.stderr,
+                flush=True,
+            )
+
+
+def with_fallback(cfg: MissionCfg, fallback: Fallback | None) -> MissionCfg:
+    """The configuration with another fallback; None leaves it as configured."""
+    return (
+        cfg if fallback is None else dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, fallback=fallback))
+    )
 
 
 def render(folder: Path, cfg: MissionCfg) -> dict[str, str]:

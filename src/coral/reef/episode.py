@@ -47,7 +47,8 @@ def run_episode(
         draw: Draws the pictures for an advisor with eyes.
 
     Returns:
-        Metrics and timing, with `topology` and `covered_at_s` (times at which clusters were covered, s).
+        Metrics and timing, with `topology`, `covered_at_s` (times at which clusters were covered, s) and `fallback`
+        (what decided where the advisor did not).
 
     Raises:
         RunError: The mission was interrupted.
@@ -57,4 +58,9 @@ def run_episode(
     result = Mission(world, cfg, asked, folder, seed=seed, variant=variant, draw=draw).run()
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])
-    return {**result, "topology": world.topology, "covered_at_s": covered_at(folder)}
+    return {
+        **result,
+        "topology": world.topology,
+        "covered_at_s": covered_at(folder),
+        "fallback": cfg.pilot.fallback,
+    }
