@@ -79,7 +79,7 @@ class FallibleAdvisor:
             hooks: How to spoil answers to a kind of question, where the general way (by the answer's schema and the
                 question's facts) does not know enough.
         """
-        self._inner, self._cfg, self._rng = inner, cfg, rng
+        self.inner, self._cfg, self._rng = inner, cfg, rng
         self._hooks = dict(hooks or {})
         self._previous: dict[str, dict[str, Any]] = {}
         self.name = f"fallible:{sum(dataclasses.astuple(cfg)):g}:{inner.name}"
@@ -88,12 +88,12 @@ class FallibleAdvisor:
 
     async def warm_up(self) -> None:
         """Warm the inner advisor up."""
-        if (warm_up := getattr(self._inner, "warm_up", None)) is not None:
+        if (warm_up := getattr(self.inner, "warm_up", None)) is not None:
             await warm_up()
 
     async def aclose(self) -> None:
         """Close the inner advisor."""
-        if (aclose := getattr(self._inner, "aclose", None)) is not None:
+        if (aclose := getattr(self.inner, "aclose", None)) is not None:
             await aclose()
 
     def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
@@ -123,7 +123,7 @@ class FallibleAdvisor:
                 latency_s=math.inf,
                 usage=Usage(requests=0, faults=("spoilt-silence",)),
             )
-        reply = await self._inner.answer(question, rejections)
+        reply = await self.inner.answer(question, rejections)
         right = reply.value.model_dump(mode="json")
         previous = self._previous.get(question.kind)
         self._previous[question.kind] = right

@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 
 from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.question import Advisor
 from coral.advisor.registry import make_advisor
 from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
@@ -28,6 +29,7 @@ from coral.campaign.table import document
 from coral.campaign.version import code_version
 from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_run import with_poses, with_samples, with_tracker
+from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.contact.draw import draw
 from coral.contact.episode_cfg import EpisodeCfg
@@ -103,6 +105,8 @@ class ContactBench:
     (also the memory.json of a campaign). Every trial has a copy to itself. Without it they begin with nothing."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
+    preflight: bool = True
+    """Ask each model one small question first, and refuse the campaign if one cannot be used."""
     jobs: int = 1
     """Episodes at a time (executor local); several share the machine's cores, one each."""
     executor: Literal["local", "ray"] = "local"
@@ -150,6 +154,10 @@ class ContactBench:
         if cfg.poses == "tracked" and self.executor == "local":  # a cluster may reach what this machine does not
             cfg.tracked.choice().check()
         specs, memory = self._specs(tasks), None if self.memory is None else read_memory(self.memory)
+        if self.preflight:
+            preflight_campaign(
+                store, specs, self._advisor, pictures=True, retry_failed=self.retry_failed, quiet=self.quiet
+            )
         with store.lock():
             store.open(
                 specs, self._conditions(cfg, tasks, memory), command=self._command(), mix=self.mix, about=provenance()
@@ -172,6 +180,11 @@ class ContactBench:
             ]
         )
 
+    def _advisor(self, name: str) -> Advisor:
+        """The advisor of a row, as far as it can be checked here."""
+        model = checked(self.model, "--model")
+        return make_advisor(name, rules={}, rng=np.random.default_rng(0), cfg=model, where="--advisors")
+
     def _specs(self, tasks: Mapping[str, Task]) -> tuple[Spec, ...]:
         worlds = parse_names(self.worlds, "--worlds")
         policies = self._policies()
@@ -190,9 +203,7 @@ class ContactBench:
         for advisor in advisors:
             if advisor.split(":")[-1] == "desk":
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
-            make_advisor(
-                advisor, rules={}, rng=np.random.default_rng(0), cfg=checked(self.model, "--model"), where="--advisors"
-            )
+            self._advisor(advisor)
         return grid(
             "contact",
             variants=(*variants, *policies),

@@ -13,6 +13,7 @@ import tyro
 
 from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.question import Advisor
 from coral.advisor.registry import make_advisor
 from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
@@ -25,6 +26,7 @@ from coral.campaign.sweep import parse_sweeps
 from coral.campaign.table import document
 from coral.campaign.version import code_version
 from coral.commands.config_flag import config_words, configured
+from coral.commands.preflight import preflight_campaign
 from coral.commands.reef_run import with_fallback
 from coral.config import checked, to_mapping
 from coral.errors import InputError, RunError
@@ -90,6 +92,8 @@ class ReefBench:
     fallback: Fallback | None = None
     """What decides where an advisor did not: hold (the default: it stands alone), fail (the mission ends), or rules,
     whose rows are marked."""
+    preflight: bool = True
+    """Ask each model one small question first, and refuse the campaign if one cannot be used."""
     jobs: int = 1
     """Missions at a time (executor local)."""
     executor: Literal["local", "ray"] = "local"
@@ -134,6 +138,10 @@ class ReefBench:
         specs = self._specs(worlds)
         if self.jobs < 1:
             raise InputError("--jobs", "", self.jobs, "a number from 1 on")
+        if self.preflight:
+            preflight_campaign(
+                store, specs, self._advisor, pictures=True, retry_failed=self.retry_failed, quiet=self.quiet
+            )
         with store.lock():
             store.open(specs, self._conditions(worlds), command=self._command(), mix=self.mix, about=provenance())
             summary = self._run(store, specs, worlds)
@@ -157,6 +165,10 @@ class ReefBench:
         names = shipped_worlds() if self.worlds == "all" else parse_names(self.worlds, "--worlds")
         return {name: load_world(name) for name in names}
 
+    def _advisor(self, name: str) -> Advisor:
+        """The advisor of a row, as far as it can be checked here."""
+        return make_advisor(name, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors")
+
     def _specs(self, worlds: Mapping[str, ReefWorld]) -> tuple[Spec, ...]:
         variants = parse_names(self.variants, "--variants")
         alone = {variant for variant in variants if apply_variant(variant, self.cfg).decider != "advisor"}
@@ -164,7 +176,7 @@ class ReefBench:
         for advisor in advisors:
             if advisor.split(":")[-1] == "desk":
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
-            make_advisor(advisor, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors")
+            self._advisor(advisor)
         specs = grid(
             "reef",
             variants=variants,

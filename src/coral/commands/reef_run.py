@@ -17,6 +17,7 @@ from coral.advisor.attribution import who_decided
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.preflight import preflight
 from coral.advisor.registry import make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.progress import MissionProgress
@@ -51,6 +52,8 @@ class ReefRun:
     fallback: Fallback | None = None
     """What decides where the advisor did not: rules (the default, said at the end), hold (keep the goal, ask again),
     fail (end the mission)."""
+    preflight: bool = True
+    """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
     """Seed of everything random."""
     out: Path | None = None
@@ -113,6 +116,8 @@ class ReefRun:
             inbox=inbox,
             cfg=dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts),
         )
+        if self.preflight and cfg.decider == "advisor":
+            preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
         mission = Mission(
             world,
             cfg,
