@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from pydantic import BaseModel
@@ -16,6 +16,10 @@ from coral.advisor.attribution import source_of
 from coral.advisor.corrupt import corrupt
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply, Usage
+from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from coral.advisor.setting import Setting
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -154,3 +158,20 @@ class FallibleAdvisor:
         if error == "stale" and previous is not None:
             return json.dumps(previous)
         return json.dumps(self._hooks.get(question.kind, corrupt)(error, question, right, rng))
+
+
+def make_fallible(name: str, rest: str, setting: Setting) -> FallibleAdvisor:
+    """Another advisor with errors, fallible:P:INNER.
+
+    Raises:
+        InputError: P is no probability, or there is no such inner advisor.
+    """
+    rate, _, inner = rest.partition(":")
+    if not inner:
+        found = repr(f"{name}:{rest}")
+        raise InputError(setting.where, "", found, "fallible:P:INNER, such as fallible:0.3:heuristic")
+    try:
+        errors = FallibleCfg.total(float(rate))
+    except ValueError:
+        raise InputError(setting.where, "P", repr(rate), "a probability from 0 to 1") from None
+    return FallibleAdvisor(setting.inner(inner), errors, setting.rng, setting.spoil)

@@ -10,13 +10,14 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+import tyro
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
-from coral.advisor.registry import make_advisor
+from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.contact_ablation import NAMES, ablations, chosen
@@ -93,8 +94,7 @@ class ContactBench:
     """Evaluation worlds, separated by commas: panda, hand."""
     seeds: str = "0-9"
     """Numbers and ranges, such as 0-4 or 0,3,7-9; the paper makes ten trials of each task."""
-    advisors: str = "heuristic"
-    """As for coral contact run, separated by commas."""
+    advisors: Annotated[str, tyro.conf.arg(help=advisor_help("Separated by commas"))] = "heuristic"
     poses: Literal["tracked", "ground-truth"] | None = None
     """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     tracker: str | None = None
@@ -201,7 +201,7 @@ class ContactBench:
         for world in worlds:
             check_world(world, "--worlds")
         for advisor in advisors:
-            if advisor.split(":")[-1] == "desk":
+            if asks_person(advisor):
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
             self._advisor(advisor)
         return grid(

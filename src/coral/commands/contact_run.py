@@ -13,7 +13,7 @@ import tyro
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
-from coral.advisor.registry import make_advisor
+from coral.advisor.registry import advisor_help, make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.contact_progress import EpisodeProgress
 from coral.config import checked
@@ -43,8 +43,7 @@ class ContactRun:
     """A shipped task (see coral contact tasks) or a task file."""
     world: str = "panda"
     """Where it takes place: panda, the robot in robosuite; hand, its hand alone, flying freely."""
-    advisor: str = "heuristic"
-    """Who thinks, in variants that ask: heuristic, PROVIDER:MODEL, local:URL#MODEL, desk, replay:FILE, ..."""
+    advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who thinks, in variants that ask"))] = "heuristic"
     variant: str = "expert-fsm"
     """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, unguided, no-regions and
     no-tracking are it without a part, unified asks everything at once. expert and expert-fsm follow hand-written costs

@@ -14,7 +14,7 @@ import tyro
 from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
-from coral.advisor.registry import make_advisor
+from coral.advisor.registry import advisor_help, asks_person, make_advisor, rules_alone
 from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.dataset import read_parquet, to_rows, write_parquet
@@ -33,6 +33,7 @@ from coral.errors import InputError, RunError
 from coral.reef.episode import run_episode
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
+from coral.reef.mistakes import REEF_MISTAKES
 from coral.reef.sweep import apply_setting
 from coral.reef.variants import apply_variant
 from coral.reef.world import ReefWorld, load_world, shipped_worlds
@@ -53,7 +54,7 @@ class ReefEpisode:
         """Run it."""
         cfg, world = mission_of(spec, self.cfg, self.worlds[spec.world])
         advisor = "heuristic" if spec.advisor == NO_ADVISOR else spec.advisor
-        sees = not advisor.endswith("heuristic")
+        sees = not rules_alone(advisor)
         return run_episode(
             world,
             cfg,
@@ -84,8 +85,7 @@ class ReefBench:
     """Shipped reefs or world files, separated by commas; all: the ten shipped ones."""
     seeds: str = "0"
     """Numbers and ranges, such as 0-4 or 0,3,7-9."""
-    advisors: str = "heuristic"
-    """As for coral reef run, separated by commas."""
+    advisors: Annotated[str, tyro.conf.arg(help=advisor_help("Separated by commas"))] = "heuristic"
     sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
     """KEY=V1,V2,...: the whole grid as it is, and once more for each value. KEY: current, visibility, mask_errors,
     depth_noise, pose_drift, or a key of the configuration. Given several times, each key is swept on its own."""
@@ -167,14 +167,16 @@ class ReefBench:
 
     def _advisor(self, name: str) -> Advisor:
         """The advisor of a row, as far as it can be checked here."""
-        return make_advisor(name, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors")
+        return make_advisor(
+            name, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors", mistakes=REEF_MISTAKES
+        )
 
     def _specs(self, worlds: Mapping[str, ReefWorld]) -> tuple[Spec, ...]:
         variants = parse_names(self.variants, "--variants")
         alone = {variant for variant in variants if apply_variant(variant, self.cfg).decider != "advisor"}
         advisors = parse_names(self.advisors, "--advisors")
         for advisor in advisors:
-            if advisor.split(":")[-1] == "desk":
+            if asks_person(advisor):
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
             self._advisor(advisor)
         specs = grid(

@@ -18,7 +18,7 @@ from coral.advisor.consult import BudgetCfg
 from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
-from coral.advisor.registry import make_advisor
+from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.progress import MissionProgress
 from coral.config import checked
@@ -27,6 +27,7 @@ from coral.errors import InputError
 from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg, Observer
+from coral.reef.mistakes import REEF_MISTAKES
 from coral.reef.variants import apply_variant
 from coral.reef.world import load_world
 from coral.runs import new_run_folder
@@ -43,8 +44,7 @@ class ReefRun:
 
     world: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="WORLD")]
     """A shipped reef (l1 l2 s1 s2 k1 k2 e1 e2 o1 o2) or a world file."""
-    advisor: str = "heuristic"
-    """Who decides: heuristic, PROVIDER:MODEL, local:URL#MODEL, desk, replay:FILE, fallible:P:INNER."""
+    advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who decides"))] = "heuristic"
     variant: str = "full"
     """Configuration of the pipeline: full, or an ablation or baseline."""
     robots: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
@@ -102,7 +102,7 @@ class ReefRun:
             raise InputError("--robots", "", cfg.robots, f"a number from 1 to {MOST_ROBOTS}")
         cfg = checked(apply_variant(self.variant, cfg), "--cfg")
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
-        asks_people = self.advisor.split(":")[-1].strip() == "desk"
+        asks_people = asks_person(self.advisor)
         if asks_people and cfg.pilot.budget == BudgetCfg():
             patient = dataclasses.replace(cfg.pilot, budget=BudgetCfg(deadline_s=PERSON_DEADLINE_S))
             cfg = dataclasses.replace(cfg, pilot=patient)
@@ -115,6 +115,7 @@ class ReefRun:
             rng=rng,
             inbox=inbox,
             cfg=dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts),
+            mistakes=REEF_MISTAKES,
         )
         if self.preflight and cfg.decider == "advisor":
             preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
