@@ -144,6 +144,6 @@ def test_in_a_bench_nobody_decides_for_a_dead_model(dead, stub, tmp_path, capsys
     assert main([*words, "--out", str(tmp_path / "out"), "--json"]) == 0
     tables = {table["name"]: table["rows"] for table in json.loads(capsys.readouterr().out)["results"]}
     row = tables["Who decided"][0]
-    assert row["variant"] == "CORAL (full) †"
+    assert row["variant"] == "CORAL (full) §"
     assert (row["by advisor"], row["by fallback"]) == ("0 (0 %)", f"{row['decisions']} (100 %)")
     assert "left undecided by the advisor" in (tmp_path / "out" / "tables.md").read_text()

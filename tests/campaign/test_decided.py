@@ -17,14 +17,14 @@ def row(advisor, fallback, policy="rules", **more):
 
 
 def test_rows_in_which_a_fallback_decided_are_marked():
-    assert marked("full", [row(5, 0), row(4, 1)]) == "full †"
+    assert marked("full", [row(5, 0), row(4, 1)]) == "full §"
     assert marked("full", [row(5, 0)]) == "full"
     assert marked("full", [{"coverage": 1.0}]) == "full"  # of a version that did not count
     assert mark_notes([row(5, 0)]) == ()
     (note,) = mark_notes([row(5, 0), row(4, 1)])
-    assert note.startswith("†: 1 of 10 decisions were made by the fallback’s rules")
+    assert note.startswith("§: 1 of 10 decisions were made by the fallback’s rules")
     (note,) = mark_notes([row(0, 3, "hold")])
-    assert note.startswith("†: 3 of 3 decisions were left undecided by the advisor")
+    assert note.startswith("§: 3 of 3 decisions were left undecided by the advisor")
 
 
 def test_shares_are_of_the_decisions_of_an_episode():
@@ -35,7 +35,7 @@ def test_shares_are_of_the_decisions_of_an_episode():
 def test_the_table_has_who_decided_what_came_back_and_what_it_cost():
     table = decided_table({"full": [row(5, 0), row(3, 2)]}, "c", (), runs="missions")
     assert dict(zip(table.header, table.rows[0], strict=True)) == {
-        "variant": "full †",
+        "variant": "full §",
         "missions": "2",
         "decisions": "10",
         "by advisor": "8 (80 %)",

@@ -11,8 +11,8 @@ from coral.advisor.attribution import FATES, SOURCES, Source
 from coral.campaign.measures import Measure, Row, field, number
 from coral.campaign.table import Table
 
-MARK = " †"
-"""Behind the name of a row in which a fallback decided."""
+MARK = " §"
+"""Behind the name of a row in which a fallback decided; the paper's own tables use † and ‡."""
 
 COSTS = (
     field("tokens_in", "tokens in", "tokens_in", digits=0),
@@ -58,7 +58,7 @@ def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
             if policy == "rules"
             else "were left undecided by the advisor, and what came of that counts as its own"
         )
-        notes.append(f"†: {fell} of {total} decisions {what} (fallback: {policy or 'unknown'}).")
+        notes.append(f"§: {fell} of {total} decisions {what} (fallback: {policy or 'unknown'}).")
     return tuple(notes)
 
 
