@@ -70,6 +70,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         command = _parse(name, words[len(name.split()) :])
         result = command()
         print(json.dumps(result, allow_nan=False, default=str) if command.json else command.describe(result))
+        # A command may tell success from failure by its result, which is printed in either case.
+        return int(getattr(command, "exit_code", lambda result: 0)(result))
     except InputError as error:
         print(f"coral: {error}", file=sys.stderr)
         return 2
@@ -82,7 +84,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return 1
-    return 0
 
 
 def _command(words: Sequence[str]) -> str | None:

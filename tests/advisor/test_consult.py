@@ -72,6 +72,8 @@ def test_every_requery_looks_again_and_tells_all_reasons(decide):
     outcome, log, clock = decide(advisor, verify=lambda q, a: None if a.index == 3 else no(f"not-{a.index}")(q, a))
     assert advisor.asked == [("look 1", []), ("look 2", ["not-1"]), ("look 3", ["not-1", "not-2"])]
     assert outcome.question.prompt == "look 3"
+    assert [attempt.question.asked_at_s for attempt in log] == [attempt.asked_at_s for attempt in log]
+    assert log[2].asked_at_s > log[0].asked_at_s
     assert [r.code for r in outcome.rejections] == ["not-1", "not-2"]
     assert clock.now() == pytest.approx(3.0)
     assert [a.attempt for a in log] == [0, 1, 2]

@@ -20,12 +20,18 @@ def fly(spec, folder):
 
 def test_a_recorded_mission_with_failures_replays_to_the_same_metrics(tmp_path):
     first = fly("fallible:0.5:heuristic", tmp_path / "first")
-    fly(f"replay:{tmp_path / 'first'}", tmp_path / "second")
+    second = fly(f"replay:{tmp_path / 'first'}", tmp_path / "second")
     lines = (tmp_path / "first" / "attempts.jsonl").read_text().splitlines()
     assert {json.loads(line)["verdict"] for line in lines} > {"accepted"}
     assert first["collisions"] == 0
-    for name in ("metrics.json", "trajectory.csv", "attempts.jsonl"):
+    for name in ("trajectory.csv", "attempts.jsonl"):
         assert (tmp_path / "second" / name).read_bytes() == (tmp_path / "first" / name).read_bytes()
+    found, again = (json.loads((tmp_path / run / "metrics.json").read_text()) for run in ("first", "second"))
+    by, by_again = found.pop("decided_by"), again.pop("decided_by")
+    assert again == found
+    assert by["advisor"] > 0
+    assert by_again == {**by, "advisor": 0, "recording": by["advisor"]}  # whose answers they were is not forgotten
+    assert second["decided_by"] == by_again
 
 
 def test_a_question_that_was_not_recorded_is_named(tmp_path):

@@ -1,4 +1,7 @@
 import asyncio
+import importlib
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -6,8 +9,9 @@ from pydantic import BaseModel
 
 from coral.advisor.latency import LatencyCfg, default_latency, parse_latency
 from coral.advisor.question import AdvisorUnavailable, Question, Rejection
-from coral.advisor.registry import make_advisor
+from coral.advisor.registry import ENTRIES, advisor_help, asks_person, make_advisor, rules_alone
 from coral.advisor.rules import RuleAdvisor
+from coral.advisor.sloppy import Mistake
 from coral.errors import InputError
 
 
@@ -22,8 +26,13 @@ class Same(BaseModel):
 RULES = {"pick": lambda facts, rejections: Pick(index=facts["n"] + len(rejections))}
 
 
+MISTAKES = tuple(
+    Mistake(name=name, what="", found_in="", questions=("pick",), err=lambda *_: None) for name in ("low", "late")
+)
+
+
 def make(spec, **more):
-    return make_advisor(spec, rules=RULES, rng=np.random.default_rng(0), **more)
+    return make_advisor(spec, rules=RULES, rng=np.random.default_rng(0), **{"mistakes": MISTAKES, **more})
 
 
 def test_heuristic_reads_facts_and_rejections():
@@ -50,6 +59,12 @@ def test_heuristic_without_a_rule():
         ("local:http://127.0.0.1:8080/v1#m:q4", "local:http://127.0.0.1:8080/v1#m:q4", "measured"),
         ("fallible:0.3:heuristic", "fallible:0.3:heuristic", "fixed:0"),
         ("fallible:0.1:local:http://h/v1#m", "fallible:0.1:local:http://h/v1#m", "measured"),
+        ("sloppy:0.3:heuristic", "sloppy:0.3:heuristic", "fixed:0"),
+        (
+            "sloppy:low=0.25+late=.5:fallible:0.2:heuristic",
+            "sloppy:low=0.25+late=0.5:fallible:0.2:heuristic",
+            "fixed:0",
+        ),
     ],
 )
 def test_every_form_is_understood(monkeypatch, spec, name, latency):
@@ -86,6 +101,13 @@ def test_providers_connect_without_sending(monkeypatch, spec):
         ("fallible:x:heuristic", "probability from 0 to 1"),
         ("fallible:0.3:nobody", "one of heuristic"),
         ("replay:/no/such/file", "No such file"),
+        ("sloppy", "one of heuristic"),
+        ("sloppy:0.3", "sloppy:P:INNER"),
+        ("sloppy:1.3:heuristic", "probabilities from 0 to 1"),
+        ("sloppy:lw=0.3:heuristic", "did you mean 'low'"),
+        ("sloppy:low=much:heuristic", "low: found 'much'"),
+        ("sloppy:low=0.1+low=0.2:heuristic", "'low' twice"),
+        ("sloppy:low=0.6+late=0.6:heuristic", "sum to 1.2 for pick questions"),
     ],
 )
 def test_mistakes_are_explained(spec, says):
@@ -127,3 +149,39 @@ def test_lognormal_median_and_spread():
     draws = np.array([parse_latency("lognormal:10:0.3").draw(rng) for _ in range(4000)])
     assert np.median(draws) == pytest.approx(10.0, rel=0.03)
     assert np.std(np.log(draws)) == pytest.approx(0.3, rel=0.05)
+
+
+def test_an_application_without_plausible_errors_says_so():
+    with pytest.raises(InputError, match="this one has none"):
+        make("sloppy:0.3:heuristic", mistakes=())
+
+
+@pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: entry.form)
+def test_each_entry_names_a_maker_that_exists_and_stands_in_help(entry):
+    module, _, function = entry.make.partition(":")
+    assert callable(getattr(importlib.import_module(module), function))
+    assert entry.form in advisor_help("Who decides")
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/plug-in-a-model.md"])
+def test_the_tables_of_the_documentation_list_every_advisor(page):
+    text = (Path(__file__).parents[2] / page).read_text(encoding="utf-8")
+    rows = re.search(r"\| `--advisor` \|.*?\n\n", text, re.DOTALL).group(0)
+    first = "".join(row.split("|")[1] for row in rows.splitlines()[2:] if row)
+    assert sorted(re.findall(r"`([^`]+)`", first)) == sorted(entry.form for entry in ENTRIES)
+
+
+@pytest.mark.parametrize(
+    ("spec", "rules", "person"),
+    [
+        ("heuristic", True, False),
+        ("sloppy:low=0.1+late=0.2:heuristic", True, False),
+        ("fallible:0.1:sloppy:0.2:desk", False, True),
+        (" desk ", False, True),
+        ("replay:desk", False, False),
+        ("local:http://h/v1#desk", False, False),
+        ("nobody", False, False),
+    ],
+)
+def test_who_answers_in_the_end_is_known_from_the_string(spec, rules, person):
+    assert (rules_alone(spec), asks_person(spec)) == (rules, person)

@@ -1,4 +1,5 @@
 import contextlib
+import dataclasses
 import io
 import json
 import pickle
@@ -105,6 +106,19 @@ def test_again_runs_nothing_and_collect_needs_no_grid(finished, puddle):
     (out / "tables.md").unlink()
     command = ReefBench(out=out, collect=True)
     assert "**Table I.**" in command.describe(command())
+
+
+def test_the_advisor_stands_alone_unless_a_fallback_is_asked_for(finished, puddle):
+    result, out = finished
+    assert {row["fallback"] for row in read_parquet(out / "results.parquet")} == {"hold"}
+    with pytest.raises(InputError, match="configuration: found results made with"):
+        dataclasses.replace(bench(puddle, out, fallback="rules"), mix=False)()
+    tables = {(table["name"], table["caption"]): table for table in result["results"]}
+    (row, _) = tables[
+        "Who decided", "Who decided, and what it cost. Advisor: heuristic (embedded rules, no foundation model)."
+    ]["rows"]
+    assert row["variant"] == "CORAL (full)"
+    assert (row["decisions"], row["by fallback"]) == ("0", "—")  # covered before anything was decided
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,9 @@ import json
 import numpy as np
 import pytest
 
+from coral.advisor.consult import BudgetCfg
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Reply
+from coral.advisor.registry import make_advisor
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.answers import CentroidChoice
@@ -129,21 +131,47 @@ def with_fallback(policy):
     ("advisor", "failure"), [(Silent, "no-network"), (Garbling, "requeries-used-up"), (Stubborn, "requeries-used-up")]
 )
 def test_the_rules_take_over_when_the_advisor_fails(pond, tmp_path, advisor, failure):
-    result = run(pond, tmp_path / "run", advisor(), with_fallback("heuristic"))
+    result = run(pond, tmp_path / "run", advisor(), with_fallback("rules"))
     assert result["fallbacks"] >= 1
     assert result["collisions"] == 0
     assert events(tmp_path / "run", "fallback")[0]["failure"] == failure
-    assert {g["source"] for g in events(tmp_path / "run", "goal")} == {"initial", "fallback"}
+    goals = events(tmp_path / "run", "goal")
+    assert {g["source"] for g in goals} == {"initial", "fallback"}
+    assert result["decided_by"] == {"advisor": 0, "memory": 0, "recording": 0, "fallback": len(goals) - 1}
+    assert result["answers"]["accepted"] == 0
 
 
 def test_hold_keeps_the_goal(pond, tmp_path):
-    run(pond, tmp_path / "run", Silent(), with_fallback("hold"))
+    result = run(pond, tmp_path / "run", Silent(), with_fallback("hold"))
     assert {g["source"] for g in events(tmp_path / "run", "goal")} == {"initial"}
+    held = events(tmp_path / "run", "held")
+    assert len(held) > 1  # it is asked again
+    assert result["decided_by"]["fallback"] == result["answers"]["missing"] == len(held)
 
 
-def test_abort_ends_the_mission_and_says_why(pond, tmp_path):
-    result = run(pond, tmp_path / "run", Silent(), with_fallback("abort"))
+def test_fail_ends_the_mission_and_says_why(pond, tmp_path):
+    result = run(pond, tmp_path / "run", Silent(), with_fallback("fail"))
     assert result["end_reason"] == "advisor failed: no-network"
+    assert sum(result["decided_by"].values()) == 0
+
+
+def test_sources_add_up_to_the_goals_that_were_adopted_or_held(pond, tmp_path):
+    rng = np.random.default_rng(3)
+    advisor = make_advisor("fallible:0.7:heuristic", rules=REEF_RULES, rng=rng)
+    pilot = dataclasses.replace(SHORT.pilot, budget=BudgetCfg(max_requeries=1, deadline_s=6.0))
+    cfg = dataclasses.replace(SHORT, pilot=pilot, latency="fixed:1", stop_when_covered=False)
+    result = run(pond, tmp_path / "run", advisor, cfg)
+    adopted = [g["source"] for g in events(tmp_path / "run", "goal") if g["decision"] is not None]
+    assert {"advisor", "fallback"} <= set(adopted)
+    assert sum(result["decided_by"].values()) == len(adopted) + len(events(tmp_path / "run", "held"))
+    assert result["decided_by"]["advisor"] == adopted.count("advisor") == result["answers"]["accepted"]
+    asked = sum(result["answers"].values()) + sum(v["verdict"] == "withdrawn" for v in verdicts(tmp_path / "run"))
+    assert asked == len(verdicts(tmp_path / "run"))
+    assert any(v.get("faults") for v in verdicts(tmp_path / "run"))
+
+
+def verdicts(folder):
+    return events(folder, "verdict")
 
 
 class StopAt:

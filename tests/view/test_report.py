@@ -135,3 +135,17 @@ def test_a_killed_fleet_still_has_its_figures(fresh):
     html = page(fresh)
     assert "the 2 robots had covered" in html
     assert "Each robot" in html
+
+
+def test_the_headline_says_when_someone_else_than_the_advisor_decided(fresh):
+    metrics = json.loads((fresh / "metrics.json").read_text())
+    assert "The advisor decided" not in page(fresh)
+    answers = {"accepted": 1, "refused": 0, "malformed": 0, "missing": 4}
+    metrics |= {"decided_by": {"advisor": 1, "memory": 0, "recording": 0, "fallback": 2}, "answers": answers}
+    (fresh / "metrics.json").write_text(json.dumps(metrics))
+    html = page(fresh)
+    assert "The advisor decided 1 of 3 goals, the fallback&#39;s rules 2." in html
+    assert "accepted 1, refused 0, malformed 0, missing 4" in html
+    config = (fresh / "config.yaml").read_text() + "mission: {pilot: {fallback: hold}}\n"
+    (fresh / "config.yaml").write_text(config)
+    assert "The advisor decided 1 of 3 goals, nobody 2 (hold)." in page(fresh)

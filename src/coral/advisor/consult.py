@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Generic, Literal, Protocol, TypeVar
 
@@ -106,6 +106,7 @@ async def consult(
         if question is None:
             return Outcome(answer=None, question=None, attempts=attempt, failure="withdrawn")
         asked_at = clock.now()
+        question = replace(question, asked_at_s=asked_at)
         reasons = tuple(rejections)
 
         def record(

@@ -10,7 +10,7 @@ import socket
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel
 
@@ -18,6 +18,9 @@ from coral.advisor.log import plain_json
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply, Usage
 from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from coral.advisor.setting import Setting
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -119,3 +122,14 @@ def _write(path: Path, content: bytes) -> None:
     partial = path.with_name(path.name + ".part")
     partial.write_bytes(content)
     os.replace(partial, path)
+
+
+def make_desk(name: str, rest: str, setting: Setting) -> DeskAdvisor:
+    """Whoever answers in an inbox.
+
+    Raises:
+        InputError: There is no inbox, or it cannot be written.
+    """
+    if setting.inbox is None:
+        raise InputError(setting.where, "", "desk without an inbox", "a folder for its questions (--inbox DIR)")
+    return DeskAdvisor(setting.inbox)

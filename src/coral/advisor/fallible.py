@@ -7,14 +7,19 @@ import json
 import math
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from pydantic import BaseModel
 
+from coral.advisor.attribution import source_of
 from coral.advisor.corrupt import corrupt
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply, Usage
+from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from coral.advisor.setting import Setting
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -78,20 +83,21 @@ class FallibleAdvisor:
             hooks: How to spoil answers to a kind of question, where the general way (by the answer's schema and the
                 question's facts) does not know enough.
         """
-        self._inner, self._cfg, self._rng = inner, cfg, rng
+        self.inner, self._cfg, self._rng = inner, cfg, rng
         self._hooks = dict(hooks or {})
         self._previous: dict[str, dict[str, Any]] = {}
         self.name = f"fallible:{sum(dataclasses.astuple(cfg)):g}:{inner.name}"
         self.latency = getattr(inner, "latency", "measured")
+        self.source = source_of(inner)
 
     async def warm_up(self) -> None:
         """Warm the inner advisor up."""
-        if (warm_up := getattr(self._inner, "warm_up", None)) is not None:
+        if (warm_up := getattr(self.inner, "warm_up", None)) is not None:
             await warm_up()
 
     async def aclose(self) -> None:
         """Close the inner advisor."""
-        if (aclose := getattr(self._inner, "aclose", None)) is not None:
+        if (aclose := getattr(self.inner, "aclose", None)) is not None:
             await aclose()
 
     def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
@@ -121,7 +127,7 @@ class FallibleAdvisor:
                 latency_s=math.inf,
                 usage=Usage(requests=0, faults=("spoilt-silence",)),
             )
-        reply = await self._inner.answer(question, rejections)
+        reply = await self.inner.answer(question, rejections)
         right = reply.value.model_dump(mode="json")
         previous = self._previous.get(question.kind)
         self._previous[question.kind] = right
@@ -152,3 +158,20 @@ class FallibleAdvisor:
         if error == "stale" and previous is not None:
             return json.dumps(previous)
         return json.dumps(self._hooks.get(question.kind, corrupt)(error, question, right, rng))
+
+
+def make_fallible(name: str, rest: str, setting: Setting) -> FallibleAdvisor:
+    """Another advisor with errors, fallible:P:INNER.
+
+    Raises:
+        InputError: P is no probability, or there is no such inner advisor.
+    """
+    rate, _, inner = rest.partition(":")
+    if not inner:
+        found = repr(f"{name}:{rest}")
+        raise InputError(setting.where, "", found, "fallible:P:INNER, such as fallible:0.3:heuristic")
+    try:
+        errors = FallibleCfg.total(float(rate))
+    except ValueError:
+        raise InputError(setting.where, "P", repr(rate), "a probability from 0 to 1") from None
+    return FallibleAdvisor(setting.inner(inner), errors, setting.rng, setting.spoil)

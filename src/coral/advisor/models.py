@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel
 
-from coral.advisor.connect import connect, require_key
+from coral.advisor.connect import LOCAL_KEY, connect, require_key
 from coral.advisor.ledger import Ledger
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render_rejections
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
 from coral.advisor.scrub import public_url, scrub
+from coral.errors import InputError
 
 if TYPE_CHECKING:
     import httpx2
     from pydantic_ai.messages import ModelResponse, UserContent
     from pydantic_ai.models import Model, ModelRequestParameters
+
+    from coral.advisor.setting import Setting
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -263,3 +267,36 @@ def _parse(response: ModelResponse, raw: str, answer_type: type[A]) -> A:
         if response.finish_reason == "length" and bad.rejection.code in ("empty", "not-json"):
             raise BadAnswer("cut-off", "The reply broke off at its length limit; answer more briefly.", raw) from None
         raise
+
+
+def make_provider(name: str, rest: str, setting: Setting) -> ModelAdvisor:
+    """A provider's model, PROVIDER:MODEL.
+
+    Raises:
+        InputError: The environment holds no key for it.
+    """
+    return ModelAdvisor.provider(name, rest, setting.model, where=setting.where)
+
+
+def make_local(name: str, rest: str, setting: Setting) -> ModelAdvisor:
+    """A model on a server of one's own, local:URL#MODEL.
+
+    Raises:
+        InputError: The address is incomplete, or holds a secret.
+    """
+    if not re.match(r"https?://[^#\s]+#\S", rest):
+        raise InputError(
+            setting.where,
+            "",
+            "an incomplete local advisor",
+            "local:URL#MODEL, such as local:http://127.0.0.1:8080/v1#my-model",
+        )
+    url, _, model = rest.partition("#")
+    if public_url(url) != url.rstrip("?"):
+        raise InputError(
+            setting.where,
+            "",
+            f"a URL with credentials or a query ({public_url(url)})",
+            f"a plain URL, and the key in the environment variable {LOCAL_KEY}",
+        )
+    return ModelAdvisor.local(url, model, setting.model)

@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import cv2
 import numpy as np
 from pydantic import BaseModel, Field
 
 from coral.advisor.model_cfg import ModelCfg, OutputMode
 from coral.advisor.models import ModelAdvisor
+from coral.advisor.preflight import patch
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question
 from coral.advisor.registry import make_advisor
 from coral.errors import InputError
@@ -52,6 +52,11 @@ class ProbeReport:
     """Whether it names the colours of pictures; None when no output mode works."""
     recommended: OutputMode | None
     """Output mode to configure (`output`)."""
+
+    @property
+    def usable(self) -> bool:
+        """Whether the model can be used at all."""
+        return self.recommended is not None
 
     def lines(self) -> list[str]:
         """The report as text."""
@@ -115,7 +120,7 @@ async def _ask(advisor: ModelAdvisor, number: int, color: str) -> tuple[Finding,
         answer_type=ProbeAnswer,
         facts={},
         prompt=f"Return only a JSON object with two keys: number, which is {number}, and color, which is {what}.",
-        pictures=(Picture(name="patch", png=_patch(color)),) if color else (),
+        pictures=(Picture(name="patch", png=patch(COLORS[color])),) if color else (),
     )
     started = time.monotonic()
     code = ""
@@ -135,9 +140,3 @@ async def _ask(advisor: ModelAdvisor, number: int, color: str) -> tuple[Finding,
         works, code, says = False, gone.code, f"{gone.code}: {gone.reason}"
     await advisor.aclose()
     return Finding(works=works, says=" ".join(says.split())[:200], wall_s=time.monotonic() - started), code
-
-
-def _patch(color: str) -> bytes:
-    """PNG of one colour, 64 x 64 pixels."""
-    rgb = np.full((64, 64, 3), COLORS[color], np.uint8)
-    return bytes(cv2.imencode(".png", rgb[:, :, ::-1])[1])

@@ -45,6 +45,8 @@ class Question(Generic[A]):
     """What the pictures show, as JSON numbers. Only the robot's own map and sensors, never ground truth."""
     pictures: tuple[Picture, ...] = ()
     prompt_version: str = "1"
+    asked_at_s: float = 0.0
+    """When it was put, on the clock of the world; `consult` notes it."""
 
 
 @dataclass(frozen=True, kw_only=True)

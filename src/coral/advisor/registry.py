@@ -1,30 +1,109 @@
-"""From the string on the command line to the advisor that it names."""
+"""Every advisor that a string can name: one entry each, which parsing, suggestions, help and documentation read."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping
+import importlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from coral.advisor.connect import KEYS, LOCAL_KEY
+from coral.advisor.connect import KEYS
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
-from coral.advisor.rules import Rule, RuleAdvisor
-from coral.advisor.scrub import public_url
+from coral.advisor.rules import Rule
+from coral.advisor.setting import Setting
+from coral.advisor.sloppy import Mistake
 from coral.errors import InputError, nearest
 
-FORMS = (
-    "heuristic",
-    "PROVIDER:MODEL (openai, anthropic, google)",
-    "local:URL#MODEL",
-    "desk",
-    "replay:FILE",
-    "fallible:P:INNER",
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """One advisor on the command line. To add one, write its file and its entry in `ENTRIES`."""
+
+    form: str
+    """How it is written: a name, and behind colons what it takes."""
+    what: str
+    """Who that is, in a few words."""
+    make: str
+    """`module:function` that makes it, imported when it is asked for: (name, rest, `Setting`) to `Advisor`."""
+    wraps: bool = False
+    """Whether it changes the answers of another advisor: NAME:ARGUMENT:INNER."""
+    rules: bool = False
+    """Whether only rules of the application answer."""
+    person: bool = False
+    """Whether it may take as long as a person does."""
+
+    @property
+    def name(self) -> str:
+        """Its first word."""
+        return self.form.partition(":")[0]
+
+    @property
+    def takes(self) -> bool:
+        """Whether something must follow its name."""
+        return ":" in self.form
+
+
+ENTRIES = (
+    Entry(
+        form="heuristic",
+        what="rules that come with the package; no network, no key, no model",
+        make="coral.advisor.rules:make_rules",
+        rules=True,
+    ),
+    *(
+        Entry(form=f"{provider}:MODEL", what="a provider's model", make="coral.advisor.models:make_provider")
+        for provider in KEYS
+    ),
+    Entry(
+        form="local:URL#MODEL",
+        what="a model on any OpenAI-compatible server: vLLM, Ollama, llama.cpp",
+        make="coral.advisor.models:make_local",
+    ),
+    Entry(
+        form="desk",
+        what="a person, or any program that writes a file",
+        make="coral.advisor.desk:make_desk",
+        person=True,
+    ),
+    Entry(form="replay:FILE", what="the answers of an earlier run", make="coral.advisor.replay:make_replay"),
+    Entry(
+        form="fallible:P:INNER",
+        what="another advisor, of whose answers a share P is malformed, out of range, stale or missing",
+        make="coral.advisor.fallible:make_fallible",
+        wraps=True,
+    ),
+    Entry(
+        form="sloppy:ERRORS:INNER",
+        what="another advisor that errs plausibly: answers that look right and are not",
+        make="coral.advisor.sloppy:make_sloppy",
+        wraps=True,
+    ),
 )
-NAMES = ("heuristic", *KEYS, "local", "desk", "replay", "fallible")
+_BY_NAME = {entry.name: entry for entry in ENTRIES}
+
+
+def forms() -> str:
+    """All forms, for help and errors."""
+    return ", ".join(entry.form for entry in ENTRIES)
+
+
+def advisor_help(first: str) -> str:
+    """Help of a flag that takes an advisor: a sentence of the command's own, then what can be named."""
+    return f"{first}: {forms()}."
+
+
+def innermost(spec: str) -> tuple[Entry | None, str]:
+    """Who really answers, inside all that wrap it: its entry and its own string; no entry where it names nobody."""
+    spec = spec.strip()
+    entry, rest = _split(spec)
+    while entry is not None and entry.wraps:
+        spec = rest.partition(":")[2].strip()
+        entry, rest = _split(spec)
+    return entry, spec
 
 
 def rules_alone(advisor: str) -> bool:
@@ -33,7 +112,18 @@ def rules_alone(advisor: str) -> bool:
     Args:
         advisor: As on the command line.
     """
-    return re.fullmatch(r"(fallible:[^:]*:)*heuristic", advisor.replace(" ", "")) is not None
+    entry, _ = innermost(advisor)
+    return entry is not None and entry.rules
+
+
+def asks_person(advisor: str) -> bool:
+    """Whether a person may answer for an advisor, spoilt or not.
+
+    Args:
+        advisor: As on the command line.
+    """
+    entry, _ = innermost(advisor)
+    return entry is not None and entry.person
 
 
 def make_advisor(
@@ -45,68 +135,52 @@ def make_advisor(
     cfg: ModelCfg | None = None,
     where: str = "--advisor",
     spoil: Mapping[str, Callable[..., dict[str, Any]]] | None = None,
+    mistakes: Sequence[Mistake] = (),
 ) -> Advisor:
     """Make the advisor that a string names.
 
     Args:
-        spec: `heuristic`, `PROVIDER:MODEL`, `local:URL#MODEL`, `desk`, `replay:FILE` or `fallible:P:INNER`.
+        spec: In one of the forms of `ENTRIES`.
         rules: The application's own rules, for `heuristic`: kind of question to function of its facts.
-        rng: Drawn from by `fallible` only.
+        rng: Drawn from by advisors that err on purpose.
         inbox: Folder in which `desk` puts its questions.
         cfg: Time-outs, budget and output mode of real models.
         where: What to name in an error message.
         spoil: How `fallible` spoils answers to a kind of question (`Corrupt`), where the general way knows too little.
+        mistakes: The application's plausible errors, for `sloppy`.
 
     Raises:
         InputError: The string names no advisor, a file is missing or unreadable, or the environment lacks a key.
     """
     spec = spec.strip()
+    entry, rest = _split(spec)
+    if entry is None:
+        name = spec.partition(":")[0]
+        raise InputError(where, "", repr(spec), f"one of {forms()}{nearest(name, _BY_NAME)}")
+
+    def inner(text: str) -> Advisor:
+        return make_advisor(
+            text, rules=rules, rng=rng, inbox=inbox, cfg=cfg, where=where, spoil=spoil, mistakes=mistakes
+        )
+
+    setting = Setting(
+        rules=rules,
+        rng=rng,
+        inbox=inbox,
+        model=cfg or ModelCfg(),
+        where=where,
+        inner=inner,
+        spoil=spoil or {},
+        mistakes=tuple(mistakes),
+    )
+    module, _, function = entry.make.partition(":")
+    made: Advisor = getattr(importlib.import_module(module), function)(entry.name, rest, setting)
+    return made
+
+
+def _split(spec: str) -> tuple[Entry | None, str]:
+    """The entry that a string names, and what follows its name; none where it lacks or has too much."""
     name, _, rest = spec.partition(":")
-    if spec == "heuristic":
-        return RuleAdvisor(rules)
-    if spec == "desk":
-        from coral.advisor.desk import DeskAdvisor
-
-        if inbox is None:
-            raise InputError(where, "", "desk without an inbox", "a folder for its questions (--inbox DIR)")
-        return DeskAdvisor(inbox)
-    if name == "replay" and rest:
-        from coral.advisor.replay import ReplayAdvisor
-
-        return ReplayAdvisor(Path(rest), where=where)
-    if name == "fallible" and rest:
-        from coral.advisor.fallible import FallibleAdvisor, FallibleCfg
-
-        rate, _, inner = rest.partition(":")
-        if not inner:
-            raise InputError(where, "", repr(spec), "fallible:P:INNER, such as fallible:0.3:heuristic")
-        try:
-            errors = FallibleCfg.total(float(rate))
-        except ValueError:
-            raise InputError(where, "P", repr(rate), "a probability from 0 to 1") from None
-        wrapped = make_advisor(inner, rules=rules, rng=rng, inbox=inbox, cfg=cfg, where=where)
-        return FallibleAdvisor(wrapped, errors, rng, spoil)
-    if name == "local" and rest:
-        if not re.match(r"https?://[^#\s]+#\S", rest):
-            raise InputError(
-                where,
-                "",
-                "an incomplete local advisor",
-                "local:URL#MODEL, such as local:http://127.0.0.1:8080/v1#my-model",
-            )
-        url, _, model = rest.partition("#")
-        if public_url(url) != url.rstrip("?"):
-            raise InputError(
-                where,
-                "",
-                f"a URL with credentials or a query ({public_url(url)})",
-                f"a plain URL, and the key in the environment variable {LOCAL_KEY}",
-            )
-        from coral.advisor.models import ModelAdvisor
-
-        return ModelAdvisor.local(url, model, cfg or ModelCfg())
-    if name in KEYS and rest:
-        from coral.advisor.models import ModelAdvisor
-
-        return ModelAdvisor.provider(name, rest, cfg or ModelCfg(), where=where)
-    raise InputError(where, "", repr(spec), f"one of {', '.join(FORMS)}{nearest(name, NAMES)}")
+    entry = _BY_NAME.get(name.strip())
+    fits = entry is not None and (bool(rest) if entry.takes else ":" not in spec)
+    return (entry, rest) if fits else (None, "")

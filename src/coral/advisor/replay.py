@@ -7,13 +7,17 @@ import math
 from collections import deque
 from collections.abc import Coroutine, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from coral.advisor.attribution import Source
 from coral.advisor.log import question_key
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
 from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from coral.advisor.setting import Setting
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -36,6 +40,7 @@ class ReplayAdvisor:
     """
 
     latency = "recorded"
+    source: Source = "recording"
 
     def __init__(self, file: Path, where: str = "--advisor") -> None:
         """Read a recording.
@@ -148,3 +153,12 @@ def _read(file: Path, where: str) -> list[dict[str, Any]]:
             raise InputError(str(file), f"line {number}", f"no {', '.join(sorted(missing))}", "an attempt")
         entries.append(entry)
     return entries
+
+
+def make_replay(name: str, rest: str, setting: Setting) -> ReplayAdvisor:
+    """A recording, replay:FILE.
+
+    Raises:
+        InputError: The file is missing or unreadable.
+    """
+    return ReplayAdvisor(Path(rest), where=setting.where)

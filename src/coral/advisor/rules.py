@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel
 
 from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply
+
+if TYPE_CHECKING:
+    from coral.advisor.setting import Setting
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -43,3 +46,8 @@ class RuleAdvisor:
             # Another model of the same shape is fine: its fields decide.
             value = question.answer_type.model_validate(value.model_dump())
         return Reply(value=value, raw=value.model_dump_json())
+
+
+def make_rules(name: str, rest: str, setting: Setting) -> RuleAdvisor:
+    """The application's rules."""
+    return RuleAdvisor(setting.rules)

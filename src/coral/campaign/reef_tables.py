@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from coral.campaign.decided import decided_table, mark_notes, marked, share
 from coral.campaign.measures import (
     Measure,
     Row,
@@ -123,18 +124,22 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
             _by_world(by_variant[REFERENCE], advisor, source),
         ]
     everything = (COVERAGE, coverage_time, MISSION_TIME, EFFICIENCY, DISTANCE, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
+    shares = (share("advisor"), share("fallback"))
     tables.append(
         Table(
             "All variants",
             f"Means per mission. Advisor: {called(advisor)}.",
-            ("variant", "missions", *(m.label for m in everything)),
+            ("variant", "missions", *(m.label for m in (*everything, *shares))),
             tuple(
-                (name(variant), str(len(found)), *(mean_text(found, m) for m in everything))
+                (marked(name(variant), found), str(len(found)), *(mean_text(found, m) for m in (*everything, *shares)))
                 for variant, found in by_variant.items()
             ),
             (time_note, *source),
         )
     )
+    caption = f"Who decided, and what it cost. Advisor: {called(advisor)}."
+    groups = {name(variant): found for variant, found in by_variant.items()}
+    tables.append(decided_table(groups, caption, source, runs="missions"))
     return [table for table in tables if table.rows]
 
 
@@ -158,7 +163,7 @@ def _beside(
         found = by_variant.get(variant, ())
         if not found and not printed:
             continue
-        row = [name(variant), str(len(found))]
+        row = [marked(name(variant), found), str(len(found))]
         for measure in measures:
             per_mission = f" ({each[measure.key]})" if measure.key in each else ""
             row += [mean_text(found, measure), printed.get(measure.key, "–") + per_mission]
@@ -191,7 +196,7 @@ def _differences(
         pairs = len({pair(row) for row in found} & {pair(row) for row in reference})
         rows.append(
             (
-                name(variant),
+                marked(name(variant), found),
                 str(pairs),
                 *(difference_text(e, m.digits) for e, m in zip(estimates, measures, strict=True)),
             )
@@ -221,11 +226,11 @@ def _by_topology(rows: Sequence[Row], advisor: str, notes: tuple[str, ...]) -> T
     for kind in kinds:
         found = [row for row in rows if row.get("topology") == kind]
         printed = paper()["III"].get(kind, {})
-        line = [f"{kind}-shape" if kind in TABLE_III else kind, str(len(found))]
+        line = [marked(f"{kind}-shape" if kind in TABLE_III else kind, found), str(len(found))]
         for measure in measures:
             line += [mean_text(found, measure), printed.get(measure.key, "–")]
         lines.append((*line, mean_text(found, COLLISIONS)))
-    line = ["all missions", str(len(rows))]
+    line = [marked("all missions", rows), str(len(rows))]
     for measure, value in zip(measures, ("94.28", "11.26", "54.7"), strict=True):
         line += [mean_text(rows, measure), value]
     lines.append((*line, mean_text(rows, COLLISIONS)))
@@ -250,7 +255,13 @@ def _by_world(rows: Sequence[Row], advisor: str, source: tuple[str, ...]) -> Tab
         worst = 100.0 * min(float(row["coverage"]) for row in found)
         most = max(int(row["advisor_calls"]) for row in found)
         lines.append(
-            (world, str(len(found)), *(mean_text(found, measure) for measure in measures), f"{worst:.1f}", str(most))
+            (
+                marked(world, found),
+                str(len(found)),
+                *(mean_text(found, measure) for measure in measures),
+                f"{worst:.1f}",
+                str(most),
+            )
         )
     return Table(
         "By world",
@@ -300,6 +311,7 @@ def _source(
             f"Failed and left out ({len(failed)}): {', '.join(_label(row) for row in failed[:4])}"
             f"{', …' if len(failed) > 4 else ''}."
         )
+    parts += mark_notes(chosen)
     if any(row["advisor"] == NO_ADVISOR for row in chosen) and advisor != NO_ADVISOR:
         parts.append(
             "Variants that ask no advisor ran once and stand beside every advisor; their calls are questions "

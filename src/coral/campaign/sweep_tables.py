@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from coral.campaign.decided import marked
 from coral.campaign.measures import Measure, Row, difference, difference_text, mean_interval_text, pair
 from coral.campaign.sweep import NOMINAL, in_order, setting_text
 from coral.campaign.table import Table
@@ -37,7 +38,7 @@ def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str,
         return []
     labels = [measure.label for measure in measures]
     means = [
-        (setting, str(len(found)), *(mean_interval_text(found, measure) for measure in measures))
+        (marked(setting, found), str(len(found)), *(mean_interval_text(found, measure) for measure in measures))
         for setting, found in settings.items()
     ]
     tables = [
@@ -56,7 +57,11 @@ def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str,
             estimates = [difference(found, nominal, measure) for measure in measures]
             pairs = len({pair(row) for row in found} & {pair(row) for row in nominal})
             lines.append(
-                (setting, str(pairs), *(difference_text(e, m.digits) for e, m in zip(estimates, measures, strict=True)))
+                (
+                    marked(setting, found),
+                    str(pairs),
+                    *(difference_text(e, m.digits) for e, m in zip(estimates, measures, strict=True)),
+                )
             )
             if not any(estimate.tells for estimate in estimates):
                 silent.append(setting)

@@ -122,6 +122,7 @@ _LATEX = {
     "≤": r"$\leq$",
     "†": r"$^\dagger$",
     "‡": r"$^\ddagger$",
+    "§": r"$^\S$",
     "Δ": r"$\Delta$",
     "η": r"$\eta$",
     "·": r"$\cdot$",

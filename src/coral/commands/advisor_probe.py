@@ -27,8 +27,12 @@ class AdvisorProbe:
         from coral.advisor.probe import probe
 
         report = probe(self.model, self.cfg)
-        return {**asdict(report), "lines": report.lines()}
+        return {**asdict(report), "usable": report.usable, "lines": report.lines()}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """A line for each finding."""
         return "\n".join(result["lines"])
+
+    def exit_code(self, result: Mapping[str, Any]) -> int:
+        """1 when the model cannot be used."""
+        return 0 if result["usable"] else 1

@@ -10,12 +10,14 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+import tyro
 
 from coral.advisor.model_cfg import ModelCfg
-from coral.advisor.registry import make_advisor
+from coral.advisor.question import Advisor
+from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.contact_ablation import NAMES, ablations, chosen
@@ -28,6 +30,7 @@ from coral.campaign.table import document
 from coral.campaign.version import code_version
 from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_run import with_poses, with_samples, with_tracker
+from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.contact.episode.campaign_trial import run_trial
 from coral.contact.episode.cfg import EpisodeCfg
@@ -93,8 +96,7 @@ class ContactBench:
     """Evaluation worlds, separated by commas: panda, hand."""
     seeds: str = "0-9"
     """Numbers and ranges, such as 0-4 or 0,3,7-9; the paper makes ten trials of each task."""
-    advisors: str = "heuristic"
-    """As for coral contact run, separated by commas."""
+    advisors: Annotated[str, tyro.conf.arg(help=advisor_help("Separated by commas"))] = "heuristic"
     poses: Literal["tracked", "ground-truth"] | None = None
     """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     tracker: str | None = None
@@ -105,6 +107,8 @@ class ContactBench:
     (also the memory.json of a campaign). Every trial has a copy to itself. Without it they begin with nothing."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
+    preflight: bool = True
+    """Ask each model one small question first, and refuse the campaign if one cannot be used."""
     jobs: int = 1
     """Episodes at a time (executor local); several share the machine's cores, one each."""
     executor: Literal["local", "ray"] = "local"
@@ -152,6 +156,10 @@ class ContactBench:
         if cfg.poses == "tracked" and self.executor == "local":  # a cluster may reach what this machine does not
             cfg.tracked.choice().check()
         specs, memory = self._specs(tasks), None if self.memory is None else read_memory(self.memory)
+        if self.preflight:
+            preflight_campaign(
+                store, specs, self._advisor, pictures=True, retry_failed=self.retry_failed, quiet=self.quiet
+            )
         with store.lock():
             store.open(
                 specs, self._conditions(cfg, tasks, memory), command=self._command(), mix=self.mix, about=provenance()
@@ -174,6 +182,11 @@ class ContactBench:
             ]
         )
 
+    def _advisor(self, name: str) -> Advisor:
+        """The advisor of a row, as far as it can be checked here."""
+        model = checked(self.model, "--model")
+        return make_advisor(name, rules={}, rng=np.random.default_rng(0), cfg=model, where="--advisors")
+
     def _specs(self, tasks: Mapping[str, Task]) -> tuple[Spec, ...]:
         worlds = parse_names(self.worlds, "--worlds")
         policies = self._policies()
@@ -190,11 +203,9 @@ class ContactBench:
         for world in worlds:
             check_world(world, "--worlds")
         for advisor in advisors:
-            if advisor.split(":")[-1] == "desk":
+            if asks_person(advisor):
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
-            make_advisor(
-                advisor, rules={}, rng=np.random.default_rng(0), cfg=checked(self.model, "--model"), where="--advisors"
-            )
+            self._advisor(advisor)
         return grid(
             "contact",
             variants=(*variants, *policies),

@@ -12,7 +12,8 @@ import numpy as np
 import tyro
 
 from coral.advisor.model_cfg import ModelCfg
-from coral.advisor.registry import make_advisor
+from coral.advisor.preflight import preflight
+from coral.advisor.registry import advisor_help, make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.contact_progress import EpisodeProgress
 from coral.config import checked
@@ -50,12 +51,13 @@ class ContactRun:
     """A shipped task (see coral contact tasks) or a task file."""
     world: str = "panda"
     """Where it takes place: panda, the robot in robosuite; hand, its hand alone, flying freely."""
-    advisor: str = "heuristic"
-    """Who thinks, in variants that ask: heuristic, PROVIDER:MODEL, local:URL#MODEL, desk, replay:FILE, ..."""
+    advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who thinks, in variants that ask"))] = "heuristic"
     variant: str = "expert-fsm"
     """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, unguided, no-regions and
     no-tracking are it without a part, unified asks everything at once. expert and expert-fsm follow hand-written costs
     and ask nobody."""
+    preflight: bool = True
+    """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
     """Seed of everything random: poses, masses, frictions, sizes and the planner's noise."""
     policy: str | None = None
@@ -108,7 +110,7 @@ class ContactRun:
             )
         check_world(self.world)
         model = checked(self.model, "--model")
-        make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=model)
+        advisor = make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=model)
         if self.advisor != type(self).advisor and (self.policy is not None or self.variant in ALONE):
             which = "--policy" if self.policy else f"--variant {self.variant}"
             raise InputError(
@@ -146,6 +148,8 @@ class ContactRun:
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.policy is not None:
             return self._driven(self.policy, trial, cfg)
+        if self.preflight and self.variant not in ALONE:
+            preflight(advisor, pictures=True, quiet=self.quiet)
         folder = self.out or new_run_folder(Path("runs"), task.name)
         strategist = make_strategist(
             self.variant,
@@ -162,8 +166,8 @@ class ContactRun:
                 model=model,
             ),
         )
-        advisor = "none" if self.variant in ALONE else self.advisor
-        episode = Episode(trial, self.world, strategist, cfg, folder, variant=self.variant, advisor=advisor)
+        who = "none" if self.variant in ALONE else self.advisor
+        episode = Episode(trial, self.world, strategist, cfg, folder, variant=self.variant, advisor=who)
         progress = EpisodeProgress(quiet=self.quiet)
         try:
             result = episode.run([progress])

@@ -5,14 +5,16 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
 
+from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
-from coral.advisor.registry import make_advisor
+from coral.advisor.question import Advisor
+from coral.advisor.registry import advisor_help, asks_person, make_advisor, rules_alone
 from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.dataset import read_parquet, to_rows, write_parquet
@@ -24,11 +26,14 @@ from coral.campaign.sweep import parse_sweeps
 from coral.campaign.table import document
 from coral.campaign.version import code_version
 from coral.commands.config_flag import config_words, configured
+from coral.commands.preflight import preflight_campaign
+from coral.commands.reef_run import with_fallback
 from coral.config import checked, to_mapping
 from coral.errors import InputError, RunError
 from coral.reef.episode import run_episode
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
+from coral.reef.mistakes import REEF_MISTAKES
 from coral.reef.sweep import apply_setting
 from coral.reef.variants import apply_variant
 from coral.reef.world import ReefWorld, load_world, shipped_worlds
@@ -49,7 +54,7 @@ class ReefEpisode:
         """Run it."""
         cfg, world = mission_of(spec, self.cfg, self.worlds[spec.world])
         advisor = "heuristic" if spec.advisor == NO_ADVISOR else spec.advisor
-        sees = not advisor.endswith("heuristic")
+        sees = not rules_alone(advisor)
         return run_episode(
             world,
             cfg,
@@ -60,6 +65,11 @@ class ReefEpisode:
             model=self.model,
             draw=question_pictures if sees else None,
         )
+
+
+def mission_alone() -> MissionCfg:
+    """The mission of a campaign, in which the advisor stands alone."""
+    return with_fallback(MissionCfg(), FOR_BENCHES)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,11 +85,15 @@ class ReefBench:
     """Shipped reefs or world files, separated by commas; all: the ten shipped ones."""
     seeds: str = "0"
     """Numbers and ranges, such as 0-4 or 0,3,7-9."""
-    advisors: str = "heuristic"
-    """As for coral reef run, separated by commas."""
+    advisors: Annotated[str, tyro.conf.arg(help=advisor_help("Separated by commas"))] = "heuristic"
     sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
     """KEY=V1,V2,...: the whole grid as it is, and once more for each value. KEY: current, visibility, mask_errors,
     depth_noise, pose_drift, or a key of the configuration. Given several times, each key is swept on its own."""
+    fallback: Fallback | None = None
+    """What decides where an advisor did not: hold (the default: it stands alone), fail (the mission ends), or rules,
+    whose rows are marked."""
+    preflight: bool = True
+    """Ask each model one small question first, and refuse the campaign if one cannot be used."""
     jobs: int = 1
     """Missions at a time (executor local)."""
     executor: Literal["local", "ray"] = "local"
@@ -102,17 +116,19 @@ class ReefBench:
     """No progress."""
     model: ModelCfg = field(default_factory=ModelCfg)
     """How a real model is called, and what each mission may spend."""
-    cfg: MissionCfg = field(default_factory=MissionCfg)
+    cfg: MissionCfg = field(default_factory=mission_alone)
     """The mission."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefBench | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        cfg = configured(words, MissionCfg())
+        cfg = configured(words, mission_alone())
         return None if cfg is None else cls(cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Run what is missing, then make the tables."""
+        if self.fallback is not None:
+            return replace(self, cfg=with_fallback(self.cfg, self.fallback), fallback=None)()
         store = Store(self.out)
         if self.collect:
             store.manifest()
@@ -122,6 +138,10 @@ class ReefBench:
         specs = self._specs(worlds)
         if self.jobs < 1:
             raise InputError("--jobs", "", self.jobs, "a number from 1 on")
+        if self.preflight:
+            preflight_campaign(
+                store, specs, self._advisor, pictures=True, retry_failed=self.retry_failed, quiet=self.quiet
+            )
         with store.lock():
             store.open(specs, self._conditions(worlds), command=self._command(), mix=self.mix, about=provenance())
             summary = self._run(store, specs, worlds)
@@ -145,14 +165,20 @@ class ReefBench:
         names = shipped_worlds() if self.worlds == "all" else parse_names(self.worlds, "--worlds")
         return {name: load_world(name) for name in names}
 
+    def _advisor(self, name: str) -> Advisor:
+        """The advisor of a row, as far as it can be checked here."""
+        return make_advisor(
+            name, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors", mistakes=REEF_MISTAKES
+        )
+
     def _specs(self, worlds: Mapping[str, ReefWorld]) -> tuple[Spec, ...]:
         variants = parse_names(self.variants, "--variants")
         alone = {variant for variant in variants if apply_variant(variant, self.cfg).decider != "advisor"}
         advisors = parse_names(self.advisors, "--advisors")
         for advisor in advisors:
-            if advisor.split(":")[-1] == "desk":
+            if asks_person(advisor):
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
-            make_advisor(advisor, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors")
+            self._advisor(advisor)
         specs = grid(
             "reef",
             variants=variants,
@@ -278,7 +304,7 @@ class ReefBench:
             self.advisors,
         ]
         words += [word for text in self.sweep for word in ("--sweep", text)]
-        words += config_words(self.cfg, MissionCfg(), self.config)
+        words += config_words(self.cfg, mission_alone(), self.config)
         words += config_words(self.model, ModelCfg(), None, "model")
         return shlex.join(words)
 

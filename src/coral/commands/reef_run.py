@@ -13,9 +13,12 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
+from coral.advisor.attribution import who_decided
 from coral.advisor.consult import BudgetCfg
+from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
-from coral.advisor.registry import make_advisor
+from coral.advisor.preflight import preflight
+from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.progress import MissionProgress
 from coral.config import checked
@@ -24,6 +27,7 @@ from coral.errors import InputError
 from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg, Observer
+from coral.reef.mistakes import REEF_MISTAKES
 from coral.reef.variants import apply_variant
 from coral.reef.world import load_world
 from coral.runs import new_run_folder
@@ -40,12 +44,16 @@ class ReefRun:
 
     world: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="WORLD")]
     """A shipped reef (l1 l2 s1 s2 k1 k2 e1 e2 o1 o2) or a world file."""
-    advisor: str = "heuristic"
-    """Who decides: heuristic, PROVIDER:MODEL, local:URL#MODEL, desk, replay:FILE, fallible:P:INNER."""
+    advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who decides"))] = "heuristic"
     variant: str = "full"
     """Configuration of the pipeline: full, or an ablation or baseline."""
     robots: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """How many robots survey the reef together, 1 to 4; by default as configured, which is 1."""
+    fallback: Fallback | None = None
+    """What decides where the advisor did not: rules (the default, said at the end), hold (keep the goal, ask again),
+    fail (end the mission)."""
+    preflight: bool = True
+    """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
     """Seed of everything random."""
     out: Path | None = None
@@ -89,11 +97,12 @@ class ReefRun:
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
         cfg = self.cfg if self.robots is None else dataclasses.replace(self.cfg, robots=self.robots)
+        cfg = with_fallback(cfg, self.fallback)
         if not 1 <= cfg.robots <= MOST_ROBOTS:
             raise InputError("--robots", "", cfg.robots, f"a number from 1 to {MOST_ROBOTS}")
         cfg = checked(apply_variant(self.variant, cfg), "--cfg")
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
-        asks_people = self.advisor.split(":")[-1].strip() == "desk"
+        asks_people = asks_person(self.advisor)
         if asks_people and cfg.pilot.budget == BudgetCfg():
             patient = dataclasses.replace(cfg.pilot, budget=BudgetCfg(deadline_s=PERSON_DEADLINE_S))
             cfg = dataclasses.replace(cfg, pilot=patient)
@@ -106,7 +115,10 @@ class ReefRun:
             rng=rng,
             inbox=inbox,
             cfg=dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts),
+            mistakes=REEF_MISTAKES,
         )
+        if self.preflight and cfg.decider == "advisor":
+            preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
         mission = Mission(
             world,
             cfg,
@@ -117,6 +129,7 @@ class ReefRun:
             draw=question_pictures if cfg.record.pictures else None,
         )
         progress = MissionProgress(quiet=self.quiet)
+        mission.listeners.append(FallbackNotice(cfg.pilot.fallback))
         about = {"world": world.name, "variant": self.variant, "seed": self.seed, "run": str(folder)}
         if asks_people and not self.quiet:
             print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)
@@ -130,7 +143,8 @@ class ReefRun:
                 )
         finally:
             progress.close()
-        return {**result, "run": str(folder), **render(folder, cfg)}
+        decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
+        return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 
     @contextmanager
     def _page(self) -> Iterator[Callable[[Mission], list[Observer]]]:
@@ -165,7 +179,34 @@ class ReefRun:
             f"run folder: {result['run']}",
         ]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
+        lines += [str(result["decided"])] if result["decided"] else []
         return "\n".join(lines)
+
+
+class FallbackNotice:
+    """Says on standard error, at the first time, that the advisor did not decide."""
+
+    def __init__(self, policy: Fallback) -> None:
+        self._policy, self._said = policy, False
+
+    def __call__(self, event: Mapping[str, Any]) -> None:
+        """Hear an event of the mission."""
+        if event["event"] == "fallback" and not self._said:
+            self._said = True
+            then = {"rules": "the fallback's rules decide", "hold": "the goal is kept", "fail": "the mission ends"}
+            print(
+                f"at {event['t']:.0f} s the advisor did not decide ({event['failure']}): {then[self._policy]} "
+                f"(--fallback {self._policy})",
+                file=sys.stderr,
+                flush=True,
+            )
+
+
+def with_fallback(cfg: MissionCfg, fallback: Fallback | None) -> MissionCfg:
+    """The configuration with another fallback; None leaves it as configured."""
+    return (
+        cfg if fallback is None else dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, fallback=fallback))
+    )
 
 
 def render(folder: Path, cfg: MissionCfg) -> dict[str, str]:

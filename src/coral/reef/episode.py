@@ -17,6 +17,7 @@ from coral.reef.belief import Belief
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.metrics import covered_at
 from coral.reef.mission import Mission, MissionCfg
+from coral.reef.mistakes import REEF_MISTAKES
 from coral.reef.record import RecordCfg
 from coral.reef.world import ReefWorld
 
@@ -47,14 +48,21 @@ def run_episode(
         draw: Draws the pictures for an advisor with eyes.
 
     Returns:
-        Metrics and timing, with `topology` and `covered_at_s` (times at which clusters were covered, s).
+        Metrics and timing, with `topology`, `covered_at_s` (times at which clusters were covered, s) and `fallback`
+        (what decided where the advisor did not).
 
     Raises:
         RunError: The mission was interrupted.
     """
     cfg = dataclasses.replace(cfg, record=RecordCfg(pictures=draw is not None, frames=False, report=False, video=False))
-    asked = make_advisor(advisor, rules=REEF_RULES, rng=np.random.default_rng([seed, 7]), cfg=model)
+    rng = np.random.default_rng([seed, 7])
+    asked = make_advisor(advisor, rules=REEF_RULES, rng=rng, cfg=model, mistakes=REEF_MISTAKES)
     result = Mission(world, cfg, asked, folder, seed=seed, variant=variant, draw=draw).run()
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])
-    return {**result, "topology": world.topology, "covered_at_s": covered_at(folder)}
+    return {
+        **result,
+        "topology": world.topology,
+        "covered_at_s": covered_at(folder),
+        "fallback": cfg.pilot.fallback,
+    }

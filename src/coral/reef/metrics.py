@@ -9,7 +9,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
 from coral.errors import InputError
+from coral.reef.attribution import attribution_of
 from coral.runs import trajectory_name
 
 DEFINITIONS = {
@@ -23,6 +25,7 @@ DEFINITIONS = {
     "requeries": "Those of the calls that repeated a question after a rejected, malformed or missing answer.",
     "rejections": "Answers refused by a verifier.",
     "fallbacks": "Decisions that were not reached within their budget, so that the fallback policy chose.",
+    **ATTRIBUTION,
     "deviations": "Adopted waypoints that violate the backward or off-trend predicates (Eqs. 4-8) without an "
     "exemption (paper IV-E).",
     "steps": "Control ticks of 0.1 s.",
@@ -82,6 +85,7 @@ def covered_at(folder: Path) -> list[float]:
 
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
     """Metrics from the events and the rows of the trajectory, in order."""
+    events = list(events)
     counts = dict.fromkeys(("collision", "robot_collision", "question", "fallback", "planner_failure"), 0)
     requeries = rejections = deviations = replans = 0
     clusters_total, covered_at, end = 0, 0.0, "killed"
@@ -119,6 +123,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "requeries": requeries,
         "rejections": rejections,
         "fallbacks": counts["fallback"],
+        **attribution_of(events).to_json(),
         "deviations": deviations,
         "steps": steps,
         "sim_time_s": round(t, 3),

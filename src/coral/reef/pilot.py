@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.advisor.attribution import Source, source_of, spent
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
+from coral.advisor.fallback import FOR_RUNS, Fallback, failed
 from coral.advisor.question import Advisor, Question, Rejection
 from coral.reef.belief import Belief
 from coral.reef.controller import Plan
@@ -25,7 +28,6 @@ from coral.reef.traffic import Traffic, TrafficCfg
 from coral.reef.trigger import Firing, SmartTrigger, TriggerCfg
 from coral.reef.vehicle import VehicleState
 
-Fallback = Literal["heuristic", "hold", "abort"]
 Command = tuple[float, float]
 """Forward speed (m/s) and yaw rate (rad/s)."""
 Emit = Callable[..., None]
@@ -56,8 +58,9 @@ class PilotCfg:
     fields: CostFieldCfg = field(default_factory=CostFieldCfg)
     traffic: TrafficCfg = field(default_factory=TrafficCfg)
     budget: BudgetCfg = field(default_factory=BudgetCfg)
-    fallback: Fallback = "heuristic"
-    """Who decides when a decision was not reached within its budget: the rules, nobody (keep the goal), or abort."""
+    fallback: Fallback = FOR_RUNS
+    """What happens when a decision was not reached within its budget: the rules decide, hold keeps the last goal and
+    asks again, fail ends the mission. `coral reef bench` holds by default: there the advisor stands alone."""
     synchronous: bool = False
     """Stand still while a question is open, then drive for `action_s`: DREAM's protocol (paper IV-E), a baseline."""
     action_s: float = 1.0
@@ -211,6 +214,8 @@ class Pilot:
             reason=refusal.reason if refusal else "",
             answer=attempt.answer,
             asked_at=round(attempt.asked_at_s, 3),
+            **dataclasses.asdict(spent(attempt)),
+            **({"faults": list(attempt.usage.faults)} if attempt.usage.faults else {}),
         )
         self.last_attempt = attempt
         self._log(attempt)
@@ -225,18 +230,19 @@ class Pilot:
         elif outcome.failure and outcome.failure != "withdrawn":
             self._fall_back(outcome)
         elif outcome.answer is not None and outcome.question is not None:
-            self._adopt(
-                self.planner.locate(outcome.question, outcome.answer), "advisor", getattr(outcome.answer, "reason", "")
-            )
+            goal = self.planner.locate(outcome.question, outcome.answer)
+            self._adopt(goal, source_of(self.advisor), getattr(outcome.answer, "reason", ""))
         self._decided = True
         self._acting_until = self.clock.now() + self.cfg.action_s
 
     def _fall_back(self, outcome: Outcome[Any]) -> None:
         """The advisor stayed silent or wrong past its budget: the named policy decides."""
         self._emit("fallback", policy=self.cfg.fallback, failure=outcome.failure, decision=self._decision)
-        if self.cfg.fallback == "abort":
-            self.end_reason = f"advisor failed: {outcome.failure}"
-        if self.cfg.fallback != "heuristic":
+        if self.cfg.fallback == "fail":
+            self.end_reason = failed(outcome.failure)
+            return
+        if self.cfg.fallback == "hold":
+            self._hold(outcome.failure)
             return
         rejections: list[Rejection] = []
         for _ in range(FALLBACK_TRIES):
@@ -249,8 +255,13 @@ class Pilot:
                 self._adopt(self.planner.locate(question, answer), "fallback", getattr(answer, "reason", ""))
                 return
             rejections.append(refusal)
+        self._hold("the rules found no goal that passes")
 
-    def _adopt(self, goal: Goal | Rejection, source: str, reason: str) -> None:
+    def _hold(self, reason: str) -> None:
+        """The goal stays as it is: that too is a decision, and not the advisor's."""
+        self._emit("held", source="fallback", decision=self._decision, reason=reason)
+
+    def _adopt(self, goal: Goal | Rejection, source: Source, reason: str) -> None:
         if isinstance(goal, Rejection):
             return  # the cluster merged into another between two ticks; the trigger asks again
         violates = self.planner.adopt(goal)

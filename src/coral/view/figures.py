@@ -200,7 +200,7 @@ INCIDENTS = {
     "collision": "collision",
     "robot_collision": "two robots touched",
     "planner_failure": "no safe motion found, robot brakes",
-    "fallback": "fallback policy chose the goal",
+    "fallback": "the advisor did not decide, the fallback did",
     "monitor": "left the planned path, planned anew",
 }
 

@@ -16,6 +16,8 @@ import numpy as np
 import yaml
 from markupsafe import Markup
 
+from coral.advisor.attribution import who_decided
+from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.errors import InputError
 from coral.reef.metrics import DEFINITIONS, fleet_metrics, metrics_of
 from coral.view.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
@@ -159,10 +161,20 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     minutes, seconds = divmod(int(float(metrics.get("sim_time_s", 0.0))), 60)
     distance = float(metrics.get("distance_m", 0.0))
     who, whose = (f"the {metrics['robots']} robots", "their") if metrics.get("robots") else ("the robot", "its")
+    deciding = who_decided(metrics, things="goals", fallback=_fallback(run), advisor="The advisor")
     return (
         f"In {minutes} min {seconds} s {who} {verb} {found} oyster clusters over {distance:.0f} m of survey, "
-        f"{safe}, putting {asked} to {whose} advisor."
+        f"{safe}, putting {asked} to {whose} advisor.{f' {deciding}.' if deciding else ''}"
     )
+
+
+def _fallback(run: RunFolder) -> Fallback:
+    """The policy of the run, as far as its configuration tells."""
+    try:
+        found: Fallback = run.config["mission"]["pilot"]["fallback"]
+    except (KeyError, TypeError):
+        return FOR_RUNS
+    return found
 
 
 def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
@@ -225,6 +237,8 @@ def _show(key: str, value: object) -> str:
         return f"{value:.1%}"
     if isinstance(value, float):
         return f"{value:,.3f}".rstrip("0").rstrip(".")
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {count}" for name, count in value.items())
     return str(value)
 
 

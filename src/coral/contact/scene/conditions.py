@@ -28,7 +28,7 @@ AXES = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0
 
 
 class BaseCondition(BaseModel):
-    """One condition. A subclass with a `kind` of its own is a kind that task files may name; nothing else lists them."""
+    """One condition. A subclass with a `kind` of its own is one that task files may name; nothing else lists them."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
     object: str

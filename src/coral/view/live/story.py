@@ -85,7 +85,7 @@ def _verdict(story: Story, event: Record) -> Story:
 
 
 def _goal(story: Story, event: Record) -> Story:
-    if event.get("source") == "advisor":
+    if event.get("source") in ("advisor", "recording"):
         return story
     source = "the rules" if event.get("source") == "fallback" else "the start"
     return _noted(story, event, f"new goal, chosen by {source}")
@@ -121,6 +121,7 @@ _FOLDS: dict[str, Callable[[Story, Record], Story]] = {
     "robot_collision": _collision,
     "end": _end,
     "planner_failure": lambda s, e: _noted(s, e, f"no way found: {e.get('reason', '')}"),
+    "held": lambda s, e: _noted(s, e, "the goal is kept"),
     "fallback": lambda s, e: _noted(s, e, f"the advisor failed ({e.get('failure', '')})"),
     "monitor": lambda s, e: _noted(s, e, "left the planned path, planned again"),
 }

@@ -1,0 +1,100 @@
+"""One small question before a run with a model, so that a run that cannot succeed is refused before it begins."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from dataclasses import replace
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+from pydantic import BaseModel, Field
+
+from coral.advisor.models import ModelAdvisor
+from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question
+from coral.errors import InputError
+
+NUMBER = 7
+COLOR = "yellow"
+"""Of the picture: a model that sees none, and guesses, rather says red or blue."""
+RGB = (240, 205, 30)
+SKIP = "--no-preflight skips this question"
+
+
+class SmallAnswer(BaseModel):
+    """What is asked for: small, but with a number and a fixed set of words."""
+
+    number: int = Field(ge=0, le=9)
+    color: Literal["red", "green", "blue", "yellow", "white", "black", "none"]
+
+
+def model_of(advisor: Any) -> ModelAdvisor | None:
+    """The real model behind an advisor, also inside those that spoil its answers; None where there is none."""
+    while not isinstance(advisor, ModelAdvisor):
+        advisor = getattr(advisor, "inner", None)
+        if advisor is None:
+            return None
+    return advisor
+
+
+def preflight(advisor: Any, *, pictures: bool, where: str = "--advisor", quiet: bool = False) -> None:
+    """Ask the model of a run one small question, with a small picture if it is going to be sent pictures.
+
+    Nothing happens where no model is asked. A retry at most, whatever the configuration allows later; its tokens are in
+    no account of the run.
+
+    Args:
+        advisor: As made for the run.
+        pictures: Whether questions of the run have pictures.
+        where: What to name in an error message.
+        quiet: Do not say in the terminal what is being waited for.
+
+    Raises:
+        InputError: The model cannot be used: nothing answers at its address, it is not known there, its key is refused,
+            its reply is no answer, or it does not see the picture.
+    """
+    model = model_of(advisor)
+    if model is None:
+        return
+    if not quiet and sys.stderr.isatty():
+        print(f"asking {model.name} one small question first ({SKIP})", file=sys.stderr, flush=True)
+    seeing = pictures and model.cfg.pictures
+    cfg = replace(model.cfg, max_retries=min(1, model.cfg.max_retries), pictures=seeing, facts=False)
+    wrong = asyncio.run(_ask(model.with_cfg(cfg), seeing))
+    if wrong:
+        raise InputError(where, "", f"{model.name}, which cannot be used ({wrong})", f"a model that answers; {SKIP}")
+
+
+async def _ask(model: ModelAdvisor, seeing: bool) -> str:
+    """What is wrong with the model, or ""."""
+    color = "the color that fills the picture (red, green, blue, yellow, white or black)" if seeing else '"none"'
+    question = Question(
+        kind="preflight",
+        answer_type=SmallAnswer,
+        facts={},
+        prompt=f"Return only a JSON object with two keys: number, which is {NUMBER}, and color, which is {color}.",
+        pictures=(Picture(name="patch", png=patch(RGB)),) if seeing else (),
+    )
+    try:
+        answer = (await model.answer(question, ())).value
+    except BadAnswer as bad:
+        return _short(f"its reply is no answer, {bad.rejection.code}: {bad.rejection.reason}")
+    except AdvisorUnavailable as gone:
+        blind = "; --model.no-pictures sends none" if seeing and gone.code.startswith("http-") else ""
+        return _short(f"{gone.code}: {gone.reason}") + blind
+    finally:
+        await model.aclose()
+    if seeing and answer.color != COLOR:
+        return f"it calls a {COLOR} picture {answer.color}, so it does not see pictures; --model.no-pictures sends none"
+    return ""
+
+
+def patch(rgb: tuple[int, int, int]) -> bytes:
+    """PNG of one colour, 64 x 64 pixels."""
+    image = np.full((64, 64, 3), rgb, np.uint8)
+    return bytes(cv2.imencode(".png", image[:, :, ::-1])[1])
+
+
+def _short(text: str) -> str:
+    return " ".join(text.split())[:240]

@@ -1,0 +1,39 @@
+"""What an advisor may need besides its name: rules, random numbers, an inbox, how models are called."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.rules import Rule
+
+if TYPE_CHECKING:
+    from coral.advisor.question import Advisor
+    from coral.advisor.sloppy import Mistake
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """Passed to whatever makes an advisor from its string."""
+
+    rules: Mapping[str, Rule]
+    """The application's own, kind of question to function of its facts."""
+    rng: np.random.Generator
+    """Of advisors that err on purpose."""
+    inbox: Path | None
+    """Where a person is asked."""
+    model: ModelCfg
+    """How a real model is called."""
+    where: str
+    """What to name in an error message."""
+    inner: Callable[[str], Advisor]
+    """Makes the advisor that another one wraps, from its string."""
+    spoil: Mapping[str, Callable[..., dict[str, Any]]] = field(default_factory=dict)
+    """The application's ways to spoil an answer for `fallible`, by kind of question."""
+    mistakes: tuple[Mistake, ...] = ()
+    """The application's plausible errors, for `sloppy`."""

@@ -1,0 +1,198 @@
+"""An advisor that errs plausibly, at rates given by kind: its wrong answers look right, and most pass every check."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections import deque
+from collections.abc import Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from pydantic import BaseModel
+
+from coral.advisor.attribution import source_of
+from coral.advisor.parse import parse_answer
+from coral.advisor.question import Advisor, Question, Rejection, Reply
+from coral.errors import InputError, nearest
+
+if TYPE_CHECKING:
+    from coral.advisor.setting import Setting
+
+A = TypeVar("A", bound=BaseModel)
+Answer = dict[str, Any]
+"""An answer as JSON."""
+
+FORM = "sloppy:P:INNER or sloppy:KIND=P+KIND=P:INNER, with probabilities from 0 to 1"
+KEPT = 64
+"""Earlier answers that are remembered of each kind of question."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Earlier:
+    """What was right when a question of the same kind was asked before."""
+
+    at_s: float
+    """When it was asked, on the clock of the world."""
+    answer: Answer
+
+
+Err = Callable[[Question[Any], Answer, Sequence[Earlier], np.random.Generator], Answer | None]
+"""Makes the mistake: (question, right answer, earlier ones with the oldest first, random numbers) to the wrong answer,
+or None where this mistake cannot be made here."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mistake:
+    """One kind of plausible error, of an application."""
+
+    name: str
+    """As on the command line."""
+    what: str
+    """What the advisor gets wrong."""
+    found_in: str
+    """Published failure analysis in which models make it; "" where we know of none."""
+    questions: tuple[str, ...]
+    """Kinds of question to which it can happen."""
+    err: Err
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rates:
+    """How often an answer is wrong; at most one mistake is made in it."""
+
+    level: float | None = None
+    """Probability that an answer is wrong, whatever the question: every mistake that can be made there is as likely."""
+    each: Mapping[str, float] = field(default_factory=dict)
+    """Else the probability of each mistake, in answers to the questions to which it can happen."""
+
+    def __str__(self) -> str:
+        if self.level is not None:
+            return f"{self.level:g}"
+        return "+".join(f"{name}={rate:g}" for name, rate in self.each.items())
+
+
+def parse_rates(text: str, mistakes: Sequence[Mistake], where: str = "--advisor") -> Rates:
+    """Rates as on the command line: `0.3`, or `mirrored=0.2+stale=0.1`.
+
+    Raises:
+        InputError: A kind is not known, a rate is no probability, or rates of one question sum to more than 1.
+    """
+    known = {mistake.name: mistake for mistake in mistakes}
+    if not known:
+        raise InputError(where, "sloppy", repr(text), "an application with plausible errors; this one has none")
+    if "=" not in text:
+        return Rates(level=_probability(text, "P", where))
+    each: dict[str, float] = {}
+    for part in text.split("+"):
+        name, _, rate = part.partition("=")
+        if name not in known or name in each:
+            found = repr(name) if name not in known else f"{name!r} twice"
+            raise InputError(where, "sloppy", found, f"one of {', '.join(known)}{nearest(name, known)}")
+        each[name] = _probability(rate, name, where)
+    for kind in sorted({kind for mistake in mistakes for kind in mistake.questions}):
+        total = sum(rate for name, rate in each.items() if kind in known[name].questions)
+        if total > 1.0 + 1e-9:
+            raise InputError(where, "sloppy", f"rates that sum to {total:g} for {kind} questions", "at most 1")
+    return Rates(each=each)
+
+
+class SloppyAdvisor:
+    """Passes on another advisor's answers, and puts a plausible error into some of them.
+
+    What was done to an answer stands among the faults of its usage, as `sloppy-mirrored`, in `attempts.jsonl` and in
+    the event of its verdict; nothing decides by it. An error that cannot be made in an answer is neither made nor
+    logged.
+    """
+
+    def __init__(self, inner: Advisor, rates: Rates, rng: np.random.Generator, mistakes: Sequence[Mistake]) -> None:
+        """Wrap an advisor.
+
+        Args:
+            inner: Who really answers.
+            rates: Of the mistakes.
+            rng: Decides which answers are wrong, and how. Same seed, same errors.
+            mistakes: Of the application.
+        """
+        self.inner, self._rates, self._rng, self._mistakes = inner, rates, rng, tuple(mistakes)
+        self._past: dict[str, deque[Earlier]] = {}
+        self.name = f"sloppy:{rates}:{inner.name}"
+        self.latency = getattr(inner, "latency", "measured")
+        self.source = source_of(inner)
+
+    async def warm_up(self) -> None:
+        """Warm the inner advisor up."""
+        if (warm_up := getattr(self.inner, "warm_up", None)) is not None:
+            await warm_up()
+
+    async def aclose(self) -> None:
+        """Close the inner advisor."""
+        if (aclose := getattr(self.inner, "aclose", None)) is not None:
+            await aclose()
+
+    def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
+        """Answer, perhaps wrongly.
+
+        The draw is made here, before the first await: whether a request is cancelled early does not shift the errors of
+        the next one.
+
+        Raises:
+            BadAnswer, AdvisorUnavailable: The inner advisor's own.
+        """
+        able = [mistake for mistake in self._mistakes if question.kind in mistake.questions]
+        chance, seed = float(self._rng.random()), int(self._rng.integers(2**63))
+        rng = np.random.default_rng(seed)
+        return self._answer(question, rejections, self._chosen(able, chance, rng), rng)
+
+    def _chosen(self, able: Sequence[Mistake], chance: float, rng: np.random.Generator) -> list[Mistake]:
+        """The mistakes to try in turn, of those that can happen to a question; none for a right answer."""
+        if self._rates.level is not None:
+            return [able[k] for k in rng.permutation(len(able))] if chance < self._rates.level else []
+        below = 0.0
+        for mistake in able:
+            below += self._rates.each.get(mistake.name, 0.0)
+            if chance < below:
+                return [mistake]
+        return []
+
+    async def _answer(
+        self, question: Question[A], rejections: Sequence[Rejection], tried: Sequence[Mistake], rng: np.random.Generator
+    ) -> Reply[A]:
+        reply = await self.inner.answer(question, rejections)
+        right = reply.value.model_dump(mode="json")
+        past = self._past.setdefault(question.kind, deque(maxlen=KEPT))
+        earlier = tuple(past)
+        past.append(Earlier(at_s=question.asked_at_s, answer=right))
+        for mistake in tried:
+            wrong = mistake.err(question, dict(right), earlier, rng)
+            if wrong is None or wrong == right:
+                continue
+            usage = dataclasses.replace(reply.usage, faults=(*reply.usage.faults, f"sloppy-{mistake.name}"))
+            text = json.dumps(wrong)
+            value = parse_answer(text, question.answer_type, usage)
+            return Reply(value=value, raw=text, usage=usage, latency_s=reply.latency_s)
+        return reply
+
+
+def make_sloppy(name: str, rest: str, setting: Setting) -> SloppyAdvisor:
+    """Another advisor with plausible errors, sloppy:ERRORS:INNER.
+
+    Raises:
+        InputError: The errors are not written as they should be, or there is no such inner advisor.
+    """
+    errors, _, inner = rest.partition(":")
+    if not inner:
+        raise InputError(setting.where, "", repr(f"{name}:{rest}"), FORM)
+    rates = parse_rates(errors, setting.mistakes, setting.where)
+    return SloppyAdvisor(setting.inner(inner), rates, setting.rng, setting.mistakes)
+
+
+def _probability(text: str, name: str, where: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = -1.0
+    if not 0.0 <= rate <= 1.0:
+        raise InputError(where, name, repr(text), FORM)
+    return rate

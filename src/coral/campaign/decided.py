@@ -1,0 +1,130 @@
+"""Who decided in the rows of a table: shares of the advisor and the fallback, and what the answers cost."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from statistics import fmean
+from typing import Any
+
+from coral.advisor.attribution import FATES, SOURCES, Source
+from coral.campaign.measures import Measure, Row, field, number
+from coral.campaign.table import Table
+
+MARK = " §"
+"""Behind the name of a row in which a fallback decided; the paper's own tables use † and ‡."""
+
+COSTS = (
+    field("tokens_in", "tokens in", "tokens_in", digits=0),
+    field("tokens_out", "tokens out", "tokens_out", digits=0),
+    field("cost", "cost (USD)", "cost_usd", digits=4),
+    field("thinking", "thinking (s)", "thinking_s"),
+)
+
+
+def counts(row: Row, name: str) -> Mapping[str, int]:
+    """`decided_by` or `answers` of a row, which a data set holds as JSON text; empty for rows of older versions."""
+    value = row.get(name) or {}
+    found: Mapping[str, int] = json.loads(value) if isinstance(value, str) else value
+    return found
+
+
+def share(source: Source) -> Measure:
+    """Share of an episode's decisions that a source made, in percent; None without any."""
+
+    def of(row: Row) -> float | None:
+        by = counts(row, "decided_by")
+        total = sum(by.values())
+        return 100.0 * by.get(source, 0) / total if total else None
+
+    return Measure(f"by_{source}", f"by {source} (%)", of)
+
+
+def marked(name: str, rows: Sequence[Row]) -> str:
+    """The name of a row of a table, with the mark where a fallback decided in one of its episodes."""
+    return name + MARK if any(counts(row, "decided_by").get("fallback") for row in rows) else name
+
+
+def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
+    """What the mark means in a table of these rows; nothing where no fallback decided."""
+    notes = []
+    for policy in sorted({str(row.get("fallback", "")) for row in rows}):
+        own = [row for row in rows if str(row.get("fallback", "")) == policy]
+        total, fell = sum(map(_all, own)), sum(map(_fallen, own))
+        if not fell:
+            continue
+        what = (
+            "were made by the fallback’s rules, so that these rows are not the advisor’s work alone"
+            if policy == "rules"
+            else "were left undecided by the advisor, and what came of that counts as its own"
+        )
+        notes.append(f"§: {fell} of {total} decisions {what} (fallback: {policy or 'unknown'}).")
+    return tuple(notes)
+
+
+def decided_table(groups: Mapping[str, Sequence[Row]], caption: str, notes: tuple[str, ...], *, runs: str) -> Table:
+    """A line for each group of episodes: who decided, what became of the answers, tokens, cost and thinking.
+
+    Args:
+        groups: Name of the line to its finished episodes.
+        caption: Of the table.
+        notes: Under it, after the explanation of the columns; with `mark_notes`.
+        runs: What an episode is called, in the plural.
+    """
+    everything = [row for rows in groups.values() for row in rows]
+    sources = [s for s in SOURCES if s in ("advisor", "fallback") or _total(everything, "decided_by", s)]
+    lines = []
+    for name, rows in groups.items():
+        total = sum(map(_all, rows))
+        shares = [_part(_total(rows, "decided_by", source), total) for source in sources]
+        fates = [number(_total(rows, "answers", fate) / len(rows), 1) if rows else "—" for fate in FATES]
+        lines.append(
+            (
+                marked(name, rows),
+                str(len(rows)),
+                str(total),
+                *shares,
+                *fates,
+                *(_mean(rows, measure) for measure in COSTS),
+            )
+        )
+    return Table(
+        "Who decided",
+        caption,
+        (
+            "variant",
+            runs,
+            "decisions",
+            *(f"by {source}" for source in sources),
+            *FATES,
+            *(measure.label for measure in COSTS),
+        ),
+        tuple(lines),
+        (
+            f"Decisions are counted over all {runs}; answers, tokens, cost and thinking are means of the {runs}. "
+            "Missing: no reply came. “—”: not known in every one of them.",
+            *notes,
+        ),
+    )
+
+
+def _all(row: Row) -> int:
+    return sum(counts(row, "decided_by").values())
+
+
+def _fallen(row: Row) -> int:
+    return counts(row, "decided_by").get("fallback", 0)
+
+
+def _total(rows: Sequence[Row], name: str, key: str) -> int:
+    return sum(counts(row, name).get(key, 0) for row in rows)
+
+
+def _part(count: int, total: int) -> str:
+    return f"{count} ({100.0 * count / total:.0f} %)" if total else "—"
+
+
+def _mean(rows: Sequence[Row], measure: Measure) -> str:
+    """Mean of a cost; a dash where one of the episodes does not know its own."""
+    values: list[Any] = [measure.of(row) for row in rows]
+    return number(fmean(values), measure.digits) if values and None not in values else "—"

@@ -1,0 +1,37 @@
+"""Before a campaign: each of its models is asked one small question, if an episode of it is still to run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from coral.advisor.preflight import preflight
+from coral.advisor.question import Advisor
+from coral.campaign.spec import NO_ADVISOR, Spec
+from coral.campaign.store import Store
+
+
+def preflight_campaign(
+    store: Store,
+    specs: Sequence[Spec],
+    make: Callable[[str], Advisor],
+    *,
+    pictures: bool,
+    retry_failed: bool = False,
+    quiet: bool = False,
+) -> None:
+    """Ask the models of the episodes that are not recorded yet; nothing is written.
+
+    Args:
+        store: Of the campaign; it need not exist yet.
+        specs: Episodes wanted.
+        make: The advisor that a string names.
+        pictures: Whether questions have pictures.
+        retry_failed: As the campaign goes on.
+        quiet: Nothing on standard error.
+
+    Raises:
+        InputError: A model cannot be used.
+    """
+    pending = store.pending(specs, retry_failed=retry_failed) if store.manifest_path.exists() else specs
+    for advisor in dict.fromkeys(spec.advisor for spec in pending if spec.advisor != NO_ADVISOR):
+        preflight(make(advisor), pictures=pictures, where="--advisors", quiet=quiet)

@@ -1,0 +1,99 @@
+import asyncio
+from collections import Counter
+
+import numpy as np
+import pytest
+from pydantic import BaseModel
+
+from coral.advisor.attribution import source_of
+from coral.advisor.question import Question, Reply
+from coral.advisor.sloppy import Mistake, Rates, SloppyAdvisor, parse_rates
+
+
+class Pick(BaseModel):
+    index: int
+
+
+class Right:
+    """Says what the facts say."""
+
+    name = "right"
+    latency = "0"
+    source = "recording"
+
+    async def answer(self, question, rejections):
+        value = Pick(index=question.facts["n"])
+        return Reply(value=value, raw=value.model_dump_json())
+
+
+def shift(by):
+    return lambda question, right, earlier, rng: {"index": right["index"] + by}
+
+
+def repeat(question, right, earlier, rng):
+    old = [one for one in earlier if question.asked_at_s - one.at_s >= 10.0]
+    return old[-1].answer if old else None
+
+
+MISTAKES = (
+    Mistake(name="up", what="", found_in="", questions=("pick",), err=shift(100)),
+    Mistake(name="never", what="", found_in="", questions=("pick", "place"), err=lambda *_: None),
+    Mistake(name="late", what="", found_in="", questions=("pick",), err=repeat),
+    Mistake(name="down", what="", found_in="", questions=("place",), err=shift(-100)),
+)
+
+
+def ask(rates, n=1, kind="pick", seed=0, every_s=4.0):
+    advisor = SloppyAdvisor(Right(), rates, np.random.default_rng(seed), MISTAKES)
+
+    async def run():
+        return [
+            await advisor.answer(
+                Question(kind=kind, prompt="", answer_type=Pick, facts={"n": k}, asked_at_s=every_s * k), ()
+            )
+            for k in range(n)
+        ]
+
+    return asyncio.run(run())
+
+
+def test_rates_are_read_as_they_are_written():
+    assert parse_rates("0.3", MISTAKES) == Rates(level=0.3)
+    assert parse_rates("up=0.6+down=0.7", MISTAKES) == Rates(each={"up": 0.6, "down": 0.7})  # never of one question
+    assert str(Rates(each={"up": 0.25, "down": 1.0})) == "up=0.25+down=1"
+
+
+def test_a_level_is_met_over_the_mistakes_that_can_be_made():
+    replies = ask(Rates(level=0.3), 3000, every_s=0.0)
+    wrong = [reply for k, reply in enumerate(replies) if reply.value.index != k]
+    assert len(wrong) / 3000 == pytest.approx(0.3, abs=0.03)
+    assert Counter(fault for reply in replies for fault in reply.usage.faults) == {"sloppy-up": len(wrong)}
+    assert ask(Rates(level=0.3), 50, every_s=0.0) == replies[:50]
+    assert ask(Rates(level=0.3), 50, every_s=0.0, seed=1) != replies[:50]
+
+
+def test_rates_by_kind_are_met_by_each():
+    replies = ask(Rates(each={"up": 0.2, "late": 0.3}), 3000)
+    made = Counter(fault for reply in replies for fault in reply.usage.faults)
+    assert made["sloppy-up"] / 3000 == pytest.approx(0.2, abs=0.03)
+    assert made["sloppy-late"] / 3000 == pytest.approx(0.3, abs=0.03)
+    assert set(made) == {"sloppy-up", "sloppy-late"}
+
+
+def test_an_answer_of_the_past_is_the_right_one_of_then():
+    replies = ask(Rates(each={"late": 1.0}), 6)
+    assert [reply.value.index for reply in replies] == [0, 1, 2, 0, 1, 2]
+    assert [bool(reply.usage.faults) for reply in replies] == [False, False, False, True, True, True]
+
+
+def test_a_mistake_stays_with_its_kinds_of_question_and_is_not_logged_when_it_is_none():
+    assert [reply.value.index for reply in ask(Rates(each={"down": 1.0}), 2)] == [0, 1]
+    (reply,) = ask(Rates(each={"down": 1.0}), kind="place")
+    assert (reply.value.index, reply.usage.faults) == (-100, ("sloppy-down",))
+    (reply,) = ask(Rates(each={"never": 1.0}))
+    assert (reply.value.index, reply.usage.faults) == (0, ())
+
+
+def test_it_is_still_its_inner_advisor():
+    advisor = SloppyAdvisor(Right(), Rates(level=0.5), np.random.default_rng(0), MISTAKES)
+    assert (advisor.name, advisor.latency, source_of(advisor)) == ("sloppy:0.5:right", "0", "recording")
