@@ -40,7 +40,7 @@ class ImagingCfg:
 
 
 class ImagingMeter:
-    """Knows the true oyster area, point by point, and how well each point has been in the picture; no decision reads it.
+    """Knows the true oyster area, point by point, and how well each point has been seen; no decision reads it.
 
     A point counts when it lies inside both angles of view of the true camera, within the range and the water's
     visibility along the line of sight, and no obstacle stands in between. Oysters are too low to hide one another.
@@ -138,7 +138,7 @@ class ImagingMeter:
 
 
 def _points(scene: Scene, cell_m: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Centres of the cells of every cluster's oysters, at the height of the highest oyster there, and their clusters."""
+    """Cells of every cluster's oysters, each at the height of the highest oyster there, and the cluster of each."""
     hiders = scene.footprints()
     points: list[tuple[float, float, float]] = []
     group: list[int] = []

@@ -1,4 +1,4 @@
-"""Which points of the true oyster area a camera images, and how well: angles of view, distance, obstacles in between."""
+"""Which points of the true oyster area a picture shows, and how well: angles of view, distance, line of sight."""
 
 from __future__ import annotations
 

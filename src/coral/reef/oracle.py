@@ -1,7 +1,7 @@
 """A tour that knows the reef: how soon everything could be inspected. A bound for the judge; no robot has it.
 
 It is a heuristic, not a proven optimum: viewpoints by greedy set cover, an order by nearest neighbour, 2-opt and
-Or-opt over geodesic distances, then a local search on the tour as it would be driven. The best tour is at least as fast.
+Or-opt over geodesic distances, then a local search on the tour as it would be driven. The best tour may be faster.
 """
 
 from __future__ import annotations
@@ -34,8 +34,6 @@ EVALUATIONS = 500
 """Tours that the local search drives at most."""
 LOOK_PERIOD = 3
 """While tours are compared, every third tick's picture is looked at; of the chosen one, all."""
-DT = 0.1
-"""Control period (s)."""
 
 Stop = tuple[float, float, float]
 """A place (m) and the heading to turn to there (rad); nan: whichever it comes with."""
@@ -49,17 +47,19 @@ class Tour:
     poses: Shape=(K + 1, 3), at the start and after each tick.
     inspected: Shape=(K + 1,), share inspected by then.
     stops: In their order.
+    dt: Control period (s).
     """
 
     commands: NDArray[np.float64]
     poses: NDArray[np.float64]
     inspected: NDArray[np.float64]
     stops: tuple[Stop, ...]
+    dt: float
 
     def time_to(self, share: float) -> float | None:
         """When this share is inspected (s); None when never."""
         reached = np.flatnonzero(self.inspected >= share - 1e-6)
-        return round(float(reached[0]) * DT, 3) if reached.size else None
+        return round(float(reached[0]) * self.dt, 3) if reached.size else None
 
 
 def plan_tour(
@@ -69,6 +69,7 @@ def plan_tour(
     *,
     visibility_m: float | None = None,
     vehicle: VehicleCfg | None = None,
+    dt: float = 0.1,
 ) -> Tour:
     """The fastest tour found that inspects everything that can be, up to `SLACK`. Deterministic.
 
@@ -78,8 +79,9 @@ def plan_tour(
         imaging: What counts as inspected.
         visibility_m: As of the water; None: clear.
         vehicle: For its hull, its speed and its yaw rate; it has no inertia here.
+        dt: Control period (s).
     """
-    planner = _Planner(world, camera or CameraCfg(), imaging or ImagingCfg(), visibility_m, vehicle or VehicleCfg())
+    planner = _Planner(world, camera or CameraCfg(), imaging or ImagingCfg(), visibility_m, vehicle or VehicleCfg(), dt)
     poses, seen = planner.candidates()
     cover = greedy_cover(seen, planner.weight)
     target = float(planner.weight[seen.any(axis=0)].sum()) - SLACK if len(poses) else 0.0
@@ -160,10 +162,11 @@ class _Planner:
         imaging: ImagingCfg,
         visibility_m: float | None,
         vehicle: VehicleCfg,
+        dt: float,
     ) -> None:
         self.meter = ImagingMeter(Scene.from_world(world), camera, imaging, visibility_m=visibility_m)
         self.start = Pose(world.start.x, world.start.y, world.start.theta)
-        self.vehicle = vehicle
+        self.vehicle, self.dt = vehicle, dt
         self.weight: NDArray[np.float64] = 1.0 / (len(world.clusters) * self.meter.size[self.meter.group])
         """What each point adds to the share. Shape=(M,)."""
         outlines = [obstacle_outline(obstacle) for obstacle in world.obstacles]
@@ -251,7 +254,7 @@ class _Planner:
             if shares[-1] >= target:
                 break
         n = len(shares)
-        return Tour(commands[: n - 1], poses[:n], np.array(shares), tuple(route))
+        return Tour(commands[: n - 1], poses[:n], np.array(shares), tuple(route), self.dt)
 
     def _drive(self, route: Sequence[Stop], target: float) -> tuple[float, NDArray[np.uint8]]:
         """When the target is met (s; inf: never), and the level of every point by then or at the end."""
@@ -260,7 +263,7 @@ class _Planner:
         for k in [*range(0, len(poses), LOOK_PERIOD), len(poses) - 1]:
             self.meter.look(Pose(*poses[k]), level, count)
             if float((count[INSPECTED] / self.meter.size).mean()) >= target:
-                return k * DT, level
+                return k * self.dt, level
         return math.inf, level
 
     def _follow(self, route: Sequence[Stop]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -282,20 +285,20 @@ class _Planner:
         commands: list[NDArray[np.float64]],
         poses: list[NDArray[np.float64]],
     ) -> None:
-        speed, rate = self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s
-        most = int(4.0 * len(path) * 0.05 / (speed * DT)) + 400
+        speed, rate, dt = self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s, self.dt
+        most = int(4.0 * len(path) * 0.05 / (speed * dt)) + math.ceil(40.0 / dt)
         ordered, driven = np.empty((most, 2)), np.empty((most, 3))
         x, y, heading = (float(v) for v in poses[-1][-1])
-        n = follow((x, y, heading), path, speed, rate, DT, most, ordered, driven)
+        n = follow((x, y, heading), path, speed, rate, dt, most, ordered, driven)
         commands.append(ordered[:n])
         poses.append(driven[:n])
         if not math.isfinite(theta):
             return
         x, y, heading = (float(v) for v in (driven[n - 1] if n else poses[-2][-1]))
         turn = math.remainder(theta - heading, 2.0 * math.pi)
-        ticks = math.ceil(abs(turn) / (rate * DT))
+        ticks = math.ceil(abs(turn) / (rate * dt))
         share = np.arange(1, ticks + 1) / max(ticks, 1)
-        commands.append(np.stack([np.zeros(ticks), np.full(ticks, turn / max(ticks, 1) / DT)], axis=1))
+        commands.append(np.stack([np.zeros(ticks), np.full(ticks, turn / max(ticks, 1) / dt)], axis=1))
         poses.append(np.stack([np.full(ticks, x), np.full(ticks, y), heading + turn * share], axis=1))
 
     def _length(self, route: Sequence[Stop]) -> float:
