@@ -17,7 +17,16 @@ from coral.reef.vehicle import VehicleCfg
 from coral.reef.world import ReefWorld
 
 SHARES = (0.5, 0.8, 0.9)
-_CODE = ("oracle", "tour_kernels", "imaging", "imaging_kernels", "costfield", "costfield_kernels", "reachability")
+_CODE = (
+    "oracle",
+    "stops",
+    "tour_kernels",
+    "imaging",
+    "imaging_kernels",
+    "costfield",
+    "costfield_kernels",
+    "reachability",
+)
 """Modules whose text decides the tour."""
 
 Bound = dict[str, float | None]

@@ -122,6 +122,48 @@ class ImagingMeter:
             count,
         )
 
+    def look_along(
+        self,
+        poses: NDArray[np.float64],
+        level: NDArray[np.uint8],
+        count: NDArray[np.int64],
+        *,
+        every: int = 1,
+        target: float = math.inf,
+    ) -> int | None:
+        """Take in the pictures of a level drive until a share is inspected.
+
+        Args:
+            poses: Shape=(K, 3), x, y, theta of the body.
+            level: As for `look`.
+            count: As for `look`.
+            every: Of the poses, one in so many, and the last one.
+            target: Share at which to stop.
+
+        Returns:
+            Index of the pose at which the target was met; None when it never was.
+        """
+        k = imaging_kernels.image_along(
+            poses,
+            every,
+            target,
+            T_world_camera(Pose(0.0, 0.0, 0.0), self.camera, seabed_z=self._seabed_z),
+            self._lens,
+            self._limits,
+            self.points,
+            self._kind,
+            self._center,
+            self._unit,
+            self._radius,
+            self._scratch,
+            self._near,
+            level,
+            self.group,
+            count,
+            self.size,
+        )
+        return int(k) if k >= 0 else None
+
     def fractions(self, name: str) -> NDArray[np.float64]:
         """Share of every cluster's oyster area that is `imaged` or `inspected`. Shape=(n_clusters,)."""
         return np.asarray(self._count[LEVELS[name]] / self.size)

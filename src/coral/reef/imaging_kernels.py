@@ -94,6 +94,54 @@ def image(
 
 
 @njit(cache=True, error_model="numpy")
+def image_along(
+    poses: NDArray[np.float64],
+    every: int,
+    target: float,
+    first: NDArray[np.float64],
+    lens: tuple[float, float, float, float],
+    limits: tuple[float, float, float],
+    points: NDArray[np.float64],
+    kind: NDArray[np.int8],
+    center: NDArray[np.float64],
+    unit: NDArray[np.float64],
+    radius: NDArray[np.float64],
+    scratch: NDArray[np.float64],
+    near_hiders: NDArray[np.int64],
+    level: NDArray[np.uint8],
+    group: NDArray[np.int64],
+    count: NDArray[np.int64],
+    size: NDArray[np.int64],
+) -> int:
+    """Take in every `every`-th picture of a level drive, and the last one, until the mean share inspected is `target`.
+
+    Returns the index of the pose at which the target was met, -1 when it never was. `poses` are x, y, theta of the
+    body, Shape=(K, 3); `first` is camera optical frame to world of the body at the origin with heading 0, Shape=(4, 4);
+    `size` the points of each cluster, Shape=(C,); the other arguments are those of `image`.
+    """
+    eye, turn = np.empty(3), np.empty((3, 3))
+    last = poses.shape[0] - 1
+    k = 0
+    while k <= last:
+        c, s = math.cos(poses[k, 2]), math.sin(poses[k, 2])
+        for j in range(3):
+            turn[0, j] = c * first[0, j] - s * first[1, j]
+            turn[1, j] = s * first[0, j] + c * first[1, j]
+            turn[2, j] = first[2, j]
+        eye[0] = poses[k, 0] + c * first[0, 3] - s * first[1, 3]
+        eye[1] = poses[k, 1] + s * first[0, 3] + c * first[1, 3]
+        eye[2] = first[2, 3]
+        image(eye, turn, lens, limits, points, kind, center, unit, radius, scratch, near_hiders, level, group, count)
+        share = 0.0
+        for cluster in range(size.size):
+            share += count[INSPECTED, cluster] / size[cluster]
+        if share / size.size >= target:
+            return k
+        k = k + every if k == last else min(k + every, last)
+    return -1
+
+
+@njit(cache=True, error_model="numpy")
 def _blocks(kind: int, e0: float, e1: float, e2: float, g0: float, g1: float, g2: float) -> bool:
     """Whether the segment e + t g, 0 <= t <= 1, passes through the unit ball, cube or upright cylinder."""
     if kind == _ELLIPSOID:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,21 +22,19 @@ from coral.reef.imaging_kernels import INSPECTED
 from coral.reef.mapping import distance_to
 from coral.reef.reachability import free_space, obstacle_outline
 from coral.reef.scene import Scene
+from coral.reef.stops import Place, Stop, greedy_cover, order_stops, rearranged, shifted, unturned, without
 from coral.reef.tour_kernels import follow
 from coral.reef.vehicle import VehicleCfg
 from coral.reef.world import ReefWorld
 
-GRID_M, HEADINGS = 0.6, 12
-"""Spacing of candidate viewpoints, and headings tried at each."""
+GRIDS_M, HEADINGS = (0.5, 0.65, 0.8), 12
+"""Spacings of candidate viewpoints: the search starts once from each, and the best tour counts. Headings at each."""
 SLACK = 0.005
 """Share that the tour may leave out of what can be inspected: single points in corners would cost long detours."""
-EVALUATIONS = 500
-"""Tours that the local search drives at most."""
-LOOK_PERIOD = 3
-"""While tours are compared, every third tick's picture is looked at; of the chosen one, all."""
-
-Stop = tuple[float, float, float]
-"""A place (m) and the heading to turn to there (rad); nan: whichever it comes with."""
+EVALUATIONS = 1500
+"""Tours that the local search drives at most, from each start."""
+LOOK_PERIOD = 4
+"""While tours are compared, every fourth tick's picture is looked at; of the chosen one, all."""
 
 
 @dataclass(frozen=True)
@@ -82,74 +80,11 @@ def plan_tour(
         dt: Control period (s).
     """
     planner = _Planner(world, camera or CameraCfg(), imaging or ImagingCfg(), visibility_m, vehicle or VehicleCfg(), dt)
-    poses, seen = planner.candidates()
-    cover = greedy_cover(seen, planner.weight)
-    target = float(planner.weight[seen.any(axis=0)].sum()) - SLACK if len(poses) else 0.0
-    stops = [(float(x), float(y), math.nan) for x, y, _ in poses[cover]]
-    order = order_stops(planner.distances(stops))
-    route = [stops[k] for k in order]
-    route = planner.turn_to_what_is_missed(route, poses, seen, target)
-    route = planner.improve(route, target)
-    return planner.tour(route, target)
-
-
-def greedy_cover(seen: NDArray[np.bool_], weight: NDArray[np.float64]) -> list[int]:
-    """Few rows that together have all that any row has: always the row that adds most.
-
-    Args:
-        seen: Shape=(V, M).
-        weight: Shape=(M,), worth of each column.
-    """
-    left = seen.any(axis=0)
-    table, chosen = seen.astype(np.float32), []
-    while left.any():
-        best = int(np.argmax(table @ np.where(left, weight, 0.0).astype(np.float32)))
-        if not (seen[best] & left).any():
-            best = int(np.argmax((seen & left).any(axis=1)))
-        chosen.append(best)
-        left &= ~seen[best]
-    return chosen
-
-
-def order_stops(distance: NDArray[np.float64]) -> list[int]:
-    """A short open tour: nearest neighbour, then 2-opt and Or-opt until neither shortens it.
-
-    Args:
-        distance: Shape=(N + 1, N), from the start (row 0) and from stop k (row k + 1) to every stop (m).
-
-    Returns:
-        The stops in order.
-    """
-    left, order, at = set(range(distance.shape[1])), list[int](), 0
-    while left:
-        best = min(left, key=lambda k: (distance[at, k], k))
-        left.remove(best)
-        order.append(best)
-        at = best + 1
-
-    def length(route: Sequence[int]) -> float:
-        return float(sum(distance[a, b] for a, b in zip([0, *(k + 1 for k in route)], route, strict=False)))
-
-    better, best_length = True, length(order)
-    while better:
-        better = False
-        for changed in neighbours(order):
-            if (found := length(changed)) < best_length - 1e-9:
-                order, best_length, better = changed, found, True
-                break
-    return order
-
-
-def neighbours(route: Sequence[int]) -> Iterator[list[int]]:
-    """Every route with one stretch reversed (2-opt), or up to three stops in a row moved elsewhere (Or-opt)."""
-    n = len(route)
-    for i, j in itertools.combinations(range(n + 1), 2):
-        if j - i >= 2:
-            yield [*route[:i], *reversed(route[i:j]), *route[j:]]
-    for size, i in itertools.product((1, 2, 3), range(n)):
-        rest, part = [*route[:i], *route[i + size :]], route[i : i + size]
-        if i + size <= n:
-            yield from ([*rest[:k], *part, *rest[k:]] for k in range(len(rest) + 1) if k != i)
+    tours = [planner.search(spacing) for spacing in GRIDS_M]
+    # All have to see as much: what one start finds within reach, the others must inspect too.
+    target = max(target for target, _ in tours)
+    routes = [planner.improve(planner.complete(route, target), target) for _, route in tours]
+    return planner.tour(min(routes, key=lambda route: planner.seconds(route, target)), target)
 
 
 class _Planner:
@@ -174,15 +109,23 @@ class _Planner:
         self._cell_m, self._clearance = space.cell_m, distance_to(space.solid, space.cell_m)
         # Paths keep off obstacles where there is room, since whoever follows one cuts corners by a few centimetres.
         self._paths = CostFieldCfg(radius_m=vehicle.hull_radius_m + 0.05, band_m=0.2, penalty=1.0)
-        self._fields: dict[tuple[float, float], CostField] = {}
+        self._fields: dict[Place, CostField] = {}
         self._legs: dict[tuple[float, ...], NDArray[np.float64]] = {}
-        self._evaluations = 0
+        self._views: list[tuple[NDArray[np.float64], NDArray[np.bool_]]] = []
 
-    def candidates(self) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    def search(self, spacing_m: float) -> tuple[float, list[Stop]]:
+        """The share that can be inspected, less the slack, and stops that cover it in a short order."""
+        poses, seen = self._candidates(spacing_m)
+        self._views.append((poses, seen))
+        stops = [(float(x), float(y), math.nan) for x, y, _ in poses[greedy_cover(seen, self.weight)]]
+        target = float(self.weight[seen.any(axis=0)].sum()) - SLACK if len(poses) else 0.0
+        return target, [stops[k] for k in order_stops(self._distances(stops))]
+
+    def _candidates(self, spacing_m: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """Viewpoints that the hull can get to, Shape=(V, 3), and which points each inspects, Shape=(V, M)."""
         xy, reach = self.meter.points[:, :2], self.meter.inspection_m
         low, high = xy.min(axis=0) - reach, xy.max(axis=0) + reach
-        axes = [np.arange(a, b + GRID_M, GRID_M) for a, b in zip(low, high, strict=True)]
+        axes = [np.arange(a, b + spacing_m, spacing_m) for a, b in zip(low, high, strict=True)]
         places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
         height, width = self._clearance.shape
         i, j = np.floor(places / self._cell_m).astype(np.int64).T
@@ -203,16 +146,15 @@ class _Planner:
                     seen.append(level == INSPECTED)
         return np.array(poses).reshape(-1, 3), np.array(seen, np.bool_).reshape(-1, len(xy))
 
-    def distances(self, stops: Sequence[Stop]) -> NDArray[np.float64]:
+    def _distances(self, stops: Sequence[Stop]) -> NDArray[np.float64]:
         """Lengths of the ways (m) from the start and every stop to every stop. Shape=(N + 1, N)."""
         x, y = np.array([self.start[:2], *(stop[:2] for stop in stops)]).T
         columns = [self._field(stop[:2]).lengths(x, y) for stop in stops]
         return np.stack(columns, axis=1) if stops else np.empty((1, 0))
 
-    def turn_to_what_is_missed(
-        self, route: list[Stop], poses: NDArray[np.float64], seen: NDArray[np.bool_], target: float
-    ) -> list[Stop]:
+    def complete(self, route: list[Stop], target: float) -> list[Stop]:
         """Add stops with a heading until the target is met; each where it costs the least time."""
+        poses, seen = (np.concatenate(parts) for parts in zip(*self._views, strict=True))
         while True:
             _, level = self._drive(route, target)
             if float(self.weight[level == INSPECTED].sum()) >= target:
@@ -224,24 +166,27 @@ class _Planner:
 
     def improve(self, route: list[Stop], target: float) -> list[Stop]:
         """Leave out, turn or move stops as long as the tour, as it is driven, gets faster."""
-        best, _ = self._drive(route, target)
-        better = True
-        while better and self._evaluations < EVALUATIONS:
+        best, evaluations, better = self.seconds(route, target), 0, True
+        while better and evaluations < EVALUATIONS:
             better = False
-            for change in (_without, _unturned, _rearranged):
+            for change in (without, unturned, rearranged, shifted):
                 for changed in change(route):
-                    if change is _rearranged and self._length(changed) > self._length(route) + 2.0:
+                    if change is rearranged and self._length(changed) > self._length(route) + 2.0:
                         continue
-                    if self._evaluations >= EVALUATIONS:
+                    if evaluations >= EVALUATIONS:
                         break
-                    self._evaluations += 1
-                    found, _ = self._drive(changed, target)
+                    evaluations += 1
+                    found = self.seconds(changed, target)
                     if found < best - 1e-9:
                         route, best, better = changed, found, True
                         break
                 if better:
                     break
         return route
+
+    def seconds(self, route: Sequence[Stop], target: float) -> float:
+        """How long the tour takes, as it is driven, until the target is met (s); inf when it never is."""
+        return self._drive(route, target)[0]
 
     def tour(self, route: Sequence[Stop], target: float) -> Tour:
         """The tour tick by tick, until the target is met."""
@@ -260,80 +205,64 @@ class _Planner:
         """When the target is met (s; inf: never), and the level of every point by then or at the end."""
         _, poses = self._follow(route)
         level, count = self._nothing()
-        for k in [*range(0, len(poses), LOOK_PERIOD), len(poses) - 1]:
-            self.meter.look(Pose(*poses[k]), level, count)
-            if float((count[INSPECTED] / self.meter.size).mean()) >= target:
-                return k * self.dt, level
-        return math.inf, level
+        met = self.meter.look_along(poses, level, count, every=LOOK_PERIOD, target=target)
+        return math.inf if met is None else met * self.dt, level
 
     def _follow(self, route: Sequence[Stop]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Commands and poses of the drive to all stops; where a stop has a heading, it is turned to there."""
-        commands, poses = [np.empty((0, 2))], [np.array([self.start])]
-        path, at = [np.array([self.start[:2]])], self.start[:2]
+        commands, poses = np.empty((0, 2)), np.array([self.start])
+        path, at = [poses[:, :2]], self.start[:2]
         for k, (x, y, theta) in enumerate(route):
             path.append(self._leg(at, (x, y)))
             at = x, y
             if math.isfinite(theta) or k == len(route) - 1:
-                self._append(np.concatenate(path), theta, commands, poses)
-                path = [np.array([poses[-1][-1, :2]])]
-        return np.concatenate(commands), np.concatenate(poses)
+                driven = self._drive_along(np.concatenate(path), poses[-1])
+                commands, poses = np.concatenate([commands, driven[0]]), np.concatenate([poses, driven[1]])
+                path = [poses[-1:, :2]]
+            if math.isfinite(theta):
+                turned = self._turn(poses[-1], theta)
+                commands, poses = np.concatenate([commands, turned[0]]), np.concatenate([poses, turned[1]])
+        return commands, poses
 
-    def _append(
-        self,
-        path: NDArray[np.float64],
-        theta: float,
-        commands: list[NDArray[np.float64]],
-        poses: list[NDArray[np.float64]],
-    ) -> None:
+    def _drive_along(
+        self, path: NDArray[np.float64], pose: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         speed, rate, dt = self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s, self.dt
         most = int(4.0 * len(path) * 0.05 / (speed * dt)) + math.ceil(40.0 / dt)
-        ordered, driven = np.empty((most, 2)), np.empty((most, 3))
-        x, y, heading = (float(v) for v in poses[-1][-1])
-        n = follow((x, y, heading), path, speed, rate, dt, most, ordered, driven)
-        commands.append(ordered[:n])
-        poses.append(driven[:n])
-        if not math.isfinite(theta):
-            return
-        x, y, heading = (float(v) for v in (driven[n - 1] if n else poses[-2][-1]))
-        turn = math.remainder(theta - heading, 2.0 * math.pi)
-        ticks = math.ceil(abs(turn) / (rate * dt))
-        share = np.arange(1, ticks + 1) / max(ticks, 1)
-        commands.append(np.stack([np.zeros(ticks), np.full(ticks, turn / max(ticks, 1) / dt)], axis=1))
-        poses.append(np.stack([np.full(ticks, x), np.full(ticks, y), heading + turn * share], axis=1))
+        commands, poses = np.empty((most, 2)), np.empty((most, 3))
+        begin = (float(pose[0]), float(pose[1]), float(pose[2]))
+        n = follow(begin, path, speed, rate, dt, most, commands, poses)
+        return commands[:n], poses[:n]
+
+    def _turn(self, pose: NDArray[np.float64], theta: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        turn = math.remainder(theta - float(pose[2]), 2.0 * math.pi)
+        ticks = math.ceil(abs(turn) / (self.vehicle.max_yaw_rate_rad_s * self.dt))
+        poses = np.repeat(pose[None], ticks, axis=0)
+        poses[:, 2] += turn * np.arange(1, ticks + 1) / max(ticks, 1)
+        return np.stack([np.zeros(ticks), np.full(ticks, turn / max(ticks, 1) / self.dt)], axis=1), poses
 
     def _length(self, route: Sequence[Stop]) -> float:
         places = [self.start[:2], *(stop[:2] for stop in route)]
-        return sum(self._field(b).lookup(*a) for a, b in itertools.pairwise(places))
+        return sum(self._way_m(a, b) for a, b in itertools.pairwise(places))
 
-    def _field(self, goal: tuple[float, float]) -> CostField:
+    def _way_m(self, a: Place, b: Place) -> float:
+        """Length of the way between two places (m), from whichever field is there already."""
+        return self._field(a).lookup(*b) if a in self._fields and b not in self._fields else self._field(b).lookup(*a)
+
+    def _leg(self, a: Place, b: Place) -> NDArray[np.float64]:
+        """The way from one place to another. Shape=(N, 2), metres."""
+        if (*a, *b) not in self._legs:
+            if a in self._fields and b not in self._fields:
+                way = self._field(a).path_from(*b, step_m=0.05, length_m=400.0)[::-1]
+            else:
+                way = self._field(b).path_from(*a, step_m=0.05, length_m=400.0)
+            self._legs[*a, *b] = way
+        return self._legs[*a, *b]
+
+    def _field(self, goal: Place) -> CostField:
         if goal not in self._fields:
             self._fields[goal] = CostField.compute(self._clearance, goal, cell_m=self._cell_m, cfg=self._paths)
         return self._fields[goal]
 
-    def _leg(self, a: tuple[float, float], b: tuple[float, float]) -> NDArray[np.float64]:
-        if (*a, *b) not in self._legs:
-            self._legs[*a, *b] = self._field(b).path_from(*a, step_m=0.05, length_m=400.0)
-        return self._legs[*a, *b]
-
     def _nothing(self) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
         return np.zeros(len(self.meter.points), np.uint8), np.zeros((3, len(self.meter.size)), np.int64)
-
-
-Route = list[Stop]
-Change = Callable[[Route], Iterator[Route]]
-
-
-def _without(route: Route) -> Iterator[Route]:
-    for k in range(len(route)):
-        yield [*route[:k], *route[k + 1 :]]
-
-
-def _unturned(route: Route) -> Iterator[Route]:
-    for k, (x, y, theta) in enumerate(route):
-        if math.isfinite(theta):
-            yield [*route[:k], (x, y, math.nan), *route[k + 1 :]]
-
-
-def _rearranged(route: Route) -> Iterator[Route]:
-    for order in neighbours(range(len(route))):
-        yield [route[k] for k in order]
