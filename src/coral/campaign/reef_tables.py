@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.campaign.decided import decided_table, mark_notes, marked, share
+from coral.campaign.inspection_table import BASELINES, INSPECTED, TIME_TO_90, inspection_table
 from coral.campaign.measures import (
     Measure,
     Row,
@@ -37,7 +38,7 @@ TABLE_I = ("dream", "pd", "full")
 TABLE_II = ("full", "no-verification", "no-centroid-selection", "rule-based", "no-trigger", "no-ddp", "no-topology")
 TABLE_III = ("L", "S", "O", "K", "E")
 REFERENCE = "full"
-SWEPT = (COVERAGE, COLLISIONS, MISSION_TIME, DISTANCE, CALLS, DEVIATIONS)
+SWEPT = (COVERAGE, INSPECTED, TIME_TO_90, COLLISIONS, MISSION_TIME, DISTANCE, CALLS, DEVIATIONS)
 DRAWN = (COVERAGE, COLLISIONS, MISSION_TIME)
 """Of a sweep, in its tables and in its figure."""
 
@@ -99,9 +100,17 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
     if any(variant in by_variant for variant in TABLE_I):
         tables += [
             _beside(
-                by_variant, "Table I", "Baselines", TABLE_I, first, (), "I", advisor, (time_note, *notes["I"], *source)
+                by_variant,
+                "Table I",
+                "Baselines",
+                (*TABLE_I, *BASELINES),
+                first,
+                (),
+                "I",
+                advisor,
+                (time_note, *notes["I"], *source),
             ),
-            _differences(by_variant, "Table I, differences", TABLE_I, first, advisor, source),
+            _differences(by_variant, "Table I, differences", (*TABLE_I, *BASELINES), first, advisor, source),
         ]
     if any(variant in by_variant for variant in TABLE_II):
         tables += [
@@ -109,20 +118,28 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
                 by_variant,
                 "Table II",
                 "Ablations",
-                TABLE_II,
+                (*TABLE_II, *BASELINES),
                 second,
                 (COLLISIONS, CALLS),
                 "II",
                 advisor,
                 (*notes["II"], *source),
             ),
-            _differences(by_variant, "Table II, differences", TABLE_II, (*second, COLLISIONS, CALLS), advisor, source),
+            _differences(
+                by_variant,
+                "Table II, differences",
+                (*TABLE_II, *BASELINES),
+                (*second, COLLISIONS, CALLS),
+                advisor,
+                source,
+            ),
         ]
     if by_variant.get(REFERENCE):
         tables += [
             _by_topology(by_variant[REFERENCE], advisor, (*notes["III"], *source)),
             _by_world(by_variant[REFERENCE], advisor, source),
         ]
+    tables.append(inspection_table(by_variant, name, f"Advisor: {called(advisor)}.", source))
     everything = (COVERAGE, coverage_time, MISSION_TIME, EFFICIENCY, DISTANCE, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
     shares = (share("advisor"), share("fallback"))
     tables.append(

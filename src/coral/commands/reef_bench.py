@@ -79,7 +79,7 @@ class ReefBench:
     The same command goes on where a stopped one left off; a larger grid in the same folder extends it.
     """
 
-    variants: str = "dream,pd,full"
+    variants: str = "dream,pd,full,blind-sweep,random,oracle"
     """Names, separated by commas."""
     worlds: str = "all"
     """Shipped reefs or world files, separated by commas; all: the ten shipped ones."""

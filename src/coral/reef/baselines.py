@@ -9,6 +9,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from coral.advisor.question import Rejection
 from coral.advisor.rules import Rule
 from coral.reef.answers import CentroidChoice, WaypointChoice
@@ -96,8 +98,37 @@ def _straight(c: Fact) -> float:
     return math.hypot(c["forward_m"], c["left_m"])
 
 
-def baseline_rules(name: str) -> dict[str, Rule]:
-    """Rules of a baseline by name: "nearest", "frontier" or "lawnmower"."""
+class Chance:
+    """Chooses uniformly among the candidates: what a decision is worth shows in the distance to it."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+
+    def centroid(self, facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
+        """One of the unvisited clusters within reach that have not been refused, each as likely as the others."""
+        refused = {r.details.get("index") for r in rejections}
+        open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
+        chosen = self._draw([c for c in open_ if c["index"] not in refused] or open_ or list(facts["centroids"]))
+        return CentroidChoice(selected_centroid_index=chosen["index"], reason="drawn by lot")
+
+    def waypoint(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
+        """One of the waypoints that may be named and have not been refused, each as likely as the others."""
+        refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
+        open_ = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
+        if not open_:
+            return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
+        chosen = self._draw(open_)
+        return WaypointChoice(forward_m=chosen["forward_m"], left_m=chosen["left_m"], reason="drawn by lot")
+
+    def _draw(self, among: Sequence[Fact]) -> Fact:
+        return among[int(self._rng.integers(len(among)))]
+
+
+def baseline_rules(name: str, rng: np.random.Generator | None = None) -> dict[str, Rule]:
+    """Rules of a baseline by name: "nearest", "frontier", "lawnmower", or "random", which draws from `rng`."""
+    if name == "random":
+        chance = Chance(rng or np.random.default_rng(0))
+        return {"reef-centroid": chance.centroid, "reef-waypoint": chance.waypoint}
     if name == "lawnmower":
         return {"reef-waypoint": Lawnmower()}
     return {"reef-centroid": nearest_centroid, "reef-waypoint": nearest_frontier}

@@ -11,6 +11,7 @@ from typing import Any
 
 from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
 from coral.errors import InputError
+from coral.reef import outcome
 from coral.reef.attribution import attribution_of
 from coral.runs import trajectory_name
 
@@ -42,6 +43,7 @@ DEFINITIONS = {
     "them has seen.",
     "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
     "min_separation_m": "Smallest true distance between the discs of two robots (m).",
+    **outcome.DEFINITIONS,
 }
 
 OF_EACH = (
@@ -73,7 +75,8 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
     tables = [list(_rows(folder / "trajectory.csv"))]
     while (more := folder / trajectory_name(len(tables))).is_file():
         tables.append(list(_rows(more)))
-    return metrics_of(events, tables[0]) if len(tables) == 1 else fleet_metrics(events, tables)
+    found = metrics_of(events, tables[0]) if len(tables) == 1 else fleet_metrics(events, tables)
+    return {**found, **outcome.outcome_metrics(folder, events, tables)}
 
 
 def covered_at(folder: Path) -> list[float]:

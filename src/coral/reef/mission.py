@@ -22,10 +22,12 @@ from coral.advisor.rules import RuleAdvisor
 from coral.config import Positive, TimeStep, to_mapping
 from coral.reef.baselines import baseline_rules
 from coral.reef.belief import Belief, BeliefCfg
+from coral.reef.bound import oracle_times
 from coral.reef.controller import DdpMppi, MppiCfg
 from coral.reef.encounter import Encounters
 from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
+from coral.reef.judge import Judge
 from coral.reef.mapping import MapCfg, OccupancyMap
 from coral.reef.metrics import compute_metrics
 from coral.reef.pd import PdController
@@ -35,6 +37,8 @@ from coral.reef.record import COLUMNS, FrameRecorder, RecordCfg
 from coral.reef.robot import Robot
 from coral.reef.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.starts import starts_beside
+from coral.reef.tour import TourPilot
+from coral.reef.tours import planned
 from coral.reef.world import ReefWorld, save_world
 from coral.runs import RunWriter, provenance
 
@@ -57,8 +61,11 @@ class MissionCfg:
     metric; the robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
     driver: Literal["ddp-mppi", "pd"] = "ddp-mppi"
     """The low-level planner."""
-    decider: Literal["advisor", "nearest", "frontier", "lawnmower"] = "advisor"
-    """Who answers the questions: the advisor, or the rules of a baseline in its place."""
+    decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"
+    """Who answers the questions: the advisor, or the rules of a baseline in its place. sweep and oracle ask nothing:
+    they follow lanes, or a tour that knows the reef."""
+    lane_m: Positive = 10.0
+    """Distance between the lanes of a blind sweep (m)."""
     robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 1
     """How many survey the reef together, on one map that all of them see at once (beyond the paper)."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
@@ -99,7 +106,7 @@ class Mission:
         # Three streams a robot: those of the first are the same however many follow.
         streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3 * cfg.robots)]
         if cfg.decider != "advisor":
-            advisor = RuleAdvisor(baseline_rules(cfg.decider), name=cfg.decider)
+            advisor = RuleAdvisor(baseline_rules(cfg.decider, np.random.default_rng([seed, 11])), name=cfg.decider)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
         self.step, self.t = 0, 0.0
         self.control_ms: list[float] = []
@@ -134,8 +141,10 @@ class Mission:
             )
             for k in range(cfg.robots)
         ]
+        commands = planned(world, cfg)
         # All that can be refused has been looked at: only now is a folder made.
         self.writer = RunWriter(folder, COLUMNS, cfg.robots)
+        self.judge = Judge(world, first.imaging, folder)
         self.attempts = AttemptRecorder(folder)
         self.frames = FrameRecorder(self.writer, cfg.record)
         # A clock for each robot, whose question it may withdraw; one thread, on which the one advisor thinks.
@@ -148,7 +157,7 @@ class Mission:
             planner = HighLevelPlanner(
                 robot.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()), cfg.planner
             )
-            return Pilot(
+            pilot = (Pilot if commands is None else TourPilot)(
                 robot.belief,
                 planner,
                 robot.driver,
@@ -160,6 +169,9 @@ class Mission:
                 cfg.pilot,
                 numbers,
             )
+            if isinstance(pilot, TourPilot) and commands is not None:
+                pilot.commands = commands
+            return pilot
 
         self.robots = [
             Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1)
@@ -205,12 +217,14 @@ class Mission:
         finally:
             for robot in self.robots:
                 robot.clock.withdraw()
+            judging = self._judged()
             self.emit("end", reason=self.end_reason or "failed")
             for robot in reversed(self.robots):  # the first one's clock owns the advisor's thread
                 robot.clock.close()
             self.attempts.close()
             self.writer.close()
-            self._wall = time.perf_counter() - started - self._stood_still_s
+            self.judge.close()
+            self._wall = time.perf_counter() - started - self._stood_still_s - judging
         return self._finish()
 
     def advance(self) -> None:
@@ -236,6 +250,7 @@ class Mission:
             ):
                 robot.emit("robot_collision", x=round(x, 3), y=round(y, 3), other=other)
         self._cover()
+        self.judge.note(self.step, self.t, [robot.position for robot in robots])
         for robot in robots:
             self._row(robot)
         self.tick_ms.append(1e3 * (time.perf_counter() - begun - waited))
@@ -306,12 +321,28 @@ class Mission:
             **self._fleet(),
         )
         self._cover()
+        self.judge.note(0, 0.0, [robot.position for robot in self.robots])
 
     def _fleet(self) -> dict[str, Any]:
         """What the start event tells of several robots."""
         if len(self.robots) == 1:
             return {}
         return {"robots": len(self.robots), "hull_radius_m": self.cfg.simulator.vehicle.hull_radius_m}
+
+    def _judged(self) -> float:
+        """Tell what the experimenter knows at the end; returns the wall time that took (s)."""
+        begun, sim, meter = time.perf_counter(), self.cfg.simulator, self.simulator.imaging
+        # The bound takes seconds to plan: only where there is something to compare with it.
+        wanted = self.end_reason and meter.inspected >= 0.9 - 1e-6
+        bound = oracle_times(self.world, sim.camera, sim.imaging, sim.noise.visibility_m, sim.vehicle) if wanted else {}
+        self.emit(
+            "judged",
+            clusters=self.judge.clusters(),
+            tracks=len(self.belief.tracks),
+            phantoms=self.judge.phantoms(self.belief.tracks),
+            oracle_time_to_90_s=bound.get("90"),
+        )
+        return time.perf_counter() - begun
 
     def _finish(self) -> dict[str, Any]:
         control = np.array(self.control_ms) if self.control_ms else np.zeros(1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from coral.reef.camera import Camera, CameraCfg
 from coral.reef.collision import ContactCounter, clearance
 from coral.reef.coverage import CoverageCfg, CoverageMeter
 from coral.reef.geometry import Frame, Pose
+from coral.reef.imaging import ImagingCfg, ImagingMeter
 from coral.reef.noise import PoseDrift, SensorNoise, SensorNoiseCfg
 from coral.reef.scene import Scene
 from coral.reef.vehicle import Vehicle, VehicleCfg, VehicleState
@@ -28,6 +29,7 @@ class SimulatorCfg:
     camera: CameraCfg = field(default_factory=CameraCfg)
     noise: SensorNoiseCfg = field(default_factory=SensorNoiseCfg)
     coverage: CoverageCfg = field(default_factory=CoverageCfg)
+    imaging: ImagingCfg = field(default_factory=ImagingCfg)
     contact: Literal["solid", "ghost"] = "solid"
     """Whether an obstacle stops the hull. ghost counts contacts and lets the vehicle through."""
 
@@ -71,14 +73,20 @@ class ReefSimulator:
         self._drift = PoseDrift(cfg.noise, rng)
         self._footprints = self.scene.footprints()
         self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
-        self.coverage: CoverageMeter = CoverageMeter(self.scene, cfg.coverage) if first is None else first.coverage
+        if first is None:
+            self.coverage: CoverageMeter = CoverageMeter(self.scene, _through_water(cfg))
+            self.imaging: ImagingMeter = ImagingMeter(
+                self.scene, cfg.camera, cfg.imaging, visibility_m=cfg.noise.visibility_m
+            )
+        else:
+            self.coverage, self.imaging = first.coverage, first.imaging
         begin = start or Pose(world.start.x, world.start.y, world.start.theta)
         self.vehicle = Vehicle(cfg.vehicle, VehicleState(begin.x, begin.y, begin.theta))
         self.distance_m = 0.0
         self.track: NDArray[np.float64] = np.array([begin[:2]])
         """Where the vehicle was in the last tick, before contacts were resolved. Shape=(N, 2), metres."""
         self._others: tuple[tuple[float, float], ...] = ()
-        self.coverage.update(self.pose)
+        self._judge()
 
     @property
     def pose(self) -> Pose:
@@ -105,7 +113,7 @@ class ReefSimulator:
 
     def _attitude(self) -> tuple[float | None, float, float]:
         """Height above the seabed (m; None: as configured), roll and pitch (rad) of the camera."""
-        if self.cfg.vehicle.model == "planar":
+        if self.cfg.vehicle.model != "six_dof":
             return None, 0.0, 0.0
         z, roll, pitch = self.vehicle.attitude
         return z - self.world.seabed.z_m, roll, pitch
@@ -123,5 +131,17 @@ class ReefSimulator:
         self.track = self.vehicle.step(command, dt, current, self._clearance if solid else None)
         self.distance_m += math.dist(before[:2], self.pose[:2])
         contacts = self._contacts.follow(self.track)
-        self.coverage.update(self.pose)
+        self._judge()
         return contacts
+
+    def _judge(self) -> None:
+        """Count what is in view now."""
+        self.coverage.update(self.pose)
+        height, roll, pitch = self._attitude()
+        self.imaging.update(self.pose, height, roll=roll, pitch=pitch)
+
+
+def _through_water(cfg: SimulatorCfg) -> CoverageCfg:
+    """What counts as covered: no more than can be seen through the water."""
+    limit = cfg.noise.visibility_m
+    return cfg.coverage if limit is None else replace(cfg.coverage, range_m=min(cfg.coverage.range_m, limit))

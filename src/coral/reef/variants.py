@@ -71,6 +71,28 @@ def _lawnmower(cfg: MissionCfg) -> MissionCfg:
     return replace(_no_verification(_no_centroid_selection(cfg)), decider="lawnmower", latency="0")
 
 
+def _random(cfg: MissionCfg) -> MissionCfg:
+    """The whole system, but its advisor draws lots among the candidates; it takes as long to answer as the rules."""
+    return replace(cfg, decider="random")
+
+
+def _glided(cfg: MissionCfg) -> MissionCfg:
+    """A vehicle without inertia on a plan of its own, to the end of it."""
+    vehicle = replace(cfg.simulator.vehicle, model="kinematic")
+    return replace(cfg, latency="0", stop_when_covered=False, simulator=replace(cfg.simulator, vehicle=vehicle))
+
+
+def _blind_sweep(cfg: MissionCfg) -> MissionCfg:
+    """Straight lanes at cruise speed without looking, through whatever is in the way; each contact counts."""
+    cfg = replace(cfg, simulator=replace(cfg.simulator, contact="ghost"))
+    return replace(_glided(cfg), decider="sweep")
+
+
+def _oracle(cfg: MissionCfg) -> MissionCfg:
+    """A short tour past everything, planned on the truth: a bound, not a method."""
+    return replace(_glided(cfg), decider="oracle")
+
+
 VARIANTS: dict[str, Change] = {
     "full": lambda cfg: cfg,
     "pd": _pd,
@@ -83,6 +105,9 @@ VARIANTS: dict[str, Change] = {
     "no-trigger": _no_trigger,
     "no-ddp": _no_ddp,
     "no-topology": _no_topology,
+    "random": _random,
+    "blind-sweep": _blind_sweep,
+    "oracle": _oracle,
 }
 
 

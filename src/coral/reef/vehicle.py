@@ -22,6 +22,7 @@ from coral.reef.dynamics_kernels import (
     velocity_loop,
 )
 from coral.reef.geometry import Pose
+from coral.reef.tour_kernels import advance
 
 Clearance = Callable[[float, float], float]
 
@@ -41,7 +42,8 @@ class VehicleState(NamedTuple):
 class VehicleCfg:
     """BlueROV2 Heavy and its velocity loop. Limits from the research file; they lie inside the thrusters' envelope."""
 
-    model: Literal["planar", "six_dof"] = "planar"
+    model: Literal["planar", "six_dof", "kinematic"] = "planar"
+    """kinematic: the vehicle moves as it is told, without inertia, drag or current; for bounds, not for missions."""
     parameters: str = "A"
     thrusters: Thrusters = field(default_factory=Thrusters)
     thrust_max_n: Positive = THRUST_MAX_N
@@ -75,8 +77,8 @@ class Vehicle:
         parameters = parameter_set(cfg.parameters)
         self.model = planar(parameters, cfg.thrusters, cfg.thrust_max_n)
         self._six = six_dof(parameters, cfg.thrusters, cfg.thrust_max_n) if cfg.model == "six_dof" else None
-        if cfg.model not in ("planar", "six_dof"):
-            raise InputError("vehicle", "model", cfg.model, "planar or six_dof")
+        if cfg.model not in ("planar", "six_dof", "kinematic"):
+            raise InputError("vehicle", "model", cfg.model, "planar, six_dof or kinematic")
         self._depth_integral = 0.0
         self.reset(state or VehicleState(0.0, 0.0, 0.0))
 
@@ -129,6 +131,8 @@ class Vehicle:
         loops = max(1, round(dt / cfg.loop_s))
         subs = max(1, math.ceil(dt / loops / cfg.substep_s - 1e-9))
         h = dt / loops / subs
+        if cfg.model == "kinematic":
+            return self._glide(v_cmd, omega, loops * subs, h, contact)
         water = np.array(current, dtype=np.float64)
         trace = np.empty((loops, subs, 2))
         period = dt / loops
@@ -152,6 +156,17 @@ class Vehicle:
                 if contact is not None:
                     self._resolve(contact)
         return trace.reshape(-1, 2)
+
+    def _glide(self, v: float, omega: float, count: int, h: float, contact: Clearance | None) -> NDArray[np.float64]:
+        """Move exactly as commanded, in `count` steps of `h` seconds; returns the positions, Shape=(count, 2)."""
+        trace = np.empty((count, 2))
+        for k in range(count):
+            x, y, theta = advance(float(self._s[0]), float(self._s[1]), float(self._s[2]), v, omega, h)
+            self._s[:6] = x, y, math.pi - (math.pi - theta) % (2 * math.pi), v, 0.0, omega
+            trace[k] = self._s[:2]
+            if contact is not None:
+                self._resolve(contact)
+        return trace
 
     def _stays_clear(self, clearance: Clearance, before: NDArray[np.float64], trace: NDArray[np.float64]) -> bool:
         """Whether no obstacle was near enough to be met on the way: a clearance shrinks by no more than is moved."""

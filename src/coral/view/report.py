@@ -20,6 +20,7 @@ from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.errors import InputError
 from coral.reef.metrics import DEFINITIONS, fleet_metrics, metrics_of
+from coral.reef.outcome import outcome_metrics
 from coral.view.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
 from coral.view.decisions import Decision, decisions
 from coral.view.figures import (
@@ -30,6 +31,7 @@ from coral.view.figures import (
     event_chart,
     speed_chart,
 )
+from coral.view.imaging_chart import imaging_chart
 from coral.view.mapsvg import MapSvg, color_of, map_uri
 from coral.view.pictures import palette_png
 from coral.view.run import Record, RunFolder
@@ -43,6 +45,13 @@ PICTURE_BUDGET = 3_000_000
 """Bytes of page that the pictures shown to the advisor may take."""
 PICTURE_SIZES = ((768, 80), (560, 75), (400, 65), (280, 55))
 """(Width px, quality) tried in turn until the pictures fit."""
+
+
+IMAGING = "Imaged and inspected"
+IMAGING_NOTE = (
+    "Share of the true oyster area that came into the camera's picture within 6 m (faint), and near enough to count "
+    "oysters (strong; pixels of 0.05 m or less). Dots: 50, 80, 90 and 100 % inspected."
+)
 
 
 def write_report(run_folder: str | Path) -> Path:
@@ -134,7 +143,7 @@ def _metrics(run: RunFolder) -> Mapping[str, Any]:
         tables.append([dict(zip(table, map(str, values), strict=True)) for values in zip(*columns, strict=True)])
     try:
         found = fleet_metrics(run.events, tables) if run.fleet else metrics_of(run.events, tables[0])
-        return {**found, "end_reason": "interrupted"}
+        return {**found, **outcome_metrics(run.path, run.events, tables), "end_reason": "interrupted"}
     except (KeyError, ValueError, TypeError):
         return {}
 
@@ -211,7 +220,18 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
             "deviations",
             "bad" if metrics.get("deviations") else "",
         ),
+        *_inspected(metrics),
     ]
+
+
+def _inspected(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """The tile of what was inspected; none for a run that was not judged."""
+    share, soon, ratio = (metrics.get(key) for key in ("inspected", "time_to_90_s", "oracle_ratio_90"))
+    if not isinstance(share, int | float):
+        return []
+    remark = "90 % not reached" if soon is None else f"90 % at {clock(float(soon))}"
+    remark += f", {ratio:.1f} × oracle" if isinstance(ratio, int | float) else ""
+    return [(f"{share:.0%}", remark, "inspected", "")]
 
 
 def _each(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
@@ -233,7 +253,7 @@ def _title(key: str) -> str:
 def _show(key: str, value: object) -> str:
     if value is None:
         return "–"
-    if key == "coverage" and isinstance(value, int | float):
+    if key in ("coverage", "imaged", "inspected") and isinstance(value, int | float):
         return f"{value:.1%}"
     if isinstance(value, float):
         return f"{value:,.3f}".rstrip("0").rstrip(".")
@@ -246,12 +266,14 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
     if not len(run.column("t")) and not run.events:
         return []
     first = " of robot 0" if run.fleet else ""
+    imaging = imaging_chart(run)
     return [
         (
             "Coverage",
             "Share of the true oyster clusters of which at least 60 % has been seen; each mark is one.",
             coverage_chart(run),
         ),
+        *([(IMAGING, IMAGING_NOTE, imaging)] if imaging else []),
         (
             "Decisions and triggers",
             "Dots: the advisor was asked. Thin bars: a trigger was held back. Wide bars: the advisor thinking, "

@@ -1,0 +1,178 @@
+"""Which points of the true oyster area a picture shows, and how well: angles of view, distance, line of sight."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+_ELLIPSOID, _BOX = 0, 1
+UNSEEN, IMAGED, INSPECTED = 0, 1, 2
+"""Levels of a point."""
+
+
+@njit(cache=True, error_model="numpy")
+def image(
+    eye: NDArray[np.float64],
+    turn: NDArray[np.float64],
+    lens: tuple[float, float, float, float],
+    limits: tuple[float, float, float],
+    points: NDArray[np.float64],
+    kind: NDArray[np.int8],
+    center: NDArray[np.float64],
+    unit: NDArray[np.float64],
+    radius: NDArray[np.float64],
+    scratch: NDArray[np.float64],
+    near_hiders: NDArray[np.int64],
+    level: NDArray[np.uint8],
+    group: NDArray[np.int64],
+    count: NDArray[np.int64],
+) -> None:
+    """Raise the level of every point that one picture shows better than any before.
+
+    Args:
+        eye: Shape=(3,), the camera in the world (m).
+        turn: Shape=(3, 3), camera optical frame to world.
+        lens: Tangents of the picture's left, right, upper and lower edge: X / Z and Y / Z of the outer pixels' rims.
+        limits: Nearest depth (m), farthest distance of an imaged point (m), and of an inspected one (m).
+        points: Shape=(M, 3), world (m).
+        kind: Shape=(K,), solids that hide: `Scene.kind`.
+        center: Shape=(K, 3).
+        unit: Shape=(K, 3, 3), world to the frame in which the solid is the unit ball, cube or cylinder.
+        radius: Shape=(K,), of a ball about the centre that holds the solid.
+        scratch: Shape=(K, 3), overwritten.
+        near_hiders: Shape=(K,), overwritten.
+        level: Shape=(M,), best level of each point so far; updated in place.
+        group: Shape=(M,), the cluster of each point.
+        count: Shape=(3, C), points of each cluster at a level or above it; updated in place.
+    """
+    left, right, top, bottom = lens
+    near, far, close = limits
+    close = min(close, far)
+    hiders = 0
+    for k in range(kind.size):
+        dx, dy, dz = eye[0] - center[k, 0], eye[1] - center[k, 1], eye[2] - center[k, 2]
+        if dx * dx + dy * dy + dz * dz > (far + radius[k]) ** 2:
+            continue
+        for i in range(3):
+            scratch[hiders, i] = unit[k, i, 0] * dx + unit[k, i, 1] * dy + unit[k, i, 2] * dz
+        near_hiders[hiders] = k
+        hiders += 1
+    for m in range(level.size):
+        had = level[m]
+        if had == INSPECTED:
+            continue
+        dx, dy, dz = points[m, 0] - eye[0], points[m, 1] - eye[1], points[m, 2] - eye[2]
+        square = dx * dx + dy * dy + dz * dz
+        reach = far if had == UNSEEN else close
+        if not square <= reach * reach:  # "not <=" skips NaN too
+            continue
+        z = turn[0, 2] * dx + turn[1, 2] * dy + turn[2, 2] * dz
+        if not z >= near:
+            continue
+        x = turn[0, 0] * dx + turn[1, 0] * dy + turn[2, 0] * dz
+        y = turn[0, 1] * dx + turn[1, 1] * dy + turn[2, 1] * dz
+        if x < left * z or x > right * z or y < top * z or y > bottom * z:
+            continue
+        hidden = False
+        for h in range(hiders):
+            k = near_hiders[h]
+            g0 = unit[k, 0, 0] * dx + unit[k, 0, 1] * dy + unit[k, 0, 2] * dz
+            g1 = unit[k, 1, 0] * dx + unit[k, 1, 1] * dy + unit[k, 1, 2] * dz
+            g2 = unit[k, 2, 0] * dx + unit[k, 2, 1] * dy + unit[k, 2, 2] * dz
+            if _blocks(kind[k], scratch[h, 0], scratch[h, 1], scratch[h, 2], g0, g1, g2):
+                hidden = True
+                break
+        if hidden:
+            continue
+        reached = INSPECTED if square <= close * close else IMAGED
+        for step in range(had + 1, reached + 1):
+            count[step, group[m]] += 1
+        level[m] = reached
+
+
+@njit(cache=True, error_model="numpy")
+def image_along(
+    poses: NDArray[np.float64],
+    every: int,
+    target: float,
+    first: NDArray[np.float64],
+    lens: tuple[float, float, float, float],
+    limits: tuple[float, float, float],
+    points: NDArray[np.float64],
+    kind: NDArray[np.int8],
+    center: NDArray[np.float64],
+    unit: NDArray[np.float64],
+    radius: NDArray[np.float64],
+    scratch: NDArray[np.float64],
+    near_hiders: NDArray[np.int64],
+    level: NDArray[np.uint8],
+    group: NDArray[np.int64],
+    count: NDArray[np.int64],
+    size: NDArray[np.int64],
+) -> int:
+    """Take in every `every`-th picture of a level drive, and the last one, until the mean share inspected is `target`.
+
+    Returns the index of the pose at which the target was met, -1 when it never was. `poses` are x, y, theta of the
+    body, Shape=(K, 3); `first` is camera optical frame to world of the body at the origin with heading 0, Shape=(4, 4);
+    `size` the points of each cluster, Shape=(C,); the other arguments are those of `image`.
+    """
+    eye, turn = np.empty(3), np.empty((3, 3))
+    last = poses.shape[0] - 1
+    k = 0
+    while k <= last:
+        c, s = math.cos(poses[k, 2]), math.sin(poses[k, 2])
+        for j in range(3):
+            turn[0, j] = c * first[0, j] - s * first[1, j]
+            turn[1, j] = s * first[0, j] + c * first[1, j]
+            turn[2, j] = first[2, j]
+        eye[0] = poses[k, 0] + c * first[0, 3] - s * first[1, 3]
+        eye[1] = poses[k, 1] + s * first[0, 3] + c * first[1, 3]
+        eye[2] = first[2, 3]
+        image(eye, turn, lens, limits, points, kind, center, unit, radius, scratch, near_hiders, level, group, count)
+        share = 0.0
+        for cluster in range(size.size):
+            share += count[INSPECTED, cluster] / size[cluster]
+        if share / size.size >= target:
+            return k
+        k = k + every if k == last else min(k + every, last)
+    return -1
+
+
+@njit(cache=True, error_model="numpy")
+def _blocks(kind: int, e0: float, e1: float, e2: float, g0: float, g1: float, g2: float) -> bool:
+    """Whether the segment e + t g, 0 <= t <= 1, passes through the unit ball, cube or upright cylinder."""
+    if kind == _ELLIPSOID:
+        square = g0 * g0 + g1 * g1 + g2 * g2
+        t = -(e0 * g0 + e1 * g1 + e2 * g2)
+        t = 0.0 if t <= 0.0 else (1.0 if t >= square else t / square)
+        a, b, c = e0 + t * g0, e1 + t * g1, e2 + t * g2
+        return a * a + b * b + c * c < 1.0
+    enter, leave = 0.0, 1.0
+    if kind == _BOX:
+        enter, leave = _slab(e0, g0, enter, leave)
+        enter, leave = _slab(e1, g1, enter, leave)
+    else:
+        a, b, c = g0 * g0 + g1 * g1, e0 * g0 + e1 * g1, e0 * e0 + e1 * e1 - 1.0
+        square = b * b - a * c
+        if a < 1e-18:
+            if c >= 0.0:
+                return False
+        elif square <= 0.0:
+            return False
+        else:
+            root = math.sqrt(square)
+            enter, leave = max(enter, (-b - root) / a), min(leave, (-b + root) / a)
+    enter, leave = _slab(e2, g2, enter, leave)
+    return enter < leave
+
+
+@njit(cache=True, error_model="numpy")
+def _slab(e: float, g: float, enter: float, leave: float) -> tuple[float, float]:
+    """The part of a segment that lies between -1 and 1 along one axis."""
+    if g == 0.0:
+        return (enter, leave) if abs(e) < 1.0 else (2.0, -1.0)
+    first, second = (-1.0 - e) / g, (1.0 - e) / g
+    return max(enter, min(first, second)), min(leave, max(first, second))

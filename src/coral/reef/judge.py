@@ -1,0 +1,70 @@
+"""What the experimenter, who knows the truth, writes down: the share imaged and inspected, and the way off the reef."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.chain import Track
+from coral.reef.imaging import ImagingMeter
+from coral.reef.world import ReefWorld
+
+JUDGE_FILE = "judge.csv"
+COLUMNS = ("step", "t", "imaged", "inspected", "reef_m")
+"""Mean share of the clusters' oyster area imaged and inspected so far; distance of the robot from the reef (m), of the
+farthest one where several survey."""
+MATCH_M = 1.0
+"""A track stands for a true cluster when it lies this near to its oysters: d_merge of the robot's own tracker."""
+
+
+class Judge:
+    """Follows the truth of one mission and appends it to `judge.csv`; no decision reads it."""
+
+    def __init__(self, world: ReefWorld, meter: ImagingMeter, folder: Path) -> None:
+        self.meter = meter
+        spine = [point for line in world.spine for point in _dense(np.array(line))]
+        self._reef = np.concatenate([np.array(spine).reshape(-1, 2), meter.points[:, :2]])
+        self._file: IO[str] = open(folder / JUDGE_FILE, "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+        self._file.write(",".join(COLUMNS) + "\n")
+
+    def note(self, step: int, t: float, positions: Sequence[tuple[float, float]]) -> None:
+        """Append a row; `positions` are the robots' true ones (m)."""
+        meter = self.meter
+        reef_m = max(self.reef_m(x, y) for x, y in positions)
+        self._file.write(f"{step},{t:.6g},{meter.imaged:.6g},{meter.inspected:.6g},{reef_m:.4g}\n")
+
+    def reef_m(self, x: float, y: float) -> float:
+        """Distance (m) of a point from the reef: from the nearest oyster, or from the line that the reef grew along."""
+        away = self._reef - (x, y)
+        return math.sqrt(float((away * away).sum(axis=1).min()))
+
+    def phantoms(self, tracks: Sequence[Track]) -> int:
+        """How many of the robot's clusters match no true one."""
+        oysters = self.meter.points[:, :2]
+        return sum(
+            not len(oysters) or float(np.hypot(*(oysters - (track.x, track.y)).T).min()) > MATCH_M for track in tracks
+        )
+
+    def clusters(self) -> list[dict[str, Any]]:
+        """Share of every true cluster that was imaged and inspected."""
+        shares = zip(self.meter.names, *(self.meter.fractions(n) for n in ("imaged", "inspected")), strict=True)
+        return [{"name": name, "imaged": round(float(a), 4), "inspected": round(float(b), 4)} for name, a, b in shares]
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def _dense(line: NDArray[np.float64], step_m: float = 0.2) -> list[tuple[float, float]]:
+    """Points along a polyline."""
+    found = [(float(x), float(y)) for x, y in line[:1]]
+    for a, b in itertools.pairwise(line):
+        n = max(1, math.ceil(math.dist(a, b) / step_m))
+        found += [(float(x), float(y)) for x, y in a + (b - a) * np.arange(1, n + 1)[:, None] / n]
+    return found

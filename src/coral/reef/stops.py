@@ -1,0 +1,104 @@
+"""Few viewpoints that see everything, a short order for them, and the changes that a local search tries on a route."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+SHIFT_M = 0.5
+"""How far the local search moves a stop."""
+Place = tuple[float, float]
+Stop = tuple[float, float, float]
+"""A place (m) and the heading to turn to there (rad); nan: whichever it comes with."""
+
+Route = list[Stop]
+
+
+def greedy_cover(seen: NDArray[np.bool_], weight: NDArray[np.float64]) -> list[int]:
+    """Few rows that together have all that any row has: always the row that adds most.
+
+    Args:
+        seen: Shape=(V, M).
+        weight: Shape=(M,), worth of each column.
+    """
+    left = seen.any(axis=0)
+    table, chosen = seen.astype(np.float32), []
+    while left.any():
+        best = int(np.argmax(table @ np.where(left, weight, 0.0).astype(np.float32)))
+        if not (seen[best] & left).any():
+            best = int(np.argmax((seen & left).any(axis=1)))
+        chosen.append(best)
+        left &= ~seen[best]
+    return chosen
+
+
+def order_stops(distance: NDArray[np.float64]) -> list[int]:
+    """A short open tour: nearest neighbour, then 2-opt and Or-opt until neither shortens it.
+
+    Args:
+        distance: Shape=(N + 1, N), from the start (row 0) and from stop k (row k + 1) to every stop (m).
+
+    Returns:
+        The stops in order.
+    """
+    left, order, at = set(range(distance.shape[1])), list[int](), 0
+    while left:
+        best = min(left, key=lambda k: (distance[at, k], k))
+        left.remove(best)
+        order.append(best)
+        at = best + 1
+
+    def length(route: Sequence[int]) -> float:
+        return float(sum(distance[a, b] for a, b in zip([0, *(k + 1 for k in route)], route, strict=False)))
+
+    better, best_length = True, length(order)
+    while better:
+        better = False
+        for changed in neighbours(order):
+            if (found := length(changed)) < best_length - 1e-9:
+                order, best_length, better = changed, found, True
+                break
+    return order
+
+
+def neighbours(route: Sequence[int]) -> Iterator[list[int]]:
+    """Every route with one stretch reversed (2-opt), or up to three stops in a row moved elsewhere (Or-opt)."""
+    n = len(route)
+    for i, j in itertools.combinations(range(n + 1), 2):
+        if j - i >= 2:
+            yield [*route[:i], *reversed(route[i:j]), *route[j:]]
+    for size, i in itertools.product((1, 2, 3), range(n)):
+        rest, part = [*route[:i], *route[i + size :]], route[i : i + size]
+        if i + size <= n:
+            yield from ([*rest[:k], *part, *rest[k:]] for k in range(len(rest) + 1) if k != i)
+
+
+def without(route: Route) -> Iterator[Route]:
+    """Every route with one stop less."""
+    for k in range(len(route)):
+        yield [*route[:k], *route[k + 1 :]]
+
+
+def unturned(route: Route) -> Iterator[Route]:
+    """Every route in which one stop loses its heading."""
+    for k, (x, y, theta) in enumerate(route):
+        if math.isfinite(theta):
+            yield [*route[:k], (x, y, math.nan), *route[k + 1 :]]
+
+
+def rearranged(route: Route) -> Iterator[Route]:
+    """Every neighbour of a route in the sense of 2-opt and Or-opt."""
+    for order in neighbours(range(len(route))):
+        yield [route[k] for k in order]
+
+
+def shifted(route: Route) -> Iterator[Route]:
+    """Every route with one stop moved by `SHIFT_M` in one of eight directions."""
+    for k, (x, y, theta) in enumerate(route):
+        for angle in np.arange(8) * (math.pi / 4):
+            aside = round(x + SHIFT_M * math.cos(angle), 3), round(y + SHIFT_M * math.sin(angle), 3)
+            yield [*route[:k], (*aside, theta), *route[k + 1 :]]

@@ -1,0 +1,76 @@
+"""Vehicles that follow a plan made before the dive and decide nothing: the oracle's tour, and a blind sweep's lanes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.geometry import Frame, Pose
+from coral.reef.pilot import Command, Pilot
+from coral.reef.tour_kernels import follow
+from coral.reef.vehicle import VehicleCfg
+
+BORDER_M = 1.0
+"""Lanes end this far from the edge of the survey area."""
+
+
+class TourPilot(Pilot):
+    """Gives one command after the other, whatever the sensors say; the map is kept for the report alone."""
+
+    commands: NDArray[np.float64] = np.empty((0, 2))
+    """Forward speed (m/s) and yaw rate (rad/s) of each tick. Shape=(K, 2)."""
+    _next = 0
+
+    def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
+        """The next command of the plan."""
+        self.belief.update(frame, pose)
+        if self._next >= len(self.commands):
+            self.end_reason = "the tour is done"
+            return 0.0, 0.0
+        v, omega = self.commands[self._next].tolist()
+        self._next += 1
+        return v, omega
+
+
+def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose) -> NDArray[np.float64]:
+    """Straight lanes along x, `spacing_m` apart, so many that no place is farther than half of that from one.
+
+    They lie symmetrically in the area, and begin at the corner nearest to the start.
+
+    Returns:
+        Way points from the start on, Shape=(2 N + 1, 2), metres.
+    """
+    width, height = size_m
+    count = max(1, math.ceil(height / spacing_m - 1e-9))
+    ys = [min(max(height / 2 + spacing_m * (k - (count - 1) / 2), 0.0), height) for k in range(count)]
+    if start.y > height / 2:
+        ys.reverse()
+    ends = [min(BORDER_M, width / 2), max(width - BORDER_M, width / 2)]
+    if start.x > width / 2:
+        ends.reverse()
+    points = [(x, y) for k, y in enumerate(ys) for x in (ends if k % 2 == 0 else ends[::-1])]
+    return np.array([start[:2], *points])
+
+
+def drive_lines(points: NDArray[np.float64], start: Pose, vehicle: VehicleCfg, dt: float) -> NDArray[np.float64]:
+    """Commands that drive straight from point to point at cruise speed, turning on the spot. Shape=(K, 2).
+
+    Args:
+        points: Shape=(N, 2), metres, the first one at the start.
+        start: Where the vehicle is, and its heading.
+        vehicle: For its speed and yaw rate.
+        dt: Control period (s).
+    """
+    parts = []
+    for a, b in itertools.pairwise(points):
+        n = max(1, math.ceil(math.dist(a, b) / 0.05))
+        parts.append(a + (b - a) * np.arange(n)[:, None] / n)
+    path = np.concatenate([*parts, points[-1:]])
+    most = int(4.0 * len(path) * 0.05 / (vehicle.max_speed_m_s * dt)) + 200 * len(points)
+    commands, poses = np.zeros((most, 2)), np.zeros((most, 3))
+    begin = (start.x, start.y, start.theta)
+    n = follow(begin, path, vehicle.max_speed_m_s, vehicle.max_yaw_rate_rad_s, dt, most, commands, poses)
+    return commands[:n]

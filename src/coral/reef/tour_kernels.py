@@ -1,0 +1,78 @@
+"""Following a path at cruise speed with a limited yaw rate, without inertia: a unicycle, exactly integrated."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+_LOOKAHEAD_M = 0.3
+"""How far along the path the vehicle aims: short, so that it cuts no corner by more than a few centimetres."""
+_SPIN_RAD = 0.6
+"""Above this heading error the vehicle turns on the spot."""
+
+
+@njit(cache=True, error_model="numpy")
+def advance(x: float, y: float, theta: float, v: float, omega: float, dt: float) -> tuple[float, float, float]:
+    """Pose after `dt` seconds (s) at constant forward speed (m/s) and yaw rate (rad/s): an arc of a circle."""
+    if abs(omega) < 1e-9:
+        return x + v * dt * math.cos(theta), y + v * dt * math.sin(theta), theta + omega * dt
+    end = theta + omega * dt
+    return x + v / omega * (math.sin(end) - math.sin(theta)), y - v / omega * (math.cos(end) - math.cos(theta)), end
+
+
+@njit(cache=True, error_model="numpy")
+def follow(
+    start: tuple[float, float, float],
+    path: NDArray[np.float64],
+    speed: float,
+    yaw_rate: float,
+    dt: float,
+    most: int,
+    commands: NDArray[np.float64],
+    poses: NDArray[np.float64],
+) -> int:
+    """Drive along a path to its end.
+
+    Args:
+        start: (x, y, theta) in the world.
+        path: Shape=(N, 2), world points (m) a few centimetres apart.
+        speed: Cruise speed (m/s).
+        yaw_rate: Largest yaw rate (rad/s).
+        dt: Control period (s).
+        most: Ticks at most.
+        commands: Shape=(>= most, 2), written: forward speed and yaw rate of each tick.
+        poses: Shape=(>= most, 3), written: pose after each tick.
+
+    Returns:
+        How many ticks it took; `most` when the end was not reached.
+    """
+    x, y, theta = start
+    last = path.shape[0] - 1
+    at = 0
+    for k in range(most):
+        # The nearest point of the path ahead, then the one to aim at; progress never goes back.
+        best = math.inf
+        for i in range(at, min(at + 12, last + 1)):
+            gap = math.hypot(path[i, 0] - x, path[i, 1] - y)
+            if gap < best:
+                best, at = gap, i
+        aim = at
+        while aim < last and math.hypot(path[aim, 0] - x, path[aim, 1] - y) < _LOOKAHEAD_M:
+            aim += 1
+        dx, dy = path[aim, 0] - x, path[aim, 1] - y
+        left = math.hypot(dx, dy)
+        if aim == last and left < 0.05:
+            return k
+        error = math.atan2(dy, dx) - theta
+        error = math.atan2(math.sin(error), math.cos(error))
+        omega = min(max(error / dt, -yaw_rate), yaw_rate)
+        v = speed * max(0.0, 1.0 - abs(error) / _SPIN_RAD)
+        if aim == last:
+            v = min(v, left / dt)
+        x, y, theta = advance(x, y, theta, v, omega, dt)
+        commands[k, 0], commands[k, 1] = v, omega
+        poses[k, 0], poses[k, 1], poses[k, 2] = x, y, theta
+    return most

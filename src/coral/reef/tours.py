@@ -1,0 +1,41 @@
+"""Which missions follow a plan made before the dive, and that plan."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.errors import InputError
+from coral.reef.geometry import Pose
+from coral.reef.oracle import plan_tour
+from coral.reef.tour import drive_lines, lanes
+from coral.reef.world import ReefWorld
+
+if TYPE_CHECKING:
+    from coral.reef.mission import MissionCfg
+
+
+def planned(world: ReefWorld, cfg: MissionCfg) -> NDArray[np.float64] | None:
+    """Commands of the oracle's tour or of a blind sweep, Shape=(K, 2); None for missions that decide.
+
+    Raises:
+        InputError: Several robots: a tour is for one.
+    """
+    if cfg.decider not in ("oracle", "sweep"):
+        return None
+    if cfg.robots > 1:
+        raise InputError("--robots", "", cfg.robots, f"1 with the variant that follows a plan ({cfg.decider})")
+    sim, start = cfg.simulator, Pose(world.start.x, world.start.y, world.start.theta)
+    if cfg.decider == "sweep":
+        return drive_lines(lanes(world.size_m, cfg.lane_m, start), start, sim.vehicle, cfg.control_period_s)
+    tour = plan_tour(
+        world,
+        sim.camera,
+        sim.imaging,
+        visibility_m=sim.noise.visibility_m,
+        vehicle=sim.vehicle,
+        dt=cfg.control_period_s,
+    )
+    return tour.commands
