@@ -183,7 +183,7 @@ def test_a_token_is_asked_for(tmp_path, case):
         assert client.answer("000001-pick", {})[0] == 401
         assert client("GET", f"/api/state?token={TOKEN}")[0] == 401
         assert client("GET", "/?token=another-token")[0] == 403
-        assert client("GET", "/", headers={"Cookie": f"coral_desk_{client.port}=wrong"})[0] == 401
+        assert client("GET", "/", headers={"Cookie": f"coral_{client.port}=wrong"})[0] == 401
         assert client("GET", "/", headers={"Authorization": "Bearer wrong"})[0] == 401
         response, _ = client("GET", f"/?token={TOKEN}", raw=True)
         assert (response.status, response.headers["Location"]) == (303, "/")
