@@ -16,6 +16,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from coral.errors import NO_ROOM, InputError, RunError, nearest
+from coral.odd_text import encodable, printable
 from coral.termination import orderly_termination
 
 COMMANDS = {
@@ -79,16 +80,13 @@ def _run(words: Sequence[str]) -> int:
         command = _parse(name, words[len(name.split()) :])
         result = command()
         text = json.dumps(result, allow_nan=False, default=str) if command.json else command.describe(result)
-        print(text, flush=True)
+        print(encodable(text), flush=True)
     except InputError as error:
-        print(f"coral: {error}", file=sys.stderr)
-        return 2
+        return _tell(error, 2)
     except RunError as error:
-        print(f"coral: {error}", file=sys.stderr)
-        return 1
+        return _tell(error, 1)
     except KeyboardInterrupt as stop:
-        print(f"coral: {str(stop) or 'interrupted'}", file=sys.stderr)
-        return 130
+        return _tell(str(stop) or "interrupted", 130)
     except BrokenPipeError:
         sys.stderr.close()
         return 1
@@ -97,9 +95,14 @@ def _run(words: Sequence[str]) -> int:
             raise
         place = f"{error.filename}: " if error.filename else ""
         what = (error.strerror or "the disk takes no more").lower()
-        print(f"coral: {place}{what}; what was written before can be read", file=sys.stderr)
-        return 1
+        return _tell(f"{place}{what}; what was written before can be read", 1)
     return 0
+
+
+def _tell(message: object, code: int) -> int:
+    """One line on standard error, whatever was in a file, an answer or a file's name; returns the exit code."""
+    print(f"coral: {printable(str(message))}", file=sys.stderr)
+    return code
 
 
 def _command(words: Sequence[str]) -> str | None:

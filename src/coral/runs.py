@@ -16,6 +16,7 @@ import yaml
 
 from coral import __version__
 from coral.errors import InputError, naming
+from coral.odd_text import encodable, encodable_values
 
 
 class RunWriter:
@@ -50,23 +51,26 @@ class RunWriter:
     def event(self, step: int, t: float, event: str, **fields: Any) -> None:
         """Append one event."""
         line = {"step": step, "t": round(t, 6), "event": event, **fields}
-        _append(self._events, json.dumps(line, allow_nan=False, default=float))
+        text = json.dumps(line, allow_nan=False, default=float)
+        if "\\ud" in text:  # a letter beyond 16 bits, or half of one
+            text = json.dumps(encodable_values(line), allow_nan=False, default=float)
+        _append(self._events, text)
 
     def row(self, *values: float | int | str, robot: int = 0) -> None:
         """Append one row of a robot's trajectory."""
-        _append(self._rows[robot], ",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values))
+        _append(self._rows[robot], encodable(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values)))
 
     def yaml(self, name: str, content: Mapping[str, Any]) -> None:
         """Write a YAML file beside the log."""
-        self.text(name, yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True))
+        self.text(name, yaml.safe_dump(encodable_values(content), sort_keys=False, allow_unicode=True))
 
     def json(self, name: str, content: Mapping[str, Any]) -> None:
         """Write a JSON file beside the log."""
-        self.text(name, json.dumps(content, indent=2, allow_nan=False, default=float) + "\n")
+        self.text(name, json.dumps(encodable_values(content), indent=2, allow_nan=False, default=float) + "\n")
 
     def text(self, name: str, content: str) -> None:
         """Write a file whole or not at all (temporary file, then rename)."""
-        self.bytes(name, content.encode())
+        self.bytes(name, encodable(content).encode())
 
     def bytes(self, name: str, content: bytes) -> None:
         """Write a binary file whole or not at all."""

@@ -17,6 +17,7 @@ from pydantic import BaseModel
 from coral.advisor.consult import Attempt
 from coral.advisor.question import Question
 from coral.errors import naming
+from coral.odd_text import encodable
 from coral.runs import write_whole
 
 RAW_LIMIT = 65_536
@@ -102,21 +103,21 @@ class AttemptRecorder:
 
 
 def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 def plain_json(value: Any, indent: int | None = None) -> str:
-    """JSON text of a value whose numbers may be NumPy's; what is not finite becomes null."""
+    """JSON text of a value whose numbers may be NumPy's; what is not finite becomes null, half letters U+FFFD."""
     return json.dumps(_plain(value), allow_nan=False, indent=indent)
 
 
 def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {encodable(str(key)): _plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     if isinstance(value, float):
         return value if math.isfinite(value) else None
-    return value if value is None or isinstance(value, str | int | bool) else str(value)
+    return value if value is None or isinstance(value, int | bool) else encodable(str(value))

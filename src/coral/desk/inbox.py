@@ -16,6 +16,7 @@ from coral.advisor.parse import MAX_CHARS
 from coral.desk.notice import is_alive
 from coral.desk.schema import Fault, faults
 from coral.errors import InputError
+from coral.odd_text import encodable
 
 State = Literal["open", "sent", "answered", "withdrawn", "abandoned", "unreadable"]
 
@@ -166,7 +167,7 @@ class Inbox:
         question, folder = self.question(question_id), self._folder_of(question_id)
         self._refuse_closed(question_id)
         wrong = faults(answer, question["answer_schema"])
-        text = json.dumps(answer, ensure_ascii=False)
+        text = encodable(json.dumps(answer, ensure_ascii=False))
         if not wrong and len(text) > MAX_CHARS:
             wrong = [Fault((), f"has {len(text)} characters; at most {MAX_CHARS} are read")]
         if wrong:

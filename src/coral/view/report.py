@@ -17,6 +17,7 @@ import yaml
 from markupsafe import Markup
 
 from coral.errors import InputError
+from coral.odd_text import encodable
 from coral.reef.metrics import DEFINITIONS, fleet_metrics, metrics_of
 from coral.view.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
 from coral.view.decisions import Decision, decisions
@@ -65,7 +66,7 @@ def write_page(folder: Path, page: str) -> Path:
     path = folder / "report.html"
     partial = path.with_name("report.html.part")
     try:
-        partial.write_text(page, encoding="utf-8")
+        partial.write_text(encodable(page), encoding="utf-8")
         os.replace(partial, path)
     except OSError as error:
         raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
