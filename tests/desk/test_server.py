@@ -235,3 +235,12 @@ def test_pages_are_let_go_when_the_desk_closes(tmp_path, case):
     assert stream.read().strip() == b""
     connection.close()
     assert not [t for t in threading.enumerate() if t.name == "desk-watch"]
+
+
+@pytest.mark.parametrize("digits", [400, 4000])
+def test_a_number_of_many_digits_is_refused_with_a_reason(client, ask, digits):
+    asking = ask()
+    status, reply = client.answer(asking.id, {"index": int("9" * digits)})
+    assert status == 422
+    assert reply["faults"][0]["place"] == "index"
+    assert client.answer(asking.id, {"index": 1})[0] == 200
