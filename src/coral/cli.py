@@ -15,7 +15,9 @@ from typing import Any, Protocol
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from coral.errors import InputError, RunError, nearest
+from coral.errors import NO_ROOM, InputError, RunError, nearest
+from coral.odd_text import encodable, printable
+from coral.termination import orderly_termination
 
 COMMANDS = {
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
@@ -57,8 +59,16 @@ class Command(Protocol):
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command. Exit code 0 done, 1 failed with a message, 2 bad usage or input."""
-    words = list(sys.argv[1:] if argv is None else argv)
+    """Run one command.
+
+    Exit code 0 done, 1 failed with a message, 2 bad usage or input, 128 + N ended by signal N (130 by Ctrl-C).
+    """
+    with orderly_termination() as received:
+        code = _run(list(sys.argv[1:] if argv is None else argv))
+    return received.exit_code(code)
+
+
+def _run(words: Sequence[str]) -> int:
     try:
         if not words or words[0] in ("-h", "--help"):
             print(_overview(""))
@@ -69,21 +79,31 @@ def main(argv: Sequence[str] | None = None) -> int:
             return 0
         command = _parse(name, words[len(name.split()) :])
         result = command()
-        print(json.dumps(result, allow_nan=False, default=str) if command.json else command.describe(result))
+        text = json.dumps(result, allow_nan=False, default=str) if command.json else command.describe(result)
+        print(encodable(text), flush=True)
         # A command may tell success from failure by its result, which is printed in either case.
         return int(getattr(command, "exit_code", lambda result: 0)(result))
     except InputError as error:
-        print(f"coral: {error}", file=sys.stderr)
-        return 2
+        return _tell(error, 2)
     except RunError as error:
-        print(f"coral: {error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("coral: interrupted", file=sys.stderr)
-        return 130
+        return _tell(error, 1)
+    except KeyboardInterrupt as stop:
+        return _tell(str(stop) or "interrupted", 130)
     except BrokenPipeError:
         sys.stderr.close()
         return 1
+    except OSError as error:
+        if error.errno not in NO_ROOM:
+            raise
+        place = f"{error.filename}: " if error.filename else ""
+        what = (error.strerror or "the disk takes no more").lower()
+        return _tell(f"{place}{what}; what was written before can be read", 1)
+
+
+def _tell(message: object, code: int) -> int:
+    """One line on standard error, whatever was in a file, an answer or a file's name; returns the exit code."""
+    print(f"coral: {printable(str(message))}", file=sys.stderr)
+    return code
 
 
 def _command(words: Sequence[str]) -> str | None:

@@ -9,10 +9,10 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, cast, get_origin, get_type_hints
 
-import yaml
 from pydantic import Field, TypeAdapter, ValidationError
 
 from coral.errors import InputError, nearest
+from coral.yaml_file import load_mapping, read_regular
 
 C = TypeVar("C")
 
@@ -27,21 +27,6 @@ CellSize = Annotated[float, Field(ge=0.01, le=1, allow_inf_nan=False)]
 """Seconds and metres: finer ones take time and memory without end, coarser ones miss everything."""
 Signed = Annotated[float, Field(allow_inf_nan=False)]
 """A number that may be negative: without a type that says so, no number in a configuration may be."""
-
-
-class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
-    """YAML in which no key stands twice; by the C parser where it is there, ten times faster with 600 objects."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """A mapping of the file."""
-        seen = set()
-        for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
-            if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
-                if key.value in seen:
-                    raise yaml.MarkedYAMLError(problem=f"the key {key.value!r} twice", problem_mark=key.start_mark)
-                seen.add(key.value)
-        found: dict[Any, Any] = super().construct_mapping(node, deep=deep)
-        return found
 
 
 def whole_steps(period_s: float, step_s: float, where: str, field: str) -> int:
@@ -75,37 +60,9 @@ def read_yaml(path: Path) -> dict[str, Any]:
     """A YAML file that holds a mapping.
 
     Raises:
-        InputError: It is missing, unreadable, not YAML, or not a mapping.
+        InputError: It is missing, no regular file, unreadable, not YAML, nested too deeply, or not a mapping.
     """
-    try:
-        content = yaml.load(path.read_text(encoding="utf-8"), Loader=Loader)
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "unreadable text"
-        raise InputError(str(path), "", reason.lower(), "a readable YAML file") from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        line = f"line {mark.line + 1}" if mark else ""
-        raise InputError(str(path), line, getattr(error, "problem", None) or "broken YAML", "valid YAML") from None
-    except (ValueError, TypeError, RecursionError, OverflowError) as error:  # say a date such as 2026-13-45
-        raise InputError(str(path), "", str(error) or "brackets nested without end", "a readable YAML file") from None
-    if content is None:
-        return {}
-    if not isinstance(content, dict):
-        raise InputError(str(path), "", type(content).__name__, "a mapping of keys to values")
-    _refuse_bombs(content, str(path))
-    return content
-
-
-def _refuse_bombs(content: Any, where: str) -> None:
-    """Nothing may walk through what a few lines of YAML aliases unfold to."""
-    seen, stack = 0, [content]
-    while stack:
-        node = stack.pop()
-        children = list(node.values()) if isinstance(node, dict) else node
-        seen += len(children)
-        if seen > MAX_VALUES:
-            raise InputError(where, "", f"more than {MAX_VALUES} values", "a file written by hand")
-        stack.extend(child for child in children if isinstance(child, dict | list))
+    return load_mapping(read_regular(path, "a readable YAML file"), str(path), MAX_VALUES)
 
 
 def merge(default: C, changes: Mapping[str, Any], where: str) -> C:

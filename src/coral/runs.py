@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import platform
@@ -14,7 +15,8 @@ from typing import IO, Any
 import yaml
 
 from coral import __version__
-from coral.errors import InputError
+from coral.errors import InputError, naming
+from coral.odd_text import encodable, encodable_values
 
 
 class RunWriter:
@@ -44,42 +46,76 @@ class RunWriter:
         except OSError as error:
             raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
         for rows in self._rows:
-            rows.write(",".join(columns) + "\n")
+            _append(rows, ",".join(columns))
 
     def event(self, step: int, t: float, event: str, **fields: Any) -> None:
         """Append one event."""
         line = {"step": step, "t": round(t, 6), "event": event, **fields}
-        self._events.write(json.dumps(line, allow_nan=False, default=float) + "\n")
+        text = json.dumps(line, allow_nan=False, default=float)
+        if "\\ud" in text:  # a letter beyond 16 bits, or half of one
+            text = json.dumps(encodable_values(line), allow_nan=False, default=float)
+        _append(self._events, text)
 
     def row(self, *values: float | int | str, robot: int = 0) -> None:
         """Append one row of a robot's trajectory."""
-        self._rows[robot].write(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values) + "\n")
+        _append(self._rows[robot], encodable(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values)))
 
     def yaml(self, name: str, content: Mapping[str, Any]) -> None:
         """Write a YAML file beside the log."""
-        self.text(name, yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True))
+        self.text(name, yaml.safe_dump(encodable_values(content), sort_keys=False, allow_unicode=True))
 
     def json(self, name: str, content: Mapping[str, Any]) -> None:
         """Write a JSON file beside the log."""
-        self.text(name, json.dumps(content, indent=2, allow_nan=False, default=float) + "\n")
+        self.text(name, json.dumps(encodable_values(content), indent=2, allow_nan=False, default=float) + "\n")
 
     def text(self, name: str, content: str) -> None:
         """Write a file whole or not at all (temporary file, then rename)."""
-        self.bytes(name, content.encode())
+        self.bytes(name, encodable(content).encode())
 
     def bytes(self, name: str, content: bytes) -> None:
         """Write a binary file whole or not at all."""
-        path = self.folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial = path.with_name(path.name + ".part")
-        partial.write_bytes(content)
-        os.replace(partial, path)
+        write_whole(self.folder / name, content)
 
     def close(self) -> None:
-        """Close the logs; writing a finished file after this is still allowed."""
-        self._events.close()
-        for rows in self._rows:
-            rows.close()
+        """Close the logs; writing a finished file after this is still allowed.
+
+        What a full disk did not take was reported when it was written.
+        """
+        for log in (self._events, *self._rows):
+            with contextlib.suppress(OSError):
+                log.close()
+
+
+def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
+    """Write a file whole or not at all, and its folder where that is missing.
+
+    Args:
+        path: Of the file; replaced when it is there.
+        content: All of it.
+        durable: Also whole or not at all when the machine loses power, which takes milliseconds more.
+
+    Raises:
+        OSError: It cannot be written; the error names the file.
+    """
+    with naming(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial = path.with_name(path.name + ".part")
+        try:
+            with open(partial, "wb") as out:
+                out.write(content)
+                if durable:
+                    out.flush()
+                    os.fsync(out.fileno())
+            os.replace(partial, path)
+        except OSError:
+            with contextlib.suppress(OSError):
+                partial.unlink()
+            raise
+
+
+def _append(log: IO[str], line: str) -> None:
+    with naming(Path(log.name)):
+        log.write(line + "\n")
 
 
 def trajectory_name(robot: int) -> str:

@@ -1,12 +1,17 @@
 import asyncio
+import dataclasses
 import json
 import os
+import re
+from pathlib import Path
 
 import pytest
 from pydantic import BaseModel, Field
 
+from coral.advisor import desk as desk_module
 from coral.advisor.desk import DeskAdvisor
 from coral.advisor.question import BadAnswer, Picture, Question, Rejection
+from coral.reef.answers import CentroidChoice
 
 
 class Pick(BaseModel):
@@ -90,3 +95,60 @@ def test_two_missions_share_an_inbox(tmp_path):
         return [reply.value.index for reply in await asyncio.gather(*tasks)]
 
     assert sorted(asyncio.run(run())) == [0, 1]
+
+
+def test_the_documented_program_never_sees_a_question_that_is_being_written(tmp_path, monkeypatch):
+    """It runs at the moment before the folder gets its name, and again afterwards."""
+    page = (Path(__file__).parents[2] / "docs" / "answer-as-the-operator.md").read_text()
+    (program,) = [code for code in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "question.json" in code]
+    monkeypatch.chdir(tmp_path)
+    inbox = tmp_path / "inbox"
+    inbox.mkdir()
+    question = dataclasses.replace(
+        QUESTION,
+        kind="reef-centroid",
+        facts={"centroids": [{"index": 3, "visited": False}]},
+        answer_type=CentroidChoice,
+    )
+    seen, rename = [], os.rename
+
+    def watched(source, target):
+        monkeypatch.setattr(desk_module.os, "rename", rename)
+        exec(compile(program, "answer-as-the-operator.md", "exec"), {})
+        seen.append([path.name for path in inbox.glob("*/question.json")])
+        rename(source, target)
+
+    async def run():
+        monkeypatch.setattr(desk_module.os, "rename", watched)
+        task = asyncio.create_task(DeskAdvisor(inbox, poll_s=0.0).answer(question, ()))
+        await open_questions(inbox, 1)
+        exec(compile(program, "answer-as-the-operator.md", "exec"), {})
+        return await task
+
+    assert asyncio.run(run()).value.selected_centroid_index == 3
+    assert seen == [[]]
+
+
+def test_a_question_that_a_killed_mission_did_not_finish_is_in_nobodys_way(tmp_path):
+    async def run():
+        advisor = DeskAdvisor(tmp_path, poll_s=0.0)
+        left = advisor._post(QUESTION, ())
+        for k in range(3):
+            (tmp_path / ".writing" / f"00000{k}-pick.{os.getpid()}").mkdir(parents=True)
+        return left.name, advisor._post(QUESTION, ()).name
+
+    assert asyncio.run(run()) == ("000001-pick", "000002-pick")
+
+
+def test_a_number_of_many_digits_is_an_answer_like_any_other(tmp_path):
+    async def run(digits):
+        question = dataclasses.replace(QUESTION, answer_type=CentroidChoice)
+        (tmp_path / f"{digits}").mkdir()
+        task = asyncio.create_task(DeskAdvisor(tmp_path / f"{digits}", poll_s=0.0).answer(question, ()))
+        (folder,) = await open_questions(tmp_path / f"{digits}", 1)
+        submit(folder, f'{{"selected_centroid_index": {"9" * digits}}}')
+        return (await task).value.selected_centroid_index
+
+    assert asyncio.run(run(400)) == int("9" * 400)
+    with pytest.raises(BadAnswer):
+        asyncio.run(run(5000))

@@ -1,5 +1,6 @@
 import json
 import os
+import socket
 import subprocess
 import sys
 import threading
@@ -228,3 +229,20 @@ def test_a_notice_never_stops_a_mission(tmp_path):
     (tmp_path / "file").write_text("")
     with mission_notice(tmp_path / "file"):
         pass
+
+
+def test_numbers_of_many_digits_in_an_inbox_are_none_at_all(tmp_path):
+    folder = tmp_path / "000001-pick"
+    folder.mkdir()
+    huge = int("9" * 400)
+    asked = {
+        "answer_schema": {},
+        "kind": "pick",
+        "asked_at": huge,
+        "asker": {"host": socket.gethostname(), "pid": huge},
+    }
+    (folder / "question.json").write_text(json.dumps(asked))
+    (tmp_path / "mission-here-1.json").write_text(json.dumps({"state": "finished", "started_at": huge}))
+    inbox = Inbox(tmp_path)
+    assert inbox.entries()[0].asked_at is None
+    assert inbox.missions()[0]["started_at"] == huge

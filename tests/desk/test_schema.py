@@ -111,3 +111,11 @@ def test_agrees_with_pydantic(a, b):
     except ValidationError:
         fits = False
     assert (faults(value, Numbers.model_json_schema()) == []) == fits
+
+
+@pytest.mark.parametrize("value", [int("9" * 400), -int("9" * 4000)], ids=["400 digits", "4000 digits"])
+def test_numbers_that_no_float_holds_are_checked_too(value):
+    assert "must be" in faults(value, {"type": "integer", "minimum": 0, "maximum": 3})[0].reason
+    assert "must be" in faults(value, {"type": "number", "exclusiveMinimum": 0.5, "exclusiveMaximum": 3.5})[0].reason
+    assert "beyond" in faults(value, {"type": "number"})[0].reason
+    assert "beyond" in faults(value, {"type": "number", "multipleOf": 0.5})[0].reason

@@ -183,7 +183,7 @@ def test_a_token_is_asked_for(tmp_path, case):
         assert client.answer("000001-pick", {})[0] == 401
         assert client("GET", f"/api/state?token={TOKEN}")[0] == 401
         assert client("GET", "/?token=another-token")[0] == 403
-        assert client("GET", "/", headers={"Cookie": f"coral_desk_{client.port}=wrong"})[0] == 401
+        assert client("GET", "/", headers={"Cookie": f"coral_{client.port}=wrong"})[0] == 401
         assert client("GET", "/", headers={"Authorization": "Bearer wrong"})[0] == 401
         response, _ = client("GET", f"/?token={TOKEN}", raw=True)
         assert (response.status, response.headers["Location"]) == (303, "/")
@@ -235,3 +235,12 @@ def test_pages_are_let_go_when_the_desk_closes(tmp_path, case):
     assert stream.read().strip() == b""
     connection.close()
     assert not [t for t in threading.enumerate() if t.name == "desk-watch"]
+
+
+@pytest.mark.parametrize("digits", [400, 4000])
+def test_a_number_of_many_digits_is_refused_with_a_reason(client, ask, digits):
+    asking = ask()
+    status, reply = client.answer(asking.id, {"index": int("9" * digits)})
+    assert status == 422
+    assert reply["faults"][0]["place"] == "index"
+    assert client.answer(asking.id, {"index": 1})[0] == 200

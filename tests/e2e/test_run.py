@@ -2,6 +2,8 @@
 
 import csv
 import json
+import re
+import resource
 import signal
 import subprocess
 import sys
@@ -122,11 +124,12 @@ def test_people_get_a_summary_and_the_next_free_folder(place, coral):
 
 
 def heed_ctrl_c():
-    """A suite that runs in the background of a shell hands down that Ctrl-C is ignored."""
+    """A suite that runs in the background of a shell hands down that Ctrl-C is ignored, and under nohup SIGHUP."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
-def interrupted(place, environment, how, rows):
+def interrupted(place, environment, how, rows, *more):
     """A run without end, sent a signal once its trajectory has so many rows: exit code, folder, output, error."""
     command = [
         Path(sys.executable).with_name("coral"),
@@ -141,8 +144,12 @@ def interrupted(place, environment, how, rows):
         "--out",
         "stopped",
         "--json",
-        "--quiet",
+        *(more or ("--quiet",)),
     ]
+    return stopped(command, place, environment, how, rows)
+
+
+def stopped(command, place, environment, how, rows):
     process = subprocess.Popen(
         command, cwd=place, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=heed_ctrl_c
     )
@@ -180,6 +187,57 @@ def test_ctrl_c_ends_a_run_in_order(place, environment):
     assert (code, error) == (0, b"")
     assert json.loads(out)["end_reason"] == "stopped by the operator"
     assert (folder / "metrics.json").is_file()
+
+
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGHUP])
+def test_a_run_that_is_told_to_end_ends_like_ctrl_c(place, environment, how):
+    code, folder, out, error = interrupted(place, environment, how, 20)
+    reason = f"stopped by {how.name}"
+    assert (code, error) == (128 + how, b"")
+    assert json.loads(out)["end_reason"] == reason
+    assert json.loads((folder / "metrics.json").read_text())["end_reason"] == reason
+    events = [json.loads(line) for line in (folder / "events.jsonl").open()]
+    assert (events[-1]["event"], events[-1]["reason"]) == ("end", reason)
+    assert reason in (folder / "report.html").read_text()
+
+
+def test_a_contact_run_that_is_told_to_end_ends_like_ctrl_c(place, environment):
+    coral = Path(sys.executable).with_name("coral")
+    command = [coral, "contact", "run", "pick-box", "--world", "hand", "--out", "stopped", "--json", "--quiet"]
+    code, folder, out, error = stopped(command, place, environment, signal.SIGTERM, 5)
+    assert (code, error) == (128 + signal.SIGTERM, b"")
+    reason = json.loads(out)["end_reason"]
+    assert reason.startswith("stopped by")
+    events = [json.loads(line) for line in (folder / "events.jsonl").open()]
+    assert (events[-1]["event"], events[-1]["reason"]) == ("end", reason)
+    assert json.loads((folder / "metrics.json").read_text())["end_reason"] == reason
+    assert (folder / "report.html").is_file()
+
+
+def test_the_cursor_is_shown_again(place, environment):
+    bare = {name: value for name, value in environment.items() if name not in ("NO_COLOR", "TERM")}
+    shown = {**bare, "TERM": "xterm", "FORCE_COLOR": "1"}
+    _, _, _, error = interrupted(place, shown, signal.SIGTERM, 20, "--cfg.record.no-report")
+    assert b"\x1b[?25l" in error
+    assert error.rfind(b"\x1b[?25h") > error.rfind(b"\x1b[?25l")
+
+
+def test_a_full_disk_is_one_line(place, environment):
+    """As full as a file may get under `ulimit -f`; the trajectory is what meets the limit."""
+    command = [Path(sys.executable).with_name("coral"), "reef", "run", "pond.yaml", "--cfg.no-stop-when-covered"]
+    command += ["--cfg.time-limit-s", "100000", "--cfg.record.no-frames", "--out", "full", "--quiet"]
+    done = subprocess.run(
+        command,
+        cwd=place,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000)),
+    )
+    assert (done.returncode, done.stdout) == (1, "")
+    assert re.fullmatch(r"coral: full/\S+: file too large; [^\n]+\n", done.stderr), done.stderr
 
 
 @pytest.mark.parametrize(

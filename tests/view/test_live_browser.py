@@ -48,12 +48,13 @@ def watch(browser):
             text=True,
         )
         started.append(process)
-        url = re.search(r"http://127\.0\.0\.1:\d+/", process.stderr.readline()).group()
+        url, token = re.search(r"(http://127\.0\.0\.1:\d+/)(\?token=[\w-]+)", process.stderr.readline()).groups()
         page = browser.new_page(viewport={"width": 1280, "height": 900})
         page.set_default_timeout(PATIENCE_MS)
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("request", lambda r: r.url.startswith((url, "data:", "blob:")) or asked.append(r.url))
-        page.goto(url)
+        page.goto(url + token)
+        assert "token" not in page.url
         return process, page
 
     yield go

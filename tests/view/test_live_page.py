@@ -56,7 +56,7 @@ def test_bad_flags_are_one_line(words, message, finished, tmp_path, capsys):
 
 def test_the_page_opens_on_this_machine_only_and_prints_nothing(capfd):
     with LivePage(0, MissionControls(Pace())) as page:
-        assert page.url == f"http://127.0.0.1:{page.port}/"
+        assert page.url.startswith(f"http://127.0.0.1:{page.port}/?token=")
         assert page._server.get_host() == "127.0.0.1"
     assert capfd.readouterr() == ("", "")
 
@@ -91,7 +91,7 @@ def test_replay_serves_until_it_is_told_to_stop(finished):
     command = [sys.executable, "-m", "coral.cli", "replay", str(finished), "--port", "0", "--json"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
-        assert re.search(r"http://127\.0\.0\.1:\d+/", process.stderr.readline())
+        assert re.search(r"http://127\.0\.0\.1:\d+/\?token=\S{24,}; ", process.stderr.readline())
         process.send_signal(signal.SIGTERM)
         out, _ = process.communicate(timeout=30)
     finally:

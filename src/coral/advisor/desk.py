@@ -6,6 +6,7 @@ import asyncio
 import dataclasses
 import json
 import os
+import secrets
 import socket
 import time
 from collections.abc import Sequence
@@ -24,12 +25,15 @@ if TYPE_CHECKING:
 
 A = TypeVar("A", bound=BaseModel)
 
+WRITING = ".writing"
+"""Folder of an inbox in which questions are written before they appear."""
+
 
 class DeskAdvisor:
     """Puts each question into `INBOX/<id>/question.json` with its PNGs, and waits for `answer.json` beside it.
 
-    A folder appears whole (written aside, then renamed) and gets a `closed.json` when its question is no longer open:
-    answered, or withdrawn because the world moved on. `answer.json` must be written aside and renamed too.
+    A folder appears whole (written in `INBOX/.writing/`, then renamed) and gets a `closed.json` when its question is no
+    longer open: answered, or withdrawn because the world moved on. `answer.json` must be written aside and renamed too.
     """
 
     latency = "measured"
@@ -81,8 +85,9 @@ class DeskAdvisor:
         numbers = [int(p.name.partition("-")[0]) for p in self._inbox.iterdir() if p.name.partition("-")[0].isdigit()]
         number = max(numbers, default=0) + 1
         name = f"{number:06d}-{question.kind}"
-        aside = self._inbox / f".{name}.{os.getpid()}"
-        aside.mkdir()
+        # A level below, where the pattern */question.json of a program that watches the inbox does not find it.
+        aside = self._inbox / WRITING / f"{name}.{os.getpid()}.{secrets.token_hex(4)}"
+        aside.mkdir(parents=True)
         for picture in question.pictures:
             (aside / f"{picture.name}.png").write_bytes(picture.png)
         content = {

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import hashlib
 import json
 import math
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,9 @@ from pydantic import BaseModel
 
 from coral.advisor.consult import Attempt
 from coral.advisor.question import Question
+from coral.errors import naming
+from coral.odd_text import encodable
+from coral.runs import write_whole
 
 RAW_LIMIT = 65_536
 """Characters of a raw reply that are kept."""
@@ -88,34 +91,33 @@ class AttemptRecorder:
         for picture in attempt.question.pictures:
             digest = picture.digest
             if digest not in self._seen:
-                self._folder.mkdir(exist_ok=True)
-                partial = self._folder / f"{digest}.part"
-                partial.write_bytes(picture.png)
-                os.replace(partial, self._folder / f"{digest}.png")
+                write_whole(self._folder / f"{digest}.png", picture.png)
                 self._seen.add(digest)
-        self._file.write(plain_json(attempt_to_json(attempt)) + "\n")
+        with naming(Path(self._file.name)):
+            self._file.write(plain_json(attempt_to_json(attempt)) + "\n")
 
     def close(self) -> None:
-        """Close the log."""
-        self._file.close()
+        """Close the log; what a full disk did not take was reported when it was written."""
+        with contextlib.suppress(OSError):
+            self._file.close()
 
 
 def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 def plain_json(value: Any, indent: int | None = None) -> str:
-    """JSON text of a value whose numbers may be NumPy's; what is not finite becomes null."""
+    """JSON text of a value whose numbers may be NumPy's; what is not finite becomes null, half letters U+FFFD."""
     return json.dumps(_plain(value), allow_nan=False, indent=indent)
 
 
 def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {encodable(str(key)): _plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     if isinstance(value, float):
         return value if math.isfinite(value) else None
-    return value if value is None or isinstance(value, str | int | bool) else str(value)
+    return value if value is None or isinstance(value, int | bool) else encodable(str(value))

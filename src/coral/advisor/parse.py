@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from coral.advisor.question import BadAnswer, Usage
+from coral.odd_text import encodable, encodable_values
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -49,9 +50,10 @@ def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) ->
             "too-long", f"The reply had {len(text)} characters; at most {MAX_CHARS} are read.", text[:MAX_CHARS], usage
         )
     first_error: ValidationError | None = None
-    for value in _values(text, answer_type):
+    for value in _values(encodable(text), answer_type):
         try:
-            return _validate(value, answer_type)
+            # JSON may spell out half a letter, which no file takes.
+            return _validate(encodable_values(value), answer_type)
         except ValidationError as error:
             first_error = first_error or error
         except RecursionError:

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from coral.campaign.episode import EpisodeOutcome
+from coral.odd_text import printable
 from coral.words import many
 
 LINE_EVERY_S = 15.0
@@ -26,7 +27,7 @@ class CampaignProgress:
         self._bar = Progress(
             TextColumn("[bold]episodes"),
             BarColumn(bar_width=24),
-            TextColumn("{task.fields[status]}"),
+            TextColumn("{task.fields[status]}", markup=False),
             console=self._console,
             disable=quiet or not self._console.is_terminal,
             refresh_per_second=4,
@@ -56,7 +57,9 @@ class CampaignProgress:
         self._ended += 1
         self._failed += outcome.result is None
         if outcome.result is None and not self._quiet:
-            self._console.print(f"failed: {outcome.spec.key}: {outcome.message}", markup=False, highlight=False)
+            self._console.print(
+                f"failed: {outcome.spec.key}: {printable(outcome.message)}", markup=False, highlight=False
+            )
         self._show(outcome.spec.key)
 
     def status(self) -> str:

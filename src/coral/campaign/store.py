@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from coral import runs
 from coral.campaign.spec import Spec
 from coral.errors import InputError
 
@@ -196,13 +197,7 @@ class Store:
 
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file whole or not at all, also when the machine loses power."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f"{path.name}.part")
-    with open(partial, "wb") as out:
-        out.write(content)
-        out.flush()
-        os.fsync(out.fileno())
-    os.replace(partial, path)
+    runs.write_whole(path, content, durable=True)
 
 
 def _read(path: Path) -> Record | None:

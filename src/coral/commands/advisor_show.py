@@ -14,6 +14,7 @@ import tyro
 
 from coral.advisor.prompt import FOLDER, kinds, render, version
 from coral.errors import InputError, RunError, nearest
+from coral.odd_text import encodable
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +59,7 @@ class AdvisorShow:
         assert folder is not None
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            (folder / "prompt.md").write_text(prompt, encoding="utf-8")
+            (folder / "prompt.md").write_text(encodable(prompt), encoding="utf-8")
             for name, picture in pictures.items():
                 shutil.copyfile(picture, folder / f"{name}.png")
         except OSError as error:

@@ -10,6 +10,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.trial import Trial
+from coral.odd_text import printable
 
 
 class Running(Protocol):
@@ -31,9 +32,9 @@ class EpisodeProgress:
 
     def __init__(self, *, quiet: bool = False) -> None:
         self._bar = Progress(
-            TextColumn("[bold]{task.description}"),
+            TextColumn("{task.description}", style="bold", markup=False),
             BarColumn(bar_width=24),
-            TextColumn("{task.fields[status]}"),
+            TextColumn("{task.fields[status]}", markup=False),
             console=Console(stderr=True),
             transient=False,
             disable=quiet,
@@ -49,11 +50,11 @@ class EpisodeProgress:
         holding = episode.judge.holding
         self._bar.update(
             self._task,
-            description=episode.trial.task.name,
+            description=printable(episode.trial.task.name),
             completed=episode.t,
             total=episode.time_limit_s,
-            status=f"{episode.t:5.1f} s simulated · {episode.stage} · {sum(holding)} of {len(holding)} conditions · "
-            f"{factor:.2f}x real time",
+            status=f"{episode.t:5.1f} s simulated · {printable(episode.stage, 40)} · "
+            f"{sum(holding)} of {len(holding)} conditions · {factor:.2f}x real time",
         )
 
     def stop_requested(self) -> str:

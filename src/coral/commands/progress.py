@@ -7,6 +7,7 @@ import time
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
+from coral.odd_text import printable
 from coral.reef.mission import Mission
 
 
@@ -15,9 +16,9 @@ class MissionProgress:
 
     def __init__(self, *, quiet: bool = False) -> None:
         self._bar = Progress(
-            TextColumn("[bold]{task.description}"),
+            TextColumn("{task.description}", style="bold", markup=False),
             BarColumn(bar_width=24),
-            TextColumn("{task.fields[status]}"),
+            TextColumn("{task.fields[status]}", markup=False),
             console=Console(stderr=True),
             transient=False,
             disable=quiet,
@@ -34,7 +35,7 @@ class MissionProgress:
         factor = mission.t / max(time.monotonic() - self._started, 1e-3)
         self._bar.update(
             self._task,
-            description=f"{mission.world.name}",
+            description=printable(mission.world.name),
             completed=mission.t,
             total=mission.cfg.time_limit_s,
             status=f"{mission.t:5.0f} s simulated · coverage {100 * mission.coverage:3.0f} % · "

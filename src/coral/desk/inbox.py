@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -16,6 +17,7 @@ from coral.advisor.parse import MAX_CHARS
 from coral.desk.notice import is_alive
 from coral.desk.schema import Fault, faults
 from coral.errors import InputError
+from coral.odd_text import encodable
 
 State = Literal["open", "sent", "answered", "withdrawn", "abandoned", "unreadable"]
 
@@ -166,7 +168,7 @@ class Inbox:
         question, folder = self.question(question_id), self._folder_of(question_id)
         self._refuse_closed(question_id)
         wrong = faults(answer, question["answer_schema"])
-        text = json.dumps(answer, ensure_ascii=False)
+        text = encodable(json.dumps(answer, ensure_ascii=False))
         if not wrong and len(text) > MAX_CHARS:
             wrong = [Fault((), f"has {len(text)} characters; at most {MAX_CHARS} are read")]
         if wrong:
@@ -326,4 +328,8 @@ def _document(path: Path) -> dict[str, Any] | None:
 
 
 def _number(value: Any) -> float | None:
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    with contextlib.suppress(OverflowError):
+        return float(value)
+    return None

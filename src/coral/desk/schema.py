@@ -6,6 +6,7 @@ import contextlib
 import json
 import math
 import re
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -112,7 +113,7 @@ def _either(value: Any, options: list[Any], root: Mapping[str, Any], path: Path,
 
 
 def _number(value: float, schema: Mapping[str, Any], path: Path) -> Iterator[Fault]:
-    if not math.isfinite(value):
+    if isinstance(value, float) and not math.isfinite(value):
         yield Fault(path, "must be finite")
     elif "minimum" in schema and value < schema["minimum"]:
         yield Fault(path, f"must be {schema['minimum']} or more, not {_short(value)}")
@@ -122,6 +123,8 @@ def _number(value: float, schema: Mapping[str, Any], path: Path) -> Iterator[Fau
         yield Fault(path, f"must be more than {schema['exclusiveMinimum']}, not {_short(value)}")
     elif "exclusiveMaximum" in schema and value >= schema["exclusiveMaximum"]:
         yield Fault(path, f"must be less than {schema['exclusiveMaximum']}, not {_short(value)}")
+    elif abs(value) > sys.float_info.max:
+        yield Fault(path, "is beyond what a number can be here")
     elif schema.get("multipleOf") and abs(math.remainder(value, schema["multipleOf"])) > 1e-9 * max(1.0, abs(value)):
         yield Fault(path, f"must be a multiple of {schema['multipleOf']}, not {_short(value)}")
 

@@ -19,8 +19,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
+from coral.access import Access, choose_token
 from coral.advisor.log import plain_json
-from coral.desk.access import Access, choose_token
 from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit
 from coral.desk.watch import Watch
 from coral.errors import InputError
@@ -105,10 +105,7 @@ class DeskServer(ThreadingHTTPServer):
     @property
     def url(self) -> str:
         """Where to point a browser, token included."""
-        everywhere = self.host in ("0.0.0.0", "::", "")
-        host = socket.gethostname() if everywhere else f"[{self.host}]" if ":" in self.host else self.host
-        token = f"?token={self.access.token}" if self.access.token else ""
-        return f"http://{host}:{self.access.port}/{token}"
+        return self.access.url
 
     def serve_forever(self, poll_interval: float = 0.2) -> None:
         """Answer requests until `shutdown`."""
@@ -167,7 +164,8 @@ class _Handler(BaseHTTPRequestHandler):
         self.close_connection = True
         if not self._admitted():
             return
-        if not self.server.access.from_our_page(self._headers):
+        # Pages of other sites cannot set a header of their own without asking first, and we never agree.
+        if self._headers.get("X-Coral-Desk") != "1":
             self._refuse(
                 HTTPStatus.FORBIDDEN, "Answers are taken from the desk's own page, or with the header X-Coral-Desk: 1."
             )
@@ -232,30 +230,14 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _admitted(self) -> bool:
         """Whether to go on; otherwise the request has been answered."""
-        access = self.server.access
-        if not access.names_us(self._headers.get("Host")):
-            self._refuse(HTTPStatus.MISDIRECTED_REQUEST, "The desk does not answer to this name.")
-            return False
-        given = urllib.parse.parse_qs(self._url.query).get("token", [""])[0]
-        if access.token and self.command == "GET" and self._url.path == "/" and given:
-            if not access.is_token(given):
-                self._refuse(HTTPStatus.FORBIDDEN, "This token is not the desk's.")
-                return False
-            # The token leaves the address bar, so that it is not shared with a screenshot.
-            self._send(
-                HTTPStatus.SEE_OTHER,
-                b"",
-                "text/plain",
-                {"Location": "/", "Set-Cookie": f"{access.cookie}={access.token}; Path=/; HttpOnly; SameSite=Strict"},
-            )
-            return False
-        if not access.has_token(self._headers):
-            self._refuse(
-                HTTPStatus.UNAUTHORIZED,
-                "Open the desk with the address that was printed when it started: it ends in ?token=...",
-            )
-            return False
-        return True
+        instead = self.server.access.instead(self.command, self.path, self._headers)
+        if instead is None:
+            return True
+        if instead.headers:
+            self._send(instead.status, b"", "text/plain", instead.headers)
+        else:
+            self._refuse(instead.status, instead.reason)
+        return False
 
     def _events(self) -> None:
         """Server-sent events: the state now, and again whenever it changes."""

@@ -205,25 +205,27 @@ class Mission:
     def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
         """Run to the end; returns metrics and timing together."""
         started = time.perf_counter()
-        self._begin()
         try:
+            self._begin()
             while not self.end_reason:
                 self.advance()
                 for observer in observers:
                     observer.tick(self)
                     self.end_reason = self.end_reason or observer.stop_requested()
-        except KeyboardInterrupt:
-            self.end_reason = "stopped by the operator"
+        except KeyboardInterrupt as stop:  # one that is a signal says so
+            self.end_reason = str(stop) or "stopped by the operator"
         finally:
-            for robot in self.robots:
-                robot.clock.withdraw()
-            judging = self._judged()
-            self.emit("end", reason=self.end_reason or "failed")
-            for robot in reversed(self.robots):  # the first one's clock owns the advisor's thread
-                robot.clock.close()
-            self.attempts.close()
-            self.writer.close()
-            self.judge.close()
+            try:
+                for robot in self.robots:
+                    robot.clock.withdraw()
+                judging = self._judged()
+                self.emit("end", reason=self.end_reason or "failed")
+            finally:  # whatever the disk no longer takes
+                for robot in reversed(self.robots):  # the first one's clock owns the advisor's thread
+                    robot.clock.close()
+                self.attempts.close()
+                self.writer.close()
+                self.judge.close()
             self._wall = time.perf_counter() - started - self._stood_still_s - judging
         return self._finish()
 

@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from coral.errors import InputError, nearest
 from coral.faults import input_error, shown
+from coral.odd_text import encodable
 from coral.reef.world_check import check_world
 from coral.reef.world_yaml import read_mapping, to_text
 
@@ -168,7 +169,7 @@ def save_world(world: ReefWorld, path: Path, comment: str = "") -> None:
     text = to_text(world.model_dump(mode="json"), comment.splitlines())
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        part.write_text(text, encoding="utf-8")
+        part.write_text(encodable(text), encoding="utf-8")
         os.replace(part, path)
     except OSError as error:
         with contextlib.suppress(OSError):

@@ -10,8 +10,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.odd_text import printable
+
 RGB = tuple[int, int, int]
 Image = NDArray[np.uint8]
+
+LONGEST = 200
+"""Characters of one text; more are cut. OpenCV ends the process over half a letter, so text is made printable too."""
 
 _SUBPIXEL = 4
 """Fractional bits of the coordinates handed to OpenCV's anti-aliased drawing."""
@@ -84,7 +89,7 @@ def _sprite(text: str, size: int, weight: int, halo: int) -> tuple[NDArray[np.fl
 
 def text_size(text: str, size: int, weight: int = 500, halo: int = 0) -> tuple[int, int]:
     """Width and height (px) that `draw_text` will cover."""
-    height, width = _sprite(text, size, weight, halo)[0].shape
+    height, width = _sprite(printable(text, LONGEST), size, weight, halo)[0].shape
     return width, height
 
 
@@ -104,7 +109,7 @@ def draw_text(
 
     Args:
         image: Shape=(H, W, 3) RGB.
-        text: One line.
+        text: One line; what cannot be shown, or is longer than any picture is wide, is replaced.
         x: Anchor column (px).
         y: Anchor row (px).
         size: Letter height (px).
@@ -113,7 +118,7 @@ def draw_text(
         halo: Width of the white edge (px), so that the text reads on any ground.
         anchor: First letter l/m/r: text starts at, is centred on, ends at x; second t/m/b likewise for y.
     """
-    letters, spread = _sprite(text, size, weight, halo)
+    letters, spread = _sprite(printable(text, LONGEST), size, weight, halo)
     h, w = letters.shape
     left = round(x - {"l": 0.0, "m": 0.5, "r": 1.0}[anchor[0]] * w)
     top = round(y - {"t": 0.0, "m": 0.5, "b": 1.0}[anchor[1]] * h)

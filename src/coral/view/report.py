@@ -19,6 +19,7 @@ from markupsafe import Markup
 from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.errors import InputError
+from coral.odd_text import encodable
 from coral.reef.metrics import DEFINITIONS, fleet_metrics, metrics_of
 from coral.reef.outcome import outcome_metrics
 from coral.view.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
@@ -76,7 +77,7 @@ def write_page(folder: Path, page: str) -> Path:
     path = folder / "report.html"
     partial = path.with_name("report.html.part")
     try:
-        partial.write_text(page, encoding="utf-8")
+        partial.write_text(encodable(page), encoding="utf-8")
         os.replace(partial, path)
     except OSError as error:
         raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None

@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import cv2
 import numpy as np
@@ -16,6 +16,7 @@ import yaml
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.odd_text import encodable_values
 from coral.runs import trajectory_name
 
 Record = Mapping[str, Any]
@@ -170,7 +171,7 @@ def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
         except ValueError:
             record = None
         if isinstance(record, dict):
-            records.append(record)
+            records.append(encodable_values(record) if "\\ud" in line.lower() else record)
         else:
             cut = "was cut off while it was written" if number == len(lines) else "is not a JSON object"
             notes.append(f"{path.name}: line {number} {cut} and was left out.")
@@ -215,6 +216,6 @@ def _document(path: Path, parse: Callable[[str], Any], notes: list[str]) -> Reco
     except (ValueError, yaml.YAMLError):
         document = None
     if isinstance(document, dict):
-        return document
+        return cast(Record, encodable_values(document) if "\\ud" in text.lower() else document)
     notes.append(f"{path.name} is incomplete and was left out.")
     return {}

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
-import io
 import socket
 import sys
 import threading
@@ -13,27 +11,19 @@ from typing import Any
 
 import numpy as np
 import rich
-import viser
 
 from coral.errors import InputError
 from coral.view.live.panel import Controls, Panel
 from coral.view.live.scene import Scene
+from coral.view.live.server import HOST, GuardedServer, silent
 from coral.view.live.state import LiveState
 
-HOST = "127.0.0.1"
 PERIOD_S = 0.33
 """Shortest wall time between two pictures."""
 IDLE = 9.0
 """After a picture that took c seconds of CPU, the page rests IDLE c: a tenth of one core at most."""
 FOLLOW_M = 9.0
 """How far the camera is from the robot when it begins to follow it; nearer if it was."""
-
-
-class _Server(viser.ViserServer):  # type: ignore[misc]
-    """Viser's server without its way out: no browser may ask it for a public address."""
-
-    def request_share_url(self, verbose: bool = True) -> None:
-        """Refuse."""
 
 
 class LivePage:
@@ -52,9 +42,8 @@ class LivePage:
             InputError: The port is in use, or no port.
         """
         _check_free(port, flag)
-        with _silent():
-            self._server: Any = _Server(HOST, port, label=label, verbose=False)
-        self.port: int = self._server.get_port()
+        self._server = GuardedServer(port, label)
+        self.port = int(self._server.get_port())
         if port and self.port != port:
             self._stop_server()
             raise InputError(flag, "", f"port {port} in use", "a free port, or 0 for any")
@@ -76,8 +65,9 @@ class LivePage:
 
     @property
     def url(self) -> str:
-        """Where to look."""
-        return f"http://{HOST}:{self.port}/"
+        """Where to look, with the token that the page asks for."""
+        assert self._server.access is not None
+        return self._server.access.url
 
     def due(self, *, only_new: bool = False) -> bool:
         """Whether a new state would be shown now: somebody is watching and the last one is out.
@@ -160,7 +150,7 @@ class LivePage:
         self._tracked = now if now is not None else self._tracked
 
     def _stop_server(self) -> None:
-        with _silent():
+        with silent():
             self._server.stop()
 
 
@@ -174,10 +164,3 @@ def _check_free(port: int, flag: str) -> None:
         except OSError as error:
             found = f"port {port} in use" if error.errno == errno.EADDRINUSE else f"port {port}: {error.strerror}"
             raise InputError(flag, "", found, "a free port, or 0 for any") from None
-
-
-@contextlib.contextmanager
-def _silent() -> Any:
-    """Nothing that viser prints as it starts and stops."""
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        yield

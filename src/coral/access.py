@@ -1,4 +1,4 @@
-"""Who may talk to the desk: the token, the names it answers to, and requests that other pages cannot forge."""
+"""Who may talk to a port that we open: its token, the names it answers to, and the pages that may ask it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ import ipaddress
 import re
 import secrets
 import socket
+import urllib.parse
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from http import HTTPStatus
 from http.cookies import CookieError, SimpleCookie
 
 from coral.errors import InputError
@@ -17,8 +19,17 @@ TOKEN = re.compile(r"[A-Za-z0-9_-]{12,200}")
 
 
 @dataclass(frozen=True)
+class Instead:
+    """What a request gets instead of what it asked for."""
+
+    status: HTTPStatus
+    reason: str = ""
+    headers: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Access:
-    """The rules of one server."""
+    """The rules of one server. Every request goes through `instead` first."""
 
     host: str
     """Address it is bound to."""
@@ -29,7 +40,44 @@ class Access:
     @property
     def cookie(self) -> str:
         """Name of the cookie; browsers share cookies between the ports of a machine."""
-        return f"coral_desk_{self.port}"
+        return f"coral_{self.port}"
+
+    @property
+    def url(self) -> str:
+        """Where to point a browser, token included."""
+        everywhere = self.host in ("0.0.0.0", "::", "")
+        host = socket.gethostname() if everywhere else f"[{self.host}]" if ":" in self.host else self.host
+        token = f"?token={self.token}" if self.token else ""
+        return f"http://{host}:{self.port}/{token}"
+
+    def instead(self, method: str, target: str, headers: Mapping[str, str]) -> Instead | None:
+        """A refusal or a redirection; None when the request may go on.
+
+        The address that was printed holds the token. Opening it sets a cookie and leads to the page itself, so that
+        the token leaves the address bar and is not shared with a screenshot.
+
+        Args:
+            method: Of the HTTP request; a WebSocket is opened by GET.
+            target: Path and query as requested.
+            headers: Of the request, looked up as "Host", "Origin", "Cookie", "Authorization".
+        """
+        if not self.names_us(headers.get("Host")):
+            return Instead(HTTPStatus.MISDIRECTED_REQUEST, "This server does not answer to this name.")
+        if not self.same_origin(headers):
+            return Instead(HTTPStatus.FORBIDDEN, "Pages of other sites are not served.")
+        url = urllib.parse.urlsplit("/" + target.lstrip("/"))
+        given = urllib.parse.parse_qs(url.query).get("token", [""])[0]
+        if self.token and method == "GET" and url.path == "/" and given:
+            if not self.is_token(given):
+                return Instead(HTTPStatus.FORBIDDEN, "This token is not the one that was printed.")
+            cookie = f"{self.cookie}={self.token}; Path=/; HttpOnly; SameSite=Strict"
+            return Instead(HTTPStatus.SEE_OTHER, headers={"Location": "/", "Set-Cookie": cookie})
+        if not self.has_token(headers):
+            return Instead(
+                HTTPStatus.UNAUTHORIZED,
+                "Open the page with the address that was printed when it started: it ends in ?token=...",
+            )
+        return None
 
     def names_us(self, host_header: str | None) -> bool:
         """Whether the Host header means this server.
@@ -64,14 +112,13 @@ class Access:
         """Compare in a time that tells nothing."""
         return hmac.compare_digest(given.encode("utf-8", "replace"), self.token.encode())
 
-    def from_our_page(self, headers: Mapping[str, str]) -> bool:
-        """Whether a request that changes something comes from our page or from a program.
+    def same_origin(self, headers: Mapping[str, str]) -> bool:
+        """Whether a request comes from our own page or from a program, and not from a page elsewhere.
 
-        Other sites cannot set a header of their own without asking first, and we never agree.
+        Browsers add a page's origin to every WebSocket that it opens and to whatever it sends; no page can forge it.
         """
         origin = headers.get("Origin")
-        ours = origin is None or origin == f"http://{headers.get('Host', '')}"
-        return ours and headers.get("X-Coral-Desk") == "1"
+        return origin is None or origin == f"http://{headers.get('Host', '')}"
 
 
 def choose_token(host: str, token: str) -> str:
@@ -89,7 +136,12 @@ def choose_token(host: str, token: str) -> str:
                 "12 or more letters, digits, - or _, or no token to have one made",
             )
         return token
-    return "" if is_loopback(host) else secrets.token_urlsafe(24)
+    return "" if is_loopback(host) else new_token()
+
+
+def new_token() -> str:
+    """A token that nobody can guess."""
+    return secrets.token_urlsafe(24)
 
 
 def is_loopback(host: str) -> bool:

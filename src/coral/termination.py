@@ -1,0 +1,56 @@
+"""SIGTERM and SIGHUP end a command as Ctrl-C does: what runs is ended in order and written down."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import FrameType
+
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+
+
+class Terminated(KeyboardInterrupt):
+    """The process was asked to end; the text says by which signal, as a run's end reason."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(f"stopped by {signal.Signals(number).name}")
+
+
+@dataclass
+class Received:
+    """Which signal ended the command."""
+
+    number: int = 0
+    """0 while there is none."""
+
+    def exit_code(self, code: int) -> int:
+        """128 + the number of the signal, as shells count; `code` without one."""
+        return 128 + self.number if self.number else code
+
+
+@contextlib.contextmanager
+def orderly_termination() -> Iterator[Received]:
+    """Raise `Terminated` in the main thread at the first SIGTERM or SIGHUP; later ones do not disturb the ending.
+
+    A signal that somebody has decided upon already stays as it is: `nohup` ignores SIGHUP, a host program may have a
+    handler of its own.
+    """
+    received = Received()
+
+    def end(number: int, frame: FrameType | None) -> None:
+        if not received.number:
+            received.number = number
+            raise Terminated(number)
+
+    main = threading.current_thread() is threading.main_thread()
+    ours = [number for number in SIGNALS if main and signal.getsignal(number) is signal.SIG_DFL]
+    for number in ours:
+        signal.signal(number, end)
+    try:
+        yield received
+    finally:
+        for number in ours:
+            signal.signal(number, signal.SIG_DFL)

@@ -1,0 +1,113 @@
+"""Viser's server behind our rules of access: no request and no WebSocket reaches it before they have been checked."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import logging
+import threading
+from collections.abc import Iterator
+from http import HTTPStatus
+from typing import Any
+
+import viser
+import websockets.asyncio.server
+from websockets.asyncio.server import ServerConnection
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+from coral.access import Access, Instead, new_token
+
+HOST = "127.0.0.1"
+LOOKED_AT = ("Host", "Origin", "Cookie", "Authorization")
+"""Headers that the rules read."""
+
+_starting = threading.Lock()
+
+
+class GuardedServer(viser.ViserServer):  # type: ignore[misc]
+    """A viser server on this machine that asks for a token, its own name and its own origin.
+
+    Its way out is closed too: no browser may ask it for a public address.
+    """
+
+    def __init__(self, port: int, label: str) -> None:
+        """Open the port.
+
+        Args:
+            port: To listen on; 0 takes a free one.
+            label: Over the page's panel.
+
+        Raises:
+            RuntimeError: This version of viser opens its port in a way that cannot be guarded; nothing is served.
+        """
+        self.access: Access | None = None
+        with _guarded(self._check) as ports, silent():
+            super().__init__(HOST, port, label=label, verbose=False)
+            if not ports:
+                self.stop()
+        if not ports:
+            raise RuntimeError(f"the page of viser {viser.__version__} cannot be guarded")
+        self.access = Access(HOST, self.get_port(), new_token())
+
+    def request_share_url(self, verbose: bool = True) -> None:
+        """Refuse."""
+
+    def _check(self, request: Request) -> Response | None:
+        """The response to a request that does not get through."""
+        if self.access is None:
+            return _response(Instead(HTTPStatus.SERVICE_UNAVAILABLE, "The page is about to open."))
+        # A header that is there twice becomes one that no rule accepts.
+        headers = {name: ", ".join(request.headers.get_all(name)) for name in LOOKED_AT if name in request.headers}
+        instead = self.access.instead("GET", request.path, headers)
+        return None if instead is None else _response(instead)
+
+
+@contextlib.contextmanager
+def silent() -> Iterator[None]:
+    """Nothing that viser prints as it starts and stops."""
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        yield
+
+
+@contextlib.contextmanager
+def _guarded(check: Any) -> Iterator[list[int]]:
+    """Put `check` before every request of the server that is made meanwhile; yields the ports that were tried so.
+
+    Viser has no place for this, so the function with which it opens its port is ours as long as it starts.
+    """
+    module: Any = websockets.asyncio.server
+    serve = module.serve
+    ports: list[int] = []
+
+    def guarded(handler: Any, host: str, port: int, *, process_request: Any, **options: Any) -> Any:
+        def checked(connection: ServerConnection, request: Request) -> Any:
+            refused = check(request)
+            return process_request(connection, request) if refused is None else refused
+
+        ports.append(port)
+        return serve(handler, host, port, process_request=checked, **{"logger": _logger(), **options})
+
+    with _starting:
+        module.serve = guarded
+        try:
+            yield ports
+        finally:
+            module.serve = serve
+
+
+def _logger() -> logging.Logger:
+    """Whoever knocks with something that is no request is nothing to report."""
+    return logging.Logger("coral.live", level=logging.CRITICAL)
+
+
+def _response(instead: Instead) -> Response:
+    body = instead.reason.encode()
+    headers = {
+        "Content-Type": "text/plain; charset=utf-8",
+        "Content-Length": str(len(body)),
+        "Cache-Control": "no-store",
+        "Referrer-Policy": "no-referrer",
+        **instead.headers,
+    }
+    return Response(instead.status, instead.status.phrase, Headers(headers), body)

@@ -1,0 +1,150 @@
+"""YAML files of other people, read with limits on their kind, size, nesting and number of values."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from coral.errors import InputError
+
+MAX_BYTES = 20_000_000
+MAX_DEPTH = 50
+"""Deepest nesting. PyYAML's C parser recurses over it: 15 000 levels end the process by a signal."""
+
+
+class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """YAML in which no key stands twice; by the C parser where it is there, ten times faster with 600 objects."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """A mapping of the file."""
+        seen = set()
+        for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
+            if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
+                if key.value in seen:
+                    raise yaml.MarkedYAMLError(problem=f"the key {key.value!r} twice", problem_mark=key.start_mark)
+                seen.add(key.value)
+        found: dict[Any, Any] = super().construct_mapping(node, deep=deep)
+        return found
+
+
+def read_regular(path: Path, expected: str, most_bytes: int = MAX_BYTES) -> str:
+    """Text of a regular file. A pipe could make the reader wait for ever, a device could give bytes without end.
+
+    Args:
+        path: Of the file; a link is followed.
+        expected: What is read, for the message.
+        most_bytes: Largest size.
+
+    Raises:
+        InputError: It is missing, a folder, something else than a regular file, unreadable, too large, or not UTF-8.
+    """
+    where = str(path)
+    try:
+        content = regular_bytes(path, most_bytes)
+    except FileNotFoundError:
+        raise InputError(where, "", "no such file", expected) from None
+    except IsADirectoryError:
+        raise InputError(where, "", "a folder", expected) from None
+    except NotRegularError as error:
+        raise InputError(where, "", error.kind, f"a regular file: {expected}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(where, "", reason.lower(), expected) from None
+    if len(content) > most_bytes:
+        size = f"{most_bytes / 1e6:.0f} MB"
+        raise InputError(where, "", f"more than {size}", f"a file of at most {size}")
+    try:
+        return content.decode()
+    except UnicodeDecodeError:
+        raise InputError(where, "", "bytes that are not UTF-8 text", expected) from None
+
+
+class NotRegularError(OSError):
+    """A file that has no end, or that waits for somebody to write it."""
+
+    def __init__(self, kind: str) -> None:
+        super().__init__(kind)
+        self.kind = kind
+
+
+def regular_bytes(path: Path, most_bytes: int) -> bytes:
+    """Content of a regular file, at most one byte more than `most_bytes`.
+
+    Raises:
+        NotRegularError: It is a pipe, a device or a socket.
+        OSError: It cannot be read.
+    """
+    # A pipe that nobody writes is opened at once only so; on what has been found to be a file it means nothing.
+    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    with open(descriptor, "rb") as file:
+        mode = os.fstat(descriptor).st_mode
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(path)
+        if not stat.S_ISREG(mode):
+            raise NotRegularError("a named pipe" if stat.S_ISFIFO(mode) else "a device")
+        return file.read(most_bytes + 1)
+
+
+def load_mapping(
+    text: str, where: str, most_values: int, expected: str = "a mapping of keys to values"
+) -> dict[str, Any]:
+    """The mapping that a YAML text holds; {} of an empty one.
+
+    Args:
+        text: Of the file.
+        where: The file, for messages.
+        most_values: Most values, also of those that aliases unfold to.
+        expected: What the whole is, for the message.
+
+    Raises:
+        InputError: It is no YAML, no mapping, or nested or unfolding without end.
+    """
+    try:
+        _refuse_depth(text, where, most_values)
+        content = yaml.load(text, Loader=Loader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = f"line {mark.line + 1}" if mark else ""
+        raise InputError(where, line, getattr(error, "problem", None) or "broken YAML", "valid YAML") from None
+    except InputError:
+        raise
+    except (ValueError, TypeError, RecursionError, OverflowError) as error:  # say a date such as 2026-13-45
+        raise InputError(where, "", str(error) or "brackets nested without end", "valid YAML") from None
+    if content is None:
+        return {}
+    if not isinstance(content, dict):
+        raise InputError(where, "", f"a {type(content).__name__}", expected)
+    _refuse_bombs(content, where, most_values)
+    return content
+
+
+def _refuse_depth(text: str, where: str, most_values: int) -> None:
+    """Nesting and number, from the parser's events: those come one by one, without recursion."""
+    depth = seen = 0
+    for event in yaml.parse(text, Loader=Loader):
+        seen += isinstance(event, yaml.NodeEvent)
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+            if depth > MAX_DEPTH:
+                line = f"line {event.start_mark.line + 1}" if event.start_mark else ""
+                raise InputError(where, line, f"values nested more than {MAX_DEPTH} deep", "a file written by hand")
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if seen > 3 * most_values:  # keys count here, and are not counted below
+            raise InputError(where, "", f"more than {most_values} values", "a smaller file")
+
+
+def _refuse_bombs(content: Any, where: str, most_values: int) -> None:
+    """Nothing may walk through what a few lines of YAML aliases unfold to."""
+    seen, stack = 0, [content]
+    while stack:
+        node = stack.pop()
+        children = list(node.values()) if isinstance(node, dict) else node
+        seen += len(children)
+        if seen > most_values:
+            raise InputError(where, "", f"more than {most_values} values", "a smaller file")
+        stack.extend(child for child in children if isinstance(child, dict | list))

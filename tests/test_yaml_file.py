@@ -1,0 +1,139 @@
+"""YAML of other people: what only a file written to do harm holds is one line, at once, and never a crash."""
+
+import contextlib
+import os
+import resource
+import subprocess
+import sys
+
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from coral.errors import InputError
+
+KINDS = {
+    "world": ["reef", "run", "{file}", "--out", "{new}"],
+    "task": ["contact", "run", "{file}", "--out", "{new}"],
+    "configuration": ["reef", "run", "s1", "--config", "{file}", "--out", "{new}"],
+    "contact configuration": ["contact", "run", "pick-box", "--config", "{file}", "--out", "{new}"],
+}
+DEEP = {
+    "brackets": "[" * 30_000,
+    "closed brackets": "a: " + "[" * 30_000 + "]" * 30_000,
+    "braces": "{a: " * 10_000,
+    "brackets beside text that closes them": 'a: ["]",' * 10_000,
+    "dashes": "- " * 30_000,
+    "questions": "? " * 30_000,
+    "lines": "".join(" " * k + "a:\n" for k in range(2000)),
+}
+
+
+def told(words, file, tmp_path, timeout=60):
+    """In a process of its own, since it used to end by a signal, to hang or to take all memory."""
+    command = [word.format(file=file, new=tmp_path / "new") for word in words]
+    done = subprocess.run(
+        [sys.executable, "-m", "coral.cli", *command],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+        stdin=subprocess.DEVNULL,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (8_000_000_000, 8_000_000_000)),
+    )
+    assert (done.returncode, done.stdout) == (2, ""), done.stderr[-2000:]
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "new").exists()
+    return done.stderr
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_deep_nesting_is_one_line(kind, tmp_path):
+    file = tmp_path / "deep.yaml"
+    file.write_text(DEEP["brackets"])
+    assert "deep.yaml: line 1: found values nested more than" in told(KINDS[kind], file, tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["world", "task", "configuration"])
+@pytest.mark.parametrize("what", ["pipe", "device", "link"])
+def test_only_regular_files_are_read(kind, what, tmp_path):
+    file = tmp_path / "odd.yaml"
+    if what == "pipe":
+        os.mkfifo(file)
+    elif what == "link":
+        file.symlink_to("/dev/zero")
+    else:
+        file = "/dev/zero"
+    assert "expected a regular file" in told(KINDS[kind], file, tmp_path)
+
+
+@pytest.fixture
+def load(tmp_path):
+    from coral.yaml_file import load_mapping, read_regular
+
+    def go(text):
+        file = tmp_path / "file.yaml"
+        file.write_text(text, encoding="utf-8")
+        return load_mapping(read_regular(file, "a file"), str(file), 1000)
+
+    return go
+
+
+@pytest.mark.parametrize("what", DEEP)
+def test_every_kind_of_nesting_is_limited(load, what):
+    with pytest.raises(InputError, match="nested more than 50 deep"):
+        load(DEEP[what])
+
+
+def test_what_people_nest_is_read(load):
+    deep = "".join(" " * k + "a:\n" for k in range(45))
+    assert load("x: [[[[1, 2]]]]")["x"] == [[[[1, 2]]]]
+    assert list(load(deep)) == ["a"]
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("[" + "1, " * 3001 + "1]", "more than 1000 values"),
+        ("a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "b: [" + "*a, " * 200 + "*a]", "more than 1000 values"),
+        ("a: 1\na: 2", "the key 'a' twice"),
+        ("a: 2026-13-45", "month must be in"),
+        ("[1, 2]", "a list"),
+        ("a: [1", "line 2: found did not find"),
+        ("a: 1\n---\nb: 2", "but found another document"),
+        ("? [1]\n: 2", "unhashable"),
+        ("? {a: 1}\n: 2", "unhashable"),
+        ("!!python/object:os.system {}", "could not determine a constructor"),
+    ],
+)
+def test_other_faults_are_one_line(load, text, found):
+    with pytest.raises(InputError, match=found) as error:
+        load(text)
+    assert "\n" not in str(error.value)
+
+
+def test_a_file_is_only_so_large(tmp_path):
+    from coral.yaml_file import read_regular
+
+    file = tmp_path / "large.yaml"
+    with file.open("wb") as out:
+        out.truncate(3_000_000_000)
+    with pytest.raises(InputError, match=r"found more than 20 MB, expected a file of at most 20 MB"):
+        read_regular(file, "a file")
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(st.characters(codec="utf-8"), max_size=9),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=4), inner, max_size=4),
+    max_leaves=12,
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.one_of(VALUES.map(lambda value: yaml.safe_dump(value, allow_unicode=True)), st.text(max_size=60)))
+def test_any_text_is_a_mapping_or_one_line(text):
+    from coral.yaml_file import load_mapping
+
+    with contextlib.suppress(InputError):
+        assert isinstance(load_mapping(text, "file", 1000), dict)

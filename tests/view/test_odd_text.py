@@ -1,0 +1,69 @@
+"""Pictures and reports of runs whose text no font and no file takes as it is."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from coral.cli import main
+from coral.view.pictures import draw_text, text_size
+from coral.view.report import write_report
+
+ODD = "a\ud800b\x00\x1b[31m\u202e\uffff<b>"
+DRAW = """
+import numpy as np
+from coral.view.pictures import draw_text
+for text in {texts!r}:
+    draw_text(np.zeros((40, 300, 3), np.uint8), text, 10, 20)
+"""
+
+
+def test_a_picture_takes_any_text():
+    """In a process of its own: OpenCV ended it."""
+    done = subprocess.run(
+        [sys.executable, "-c", DRAW.format(texts=[ODD, "\udfff", "\x00", "\n", ""])], capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_long_text_is_cut_and_other_text_looks_as_before():
+    assert text_size("x" * 100_000, 14)[0] < 10_000
+    assert text_size("a\ud800b", 14) == text_size("a\ufffdb", 14)
+    one, two = (np.full((40, 300, 3), 255, np.uint8) for _ in range(2))
+    draw_text(one, "3.1 N — α × β", 10, 20)
+    draw_text(two, "3.1 N — α × γ", 10, 20)
+    assert (one != two).any()
+
+
+@pytest.fixture
+def odd(fresh):
+    """A run in which every text of the events is odd."""
+
+    def spoiled(value):
+        if isinstance(value, dict):
+            return {key: value[key] if key == "event" else spoiled(value[key]) for key in value}
+        return f"{value}{ODD}" if isinstance(value, str) else value
+
+    for name in ("events.jsonl", "attempts.jsonl"):
+        lines = (fresh / name).read_text().splitlines()
+        (fresh / name).write_text("".join(json.dumps(spoiled(json.loads(line))) + "\n" for line in lines))
+    return fresh
+
+
+def test_a_run_with_odd_text_gets_its_report(odd):
+    page = write_report(odd).read_text(encoding="utf-8")
+    assert "Along &lt;the&gt; reef.a\ufffdb" in page
+
+
+def test_a_run_with_odd_text_gets_map_and_film(odd):
+    command = [sys.executable, "-m", "coral.cli", "report", str(odd), "--video"]
+    done = subprocess.run(command, capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert (odd / "mission.mp4").is_file()
+
+
+def test_the_command_writes_it_too(odd, capsys):
+    assert main(["report", str(odd)]) == 0
+    assert capsys.readouterr().err == ""
