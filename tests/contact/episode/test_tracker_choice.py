@@ -78,7 +78,7 @@ def test_the_noise_is_the_same_for_every_tracker(tmp_path):
         for name, cfg in (("a", SMALL), ("b", served(server))):
             world = episode(cfg, tmp_path / name).tracked
             world._world.reset()
-            frames.append(world._eye.take(world.data, np.random.default_rng(0)))
+            frames.append(world._eye.take(world.simulation.data, np.random.default_rng(0)))
     np.testing.assert_array_equal(frames[0].depth, frames[1].depth)
     np.testing.assert_array_equal(frames[0].instance, frames[1].instance)
 

@@ -21,7 +21,7 @@ from coral.contact.perception.tracker import PoseEstimate, PoseTracker, TrackerF
 from coral.contact.scene.geometry import from_rpy_deg, quaternion_of, rotation_of
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
+from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation, WorldError
 from coral.errors import InputError
 
 _IN_HAND_GAIN = 0.3
@@ -106,11 +106,9 @@ class TrackedWorld:
     ) -> None:
         self._world, self._trial, self.cfg, self._rng = world, trial, cfg, rng
         self.name, self.control_period_s = world.name, world.control_period_s
-        model, data = getattr(world, "model", None), getattr(world, "data", None)
-        if model is None or data is None:
+        if world.simulation is None:
             raise InputError("--poses", "", "'tracked'", "ground-truth, in a world of which no pictures can be made")
-        self.model: mujoco.MjModel = model
-        self.data: mujoco.MjData = data
+        model, self._data = world.simulation.model, world.simulation.data
         self._choice = cfg.choice()
         self._choice.check()
         self.tracker = self._choice.name
@@ -118,6 +116,11 @@ class TrackedWorld:
         self._shapes = {name: known_model(model, trial, name) for name in trial.objects}
         self._objects: dict[str, _Followed] = {}
         self._news: list[dict[str, Any]] = []
+
+    @property
+    def simulation(self) -> Simulation | None:
+        """See `EvaluationWorld.simulation`."""
+        return self._world.simulation
 
     def reset(self) -> Observation:
         """See `EvaluationWorld.reset`; the hand waits until every object has been found.
@@ -250,7 +253,7 @@ class TrackedWorld:
         self._objects.clear()
 
     def _take(self, now: Observation) -> RgbdFrame | None:
-        frame = self._eye.take(self.data, self._rng)
+        frame = self._eye.take(self._data, self._rng)
         if frame is not None and frame.depth.any():
             self._pictured_s = now.time_s
             return frame
