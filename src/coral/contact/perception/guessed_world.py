@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from coral.contact.perception.posed_scene import known_model
-from coral.contact.perception.rotation import pose
 from coral.contact.perception.tracked_world import PoseDifference
-from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.observation import BodyState, HandTarget, Observation, Truth
+from coral.contact.scene.rigid_transform import body_to_matrix
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation
 from coral.errors import InputError
@@ -66,9 +65,7 @@ class GuessedWorld:
         """How far the guesses are from the truth; for the record."""
         found = {}
         for name in now.objects:
-            seen, true = (
-                pose(rotation_of(body.quaternion), body.position) for body in (now.objects[name], truth.objects[name])
-            )
+            seen, true = body_to_matrix(now.objects[name]), body_to_matrix(truth.objects[name])
             shift, turn = self._shapes[name].symmetry.difference(seen, true)
             found[name] = PoseDifference(float(shift), float(turn), False)
         return found
