@@ -70,6 +70,7 @@ class ObedientWorld:
 
     name = "obedient"
     control_period_s = 0.02
+    simulation = None
 
     def __init__(self, trial, script=lambda k, box: box, fault=None):
         self._trial, self._script, self._fault, self.commands, self.closed = trial, script, fault, [], False

@@ -29,7 +29,7 @@ from coral.campaign.store import Store, write_whole
 from coral.campaign.table import document
 from coral.campaign.version import code_version
 from coral.commands.config_flag import config_words, configured
-from coral.commands.contact_run import with_poses, with_samples, with_tracker
+from coral.commands.contact_run import TRACKER_HELP, with_poses, with_samples, with_tracker
 from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.contact.episode.campaign_trial import run_trial
@@ -38,6 +38,7 @@ from coral.contact.episode.policy_trial import run_policy_trial
 from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_strategist
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import FORMAT, Memory
+from coral.contact.perception.tracker_registry import drop_addresses
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks
@@ -99,9 +100,9 @@ class ContactBench:
     advisors: Annotated[str, tyro.conf.arg(help=advisor_help("Separated by commas"))] = "heuristic"
     poses: Literal["tracked", "ground-truth"] | None = None
     """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
-    tracker: str | None = None
-    """What finds the objects in those pictures: model, the embedded tracker (the default), or
-    foundationpose:http://HOST:PORT, a server of it that every worker can reach."""
+    tracker: Annotated[
+        str | None, tyro.conf.arg(help=f"{TRACKER_HELP} Every worker must be able to reach a server.")
+    ] = None
     memory: str | None = None
     """What variants that remember begin with: a memory (an SQLite file, or lance:FOLDER_OR_URI), or an export of one
     (also the memory.json of a campaign). Every trial has a copy to itself. Without it they begin with nothing."""
@@ -231,7 +232,7 @@ class ContactBench:
         content.pop("record")
         content["planning"].pop("threads")  # changes how long it takes, and nothing else
         content["tracked"]["by"] = cfg.tracked.choice().name  # nor does it matter where a server is
-        content["tracked"]["foundationpose"].pop("url")
+        drop_addresses(content["tracked"])
         whole = {"episode": content, "model": to_mapping(self.model)}
         return {
             "code version": f"{code_version()}",

@@ -31,7 +31,7 @@ from coral.contact.episode.variants import (
     contact_model,
     make_strategist,
 )
-from coral.contact.perception.tracker_registry import choose_tracker
+from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.contact.policy.address import parse_address
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
@@ -41,6 +41,8 @@ from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
 from coral.runs import new_run_folder
 from coral.words import many
+
+TRACKER_HELP = f"What finds the objects in those pictures: {tracker_help()}."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,9 +66,7 @@ class ContactRun:
     """[NAME=]ws://HOST:PORT: no planner and no variant, a vision-language-action policy that this server runs."""
     poses: Literal["tracked", "ground-truth"] | None = None
     """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
-    tracker: str | None = None
-    """What finds the objects in those pictures: model, the embedded tracker (the default), or
-    foundationpose:http://HOST:PORT, a server of it."""
+    tracker: Annotated[str | None, tyro.conf.arg(help=TRACKER_HELP)] = None
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
     believe: str | None = None

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
+from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.errors import InputError
 
 if TYPE_CHECKING:
@@ -26,8 +27,7 @@ class ContactTrack:
 
     tasks: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[TASK ...]")] = ()
     """Names or task files; all shipped tasks by default."""
-    tracker: str = "model"
-    """model, the embedded one, or foundationpose:http://HOST:PORT for a server."""
+    tracker: Annotated[str, tyro.conf.arg(help=f"The tracker: {tracker_help()}.")] = "model"
     seed: int = 0
     """Of the trials and of the noise."""
     width: int = 320
@@ -45,7 +45,6 @@ class ContactTrack:
         """Measure."""
         from coral.contact.perception.camera import RgbdCameraCfg
         from coral.contact.perception.depth_noise import DepthNoise
-        from coral.contact.perception.tracker_registry import choose_tracker
         from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure_accuracy
         from coral.contact.perception.tracking_loss import measure_loss
         from coral.contact.scene.task_file import shipped_tasks

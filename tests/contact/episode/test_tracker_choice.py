@@ -15,9 +15,9 @@ from coral.commands.contact_run import with_tracker
 from coral.contact.episode.campaign_trial import run_trial
 from coral.contact.episode.episode import Episode
 from coral.contact.perception.camera import RgbdCameraCfg, look_at
-from coral.contact.perception.rotation import inverse, pose
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.contact.thinker.strategist import FixedStrategist
 from coral.errors import InputError, RunError
 from coral.view.contact.report import write_contact_report
@@ -32,11 +32,11 @@ def served(server, cfg=SMALL):
 
 def truthful(episode):
     """Makes the server answer with where the box truly is."""
-    camera = inverse(look_at(*viewpoint(episode.trial, episode.cfg.tracked)))
+    camera = inverse_transform(look_at(*viewpoint(episode.trial, episode.cfg.tracked)))
 
     def answer():
         box = episode.world.truth().objects["box"]
-        return camera @ pose(rotation_of(box.quaternion), box.position)
+        return camera @ pose_matrix(rotation_of(box.quaternion), box.position)
 
     return answer
 
@@ -78,7 +78,7 @@ def test_the_noise_is_the_same_for_every_tracker(tmp_path):
         for name, cfg in (("a", SMALL), ("b", served(server))):
             world = episode(cfg, tmp_path / name).tracked
             world._world.reset()
-            frames.append(world._eye.take(world.data, np.random.default_rng(0)))
+            frames.append(world._eye.take(world.simulation.data, np.random.default_rng(0)))
     np.testing.assert_array_equal(frames[0].depth, frames[1].depth)
     np.testing.assert_array_equal(frames[0].instance, frames[1].instance)
 

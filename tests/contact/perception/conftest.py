@@ -52,7 +52,7 @@ def mug_obj(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def make_trial():
+def trial():
     """A box in front of a wall, and a can."""
     from coral.contact.scene.task import Task
     from coral.contact.scene.trial import sample_trial

@@ -13,8 +13,8 @@ from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker
 from coral.contact.perception.foundationpose_server import Sessions, decode, encode
 from coral.contact.perception.posed_scene import PosedScene, known_model
-from coral.contact.perception.rotation import inverse
 from coral.contact.perception.tracker import TrackerFailed
+from coral.contact.scene.rigid_transform import inverse_transform
 from coral.errors import InputError
 
 
@@ -35,7 +35,7 @@ def test_poses_go_through_the_server_and_are_judged(url, seen):
     model, frame, truth = seen
     tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
     np.testing.assert_allclose(Oracle.last.vertices[Oracle.last.faces], model.triangles, atol=1e-6)
-    Oracle.answer = inverse(frame.T_world_camera) @ truth
+    Oracle.answer = inverse_transform(frame.T_world_camera) @ truth
     first = tracker.track(frame, frame.mask("box"))
     assert first.registered
     assert not first.lost
@@ -49,7 +49,7 @@ def test_poses_go_through_the_server_and_are_judged(url, seen):
     assert third.lost
     assert third.reason == "does not fit"
     assert Oracle.calls == [("register", 5), ("track", 2), ("track", 2)]
-    Oracle.answer = inverse(frame.T_world_camera) @ truth
+    Oracle.answer = inverse_transform(frame.T_world_camera) @ truth
     assert tracker.track(frame, frame.mask("box")).registered
 
 
@@ -136,7 +136,7 @@ def test_bad_addresses_and_colourless_pictures(url, seen, trial):
 def test_a_hint_is_taken_and_left_alone(url, seen):
     model, frame, truth = seen
     tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
-    Oracle.answer = inverse(frame.T_world_camera) @ truth
+    Oracle.answer = inverse_transform(frame.T_world_camera) @ truth
     for _ in range(2):
         estimate = tracker.track(frame, frame.mask("box"), guess=np.eye(4))
         np.testing.assert_allclose(estimate.T_world_object, truth, atol=1e-9)

@@ -6,12 +6,13 @@ import pytest
 from coral.contact.perception.benchmark_motions import MOTIONS, MotionSample, motion_of
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.depth_noise import DepthNoise
-from coral.contact.perception.follow import Followed
 from coral.contact.perception.model_tracker import ModelTracker
+from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
 from coral.contact.perception.posed_scene import PosedScene, known_model
-from coral.contact.perception.rotation import about, pose
 from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure_accuracy
 from coral.contact.perception.tracking_loss import measure_loss
+from coral.contact.scene.geometry import rotation_about
+from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
 
 CFG = AccuracyCfg(camera=RgbdCameraCfg(width=240, height=180), noise=DepthNoise(), period_s=0.2, registrations=3)
@@ -25,7 +26,7 @@ def stage(trial):
 @pytest.fixture(scope="module")
 def at_rest(trial):
     start = motion_of(trial).at(0.0)
-    return MotionSample(start.objects, pose(start.tool[:3, :3], np.array([-0.5, 0.4, 0.5])), 0.04)
+    return MotionSample(start.objects, pose_matrix(start.tool[:3, :3], np.array([-0.5, 0.4, 0.5])), 0.04)
 
 
 def error(tracker, estimate, truth):
@@ -109,7 +110,7 @@ def test_a_jump_within_one_picture_is_found_again(stage, at_rest, trial):
     frame = stage.take(at_rest, rng)
     tracker.register(frame, frame.mask("box"))
     here = at_rest.objects["box"]
-    there = pose(about(np.array([0, 0, 1.0]), 0.9) @ here[:3, :3], here[:3, 3] + [-0.05, -0.15, 0.05])
+    there = pose_matrix(rotation_about(np.array([0, 0, 1.0]), 0.9) @ here[:3, :3], here[:3, 3] + [-0.05, -0.15, 0.05])
     frame = stage.take(MotionSample(at_rest.objects | {"box": there}, at_rest.tool, 0.04), rng)
     estimate = tracker.track(frame, frame.mask("box"))
     assert not estimate.lost
@@ -120,7 +121,7 @@ def test_the_first_pose_is_the_expected_one_among_equals(stage, at_rest, trial):
     model = known_model(stage.model, trial, "box")
     frame = stage.take(at_rest, np.random.default_rng(0))
     truth = at_rest.objects["box"]
-    expected = truth @ pose(about(np.array([0, 0, 1.0]), np.pi), np.zeros(3))
+    expected = truth @ pose_matrix(rotation_about(np.array([0, 0, 1.0]), np.pi), np.zeros(3))
     estimate = ModelTracker(model, expected=expected).register(frame, frame.mask("box"))
     assert np.trace(expected[:3, :3].T @ estimate.T_world_object[:3, :3]) > 2.9
 
@@ -142,20 +143,21 @@ def test_the_same_pictures_give_the_same_poses(stage, at_rest, trial):
     np.testing.assert_array_equal(first.T_world_object, second.T_world_object)
 
 
-def test_bodies_have_the_speed_of_the_motion(trial, at_rest):
+def test_objects_tracked_together_have_the_velocities_of_their_motions(trial, at_rest):
     stage = PosedScene(trial, CFG.camera, None)
-    followed = Followed({name: ModelTracker(known_model(stage.model, trial, name)) for name in trial.objects})
-    rng = np.random.default_rng(0)
-    for k in range(6):
-        here = at_rest.objects["box"]
-        there = pose(about(np.array([0, 0, 1.0]), 0.02 * k) @ here[:3, :3], here[:3, 3] + [0.01 * k, 0, 0])
-        moment = MotionSample(at_rest.objects | {"box": there}, at_rest.tool, 0.04)
-        bodies = followed.update(stage.take(moment, rng, 0.1 * k))
-    np.testing.assert_allclose(bodies["box"].velocity, [0.1, 0, 0], atol=0.02)
-    np.testing.assert_allclose(bodies["box"].angular_velocity, [0, 0, 0.2], atol=0.08)
-    np.testing.assert_allclose(bodies["can"].velocity, 0, atol=0.01)
-    assert followed.lost == {}
-    gone = MotionSample(at_rest.objects | {"box": pose(np.eye(3), np.array([0, 0, -3.0]))}, at_rest.tool, 0.04)
-    bodies = followed.update(stage.take(gone, rng, 0.6))
-    assert followed.lost == {"box": "not seen"}
-    np.testing.assert_array_equal(bodies["box"].velocity, 0)
+    trackers = {name: ModelTracker(known_model(stage.model, trial, name)) for name in trial.objects}
+    here, rng, filters = at_rest.objects["box"], np.random.default_rng(0), {}
+    for k in range(20):
+        time_s = 0.04 * k
+        turn = rotation_about(np.array([0, 0, 1.0]), 0.5 * time_s)
+        there = pose_matrix(turn @ here[:3, :3], here[:3, 3] + [0.1 * time_s, 0, 0])
+        frame = stage.take(MotionSample(at_rest.objects | {"box": there}, at_rest.tool, 0.04), rng, time_s)
+        for name, tracker in trackers.items():
+            estimate = tracker.track(frame, frame.mask(name))
+            assert not estimate.lost
+            if name not in filters:
+                filters[name] = MotionFilter(MotionFilterCfg(), estimate.T_world_object, time_s)
+            filters[name].measure(estimate.T_world_object, time_s)
+    np.testing.assert_allclose(filters["box"].velocity, [0.1, 0, 0], atol=0.02)
+    np.testing.assert_allclose(filters["box"].spin, [0, 0, 0.5], atol=0.08)
+    assert filters["can"].resting

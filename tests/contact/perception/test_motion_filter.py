@@ -2,14 +2,15 @@ import numpy as np
 import pytest
 
 from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
-from coral.contact.perception.rotation import about, angle, pose
+from coral.contact.scene.geometry import rotation_about, rotation_angle
+from coral.contact.scene.rigid_transform import pose_matrix
 
 CFG = MotionFilterCfg()
 Z = np.array([0.0, 0.0, 1.0])
 
 
 def at(x, turn=0.0):
-    return pose(about(Z, turn), np.array([x, 0.0, 0.0]))
+    return pose_matrix(rotation_about(Z, turn), np.array([x, 0.0, 0.0]))
 
 
 def test_noise_about_one_place_is_rest_and_is_averaged():
@@ -28,7 +29,7 @@ def test_an_even_motion_is_carried_on_to_now():
     assert moving.velocity[0] == pytest.approx(0.1, abs=0.005)
     ahead = moving.at(29 * 0.04 + 0.04)
     assert ahead[0, 3] == pytest.approx(0.12, abs=0.001)
-    assert angle(ahead[:3, :3], about(Z, 0.6)) < 0.01
+    assert rotation_angle(ahead[:3, :3], rotation_about(Z, 0.6)) < 0.01
 
 
 def test_a_motion_is_not_carried_on_for_ever():

@@ -54,21 +54,10 @@ def test_every_shape_as_mujoco_hits_it(eye):
     from coral.contact.perception.normal_kernels import normals
 
     trial = np.empty((*depth.shape, 3))
-    s, T = camera._solids, camera.T_world_camera
-    normals(
-        np.ascontiguousarray(T[:3, :3]),
-        T[:3, 3].copy(),
-        camera.cfg.lens,
-        s.kind,
-        data.geom_xpos,
-        data.geom_xmat.reshape(-1, 3, 3),
-        s.size,
-        s.triangles,
-        camera._depth,
-        camera._solid,
-        camera._face,
-        trial,
-    )
+    T = camera.T_world_camera
+    solids = camera._solids._replace(center=data.geom_xpos, rotation=data.geom_xmat.reshape(-1, 3, 3))
+    turn, eye, buffers = np.ascontiguousarray(T[:3, :3]), T[:3, 3].copy(), (camera._depth, camera._solid, camera._face)
+    normals(turn, eye, camera.cfg.lens, solids, *buffers, trial)
     seen = same & (depth > 0)
     assert np.quantile(np.abs((trial[seen] * normal[seen]).sum(1)), 0.01) > 0.999
 

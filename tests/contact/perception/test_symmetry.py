@@ -6,8 +6,9 @@ from hypothesis import strategies as st
 from coral.contact.perception.object_model import from_mesh, from_primitives
 from coral.contact.perception.pose_error import add, add_s, mssd
 from coral.contact.perception.ray_solids import SolidPart
-from coral.contact.perception.rotation import about, angle, pose, spread
 from coral.contact.perception.symmetry import Symmetry, of_kind
+from coral.contact.scene.geometry import rotation_about, rotation_angle, spread_rotations
+from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
 
 BOARD = (SolidPart("box", (0.15, 0.1, 0.006)), SolidPart("box", (0.05, 0.045, 0.006), (0.2, 0.0, 0.0)))
@@ -52,7 +53,7 @@ def test_a_mug_has_none(mug_obj):
 def test_equal_poses_are_brought_to_the_same_one(k, j, kind):
     center = np.array([0.01, -0.02, 0.03])
     symmetry = of_kind(kind, np.array([0.1, 0.1, 0.2]), center)
-    truth = pose(spread(100)[k], np.array([0.3, 0.1, 0.2]))
+    truth = pose_matrix(spread_rotations(100)[k], np.array([0.3, 0.1, 0.2]))
     members = symmetry.members(36)
     equal = truth @ members[j % len(members)]
     assert symmetry.difference(equal, truth) == (pytest.approx(0.0, abs=1e-9), pytest.approx(0.0, abs=1e-5))
@@ -61,10 +62,12 @@ def test_equal_poses_are_brought_to_the_same_one(k, j, kind):
 
 def test_the_twist_of_a_can_is_taken_out_and_its_tilt_is_not():
     can = of_kind("cylinder", np.array([0.06, 0.06, 0.12]))
-    tilted = pose(about(np.array([1.0, 0, 0]), 0.2) @ about(np.array([0, 0, 1.0]), 2.5), np.zeros(3))
+    tilted = pose_matrix(
+        rotation_about(np.array([1.0, 0, 0]), 0.2) @ rotation_about(np.array([0, 0, 1.0]), 2.5), np.zeros(3)
+    )
     _, turn = can.difference(tilted, np.eye(4))
     assert turn == pytest.approx(0.2, abs=1e-6)
-    assert angle(can.nearest(tilted, np.eye(4))[:3, :3], np.eye(3)) == pytest.approx(0.2, abs=1e-6)
+    assert rotation_angle(can.nearest(tilted, np.eye(4))[:3, :3], np.eye(3)) == pytest.approx(0.2, abs=1e-6)
 
 
 def test_rotations_only():
@@ -74,7 +77,7 @@ def test_rotations_only():
 
 def test_measures_of_a_shift():
     points = np.random.default_rng(0).uniform(-0.05, 0.05, (200, 3))
-    moved = pose(np.eye(3), np.array([0.003, 0.004, 0.0]))
+    moved = pose_matrix(np.eye(3), np.array([0.003, 0.004, 0.0]))
     assert add(moved, np.eye(4), points) == pytest.approx(0.005)
     assert mssd(moved, np.eye(4), points, Symmetry()) == pytest.approx(0.005)
     assert 0 < add_s(moved, np.eye(4), points) <= 0.005
@@ -84,7 +87,7 @@ def test_measures_of_a_shift():
 def test_measures_of_a_turned_ring():
     turn = 2 * np.pi * np.arange(360) / 360
     ring = np.stack([0.1 * np.cos(turn), 0.1 * np.sin(turn), 0 * turn], 1)
-    turned = pose(about(np.array([0, 0, 1.0]), np.radians(30)), np.zeros(3))
+    turned = pose_matrix(rotation_about(np.array([0, 0, 1.0]), np.radians(30)), np.zeros(3))
     chord = 2 * 0.1 * np.sin(np.radians(15))
     assert add(turned, np.eye(4), ring) == pytest.approx(chord)
     assert mssd(turned, np.eye(4), ring, Symmetry()) == pytest.approx(chord)
@@ -94,6 +97,6 @@ def test_measures_of_a_turned_ring():
 
 def test_mssd_takes_the_largest_point_of_the_best_member():
     corners = np.array(np.meshgrid([-0.1, 0.1], [-0.05, 0.05], [-0.02, 0.02])).reshape(3, -1).T
-    flipped = pose(about(np.array([0, 0, 1.0]), np.pi), np.array([0.0, 0.0, 0.01]))
+    flipped = pose_matrix(rotation_about(np.array([0, 0, 1.0]), np.pi), np.array([0.0, 0.0, 0.01]))
     assert mssd(flipped, np.eye(4), corners, of_kind("box", np.ones(3))) == pytest.approx(0.01)
     assert mssd(flipped, np.eye(4), corners, Symmetry()) > 0.2

@@ -65,10 +65,10 @@ def test_objects_are_found_and_stay_where_they_are():
 def test_poses_are_late_and_carried_on():
     world = tracked()
     now = world.reset()
-    joint = world.model.joint("box_free")
+    joint = world.simulation.model.joint("box_free")
     places = []
     for _ in range(25):
-        world.data.qvel[joint.dofadr[0]] = 0.2  # slides at an even speed, whatever friction says
+        world.simulation.data.qvel[joint.dofadr[0]] = 0.2  # slides at an even speed, whatever friction says
         now = world.step(rest(now))
         places.append(world.truth().objects["box"].position[0])
     speed = (places[-1] - places[-11]) / 0.2

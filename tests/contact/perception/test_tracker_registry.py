@@ -1,20 +1,30 @@
 """Trackers by their words."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from stub_foundationpose import serving
 
+from coral.cli import main
 from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.model_tracker import ModelTracker, TrackerCfg
 from coral.contact.perception.object_model import from_mesh
 from coral.contact.perception.tracker import TrackerFailed
-from coral.contact.perception.tracker_registry import choose_tracker
+from coral.contact.perception.tracker_registry import TRACKERS, TrackerCfgs, choose_tracker
 from coral.errors import InputError
+
+RUN_PAGE = (Path(__file__).parents[3] / "docs" / "contact-run.md").read_text(encoding="utf-8")
+
+
+def configured(**server):
+    return TrackerCfgs(foundationpose=FoundationPoseCfg(**server))
 
 
 def test_the_embedded_one_gets_its_configuration_and_wants_no_colours(mug_obj):
     cfg, expected = TrackerCfg(steps=3), np.diag([-1.0, -1.0, 1.0, 1.0])
-    choice = choose_tracker("model", cfg)
+    choice = choose_tracker("model", TrackerCfgs(tracker=cfg))
     tracker = choice.make(from_mesh("mug", mug_obj), expected)
     assert isinstance(tracker, ModelTracker)
     assert (tracker.cfg, choice.name, choice.wants_colours) == (cfg, "model", False)
@@ -26,8 +36,8 @@ def test_the_embedded_one_gets_its_configuration_and_wants_no_colours(mug_obj):
 def test_a_server_s_address_is_in_the_word_or_in_the_configuration(mug_obj):
     with serving() as server:
         for choice in (
-            choose_tracker(f"foundationpose:{server.url}", server=FoundationPoseCfg(track_steps=7)),
-            choose_tracker("foundationpose", server=FoundationPoseCfg(url=server.url, track_steps=7)),
+            choose_tracker(f"foundationpose:{server.url}", configured(track_steps=7)),
+            choose_tracker("foundationpose", configured(url=server.url, track_steps=7)),
         ):
             assert (choice.name, choice.wants_colours) == ("foundationpose", True)
             choice.check()
@@ -56,3 +66,32 @@ def test_nobody_there_is_one_line():
 def test_another_word_is_refused_where_it_stands(word):
     with pytest.raises(InputError, match=r"^tracked: by: found"):
         choose_tracker(word, where="tracked", field="by")
+
+
+def test_a_mistyped_tracker_is_told_the_forms_and_the_nearest_name():
+    with pytest.raises(InputError) as error:
+        choose_tracker("foundatonpose:http://x")
+    for kind in TRACKERS.values():
+        assert kind.form in str(error.value)
+    assert "did you mean 'foundationpose'?" in str(error.value)
+
+
+@pytest.mark.parametrize("command", ["run", "bench", "track"])
+def test_every_tracker_is_in_the_help_of_the_commands(command, capsys):
+    with pytest.raises(SystemExit):
+        main(["contact", command, "--help"])
+    text = re.sub(r"[\s│]+", "", capsys.readouterr().out)  # lines break anywhere
+    for kind in TRACKERS.values():
+        assert re.sub(r"\s", "", f"{kind.form}, {kind.help}") in text
+
+
+def test_every_tracker_is_on_the_page_of_the_command():
+    [row] = [line for line in RUN_PAGE.splitlines() if line.startswith("| `--tracker")]
+    for name in TRACKERS:
+        assert f"`{name}" in row
+
+
+def test_the_choice_has_the_name_that_the_tracker_is_registered_by():
+    for name in TRACKERS:
+        address = "" if name == "model" else ":http://127.0.0.1:9"
+        assert choose_tracker(name + address).name == name

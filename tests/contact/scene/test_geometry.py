@@ -14,7 +14,12 @@ from coral.contact.scene.geometry import (
     multiply,
     quaternion_of,
     rotate,
+    rotation_about,
+    rotation_angle,
+    rotation_from_vector,
     rotation_of,
+    rotation_vector,
+    spread_rotations,
     to_rotvec,
 )
 
@@ -99,3 +104,21 @@ def test_batches_as_one_by_one():
 def test_a_matrix_that_is_nearly_a_rotation_gives_the_nearest():
     turn = from_rpy_deg((20, -30, 40))
     assert abs(quaternion_of(rotation_of(turn) + 1e-4) @ turn) == pytest.approx(1, abs=1e-6)
+
+
+def test_matrices_of_an_axis_and_an_angle():
+    np.testing.assert_allclose(rotation_about([0, 0, 1.0], np.pi / 2) @ [1.0, 0, 0], [0, 1.0, 0], atol=1e-12)
+    turn = np.array([0.3, -1.1, 0.7])
+    np.testing.assert_allclose(rotation_vector(rotation_from_vector(turn)), turn, atol=1e-12)
+    assert rotation_angle(rotation_about([1.0, 0, 0], 0.2), rotation_about([1.0, 0, 0], 0.9)) == pytest.approx(0.7)
+
+
+def test_spread_rotations_leave_no_gap_and_do_not_repeat():
+    turns = spread_rotations(300)
+    np.testing.assert_allclose(turns @ turns.transpose(0, 2, 1), np.broadcast_to(np.eye(3), turns.shape), atol=1e-12)
+    rng = np.random.default_rng(0)
+    farthest = max(
+        min(rotation_angle(turn, rotation_from_vector(v)) for turn in turns) for v in rng.normal(size=(30, 3))
+    )
+    assert np.degrees(farthest) < 40
+    assert min(rotation_angle(turns[0], turn) for turn in turns[1:]) > np.radians(10)

@@ -86,10 +86,10 @@ class PolicyEpisode:
         if means.tick_s < 0.002:
             raise InputError("--cfg", "policy.libero.ticks", means.ticks, "at most 500 ticks a second in all")
         self.world = make_world(world, trial, means.tick_s)
-        self._model, self._data = getattr(self.world, "model", None), getattr(self.world, "data", None)
-        if self._model is None or self._data is None:
+        if self.world.simulation is None:
             raise InputError("--world", "", repr(world), "a simulated world, of which pictures can be made")
-        self.eyes = PolicyCameras(self._model, cfg.policy.eyes)
+        self._data = self.world.simulation.data
+        self.eyes = PolicyCameras(self.world.simulation.model, cfg.policy.eyes)
         # Nothing is rehearsed, so that nothing can be fed back: the limits stay.
         low, high = np.asarray(cfg.controller.workspace_low_m), np.asarray(cfg.controller.workspace_high_m)
         self.reactive = Reactive(replace(cfg.reactive, enabled=False), means.tick_s, low, high)

@@ -13,6 +13,7 @@ from coral.contact.perception.tracked_world import PoseDifference
 from coral.contact.scene.conditions import hand_force
 from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Array, BodyState, Contact, HandTarget, Observation, Truth
+from coral.contact.worlds.evaluation_world import EvaluationWorld
 from coral.runs import RunWriter
 
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
@@ -111,12 +112,12 @@ class EpisodeRecorder:
             values += ["", "", ""] if one is None else [one.off_m, one.off_rad, int(one.lost)]
         self._writer.row(*(value if isinstance(value, str) else float(value) for value in values))
 
-    def state(self, step: int, t: float, world: Any, last: bool = False) -> None:
+    def state(self, step: int, t: float, world: EvaluationWorld, last: bool = False) -> None:
         """Record the joint positions of a simulated world, at the configured rate."""
-        data = getattr(world, "data", None)
-        if not self._cfg.states or data is None or (t < self._due - 1e-9 and not last):
+        if not self._cfg.states or world.simulation is None or (t < self._due - 1e-9 and not last):
             return
         self._due = t + self._cfg.state_period_s
+        data = world.simulation.data
         if self._states is None:
             path = self._writer.folder / "states.csv"
             self._states = open(path, "x", encoding="utf-8", buffering=1)  # noqa: SIM115

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import cv2
-import mujoco
 import numpy as np
 
 from coral.advisor.question import Picture
@@ -45,11 +44,11 @@ def make_advisor_camera(
         cfg: Its pictures.
         rng: Of the depth's noise; its own, so that looking changes nothing else.
     """
-    model, data = getattr(world, "model", None), getattr(world, "data", None)
+    simulation = world.simulation
     camera: list[RayCamera] = []
 
     def look() -> RgbdFrame | None:
-        if not isinstance(model, mujoco.MjModel) or not isinstance(data, mujoco.MjData):
+        if simulation is None:
             return None
         if not camera:
             lens = RgbdCameraCfg(
@@ -62,16 +61,16 @@ def make_advisor_camera(
             noise = DepthNoise(tracked.depth_noise) if tracked.noise else None
             camera.append(
                 RayCamera(
-                    model,
+                    simulation.model,
                     lens,
                     look_at(*viewpoint(trial, tracked)),
-                    instance_names(model, trial),
+                    instance_names(simulation.model, trial),
                     noise=noise,
                     colours="shaded",
-                    hidden=hidden_geoms(model, trial),
+                    hidden=hidden_geoms(simulation.model, trial),
                 )
             )
-        return camera[0].take(data, rng)
+        return camera[0].take(simulation.data, rng)
 
     return look
 

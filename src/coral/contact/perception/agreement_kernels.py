@@ -6,56 +6,38 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from coral.contact.perception.align_kernels import ROBOT
+from coral.contact.perception.image_patch import ROBOT, ImagePatch
 from coral.contact.perception.normal_kernels import normals
 from coral.contact.perception.raycast_kernels import render
+from coral.contact.perception.solids import Solids
 
 AGREE, WRONG, UNCOVERED, FREE, HIDDEN, DRAWN, RESIDUAL = 0, 1, 2, 3, 4, 5, 6
-"""What `count` writes."""
+"""What `count_agreement` writes."""
 
 
 @njit(cache=True, error_model="numpy")
-def count(
+def count_agreement(
     turn: NDArray[np.float64],
     shift: NDArray[np.float64],
-    kind: NDArray[np.int64],
-    center: NDArray[np.float64],
-    rotation: NDArray[np.float64],
-    size: NDArray[np.float64],
-    first: NDArray[np.int64],
-    number: NDArray[np.int64],
-    triangles: NDArray[np.float64],
-    measured: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    field: NDArray[np.float32],
-    cover: NDArray[np.uint8],
-    lens: NDArray[np.float64],
+    solids: Solids,
+    patch: ImagePatch,
     margin: float,
     tally: NDArray[np.float64],
 ) -> None:
     """How well the object at a pose explains a picture.
 
     Args:
-        turn: As in `align_kernels.align`, as all that follow but the last two.
-        shift: Shape=(3,).
-        kind: Shape=(N,).
-        center: Shape=(N, 3).
-        rotation: Shape=(N, 3, 3).
-        size: Shape=(N, 3).
-        first: Shape=(N,).
-        number: Shape=(N,).
-        triangles: Shape=(M, 3, 3).
-        measured: Shape=(H, W).
-        mask: Shape=(H, W).
-        field: Shape=(H, W).
-        cover: Shape=(H, W).
-        lens: Shape=(4,).
+        turn: Shape=(3, 3), object to camera.
+        shift: Shape=(3,) m, likewise.
+        solids: The object's, in its own frame.
+        patch: What the camera measured.
         margin: Distance (m) along the normal by which measured and drawn may differ and still agree; along the optical
             axis it may be four times that, since depth is noisier the more a surface is slanted.
         tally: Shape=(7,), written: pixels where depths agree, where they do not, where the mask is not covered, where
             the object stands in free space, where something nearer hides it, where it is drawn; sum of |difference| /
             margin over those that agree. A pixel on either side of an outline counts as neither uncovered nor free.
     """
+    measured, mask, field, occlusion, lens = patch.depth, patch.mask, patch.mask_distance, patch.occlusion, patch.lens
     height, width = measured.shape
     depth = np.empty((height, width))
     solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
@@ -66,8 +48,8 @@ def count(
         for j in range(3):
             back[i, j] = turn[j, i]
             eye[i] -= turn[j, i] * shift[j]
-    render(back, eye, lens, 0.02, 20.0, kind, center, rotation, size, first, number, triangles, depth, solid, face)
-    normals(back, eye, lens, kind, center, rotation, size, triangles, depth, solid, face, normal)
+    render(back, eye, lens, 0.02, 20.0, solids, depth, solid, face)
+    normals(back, eye, lens, solids, depth, solid, face, normal)
     tally[:] = 0.0
     for v in range(height):
         q = (v - lens[3]) / lens[1]
@@ -87,7 +69,7 @@ def count(
                         tally[RESIDUAL] += gap / margin
                     else:
                         tally[WRONG] += 1.0
-                elif cover[v, u] == ROBOT or (seen > 0.0 and difference < -margin):
+                elif occlusion[v, u] == ROBOT or (seen > 0.0 and difference < -margin):
                     tally[HIDDEN] += 1.0
                 elif field[v, u] > 1.5:
                     tally[FREE] += 1.0
@@ -101,38 +83,23 @@ def count(
 
 
 @njit(cache=True, error_model="numpy")
-def place(
+def shift_onto_mask(
     turn: NDArray[np.float64],
     shift: NDArray[np.float64],
-    kind: NDArray[np.int64],
-    center: NDArray[np.float64],
-    rotation: NDArray[np.float64],
-    size: NDArray[np.float64],
-    first: NDArray[np.int64],
-    number: NDArray[np.int64],
-    triangles: NDArray[np.float64],
-    measured: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    lens: NDArray[np.float64],
+    solids: Solids,
+    patch: ImagePatch,
     rounds: int,
 ) -> None:
     """Shift an object until the centre and the mean depth of its drawing are those of the mask; `shift` is changed.
 
     Args:
-        turn: As in `align_kernels.align`, as all that follow but the last.
-        shift: Shape=(3,).
-        kind: Shape=(N,).
-        center: Shape=(N, 3).
-        rotation: Shape=(N, 3, 3).
-        size: Shape=(N, 3).
-        first: Shape=(N,).
-        number: Shape=(N,).
-        triangles: Shape=(M, 3, 3).
-        measured: Shape=(H, W).
-        mask: Shape=(H, W).
-        lens: Shape=(4,).
+        turn: Shape=(3, 3), object to camera.
+        shift: Shape=(3,) m, likewise.
+        solids: The object's, in its own frame.
+        patch: What the camera measured.
         rounds: Number of drawings.
     """
+    measured, mask, lens = patch.depth, patch.mask, patch.lens
     height, width = measured.shape
     depth = np.empty((height, width))
     solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
@@ -143,7 +110,7 @@ def place(
             for j in range(3):
                 back[i, j] = turn[j, i]
                 eye[i] -= turn[j, i] * shift[j]
-        render(back, eye, lens, 0.02, 20.0, kind, center, rotation, size, first, number, triangles, depth, solid, face)
+        render(back, eye, lens, 0.02, 20.0, solids, depth, solid, face)
         mu, mv, mz, m, mn = 0.0, 0.0, 0.0, 0.0, 0.0
         du, dv, dz, d = 0.0, 0.0, 0.0, 0.0
         for v in range(height):

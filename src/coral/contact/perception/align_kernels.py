@@ -17,15 +17,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from coral.contact.perception.image_patch import NEARER, OCCLUDED_RIM, ROBOT, ImagePatch
 from coral.contact.perception.normal_kernels import normals
 from coral.contact.perception.raycast_kernels import render
+from coral.contact.perception.solids import Solids
 
-ROBOT, BESIDE = 1, 2
-"""What `cover` holds."""
 _LEVER = 0.03
 """A turn by 1 rad weighs as a shift by this (m): about the arm at which a small object's points turn."""
-NEARER = 0.012
-"""What is nearer than the object by more than this (m) hides it: six standard deviations of depth at 1 m."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -33,18 +31,8 @@ def align(
     turn: NDArray[np.float64],
     shift: NDArray[np.float64],
     pivot: NDArray[np.float64],
-    kind: NDArray[np.int64],
-    center: NDArray[np.float64],
-    rotation: NDArray[np.float64],
-    size: NDArray[np.float64],
-    first: NDArray[np.int64],
-    number: NDArray[np.int64],
-    triangles: NDArray[np.float64],
-    measured: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    field: NDArray[np.float32],
-    cover: NDArray[np.uint8],
-    lens: NDArray[np.float64],
+    solids: Solids,
+    patch: ImagePatch,
     iterations: int,
     wide: float,
     tight: float,
@@ -57,26 +45,15 @@ def align(
         turn: Shape=(3, 3), object to camera; changed in place.
         shift: Shape=(3,) m, likewise.
         pivot: Shape=(3,) m, point of the object that steps turn about.
-        kind: As in `render`, as the six that follow; in the object's frame.
-        center: Shape=(N, 3).
-        rotation: Shape=(N, 3, 3).
-        size: Shape=(N, 3).
-        first: Shape=(N,).
-        number: Shape=(N,).
-        triangles: Shape=(M, 3, 3).
-        measured: Shape=(H, W) m, 0 where nothing was measured.
-        mask: Shape=(H, W), where the object is seen.
-        field: Shape=(H, W) pixels, distance to the mask; 0 and below inside.
-        cover: Shape=(H, W): `ROBOT` where the robot is seen, `BESIDE` in the mask where something that
-            hides the object is what bounds the mask.
-        lens: Shape=(4,): fx, fy, cx, cy in pixels.
+        solids: The object's, in its own frame.
+        patch: What the camera measured.
         iterations: Largest number of steps.
         wide: Depth residuals beyond this (m) do not count in the first step.
         tight: Nor beyond this in the last one.
         outline: Weight of an outline residual against a depth residual.
         hold: Weight of the first guess, as so many depth residuals along every direction.
     """
-    height, width = measured.shape
+    height, width = patch.depth.shape
     depth = np.empty((height, width))
     solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
     normal = np.empty((height, width, 3))
@@ -90,9 +67,9 @@ def align(
                 back[i, j] = turn[j, i]
                 eye[i] -= turn[j, i] * shift[j]
                 middle[i] += turn[i, j] * pivot[j]
-        render(back, eye, lens, 0.02, 20.0, kind, center, rotation, size, first, number, triangles, depth, solid, face)
-        normals(back, eye, lens, kind, center, rotation, size, triangles, depth, solid, face, normal)
-        _accumulate(middle, depth, normal, solid, measured, mask, field, cover, lens, scale, outline, h, b)
+        render(back, eye, patch.lens, 0.02, 20.0, solids, depth, solid, face)
+        normals(back, eye, patch.lens, solids, depth, solid, face, normal)
+        _accumulate(middle, depth, normal, solid, patch, scale, outline, h, b)
         for i in range(6):
             weight = hold if i > 2 else hold * _LEVER * _LEVER
             h[i, i] += weight
@@ -118,17 +95,14 @@ def _accumulate(
     depth: NDArray[np.float64],
     normal: NDArray[np.float64],
     solid: NDArray[np.int64],
-    measured: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    field: NDArray[np.float32],
-    cover: NDArray[np.uint8],
-    lens: NDArray[np.float64],
+    patch: ImagePatch,
     scale: float,
     outline: float,
     h: NDArray[np.float64],
     b: NDArray[np.float64],
 ) -> None:
     """Normal equations of both residuals for a small turn about `middle` and a small shift."""
+    measured, mask, field, occlusion, lens = patch.depth, patch.mask, patch.mask_distance, patch.occlusion, patch.lens
     height, width = depth.shape
     h[:] = 0.0
     b[:] = 0.0
@@ -153,9 +127,9 @@ def _accumulate(
             if solid[v, u - 1] >= 0 and solid[v, u + 1] >= 0 and solid[v - 1, u] >= 0 and solid[v + 1, u] >= 0:
                 continue
             away = field[v, u]
-            if away > 0.0 and (cover[v, u] == ROBOT or 0.0 < seen < z - NEARER):
+            if away > 0.0 and (occlusion[v, u] == ROBOT or 0.0 < seen < z - NEARER):
                 continue  # behind something nearer
-            if away <= 0.0 and cover[v, u] == BESIDE:
+            if away <= 0.0 and occlusion[v, u] == OCCLUDED_RIM:
                 continue  # the mask would go on if that were not there
             gu, gv = 0.5 * (field[v, u + 1] - field[v, u - 1]), 0.5 * (field[v + 1, u] - field[v - 1, u])
             weight = outline / max(1.0, abs(away) / 4.0)

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception.rotation import about, pose
-from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.geometry import rotation_about
+from coral.contact.scene.rigid_transform import body_to_matrix, pose_matrix
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError, nearest
 
@@ -85,15 +85,13 @@ class _Scene:
 
     def __init__(self, trial: Trial) -> None:
         self.main = trial.task.objects[0].name
-        self.poses = {
-            name: pose(rotation_of(item.pose.quaternion), item.pose.position) for name, item in trial.objects.items()
-        }
+        self.poses = {name: body_to_matrix(item.pose) for name, item in trial.objects.items()}
         start = self.poses[self.main]
         corners = trial.corners(self.main) @ start[:3, :3].T + start[:3, 3]
         self.fixtures = trial.task.fixtures
         side = max((s * start[:3, k] for k in range(3) for s in (1.0, -1.0)), key=lambda axis: float(axis @ _X))
         self.heading = math.atan2(side[1], side[0])
-        turn = about(_Z, self.heading)
+        turn = rotation_about(_Z, self.heading)
         low, high = (corners @ turn).min(0), (corners @ turn).max(0)
         self.middle = turn @ ((low + high) / 2)
         self.extent = high - low
@@ -108,14 +106,16 @@ class _Scene:
 
     def tool(self, offset: Array, orientation: Array = _DOWN) -> Array:
         """A tool pose given in the object's heading, its offset (m) from the object's middle."""
-        return pose(self.turn @ orientation, self.middle + self.turn @ offset)
+        return pose_matrix(self.turn @ orientation, self.middle + self.turn @ offset)
 
     def approach(self, tool: Array, opening: float, moved: Array | None = None, seconds: float = 1.5) -> Phase:
         """The hand comes from 15 cm behind and above, while the object rests."""
-        away = pose(np.eye(3), -0.1 * self.turn[:, 0] + 0.15 * _Z) @ tool
+        away = pose_matrix(np.eye(3), -0.1 * self.turn[:, 0] + 0.15 * _Z) @ tool
 
         def place(share: float) -> MotionSample:
-            return self.moment(pose(tool[:3, :3], (1 - share) * away[:3, 3] + share * tool[:3, 3]), opening, moved)
+            return self.moment(
+                pose_matrix(tool[:3, :3], (1 - share) * away[:3, 3] + share * tool[:3, 3]), opening, moved
+            )
 
         return seconds, place
 
@@ -145,13 +145,13 @@ class _Scene:
         def moved(share: float) -> Array:
             total = np.eye(4)
             for axis, angle, point in turns:
-                r = about(axis, share * angle)
-                total = pose(r, point - r @ point) @ total
-            return np.asarray(pose(np.eye(3), share * shift) @ total @ first)
+                r = rotation_about(axis, share * angle)
+                total = pose_matrix(r, point - r @ point) @ total
+            return np.asarray(pose_matrix(np.eye(3), share * shift) @ total @ first)
 
         def place(share: float) -> MotionSample:
             hand = moved(share) @ tool
-            return self.moment(pose(tool[:3, :3], hand[:3, 3]) if upright else hand, opening, moved(share))
+            return self.moment(pose_matrix(tool[:3, :3], hand[:3, 3]) if upright else hand, opening, moved(share))
 
         return (seconds, place), moved(1.0)
 
@@ -177,7 +177,7 @@ def _pick(scene: _Scene) -> list[Phase]:
     gone = moved @ tool
 
     def leave(share: float) -> MotionSample:
-        return scene.moment(pose(gone[:3, :3], gone[:3, 3] + 0.2 * share * _Z), 0.08, moved)
+        return scene.moment(pose_matrix(gone[:3, :3], gone[:3, 3] + 0.2 * share * _Z), 0.08, moved)
 
     return [scene.approach(tool, 0.08), up, across, down, (1.0, leave)]
 
@@ -197,17 +197,22 @@ def _push_pick(scene: _Scene) -> list[Phase]:
     press = scene.tool(np.array([-0.2 * scene.extent[0], 0.0, scene.extent[2] / 2]))
     ahead = 0.18 * scene.turn[:, 0]
     slide, moved = scene.carry(press, 0.0, 3.0, ahead, ((_Z, 0.3, scene.middle),))
-    back = np.stack([_Z, -_Y, -_X], 1) @ about(_Z, math.pi / 2)  # out of the palm is back to the robot, fingers astride
+    # Out of the palm is back to the robot, fingers astride.
+    back = np.stack([_Z, -_Y, -_X], 1) @ rotation_about(_Z, math.pi / 2)
     grip = scene.tool(np.array([scene.extent[0] / 2 - 0.02, 0.0, 0.0]), back)
     start, end = moved @ press, moved @ grip
 
     def regrasp(share: float) -> MotionSample:
         over = 0.15 * math.sin(math.pi * share) * _Z
         orientation = start[:3, :3] if share < 0.5 else end[:3, :3]
-        return scene.moment(pose(orientation, (1 - share) * start[:3, 3] + share * end[:3, 3] + over), 0.04, moved)
+        return scene.moment(
+            pose_matrix(orientation, (1 - share) * start[:3, 3] + share * end[:3, 3] + over), 0.04, moved
+        )
 
     point = end[:3, 3]
-    lift, _ = scene.carry(grip, 0.02, 2.5, 0.15 * _Z, ((about(_Z, 0.3) @ scene.turn[:, 1], 0.35, point),), moved)
+    lift, _ = scene.carry(
+        grip, 0.02, 2.5, 0.15 * _Z, ((rotation_about(_Z, 0.3) @ scene.turn[:, 1], 0.35, point),), moved
+    )
     return [scene.approach(press, 0.0), slide, (1.5, regrasp), lift]
 
 

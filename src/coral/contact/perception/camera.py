@@ -11,11 +11,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception import raycast_kernels as kernels
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.gl_colours import GlColours
 from coral.contact.perception.normal_kernels import normals
 from coral.contact.perception.ray_solids import from_mujoco
+from coral.contact.perception.raycast_kernels import render
 from coral.contact.perception.shading import shade
 from coral.errors import InputError
 
@@ -174,34 +174,18 @@ class RayCamera:
             data: The scene's state.
             rng: Of the noise; it may only be None where there is none.
         """
-        cfg, s, lens = self.cfg, self._solids, self.cfg.lens
+        cfg, lens = self.cfg, self.cfg.lens
         turn, eye = np.ascontiguousarray(self.T_world_camera[:3, :3]), self.T_world_camera[:3, 3].copy()
-        center, rotation = data.geom_xpos[self._geoms], data.geom_xmat[self._geoms].reshape(-1, 3, 3)
-        kernels.render(
-            turn,
-            eye,
-            lens,
-            cfg.near_m,
-            cfg.far_m,
-            s.kind,
-            center,
-            rotation,
-            s.size,
-            s.first,
-            s.count,
-            s.triangles,
-            self._depth,
-            self._solid,
-            self._face,
+        solids = self._solids._replace(
+            center=data.geom_xpos[self._geoms], rotation=data.geom_xmat[self._geoms].reshape(-1, 3, 3)
         )
+        render(turn, eye, lens, cfg.near_m, cfg.far_m, solids, self._depth, self._solid, self._face)
         instance = self._instance[self._solid]
         depth = self._depth
         rgb = None
         if self.colours or self.noise is not None:
             normal = np.empty((*depth.shape, 3))
-            normals(
-                turn, eye, lens, s.kind, center, rotation, s.size, s.triangles, depth, self._solid, self._face, normal
-            )
+            normals(turn, eye, lens, solids, depth, self._solid, self._face, normal)
             if self.colours:
                 if self._gl is not None:
                     rgb = self._gl.take(data, self.T_world_camera, cfg.vfov_deg)

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from coral.config import Count, Fraction, Positive
 from coral.contact.perception import agreement_kernels as kernels
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.image_patch import View, box_of, cut, project
+from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch, project
 from coral.contact.perception.object_model import ObjectModel
+from coral.contact.perception.pose_fit import count_agreement
 
 Array = NDArray[np.float64]
 
@@ -38,8 +39,8 @@ class ConfidenceCfg:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """What to think of a pose.
+class PoseAssessment:
+    """How far a pose can be relied on.
 
     Args:
         confidence: From 0 to 1.
@@ -52,8 +53,8 @@ class Verdict:
     reason: str
 
 
-def unseen(frame: RgbdFrame, mask: NDArray[np.bool_], cfg: ConfidenceCfg) -> bool:
-    """Whether there is too little to look at.
+def is_unseen(frame: RgbdFrame, mask: NDArray[np.bool_], cfg: ConfidenceCfg) -> bool:
+    """Whether too few pixels of the mask have depth to judge a pose by.
 
     Raises:
         ValueError: The mask does not fit the picture.
@@ -63,38 +64,40 @@ def unseen(frame: RgbdFrame, mask: NDArray[np.bool_], cfg: ConfidenceCfg) -> boo
     return int(np.count_nonzero(mask & (frame.depth > 0))) < cfg.min_pixels
 
 
-def robot_in(frame: RgbdFrame, cfg: ConfidenceCfg) -> NDArray[np.bool_]:
+def robot_mask(frame: RgbdFrame, cfg: ConfidenceCfg) -> NDArray[np.bool_]:
     """Where the robot is seen, Shape=(H, W); nowhere, if the camera does not tell."""
     return frame.mask(cfg.robot) if cfg.robot in frame.names else np.zeros(frame.depth.shape, bool)
 
 
-def view_of(
+def patch_around(
     frame: RgbdFrame,
     mask: NDArray[np.bool_],
     model: ObjectModel,
     poses: list[Array],
     cfg: ConfidenceCfg,
     pixels: int,
-) -> View:
-    """The cut-out that holds the mask, and the object at some poses (T_camera_object)."""
+) -> ImagePatch:
+    """Crop the picture to the mask and to the object's drawings at some poses (T_camera_object)."""
     points = model.points[::10]
     corners = [project(points @ pose[:3, :3].T + pose[:3, 3], frame.lens) for pose in poses]
     box = box_of(mask, 8, np.concatenate(corners))
-    return cut(frame.depth, mask, robot_in(frame, cfg), frame.lens, box, pixels)
+    return crop_patch(frame.depth, mask, robot_mask(frame, cfg), frame.lens, box, pixels)
 
 
-def judge_pose(model: ObjectModel, view: View, pose: Array, cfg: ConfidenceCfg, following: bool) -> Verdict:
-    """What to think of a pose.
+def assess_pose(
+    model: ObjectModel, patch: ImagePatch, pose: Array, cfg: ConfidenceCfg, following: bool
+) -> PoseAssessment:
+    """Assess how well a pose explains the picture.
 
     Args:
         model: The object.
-        view: Where it is seen.
+        patch: The part of the picture around it.
         pose: T_camera_object, Shape=(4, 4).
-        cfg: How.
-        following: Whether the object was not lost before, so that less is asked of the pose.
+        cfg: Thresholds.
+        following: Whether the object was tracked up to now; a pose found anew must meet higher thresholds.
     """
     needed = cfg.lost_below if following else cfg.found_above
-    tally = view.count(model, pose, cfg.margin_m)
+    tally = count_agreement(patch, model, pose, cfg.margin_m)
     seen = float(tally[kernels.AGREE] + tally[kernels.WRONG])
     visible = seen / max(1.0, float(tally[kernels.DRAWN]))
     total = seen + float(tally[kernels.UNCOVERED] + tally[kernels.FREE])
@@ -102,5 +105,5 @@ def judge_pose(model: ObjectModel, view: View, pose: Array, cfg: ConfidenceCfg, 
     confidence *= min(1.0, visible / max(1e-9, 2 * cfg.min_visible))
     if visible < (cfg.min_visible if following else cfg.found_visible):
         hidden = float(tally[kernels.HIDDEN]) > 0.5 * float(tally[kernels.DRAWN])
-        return Verdict(confidence, visible, "covered" if hidden else "does not fit")
-    return Verdict(confidence, visible, "" if confidence >= needed else "does not fit")
+        return PoseAssessment(confidence, visible, "covered" if hidden else "does not fit")
+    return PoseAssessment(confidence, visible, "" if confidence >= needed else "does not fit")

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from coral.config import Count, Positive
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.confidence import ConfidenceCfg, judge_pose, unseen, view_of
+from coral.contact.perception.confidence import ConfidenceCfg, assess_pose, is_unseen, patch_around
 from coral.contact.perception.foundationpose_server import LIMIT_BYTES, Arrays, decode, encode
 from coral.contact.perception.object_model import ObjectModel
-from coral.contact.perception.rotation import inverse
 from coral.contact.perception.tracker import PoseEstimate, TrackerFailed
+from coral.contact.scene.rigid_transform import inverse_transform
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ class FoundationPoseTracker:
             InputError: The picture has no colours.
             TrackerFailed: The server fails.
         """
-        if unseen(frame, mask, self.cfg.confidence):  # the network would return the identity without a word
+        if is_unseen(frame, mask, self.cfg.confidence):  # the network would return the identity without a word
             return self._give_up("not seen")
         request = self._picture(frame) | {"mask": mask, "iterations": np.array(self.cfg.register_steps)}
         return self._judge(frame, mask, self._pose("register", request), registered=True)
@@ -103,7 +103,7 @@ class FoundationPoseTracker:
         """
         if not self._found or self._lost:
             return self.register(frame, mask)
-        if unseen(frame, mask, self.cfg.confidence):
+        if is_unseen(frame, mask, self.cfg.confidence):
             return self._give_up("not seen")
         request = self._picture(frame) | {"iterations": np.array(self.cfg.track_steps)}
         return self._judge(frame, mask, self._pose("track", request))
@@ -136,14 +136,16 @@ class FoundationPoseTracker:
 
     def _judge(self, frame: RgbdFrame, mask: NDArray[np.bool_], pose: Array, registered: bool = False) -> PoseEstimate:
         cfg = self.cfg.confidence
-        view = view_of(frame, mask, self.model, [pose, inverse(frame.T_world_camera) @ self._reference], cfg, 12000)
+        patch = patch_around(
+            frame, mask, self.model, [pose, inverse_transform(frame.T_world_camera) @ self._reference], cfg, 12000
+        )
         following = self._found and not self._lost
-        verdict = judge_pose(self.model, view, pose, cfg, following)
-        if verdict.reason:
-            return self._give_up(verdict.reason, verdict.visible)
+        assessment = assess_pose(self.model, patch, pose, cfg, following)
+        if assessment.reason:
+            return self._give_up(assessment.reason, assessment.visible)
         self._reference = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
         self._found, self._lost = True, False
-        return PoseEstimate(self._reference, verdict.confidence, False, verdict.visible, "", registered)
+        return PoseEstimate(self._reference, assessment.confidence, False, assessment.visible, "", registered)
 
     def _give_up(self, reason: str, visible: float = 0.0) -> PoseEstimate:
         self._lost = True

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
-
-import mujoco
 
 from coral.contact.perception.posed_scene import known_model
-from coral.contact.perception.rotation import pose
 from coral.contact.perception.tracked_world import PoseDifference
-from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.observation import BodyState, HandTarget, Observation, Truth
+from coral.contact.scene.rigid_transform import body_to_matrix
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import EvaluationWorld
+from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation
 from coral.errors import InputError
 
 
@@ -32,12 +28,16 @@ class GuessedWorld:
     def __init__(self, world: EvaluationWorld, trial: Trial) -> None:
         self._world = world
         self.name, self.control_period_s = world.name, world.control_period_s
-        model: Any = getattr(world, "model", None)
-        if not isinstance(model, mujoco.MjModel):
+        if world.simulation is None:
             raise InputError("--variant", "", "poses guessed from a picture", "a world of which pictures can be made")
-        self.model, self.data = model, getattr(world, "data")  # noqa: B009
+        model = world.simulation.model
         self._shapes = {name: known_model(model, trial, name) for name in trial.objects}
         self._guessed: dict[str, BodyState] = {}
+
+    @property
+    def simulation(self) -> Simulation | None:
+        """See `EvaluationWorld.simulation`."""
+        return self._world.simulation
 
     def reset(self) -> Observation:
         """See `EvaluationWorld.reset`; without any object until `settle`."""
@@ -65,9 +65,7 @@ class GuessedWorld:
         """How far the guesses are from the truth; for the record."""
         found = {}
         for name in now.objects:
-            seen, true = (
-                pose(rotation_of(body.quaternion), body.position) for body in (now.objects[name], truth.objects[name])
-            )
+            seen, true = body_to_matrix(now.objects[name]), body_to_matrix(truth.objects[name])
             shift, turn = self._shapes[name].symmetry.difference(seen, true)
             found[name] = PoseDifference(float(shift), float(turn), False)
         return found

@@ -2,137 +2,51 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception import agreement_kernels
-from coral.contact.perception import align_kernels as kernels
-from coral.contact.perception.object_model import ObjectModel
-
 Array = NDArray[np.float64]
+ROBOT, OCCLUDED_RIM = 1, 2
+"""`ImagePatch.occlusion`: the robot is seen here; something that hides the object is what ends its mask here."""
+NEARER = 0.012
+"""What is nearer than the object by more than this (m) hides it: six standard deviations of depth at 1 m."""
 
 
-@dataclass(frozen=True)
-class View:
-    """A cut-out of a picture.
-
-    Args:
-        depth: Shape=(H, W) m, 0 where nothing was measured.
-        mask: Shape=(H, W), where the object is seen.
-        field: Shape=(H, W) pixels, distance to the mask; 0 on its rim, negative further inside.
-        cover: Shape=(H, W): `ROBOT` and `BESIDE` of `align_kernels`, else 0.
-        lens: Shape=(4,): fx, fy, cx, cy of the cut-out in its own pixels.
-    """
+class ImagePatch(NamedTuple):
+    """A crop of a picture of Shape=(H, W), possibly coarser, as the alignment kernels take it."""
 
     depth: NDArray[np.float32]
+    """Shape=(H, W) m, 0 where nothing was measured."""
     mask: NDArray[np.bool_]
-    field: NDArray[np.float32]
-    cover: NDArray[np.uint8]
+    """Shape=(H, W), where the object is seen."""
+    mask_distance: NDArray[np.float32]
+    """Shape=(H, W) pixels, signed distance to the mask: 0 on its rim, negative further inside."""
+    occlusion: NDArray[np.uint8]
+    """Shape=(H, W): `ROBOT` outside the mask, `OCCLUDED_RIM` inside it, else 0."""
     lens: Array
-
-    def count(self, model: ObjectModel, T_camera_object: Array, margin_m: float) -> Array:
-        """How well a pose explains the cut-out: the tally of `agreement_kernels.count`. Shape=(7,)."""
-        s, tally = model.solids, np.empty(7)
-        turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
-        agreement_kernels.count(
-            turn,
-            shift,
-            s.kind,
-            s.center,
-            s.rotation,
-            s.size,
-            s.first,
-            s.count,
-            s.triangles,
-            self.depth,
-            self.mask,
-            self.field,
-            self.cover,
-            self.lens,
-            margin_m,
-            tally,
-        )
-        return tally
-
-    def place(self, model: ObjectModel, T_camera_object: Array, rounds: int = 2) -> Array:
-        """The pose shifted so that its drawing has the mask's centre and depth. Shape=(4, 4)."""
-        s = model.solids
-        turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
-        agreement_kernels.place(
-            turn,
-            shift,
-            s.kind,
-            s.center,
-            s.rotation,
-            s.size,
-            s.first,
-            s.count,
-            s.triangles,
-            self.depth,
-            self.mask,
-            self.lens,
-            rounds,
-        )
-        return _pose(turn, shift)
-
-    def align(
-        self,
-        model: ObjectModel,
-        T_camera_object: Array,
-        iterations: int,
-        wide_m: float,
-        tight_m: float,
-        outline: float,
-        hold: float = 0.0,
-    ) -> Array:
-        """The pose after some Gauss-Newton steps of `align_kernels.align`. Shape=(4, 4)."""
-        s = model.solids
-        turn, shift = T_camera_object[:3, :3].copy(), T_camera_object[:3, 3].copy()
-        kernels.align(
-            turn,
-            shift,
-            model.pivot,
-            s.kind,
-            s.center,
-            s.rotation,
-            s.size,
-            s.first,
-            s.count,
-            s.triangles,
-            self.depth,
-            self.mask,
-            self.field,
-            self.cover,
-            self.lens,
-            iterations,
-            wide_m,
-            tight_m,
-            outline,
-            hold,
-        )
-        return _pose(turn, shift)
+    """Shape=(4,): fx, fy, cx, cy of the patch in its own pixels."""
 
 
-def cut(
+def crop_patch(
     depth: NDArray[np.float32],
     mask: NDArray[np.bool_],
     robot: NDArray[np.bool_],
     lens: Array,
     box: tuple[int, int, int, int],
     pixels: int,
-) -> View:
-    """Columns and rows of `box` (left, right, top, bottom; ends excluded), every n-th: at most `pixels` remain.
+) -> ImagePatch:
+    """Crop a picture to `box` (left, right, top, bottom; ends excluded), keeping every n-th row and column.
 
     Args:
         depth: Shape=(H, W) m, 0 where nothing was measured.
         mask: Shape=(H, W), where the object is seen.
         robot: Shape=(H, W), where the robot is seen.
         lens: Shape=(4,): fx, fy, cx, cy in pixels.
-        box: What to cut out.
-        pixels: How many to keep.
+        box: What to keep.
+        pixels: The largest number of pixels in the patch.
     """
     left, right, top, bottom = box
     step = 1
@@ -141,32 +55,32 @@ def cut(
     part = np.ascontiguousarray(mask[top:bottom:step, left:right:step])
     seen = np.ascontiguousarray(depth[top:bottom:step, left:right:step], np.float32)
     inside = part.astype(np.uint8)
-    cover = (robot[top:bottom:step, left:right:step] & ~part).astype(np.uint8)
+    occlusion = (robot[top:bottom:step, left:right:step] & ~part).astype(np.uint8)
     field = cv2.distanceTransform(1 - inside, cv2.DIST_L2, 5)
     if not part.all():
         within, nearest = cv2.distanceTransformWithLabels(inside, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
         field = np.where(part, 1.0 - within, field)
         # Every pixel of the mask gets the one outside that is nearest: the robot, or something well before the object?
         bound = np.zeros(int(nearest.max()) + 1, np.float32)
-        bound[nearest[~part]] = np.where(cover > 0, kernels.NEARER, np.where(seen > 0, seen, np.inf))[~part]
-        hidden = bound[nearest] < seen - kernels.NEARER
-        cover = np.where(part, kernels.BESIDE * hidden, kernels.ROBOT * cover).astype(np.uint8)
-    return View(
+        bound[nearest[~part]] = np.where(occlusion > 0, NEARER, np.where(seen > 0, seen, np.inf))[~part]
+        hidden = bound[nearest] < seen - NEARER
+        occlusion = np.where(part, OCCLUDED_RIM * hidden, ROBOT * occlusion).astype(np.uint8)
+    return ImagePatch(
         seen,
         part,
         field.astype(np.float32),
-        cover,
+        occlusion,
         np.array([lens[0] / step, lens[1] / step, (lens[2] - left) / step, (lens[3] - top) / step]),
     )
 
 
 def box_of(mask: NDArray[np.bool_], margin: int, points: Array | None = None) -> tuple[int, int, int, int]:
-    """Left, right, top, bottom of a mask, and of some pixels, with a margin inside the picture.
+    """The bounding box (left, right, top, bottom) of a mask and of some pixels, with a margin, inside the picture.
 
     Args:
         mask: Shape=(H, W), not empty.
         margin: Pixels.
-        points: Shape=(n, 2), pixels to hold too.
+        points: Shape=(n, 2), pixels to enclose as well.
     """
     columns, rows = np.flatnonzero(mask.any(0)), np.flatnonzero(mask.any(1))
     low, high = np.array([columns[0], rows[0]]), np.array([columns[-1], rows[-1]])
@@ -183,7 +97,7 @@ def box_of(mask: NDArray[np.bool_], margin: int, points: Array | None = None) ->
 
 
 def project(points: Array, lens: Array) -> Array:
-    """Pixels of points in front of the camera. Shape=(m, 2).
+    """Project points into the picture; those behind the camera are left out. Shape=(m, 2) pixels.
 
     Args:
         points: Shape=(n, 3) m in the camera frame.
@@ -191,9 +105,3 @@ def project(points: Array, lens: Array) -> Array:
     """
     ahead = points[points[:, 2] > 0.02]
     return lens[2:] + lens[:2] * ahead[:, :2] / ahead[:, 2:]
-
-
-def _pose(turn: Array, shift: Array) -> Array:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = turn, shift
-    return pose

@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from coral.config import Count, NonNegative, Positive
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.confidence import ConfidenceCfg, judge_pose, robot_in, unseen, view_of
-from coral.contact.perception.image_patch import View
+from coral.contact.perception.confidence import ConfidenceCfg, assess_pose, is_unseen, patch_around, robot_mask
+from coral.contact.perception.image_patch import ImagePatch
 from coral.contact.perception.object_model import ObjectModel
+from coral.contact.perception.pose_fit import align_pose, count_agreement, shift_onto_mask
 from coral.contact.perception.registration import RegistrationCfg, misfit, orientations, register
-from coral.contact.perception.rotation import about, angle, from_vector, inverse, vector
-from coral.contact.perception.rotation import pose as to_pose
 from coral.contact.perception.tracker import PoseEstimate
+from coral.contact.scene.geometry import rotation_about, rotation_angle, rotation_from_vector, rotation_vector
+from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 
 Array = NDArray[np.float64]
 
@@ -68,7 +69,7 @@ class ModelTracker:
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
         """Find the object without knowing where it was; see `PoseTracker`."""
-        if unseen(frame, mask, self.cfg.confidence):
+        if is_unseen(frame, mask, self.cfg.confidence):
             return self._give_up("not seen")
         pose = register(
             self.model,
@@ -77,30 +78,32 @@ class ModelTracker:
             mask,
             frame.lens,
             frame.T_world_camera,
-            robot_in(frame, self.cfg.confidence),
+            robot_mask(frame, self.cfg.confidence),
             self.cfg.registration,
         )
-        return self._judge(frame, self._view(frame, mask, [pose]), pose, registered=True)
+        return self._judge(frame, self._patch(frame, mask, [pose]), pose, registered=True)
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
         """Follow the object; where it was lost, find it again. The hint is one more start. See `PoseTracker`."""
         if self._last is None:
             return self.register(frame, mask)
-        if unseen(frame, mask, self.cfg.confidence):
+        if is_unseen(frame, mask, self.cfg.confidence):
             return self._give_up("not seen")
-        camera = inverse(frame.T_world_camera)
+        camera = inverse_transform(frame.T_world_camera)
         starts = [camera @ self._last]
         if self._before is not None:
             starts.append(camera @ _ahead(self._last, self._before))
         if guess is not None:
             starts.append(camera @ guess)
-        view = self._view(frame, mask, starts)
+        patch = self._patch(frame, mask, starts)
         if self._lost:
-            starts.append(view.place(self.model, starts[0]))
-        pose = self._align(view, min(starts, key=lambda start: misfit(view.count(self.model, start, 0.03))))
-        if self._misfit(view, pose) > self.cfg.search_above:
-            pose = self._search(view, [*starts, pose])
-        estimate = self._judge(frame, view, pose)
+            starts.append(shift_onto_mask(patch, self.model, starts[0]))
+        pose = self._align(
+            patch, min(starts, key=lambda start: misfit(count_agreement(patch, self.model, start, 0.03)))
+        )
+        if self._misfit(patch, pose) > self.cfg.search_above:
+            pose = self._search(patch, [*starts, pose])
+        estimate = self._judge(frame, patch, pose)
         if estimate.reason == "does not fit":
             estimate = self.register(frame, mask)
         return estimate
@@ -108,48 +111,48 @@ class ModelTracker:
     def close(self) -> None:
         """See `PoseTracker`; nothing is held elsewhere."""
 
-    def _view(self, frame: RgbdFrame, mask: NDArray[np.bool_], poses: list[Array]) -> View:
-        return view_of(frame, mask, self.model, poses, self.cfg.confidence, self.cfg.pixels)
+    def _patch(self, frame: RgbdFrame, mask: NDArray[np.bool_], poses: list[Array]) -> ImagePatch:
+        return patch_around(frame, mask, self.model, poses, self.cfg.confidence, self.cfg.pixels)
 
-    def _align(self, view: View, pose: Array) -> Array:
+    def _align(self, patch: ImagePatch, pose: Array) -> Array:
         cfg = self.cfg
-        return view.align(self.model, pose, cfg.steps, cfg.wide_m, cfg.tight_m, cfg.outline, cfg.hold)
+        return align_pose(patch, self.model, pose, cfg.steps, cfg.wide_m, cfg.tight_m, cfg.outline, cfg.hold)
 
-    def _misfit(self, view: View, pose: Array) -> float:
-        return misfit(view.count(self.model, pose, self.cfg.confidence.margin_m))
+    def _misfit(self, patch: ImagePatch, pose: Array) -> float:
+        return misfit(count_agreement(patch, self.model, pose, self.cfg.confidence.margin_m))
 
-    def _search(self, view: View, poses: list[Array]) -> Array:
+    def _search(self, patch: ImagePatch, poses: list[Array]) -> Array:
         """The best fit from several guesses, and from the first of them turned a little every way."""
         guesses = list(poses)
         middle = poses[0][:3, :3] @ self.model.pivot + poses[0][:3, 3]
         for axis in np.eye(3):
             for sign in (1.0, -1.0):
-                turn = about(axis, sign * self.cfg.search_rad)
-                guesses.append(to_pose(turn @ poses[0][:3, :3], turn @ (poses[0][:3, 3] - middle) + middle))
-        found = [self._align(view, guess) for guess in guesses]
-        return min(found, key=lambda pose: self._misfit(view, pose) + self.cfg.reluctance * self._effort(pose, poses))
+                turn = rotation_about(axis, sign * self.cfg.search_rad)
+                guesses.append(pose_matrix(turn @ poses[0][:3, :3], turn @ (poses[0][:3, 3] - middle) + middle))
+        found = [self._align(patch, guess) for guess in guesses]
+        return min(found, key=lambda pose: self._misfit(patch, pose) + self.cfg.reluctance * self._effort(pose, poses))
 
     def _effort(self, pose: Array, guesses: list[Array]) -> float:
         """How far a pose is from the nearest guess: in parts of the object's size, and turns of a radian."""
         pivot = self.model.pivot
         return min(
             float(np.linalg.norm((pose[:3, :3] - g[:3, :3]) @ pivot + pose[:3, 3] - g[:3, 3])) / self.model.diameter
-            + angle(g[:3, :3], pose[:3, :3])
+            + rotation_angle(g[:3, :3], pose[:3, :3])
             for g in guesses
         )
 
-    def _judge(self, frame: RgbdFrame, view: View, pose: Array, *, registered: bool = False) -> PoseEstimate:
+    def _judge(self, frame: RgbdFrame, patch: ImagePatch, pose: Array, *, registered: bool = False) -> PoseEstimate:
         """What to think of a pose (T_camera_object); it is kept if it is good enough."""
         cfg = self.cfg.confidence
         following = self._last is not None and not self._lost
-        verdict = judge_pose(self.model, view, pose, cfg, following)
-        if verdict.reason:
-            return self._give_up(verdict.reason, verdict.visible)
+        assessment = assess_pose(self.model, patch, pose, cfg, following)
+        if assessment.reason:
+            return self._give_up(assessment.reason, assessment.visible)
         world = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
         self._before = None if registered or self._lost else self._last
         self._last = self._reference = world
         self._lost = False
-        return PoseEstimate(world, verdict.confidence, False, verdict.visible, "", registered)
+        return PoseEstimate(world, assessment.confidence, False, assessment.visible, "", registered)
 
     def _give_up(self, reason: str, visible: float = 0.0) -> PoseEstimate:
         """Report the object as lost."""
@@ -159,5 +162,5 @@ class ModelTracker:
 
 def _ahead(last: Array, before: Array) -> Array:
     """Where the object is now if it goes on as it did between the last two pictures. T_world_object."""
-    turn = from_vector(vector(last[:3, :3] @ before[:3, :3].T))
-    return to_pose(turn @ last[:3, :3], 2 * last[:3, 3] - before[:3, 3])
+    turn = rotation_from_vector(rotation_vector(last[:3, :3] @ before[:3, :3].T))
+    return pose_matrix(turn @ last[:3, :3], 2 * last[:3, 3] - before[:3, 3])

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count, Fraction, NonNegative
-from coral.contact.perception.rotation import angle, from_vector, pose, vector
+from coral.contact.scene.geometry import rotation_angle, rotation_from_vector, rotation_vector
+from coral.contact.scene.rigid_transform import pose_matrix
 
 Array = NDArray[np.float64]
 
@@ -58,7 +59,7 @@ class MotionFilter:
         mean = self._mean()
         if len(self._recent) > 1 and all(
             np.linalg.norm(each[:3, 3] - mean[:3, 3]) <= cfg.still_m
-            and angle(mean[:3, :3], each[:3, :3]) <= cfg.still_rad
+            and rotation_angle(mean[:3, :3], each[:3, :3]) <= cfg.still_rad
             for each in self._recent
         ):
             self._T, self._time_s = mean, time_s
@@ -66,8 +67,10 @@ class MotionFilter:
             return
         step = time_s - self._time_s
         ahead = self.at(time_s)
-        shift, turn = T[:3, 3] - ahead[:3, 3], vector(T[:3, :3] @ ahead[:3, :3].T)
-        self._T = pose(from_vector(cfg.position_gain * turn) @ ahead[:3, :3], ahead[:3, 3] + cfg.position_gain * shift)
+        shift, turn = T[:3, 3] - ahead[:3, 3], rotation_vector(T[:3, :3] @ ahead[:3, :3].T)
+        self._T = pose_matrix(
+            rotation_from_vector(cfg.position_gain * turn) @ ahead[:3, :3], ahead[:3, 3] + cfg.position_gain * shift
+        )
         if step > 1e-6:  # a picture from before this motion began says nothing of its speed
             self.velocity = self.velocity + cfg.velocity_gain * shift / step
             self.spin = self.spin + cfg.velocity_gain * turn / step
@@ -76,7 +79,9 @@ class MotionFilter:
     def at(self, time_s: float) -> Array:
         """Where it is at a time, Shape=(4, 4), if it goes on as it does."""
         since = min(max(time_s - self._time_s, 0.0), self._cfg.longest_s)
-        return pose(from_vector(since * self.spin) @ self._T[:3, :3], self._T[:3, 3] + since * self.velocity)
+        return pose_matrix(
+            rotation_from_vector(since * self.spin) @ self._T[:3, :3], self._T[:3, 3] + since * self.velocity
+        )
 
     def stop(self) -> None:
         """Hold it to be at rest where it is."""
@@ -84,5 +89,7 @@ class MotionFilter:
 
     def _mean(self) -> Array:
         last = self._recent[-1]
-        turn = np.mean([vector(each[:3, :3] @ last[:3, :3].T) for each in self._recent], axis=0)
-        return pose(from_vector(turn) @ last[:3, :3], np.mean([each[:3, 3] for each in self._recent], axis=0))
+        turn = np.mean([rotation_vector(each[:3, :3] @ last[:3, :3].T) for each in self._recent], axis=0)
+        return pose_matrix(
+            rotation_from_vector(turn) @ last[:3, :3], np.mean([each[:3, 3] for each in self._recent], axis=0)
+        )

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from coral.contact.perception.raycast_kernels import BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE
+from coral.contact.perception.solids import BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Solids
 
 
 @njit(cache=True, error_model="numpy")
@@ -16,11 +16,7 @@ def normals(
     turn: NDArray[np.float64],
     eye: NDArray[np.float64],
     lens: NDArray[np.float64],
-    kind: NDArray[np.int64],
-    center: NDArray[np.float64],
-    rotation: NDArray[np.float64],
-    size: NDArray[np.float64],
-    triangles: NDArray[np.float64],
+    solids: Solids,
     depth: NDArray[np.float64],
     solid: NDArray[np.int64],
     face: NDArray[np.int64],
@@ -32,23 +28,20 @@ def normals(
         turn: As in `render`, as all others but the last.
         eye: Shape=(3,).
         lens: Shape=(4,).
-        kind: Shape=(N,).
-        center: Shape=(N, 3).
-        rotation: Shape=(N, 3, 3).
-        size: Shape=(N, 3).
-        triangles: Shape=(M, 3, 3).
+        solids: What was drawn.
         depth: Shape=(H, W).
         solid: Shape=(H, W).
         face: Shape=(H, W).
         normal: Shape=(H, W, 3), written; 0 where nothing is seen.
     """
     height, width = depth.shape
+    kind, rotation, size, triangles = solids.kind, solids.rotation, solids.size, solids.triangles
     o, m = np.empty((kind.size, 3)), np.empty((kind.size, 3, 3))  # the camera in every solid's own frame
     for i in range(kind.size):
         for j in range(3):
             o[i, j] = 0.0
             for k in range(3):
-                o[i, j] += rotation[i, k, j] * (eye[k] - center[i, k])
+                o[i, j] += rotation[i, k, j] * (eye[k] - solids.center[i, k])
                 m[i, j, k] = (
                     rotation[i, 0, j] * turn[0, k] + rotation[i, 1, j] * turn[1, k] + rotation[i, 2, j] * turn[2, k]
                 )

@@ -11,12 +11,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception import raycast_kernels as kernels
-from coral.contact.perception.ray_solids import SolidPart, Solids, from_mujoco, from_parts, from_triangles, read_mesh
-from coral.contact.perception.rotation import inverse, pose
+from coral.contact.perception import solids as kinds
+from coral.contact.perception.ray_solids import SolidPart, from_mujoco, from_parts, from_triangles, read_mesh
+from coral.contact.perception.solids import Solids
 from coral.contact.perception.surface_kernels import distance
 from coral.contact.perception.symmetry import Symmetry, of_shape
 from coral.contact.scene.geometry import rotation_of
+from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
@@ -94,15 +95,8 @@ def from_body(
     geoms = np.flatnonzero(trial).astype(np.int64)
     if not len(geoms):
         raise InputError("scene", f"body {body}", "no drawn geoms", f"at least one geom in groups {tuple(groups)}")
-    s = from_mujoco(model, geoms)
-    placed = Solids(
-        s.kind,
-        model.geom_pos[geoms].astype(float),
-        rotation_of(model.geom_quat[geoms]),
-        s.size,
-        s.first,
-        s.count,
-        s.triangles,
+    placed = from_mujoco(model, geoms)._replace(
+        center=model.geom_pos[geoms].astype(float), rotation=rotation_of(model.geom_quat[geoms])
     )
     return _model(name or body, placed, symmetry)
 
@@ -126,11 +120,11 @@ def _model(name: str, solids: Solids, symmetry: Symmetry | None) -> ObjectModel:
 def _surface(solids: Solids, i: int) -> Array:
     """Triangles of one solid, outward, in the object's frame. Shape=(m, 3, 3)."""
     kind, size = int(solids.kind[i]), solids.size[i]
-    if kind == kernels.MESH:
-        corners = solids.triangles[solids.first[i] : solids.first[i] + solids.count[i]]
-    elif kind == kernels.BOX:
+    if kind == kinds.MESH:
+        corners = solids.triangles[solids.first_triangle[i] :][: solids.triangle_count[i]]
+    elif kind == kinds.BOX:
         corners = _grid_surface(np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], float), size)
-    elif kind == kernels.CYLINDER:
+    elif kind == kinds.CYLINDER:
         turn = 2 * math.pi * np.arange(_SIDES) / _SIDES
         corners = _grid_surface(np.stack([np.cos(turn), np.sin(turn)], 1), np.array([size[0], size[0], size[1]]))
     else:
@@ -153,8 +147,8 @@ def _grid_surface(outline: Array, half: Array) -> Array:
 
 def _round_surface(kind: int, size: Array) -> Array:
     """A ball, an ellipsoid or a capsule as rings."""
-    scale = size if kind == kernels.ELLIPSOID else np.full(3, size[0])
-    rise = size[1] if kind == kernels.CAPSULE else 0.0
+    scale = size if kind == kinds.ELLIPSOID else np.full(3, size[0])
+    rise = size[1] if kind == kinds.CAPSULE else 0.0
     latitudes = np.linspace(-math.pi / 2, math.pi / 2, _SIDES // 2 + 1)
     if rise:  # the equator twice
         latitudes = np.sort(np.append(latitudes, 0.0))
@@ -198,18 +192,18 @@ def _sample(solids: Solids, parts: list[Array]) -> tuple[Array, Array]:
 
 def _inside(solids: Solids, i: int, points: Array) -> NDArray[np.bool_]:
     """Whether points lie inside one solid; never inside a mesh, which need not be closed."""
-    back = inverse(pose(solids.rotation[i], solids.center[i]))
+    back = inverse_transform(pose_matrix(solids.rotation[i], solids.center[i]))
     p = points @ back[:3, :3].T + back[:3, 3]
     kind, size = int(solids.kind[i]), solids.size[i]
-    if kind == kernels.MESH:
+    if kind == kinds.MESH:
         return np.zeros(len(points), bool)
-    if kind == kernels.BOX:
+    if kind == kinds.BOX:
         return np.asarray((np.abs(p) < size - 1e-9).all(1))
     radius = np.hypot(p[:, 0], p[:, 1])
-    if kind == kernels.CYLINDER:
+    if kind == kinds.CYLINDER:
         return np.asarray((radius < size[0] - 1e-9) & (np.abs(p[:, 2]) < size[1] - 1e-9))
-    if kind == kernels.CAPSULE:
+    if kind == kinds.CAPSULE:
         over = (np.abs(p[:, 2]) - size[1]).clip(0.0)
         return np.asarray(np.hypot(radius, over) < size[0] - 1e-9)
-    scale = size if kind == kernels.ELLIPSOID else np.full(3, size[0])
+    scale = size if kind == kinds.ELLIPSOID else np.full(3, size[0])
     return np.asarray(((p / scale) ** 2).sum(1) < 1.0 - 1e-9)

@@ -13,9 +13,9 @@ from coral.contact.perception.camera import Colours, RayCamera, RgbdCameraCfg, R
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.object_model import ObjectModel, from_body
 from coral.contact.perception.symmetry import of_kind
-from coral.contact.scene.geometry import quaternion_of
 from coral.contact.scene.mujoco_scene import add_scene
-from coral.contact.scene.observation import BodyState, Observation
+from coral.contact.scene.observation import Observation
+from coral.contact.scene.rigid_transform import matrix_to_body
 from coral.contact.scene.trial import Trial
 
 Array = NDArray[np.float64]
@@ -55,8 +55,8 @@ class PosedScene:
 
     def take(self, moment: MotionSample, rng: np.random.Generator, time_s: float = 0.0) -> RgbdFrame:
         """A picture of one moment."""
-        objects = {name: _body(T) for name, T in moment.objects.items()}
-        now = Observation(time_s, _body(moment.tool), moment.opening_m, np.zeros(6), objects)
+        objects = {name: matrix_to_body(T) for name, T in moment.objects.items()}
+        now = Observation(time_s, matrix_to_body(moment.tool), moment.opening_m, np.zeros(6), objects)
         put_state(self.model, self._data, now)
         self._data.time = time_s
         mujoco.mj_kinematics(self.model, self._data)
@@ -97,7 +97,3 @@ def known_model(model: mujoco.MjModel, trial: Trial, name: str) -> ObjectModel:
     if kind == "none" or len(declared.members(12)) <= len(found.symmetry.members(12)):
         return found
     return from_body(model, name, symmetry=declared)
-
-
-def _body(T: Array) -> BodyState:
-    return BodyState(T[:3, 3], quaternion_of(T[:3, :3]))

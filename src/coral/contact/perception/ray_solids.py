@@ -1,4 +1,4 @@
-"""What a ray can hit: primitive solids and meshes, as arrays for the ray caster."""
+"""Makes `Solids` from primitive parts, mesh files and the geoms of a MuJoCo model."""
 
 from __future__ import annotations
 
@@ -10,41 +10,19 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception import raycast_kernels as kernels
+from coral.contact.perception import solids as kinds
+from coral.contact.perception.solids import Solids
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
 KINDS = {
-    "box": kernels.BOX,
-    "cylinder": kernels.CYLINDER,
-    "capsule": kernels.CAPSULE,
-    "sphere": kernels.SPHERE,
-    "ellipsoid": kernels.ELLIPSOID,
+    "box": kinds.BOX,
+    "cylinder": kinds.CYLINDER,
+    "capsule": kinds.CAPSULE,
+    "sphere": kinds.SPHERE,
+    "ellipsoid": kinds.ELLIPSOID,
 }
-_DRAWN = (kernels.PLANE, kernels.MESH, *KINDS.values())
-
-
-@dataclass(frozen=True)
-class Solids:
-    """Solids in one frame.
-
-    Args:
-        kind: Shape=(N,), a mjtGeom.
-        center: Shape=(N, 3) m.
-        rotation: Shape=(N, 3, 3), solid to frame.
-        size: Shape=(N, 3) m, as MuJoCo's geom_size; for a mesh, half the extents of a box about its origin.
-        first: Shape=(N,), index of the first triangle of a mesh.
-        count: Shape=(N,), number of its triangles.
-        triangles: Shape=(M, 3, 3) m, corners in the frame of their solid.
-    """
-
-    kind: NDArray[np.int64]
-    center: Array
-    rotation: Array
-    size: Array
-    first: NDArray[np.int64]
-    count: NDArray[np.int64]
-    triangles: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
+_DRAWN = (kinds.PLANE, kinds.MESH, *KINDS.values())
 
 
 @dataclass(frozen=True)
@@ -85,13 +63,14 @@ def from_parts(parts: Iterable[SolidPart]) -> Solids:
         size,
         nothing,
         nothing,
+        np.zeros((0, 3, 3)),
     )
 
 
 def from_triangles(triangles: Array) -> Solids:
     """One mesh. `triangles` is Shape=(M, 3, 3) m."""
     return Solids(
-        np.array([kernels.MESH]),
+        np.array([kinds.MESH]),
         np.zeros((1, 3)),
         np.eye(3)[None],
         np.abs(triangles).max((0, 1))[None],
@@ -122,7 +101,7 @@ def from_mujoco(model: mujoco.MjModel, geoms: NDArray[np.int64]) -> Solids:
     begin: dict[int, int] = {}
     total = 0
     for row, i in enumerate(geoms):
-        if kind[row] == kernels.MESH:
+        if kind[row] == kinds.MESH:
             mesh = int(model.geom_dataid[i])
             start, number = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
             if mesh not in begin:

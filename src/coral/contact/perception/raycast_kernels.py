@@ -13,9 +13,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from coral.contact.perception.mesh_kernels import draw_mesh
+from coral.contact.perception.solids import BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Solids
 
-PLANE, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = 0, 2, 3, 4, 5, 6, 7
-"""Kinds of solids, with MuJoCo's numbers (mjtGeom)."""
 _NONE = np.inf
 
 
@@ -26,13 +25,7 @@ def render(
     lens: NDArray[np.float64],
     near: float,
     far: float,
-    kind: NDArray[np.int64],
-    center: NDArray[np.float64],
-    rotation: NDArray[np.float64],
-    size: NDArray[np.float64],
-    first: NDArray[np.int64],
-    count: NDArray[np.int64],
-    triangles: NDArray[np.float64],
+    solids: Solids,
     depth: NDArray[np.float64],
     solid: NDArray[np.int64],
     face: NDArray[np.int64],
@@ -40,18 +33,12 @@ def render(
     """Draw every solid.
 
     Args:
-        turn: Shape=(3, 3), camera optical frame (x right, y down, z forward) to the frame of `center`.
-        eye: Shape=(3,) m, the camera in the frame of `center`.
+        turn: Shape=(3, 3), camera optical frame (x right, y down, z forward) to the frame of the solids.
+        eye: Shape=(3,) m, the camera in the frame of the solids.
         lens: Shape=(4,), fx, fy, cx, cy in pixels.
         near: Surfaces with a smaller depth (m) are not seen.
         far: Surfaces with a larger depth (m) are not seen.
-        kind: Shape=(N,), a mjtGeom.
-        center: Shape=(N, 3) m.
-        rotation: Shape=(N, 3, 3), solid to the frame of `center`.
-        size: Shape=(N, 3) m, as MuJoCo's geom_size; for a mesh, half the extents of a box about its origin.
-        first: Shape=(N,), index of the first triangle of a mesh.
-        count: Shape=(N,), number of its triangles.
-        triangles: Shape=(M, 3, 3) m, corners in the frame of their solid.
+        solids: What to draw, in any frame.
         depth: Shape=(H, W) m, written; inf where nothing is seen.
         solid: Shape=(H, W), written: index of the solid, -1 where nothing is seen.
         face: Shape=(H, W), written: index of the triangle, -1 where no mesh is seen.
@@ -65,11 +52,12 @@ def render(
     o = np.empty(3)
     m = np.empty((3, 3))
     window = np.empty(4, np.int64)
+    kind, rotation, size = solids.kind, solids.rotation, solids.size
     for i in range(kind.size):
         for j in range(3):
             o[j] = 0.0
             for k in range(3):
-                o[j] += rotation[i, k, j] * (eye[k] - center[i, k])
+                o[j] += rotation[i, k, j] * (eye[k] - solids.center[i, k])
                 m[j, k] = (
                     rotation[i, 0, j] * turn[0, k] + rotation[i, 1, j] * turn[1, k] + rotation[i, 2, j] * turn[2, k]
                 )
@@ -77,7 +65,8 @@ def render(
         if window[0] >= window[1] or window[2] >= window[3]:
             continue
         if kind[i] == MESH:
-            draw_mesh(i, o, m, lens, near, far, first[i], count[i], triangles, depth, solid, face)
+            first, count = solids.first_triangle[i], solids.triangle_count[i]
+            draw_mesh(i, o, m, lens, near, far, first, count, solids.triangles, depth, solid, face)
         else:
             _primitive(i, kind[i], o, m, size[i], lens, near, far, window, depth, solid, face)
 

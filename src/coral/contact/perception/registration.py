@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from coral.config import Count, NonNegative, Positive
 from coral.contact.perception import agreement_kernels as kernels
-from coral.contact.perception.image_patch import View, box_of, cut
+from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch
 from coral.contact.perception.object_model import ObjectModel
-from coral.contact.perception.rotation import about, spread
+from coral.contact.perception.pose_fit import align_pose, count_agreement, shift_onto_mask
+from coral.contact.scene.geometry import rotation_about, spread_rotations
 
 Array = NDArray[np.float64]
 
@@ -46,7 +47,7 @@ def orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
     if symmetry.sphere:
         return np.eye(3)[None]
     sides = [
-        about(np.array(a, float), t)
+        rotation_about(np.array(a, float), t)
         for a, t in (
             ((1, 0, 0), 0.0),
             ((1, 0, 0), math.pi / 2),
@@ -56,11 +57,11 @@ def orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
             ((0, 1, 0), -math.pi / 2),
         )
     ]
-    headings = [about(np.array([0.0, 0.0, 1.0]), 2 * math.pi * k / cfg.headings) for k in range(cfg.headings)]
+    headings = [rotation_about(np.array([0.0, 0.0, 1.0]), 2 * math.pi * k / cfg.headings) for k in range(cfg.headings)]
     resting = [turn @ side for side in sides for turn in headings]
     group = symmetry.members(12)[:, :3, :3]
     kept: list[Array] = []
-    for number, turn in enumerate([*resting, *spread(cfg.orientations)]):
+    for number, turn in enumerate([*resting, *spread_rotations(cfg.orientations)]):
         nearest = math.radians(14.0 if number < len(resting) else 24.0)
         # tr(A^T B) = 1 + 2 cos(angle), for every kept orientation and every member of the group at once.
         if kept:
@@ -96,23 +97,23 @@ def register(
     size = box_of(mask, 0)
     extent = max(size[1] - size[0], size[3] - size[2])
     box = box_of(mask, max(4, extent // 4))
-    coarse = cut(depth, mask, robot, lens, box, cfg.coarse_pixels)
+    coarse = crop_patch(depth, mask, robot, lens, box, cfg.coarse_pixels)
     if not (coarse.mask & (coarse.depth > 0)).any():
-        coarse = cut(depth, mask, robot, lens, box, 10**9)
+        coarse = crop_patch(depth, mask, robot, lens, box, 10**9)
     start = _start(model, coarse)
     found: list[tuple[float, int, Array]] = []
     for turn in T_world_camera[:3, :3].T @ turns:
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = turn, start - turn @ model.pivot
-        pose = coarse.place(model, pose)
-        pose = coarse.align(model, pose, cfg.coarse_steps, cfg.wide_m, cfg.tight_m, cfg.outline)
-        found.append((misfit(coarse.count(model, pose, cfg.margin_m)), len(found), pose))
+        pose = shift_onto_mask(coarse, model, pose)
+        pose = align_pose(coarse, model, pose, cfg.coarse_steps, cfg.wide_m, cfg.tight_m, cfg.outline)
+        found.append((misfit(count_agreement(coarse, model, pose, cfg.margin_m)), len(found), pose))
     found.sort(key=lambda item: item[:2])
-    fine = cut(depth, mask, robot, lens, box, cfg.fine_pixels)
+    fine = crop_patch(depth, mask, robot, lens, box, cfg.fine_pixels)
     best = (math.inf, np.eye(4))
     for _, _, pose in _distinct(found, cfg.kept):
-        pose = fine.align(model, pose, cfg.fine_steps, 2 * cfg.tight_m, cfg.tight_m, cfg.outline)
-        score = misfit(fine.count(model, pose, cfg.margin_m))
+        pose = align_pose(fine, model, pose, cfg.fine_steps, 2 * cfg.tight_m, cfg.tight_m, cfg.outline)
+        score = misfit(count_agreement(fine, model, pose, cfg.margin_m))
         if score < best[0]:
             best = (score, pose)
     return best[1]
@@ -141,9 +142,9 @@ def _distinct(found: list[tuple[float, int, Array]], limit: int) -> list[tuple[f
     return kept
 
 
-def _start(model: ObjectModel, view: View) -> Array:
+def _start(model: ObjectModel, patch: ImagePatch) -> Array:
     """Where the middle of the object is about: behind the middle of the mask's surface by a third of its size."""
-    rows, columns = np.nonzero(view.mask & (view.depth > 0))
-    z = float(np.median(view.depth[rows, columns])) + model.diameter / 6
+    rows, columns = np.nonzero(patch.mask & (patch.depth > 0))
+    z = float(np.median(patch.depth[rows, columns])) + model.diameter / 6
     pixel = np.array([columns.mean(), rows.mean()])
-    return np.append((pixel - view.lens[2:]) / view.lens[:2] * z, z)
+    return np.append((pixel - patch.lens[2:]) / patch.lens[:2] * z, z)

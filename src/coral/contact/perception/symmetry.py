@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception import rotation
-from coral.contact.scene.geometry import quaternion_of
+from coral.contact.scene.geometry import quaternion_of, rotation_about, rotation_angle, spread_rotations
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
@@ -43,9 +42,9 @@ class Symmetry:
         """Transforms of the object onto itself, a continuous one in `steps` turns. Shape=(m, 4, 4)."""
         turns = self.rotations
         if self.sphere:
-            turns = rotation.spread(8 * steps)
+            turns = spread_rotations(8 * steps)
         elif self.axis is not None:
-            spins = np.array([rotation.about(self.axis, 2 * math.pi * k / steps) for k in range(steps)])
+            spins = np.array([rotation_about(self.axis, 2 * math.pi * k / steps) for k in range(steps)])
             turns = (turns[:, None] @ spins[None]).reshape(-1, 3, 3)
         transforms = np.tile(np.eye(4), (len(turns), 1, 1))
         transforms[:, :3, :3] = turns
@@ -66,7 +65,7 @@ class Symmetry:
             turns = []
             for turn in self.rotations:
                 if self.axis is not None:
-                    turn = turn @ rotation.about(self.axis, self._spin(pose[:3, :3] @ turn, reference[:3, :3]))
+                    turn = turn @ rotation_about(self.axis, self._spin(pose[:3, :3] @ turn, reference[:3, :3]))
                 turns.append(turn)
                 angles.append(-float(np.trace(reference[:3, :3].T @ pose[:3, :3] @ turn)))
             best = turns[int(np.argmin(angles))]
@@ -85,7 +84,7 @@ class Symmetry:
         """Distance (m) of the symmetry's centre and angle (rad) between two poses, modulo the symmetry."""
         equal = self.nearest(pose, truth)
         shift = equal[:3, :3] @ self.center + equal[:3, 3] - truth[:3, :3] @ self.center - truth[:3, 3]
-        return float(np.linalg.norm(shift)), rotation.angle(equal[:3, :3], truth[:3, :3])
+        return float(np.linalg.norm(shift)), rotation_angle(equal[:3, :3], truth[:3, :3])
 
 
 def of_kind(kind: str, extents: Array, center: Array | None = None) -> Symmetry:
@@ -99,7 +98,7 @@ def of_kind(kind: str, extents: Array, center: Array | None = None) -> Symmetry:
     """
     middle = np.zeros(3) if center is None else np.asarray(center, float)
     axes = np.eye(3)
-    half = [rotation.about(a, math.pi) for a in axes]
+    half = [rotation_about(a, math.pi) for a in axes]
     if kind == "none":
         return Symmetry(center=middle)
     if kind == "sphere":
@@ -108,7 +107,7 @@ def of_kind(kind: str, extents: Array, center: Array | None = None) -> Symmetry:
         return Symmetry(np.stack([np.eye(3), half[0]]), axes[2], middle)
     if kind == "box":
         return Symmetry(np.stack([np.eye(3), *half]), None, middle)
-    quarter = [rotation.about(a, math.pi / 2) for a in axes]
+    quarter = [rotation_about(a, math.pi / 2) for a in axes]
     if kind == "square-box":
         odd = int(np.argmax(np.abs(extents - np.median(extents))))
         return Symmetry(_generated([quarter[odd], half[(odd + 1) % 3]]), None, middle)
@@ -143,11 +142,11 @@ def of_shape(points: Array, distance: Callable[[Array], Array], tolerance_m: flo
 
     axes = np.eye(3)
     # Turns that no finite group of these axes holds: one that keeps the shape means that all do.
-    free = [a for a in axes if keeps(rotation.about(a, 1.0)) and keeps(rotation.about(a, 2.4))]
+    free = [a for a in axes if keeps(rotation_about(a, 1.0)) and keeps(rotation_about(a, 2.4))]
     if len(free) > 1:
         return Symmetry(center=center, sphere=True)
     if free:
-        flip = rotation.about(axes[(int(np.argmax(free[0])) + 1) % 3], math.pi)
+        flip = rotation_about(axes[(int(np.argmax(free[0])) + 1) % 3], math.pi)
         return Symmetry(np.stack([np.eye(3), flip]) if keeps(flip) else np.eye(3)[None], free[0], center)
-    cube = _generated([rotation.about(a, math.pi / 2) for a in axes])
+    cube = _generated([rotation_about(a, math.pi / 2) for a in axes])
     return Symmetry(np.array([turn for turn in cube if keeps(turn)]), None, center)

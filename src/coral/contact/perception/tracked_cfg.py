@@ -12,12 +12,10 @@ import numpy as np
 from coral.config import Count, NonNegative, Positive, Signed
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
 from coral.contact.perception.depth_noise import DepthNoise, DepthNoiseCfg
-from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.grasp_detection import GraspDetectionCfg
-from coral.contact.perception.model_tracker import TrackerCfg
 from coral.contact.perception.motion_filter import MotionFilterCfg
 from coral.contact.perception.posed_scene import instance_names
-from coral.contact.perception.tracker_registry import TrackerChoice, choose_tracker
+from coral.contact.perception.tracker_registry import TrackerCfgs, TrackerChoice, choose_tracker
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError
 
@@ -33,7 +31,7 @@ _DRAWN = (0,)
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrackedCfg:
+class TrackedCfg(TrackerCfgs):
     """The camera, and what is made of its pictures.
 
     Args:
@@ -43,9 +41,7 @@ class TrackedCfg:
         eye_m, target_m: Where the camera is and what it looks at; by default where the task's objects are seen best.
         noise: Whether depth and outlines are as a camera measures them.
         depth_noise: How.
-        by: The tracker's word: model, the embedded one, or foundationpose:http://HOST:PORT, one on a server.
-        tracker: The embedded one.
-        foundationpose: The other.
+        by: The tracker, as `--tracker` takes it.
         colours: Where colours come from, for a tracker that wants them: "shaded" by rays, the same everywhere; "best":
             OpenGL's where it works. No other has any.
         motion: What is made of its poses.
@@ -66,8 +62,6 @@ class TrackedCfg:
     noise: bool = True
     depth_noise: DepthNoiseCfg = field(default_factory=DepthNoiseCfg)
     by: str = "model"
-    tracker: TrackerCfg = field(default_factory=TrackerCfg)
-    foundationpose: FoundationPoseCfg = field(default_factory=FoundationPoseCfg)
     colours: Literal["shaded", "best"] = "shaded"
     motion: MotionFilterCfg = field(default_factory=MotionFilterCfg)
     grip: GraspDetectionCfg = field(default_factory=GraspDetectionCfg)
@@ -89,7 +83,7 @@ class TrackedCfg:
         Raises:
             InputError: It names none.
         """
-        return choose_tracker(self.by, self.tracker, self.foundationpose, "tracked", "by")
+        return choose_tracker(self.by, self, "tracked", "by")
 
 
 def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:

@@ -15,13 +15,13 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.grasp_detection import is_grasped
 from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
 from coral.contact.perception.posed_scene import known_model
-from coral.contact.perception.rotation import about, inverse, pose
 from coral.contact.perception.tracked_cfg import TrackedCfg, make_camera
 from coral.contact.perception.tracker import PoseEstimate, PoseTracker, TrackerFailed
-from coral.contact.scene.geometry import from_rpy_deg, quaternion_of, rotation_of
+from coral.contact.scene.geometry import from_rpy_deg, quaternion_of, rotation_about, rotation_of
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
+from coral.contact.scene.rigid_transform import body_to_matrix, inverse_transform, pose_matrix
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
+from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation, WorldError
 from coral.errors import InputError
 
 _IN_HAND_GAIN = 0.3
@@ -63,7 +63,7 @@ class _Followed:
     def hold(self, held: bool, tool: Array, time_s: float) -> None:
         """Whether it now moves with the hand."""
         if held != self.held:
-            before, after = (np.eye(4), inverse(tool)) if held else (tool, np.eye(4))
+            before, after = (np.eye(4), inverse_transform(tool)) if held else (tool, np.eye(4))
             T = after @ before @ self.known.at(time_s)
             self.motion, self.held = MotionFilter(self.in_hand if held else self._cfg, T, time_s), held
 
@@ -106,11 +106,9 @@ class TrackedWorld:
     ) -> None:
         self._world, self._trial, self.cfg, self._rng = world, trial, cfg, rng
         self.name, self.control_period_s = world.name, world.control_period_s
-        model, data = getattr(world, "model", None), getattr(world, "data", None)
-        if model is None or data is None:
+        if world.simulation is None:
             raise InputError("--poses", "", "'tracked'", "ground-truth, in a world of which no pictures can be made")
-        self.model: mujoco.MjModel = model
-        self.data: mujoco.MjData = data
+        model, self._data = world.simulation.model, world.simulation.data
         self._choice = cfg.choice()
         self._choice.check()
         self.tracker = self._choice.name
@@ -118,6 +116,11 @@ class TrackedWorld:
         self._shapes = {name: known_model(model, trial, name) for name in trial.objects}
         self._objects: dict[str, _Followed] = {}
         self._news: list[dict[str, Any]] = []
+
+    @property
+    def simulation(self) -> Simulation | None:
+        """See `EvaluationWorld.simulation`."""
+        return self._world.simulation
 
     def reset(self) -> Observation:
         """See `EvaluationWorld.reset`; the hand waits until every object has been found.
@@ -159,12 +162,12 @@ class TrackedWorld:
                 ("tracker-failed").
         """
         now = self._world.step(target)
-        tool = _transform(now.tool)
+        tool = body_to_matrix(now.tool)
         self._deliver(now.time_s)
         for name, one in self._objects.items():
             held = is_grasped(
                 self._shapes[name],
-                inverse(tool) @ one.at(tool, now.time_s),
+                inverse_transform(tool) @ one.at(tool, now.time_s),
                 now.opening_m,
                 target.opening_m,
                 one.held,
@@ -224,7 +227,9 @@ class TrackedWorld:
         """How far what is held of the objects is from the truth; for the record."""
         found = {}
         for name, shape in self._shapes.items():
-            shift, turn = shape.symmetry.difference(_transform(now.objects[name]), _transform(truth.objects[name]))
+            shift, turn = shape.symmetry.difference(
+                body_to_matrix(now.objects[name]), body_to_matrix(truth.objects[name])
+            )
             found[name] = PoseDifference(float(shift), float(turn), self._objects[name].lost_since is not None)
         return found
 
@@ -250,7 +255,7 @@ class TrackedWorld:
         self._objects.clear()
 
     def _take(self, now: Observation) -> RgbdFrame | None:
-        frame = self._eye.take(self.data, self._rng)
+        frame = self._eye.take(self._data, self._rng)
         if frame is not None and frame.depth.any():
             self._pictured_s = now.time_s
             return frame
@@ -273,7 +278,7 @@ class TrackedWorld:
                 self._news.append({"object": name, "lost": True, "reason": estimate.reason, "held": one.held})
                 one.known.stop()
             return
-        T = inverse(tool) @ estimate.T_world_object if one.held else estimate.T_world_object
+        T = inverse_transform(tool) @ estimate.T_world_object if one.held else estimate.T_world_object
         if one.lost_since is not None:
             self._news.append({"object": name, "lost": False, "after_s": round(time_s - one.lost_since, 3)})
             one.lost_since = None
@@ -282,7 +287,7 @@ class TrackedWorld:
             one.known.measure(T, taken_s)
 
     def _seen(self, now: Observation) -> Observation:
-        tool = _transform(now.tool)
+        tool = body_to_matrix(now.tool)
         objects = {name: self._body(one, now.tool, tool, now.time_s) for name, one in self._objects.items()}
         return Observation(now.time_s, now.tool, now.opening_m, now.wrench, objects)
 
@@ -308,9 +313,7 @@ def _named() -> Iterator[None]:
 def nominal_pose(trial: Trial, name: str) -> Array:
     """T_world_object in the middle of the task file's ranges: of equal poses, the one nearest to it is reported."""
     item = trial.task.object(name)
-    turn = about(np.array([0.0, 0.0, 1.0]), float(np.radians(np.mean(item.yaw_deg))))
-    return pose(turn @ rotation_of(from_rpy_deg(item.rpy_deg)), np.array([np.mean(item.x), np.mean(item.y), 0.0]))
-
-
-def _transform(body: BodyState) -> Array:
-    return pose(rotation_of(body.quaternion), body.position)
+    turn = rotation_about(np.array([0.0, 0.0, 1.0]), float(np.radians(np.mean(item.yaw_deg))))
+    return pose_matrix(
+        turn @ rotation_of(from_rpy_deg(item.rpy_deg)), np.array([np.mean(item.x), np.mean(item.y), 0.0])
+    )

@@ -1,9 +1,10 @@
-"""Trackers by a word: `model`, the embedded one, or `foundationpose:URL`, one on a server."""
+"""The trackers by name: a new one is added here, and `--tracker`, its help and its errors follow."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,22 @@ from coral.contact.perception.foundationpose import FoundationPoseCfg, Foundatio
 from coral.contact.perception.model_tracker import ModelTracker, TrackerCfg
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseTracker
-from coral.errors import InputError
+from coral.errors import InputError, nearest
 
 Array = NDArray[np.float64]
-WORDS = "model or foundationpose:http://HOST:PORT"
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackerCfgs:
+    """One configuration for each tracker.
+
+    Args:
+        tracker: Of `model`, the embedded tracker.
+        foundationpose: Of `foundationpose`.
+    """
+
+    tracker: TrackerCfg = field(default_factory=TrackerCfg)
+    foundationpose: FoundationPoseCfg = field(default_factory=FoundationPoseCfg)
 
 
 @dataclass(frozen=True)
@@ -25,8 +38,8 @@ class TrackerChoice:
     Args:
         name: For records.
         wants_colours: Whether its pictures must have colours.
-        make: One for an object that is expected at T_world_object, Shape=(4, 4), or None: with its axes along the
-            world's.
+        make: Makes one for an object that is expected at T_world_object, Shape=(4, 4), or None: with its axes along
+            the world's.
         check: Raises TrackerFailed where none could be made.
     """
 
@@ -36,42 +49,80 @@ class TrackerChoice:
     check: Callable[[], None]
 
 
-def choose_tracker(
-    word: str,
-    model: TrackerCfg | None = None,
-    server: FoundationPoseCfg | None = None,
-    where: str = "--tracker",
-    field: str = "",
-) -> TrackerChoice:
-    """The tracker that a word names.
+@dataclass(frozen=True)
+class TrackerKind:
+    """A tracker as the command line offers it.
 
     Args:
-        word: `model`, `foundationpose:URL`, or `foundationpose` alone where the configuration has the URL.
-        model: Configuration of the embedded one.
-        server: Configuration of the other.
-        where: What holds the word, for errors.
-        field: Likewise.
-
-    Raises:
-        InputError: It names none.
+        form: What to write after `--tracker`.
+        help: What it is, as half a sentence.
+        choose: The choice for an address (what follows the first colon; None without a colon), the configurations,
+            and the place of the word, for errors; None where the word is not of this form.
     """
-    kind, separator, url = word.partition(":")
-    if word == "model":
-        return TrackerChoice(
-            ModelTracker.name,
-            ModelTracker.wants_colours,
-            lambda shape, expected: ModelTracker(shape, model, expected),
-            lambda: None,
-        )
-    cfg = server or FoundationPoseCfg()
-    if separator or not cfg.url:
-        cfg = replace(cfg, url=url)
-    if kind != "foundationpose" or not cfg.url:
-        raise InputError(where, field, repr(word), WORDS)
-    parse_url(cfg.url, where, field)
+
+    form: str
+    help: str
+    choose: Callable[[str | None, TrackerCfgs, tuple[str, str]], TrackerChoice | None]
+
+
+def _choose_model(address: str | None, cfgs: TrackerCfgs, place: tuple[str, str]) -> TrackerChoice | None:
+    if address is not None:
+        return None
+    return TrackerChoice(
+        ModelTracker.name,
+        ModelTracker.wants_colours,
+        lambda shape, expected: ModelTracker(shape, cfgs.tracker, expected),
+        lambda: None,
+    )
+
+
+def _choose_foundationpose(address: str | None, cfgs: TrackerCfgs, place: tuple[str, str]) -> TrackerChoice | None:
+    cfg = cfgs.foundationpose if address is None else replace(cfgs.foundationpose, url=address)
+    if not cfg.url:
+        return None
+    parse_url(cfg.url, *place)
     return TrackerChoice(
         FoundationPoseTracker.name,
         FoundationPoseTracker.wants_colours,
         lambda shape, expected: FoundationPoseTracker(shape, cfg, expected),
         lambda: reach(cfg),
     )
+
+
+TRACKERS: dict[str, TrackerKind] = {
+    "model": TrackerKind("model", "the embedded tracker (the default)", _choose_model),
+    "foundationpose": TrackerKind("foundationpose:http://HOST:PORT", "a FoundationPose server", _choose_foundationpose),
+}
+
+
+def tracker_help() -> str:
+    """The trackers with what they are, for the command line's help."""
+    return "; or ".join(f"{kind.form}, {kind.help}" for kind in TRACKERS.values())
+
+
+def choose_tracker(
+    word: str, cfgs: TrackerCfgs | None = None, where: str = "--tracker", field: str = ""
+) -> TrackerChoice:
+    """Choose the tracker that a word names.
+
+    Args:
+        word: NAME, or NAME:ADDRESS for a tracker on a server; NAME alone where the configuration has the address.
+        cfgs: The trackers' configurations.
+        where: What holds the word, for errors.
+        field: Likewise.
+
+    Raises:
+        InputError: It names none.
+    """
+    name, separator, address = word.partition(":")
+    kind = TRACKERS.get(name)
+    choice = kind.choose(address if separator else None, cfgs or TrackerCfgs(), (where, field)) if kind else None
+    if choice is None:
+        forms = " or ".join(kind.form for kind in TRACKERS.values())
+        raise InputError(where, field, repr(word), f"{forms}{'' if kind else nearest(name, TRACKERS)}")
+    return choice
+
+
+def drop_addresses(content: dict[str, Any]) -> None:
+    """Remove from the mapping of a `TrackerCfgs` where servers are: their poses do not depend on it."""
+    content["foundationpose"].pop("url")

@@ -15,13 +15,14 @@ from coral.config import Count, Fraction, TimeStep
 from coral.contact.perception.agreement_kernels import AGREE, DRAWN, WRONG
 from coral.contact.perception.benchmark_motions import motion_of
 from coral.contact.perception.camera import Colours, RgbdCameraCfg, RgbdFrame
-from coral.contact.perception.confidence import ConfidenceCfg, view_of
+from coral.contact.perception.confidence import ConfidenceCfg, patch_around
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.pose_error import add, add_s, mssd
+from coral.contact.perception.pose_fit import count_agreement
 from coral.contact.perception.posed_scene import PosedScene, known_model
-from coral.contact.perception.rotation import inverse
 from coral.contact.perception.tracker import PoseTracker
+from coral.contact.scene.rigid_transform import inverse_transform
 from coral.contact.scene.trial import Trial
 
 Array = NDArray[np.float64]
@@ -159,8 +160,8 @@ def _seen(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_], truth: 
     if not mask.any():
         return 0.0
     cfg = ConfidenceCfg()
-    pose = inverse(frame.T_world_camera) @ truth
-    tally = view_of(frame, mask, model, [pose], cfg, frame.depth.size).count(model, pose, cfg.margin_m)
+    pose = inverse_transform(frame.T_world_camera) @ truth
+    tally = count_agreement(patch_around(frame, mask, model, [pose], cfg, frame.depth.size), model, pose, cfg.margin_m)
     return float((tally[AGREE] + tally[WRONG]) / max(1.0, tally[DRAWN]))
 
 

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from coral.contact.perception.benchmark_motions import MotionSample, motion_of
 from coral.contact.perception.posed_scene import PosedScene, known_model
-from coral.contact.perception.rotation import about, pose
 from coral.contact.perception.tracking_accuracy import AccuracyCfg, MakeTracker
+from coral.contact.scene.geometry import rotation_about
+from coral.contact.scene.rigid_transform import pose_matrix
 from coral.contact.scene.trial import Trial
 
 Array = NDArray[np.float64]
@@ -57,7 +58,7 @@ def measure_loss(trial: Trial, make: MakeTracker, cfg: AccuracyCfg, how: How) ->
     model = known_model(stage.model, trial, name)
     start = motion_of(trial).at(0.0)
     rng = np.random.default_rng([trial.seed, 2])
-    aside = MotionSample(start.objects, pose(start.tool[:3, :3], np.array([-0.5, 0.3, 0.5])), 0.04)
+    aside = MotionSample(start.objects, pose_matrix(start.tool[:3, :3], np.array([-0.5, 0.3, 0.5])), 0.04)
     gone, after = _gone(stage, aside, name, how)
     count = round(_SECONDS / cfg.period_s)
     lost: list[bool] = []
@@ -92,14 +93,14 @@ def _gone(stage: PosedScene, aside: MotionSample, name: str, how: How) -> tuple[
     """The moments without the object, and after."""
     here = aside.objects[name]
     if how == "out of view":
-        away = pose(here[:3, :3], here[:3, 3] + np.array([0.0, 0.0, -5.0]))
-        turn = about(np.array([0.0, 0.0, 1.0]), np.radians(40.0))
-        there = pose(turn @ here[:3, :3], here[:3, 3] + np.array([0.08, 0.0, 0.0]))
+        away = pose_matrix(here[:3, :3], here[:3, 3] + np.array([0.0, 0.0, -5.0]))
+        turn = rotation_about(np.array([0.0, 0.0, 1.0]), np.radians(40.0))
+        there = pose_matrix(turn @ here[:3, :3], here[:3, 3] + np.array([0.08, 0.0, 0.0]))
         return (
             MotionSample(aside.objects | {name: away}, aside.tool, aside.opening_m),
             MotionSample(aside.objects | {name: there}, aside.tool, aside.opening_m),
         )
-    there = pose(here[:3, :3], here[:3, 3] + np.array([0.03, 0.0, 0.0]))
+    there = pose_matrix(here[:3, :3], here[:3, 3] + np.array([0.03, 0.0, 0.0]))
     camera = stage.camera.T_world_camera
     sight = here[:3, 3] - camera[:3, 3]
     distance = np.linalg.norm(sight)
@@ -107,7 +108,7 @@ def _gone(stage: PosedScene, aside: MotionSample, name: str, how: How) -> tuple[
     side = np.cross([0.0, 0.0, 1.0], sight)
     side /= np.linalg.norm(side)
     # The palm's broad side before the lens: its height across the line of sight, fingers up.
-    hand = pose(np.stack([sight, side, np.cross(sight, side)], 1), camera[:3, 3] + 0.16 * sight)
+    hand = pose_matrix(np.stack([sight, side, np.cross(sight, side)], 1), camera[:3, 3] + 0.16 * sight)
     hand[:3, 3] += 0.07 * hand[:3, 2]
     objects = aside.objects | {name: there}
     return MotionSample(objects, hand, 0.0), MotionSample(objects, aside.tool, aside.opening_m)

@@ -1,6 +1,8 @@
-"""Rotations. Quaternions are (w, x, y, z); arrays may have leading batch axes."""
+"""Rotations as unit quaternions (w, x, y, z), matrices and rotation vectors; arrays may have leading batch axes."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -95,3 +97,35 @@ def from_rpy_deg(rpy: ArrayLike) -> Array:
 def angle_between(first: ArrayLike, second: ArrayLike) -> Array:
     """Angles (rad, 0 to pi) between orientations, Shape=(...)."""
     return np.asarray(np.linalg.norm(to_rotvec(multiply(conjugate(first), second)), axis=-1))
+
+
+def rotation_about(axis: ArrayLike, angle: float) -> Array:
+    """Rotation matrix, Shape=(3, 3), by `angle` (rad) about a unit axis."""
+    return rotation_of(from_rotvec(np.asarray(axis) * angle))
+
+
+def rotation_from_vector(rotvec: ArrayLike) -> Array:
+    """Rotation matrix, Shape=(3, 3), of a rotation vector (rad)."""
+    return rotation_of(from_rotvec(rotvec))
+
+
+def rotation_vector(rotation: ArrayLike) -> Array:
+    """Rotation vector (rad), Shape=(3,), of one rotation matrix."""
+    return to_rotvec(quaternion_of(rotation))
+
+
+def rotation_angle(first: ArrayLike, second: ArrayLike) -> float:
+    """Angle (rad, 0 to pi) between two rotation matrices."""
+    return float(np.linalg.norm(rotation_vector(np.asarray(first).T @ second)))
+
+
+def spread_rotations(n: int) -> Array:
+    """`n` rotation matrices spread evenly over all rotations. Shape=(n, 3, 3).
+
+    Alexa, "Super-Fibonacci spirals: fast, low-discrepancy sampling of SO(3)" (CVPR 2022).
+    """
+    phi, psi = math.sqrt(2.0), 1.533751168755204288118041
+    s = np.arange(n) + 0.5
+    r, big_r = np.sqrt(s / n), np.sqrt(1.0 - s / n)
+    a, b = 2 * math.pi * s / phi, 2 * math.pi * s / psi
+    return rotation_of(np.stack([r * np.sin(a), r * np.cos(a), big_r * np.sin(b), big_r * np.cos(b)], -1))

@@ -1,8 +1,11 @@
-"""What an episode needs of the world that it takes place in, whatever simulates or is it."""
+"""The interface between an episode and the world it runs in: a simulation, or a real robot."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
+
+import mujoco
 
 from coral.contact.scene.observation import HandTarget, Observation, Truth
 
@@ -12,7 +15,7 @@ class WorldError(RuntimeError):
 
     Args:
         code: Why: "diverged", "tunnelling", "unreachable", "camera-off", "not-found", "tracker-failed".
-        text: For people.
+        text: The message shown to people.
     """
 
     def __init__(self, code: str, text: str) -> None:
@@ -20,18 +23,44 @@ class WorldError(RuntimeError):
         self.code = code
 
 
+@dataclass(frozen=True)
+class Simulation:
+    """The MuJoCo simulation behind a world.
+
+    Args:
+        model: Bodies, joints and shapes; fixed.
+        data: The present state; the world changes it in place as it steps.
+    """
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+
+
 class EvaluationWorld(Protocol):
-    """Where an episode takes place: a simulated Panda, a free-flying hand, or a robot."""
+    """Where an episode runs: a simulated Panda, a free-flying hand, or a robot.
+
+    Attributes:
+        name: For records.
+        control_period_s: How long one `step` lasts.
+    """
 
     name: str
     control_period_s: float
 
+    @property
+    def simulation(self) -> Simulation | None:
+        """What simulated cameras draw and recordings of joint positions read; None for a world without MuJoCo.
+
+        It is for sensors and records only: a decision must not read it.
+        """
+        ...
+
     def reset(self) -> Observation:
-        """Everything back to the beginning of the episode."""
+        """Return to the start of the episode."""
         ...
 
     def step(self, target: HandTarget) -> Observation:
-        """One control period.
+        """Advance by one control period with the hand pulled towards `target`.
 
         Raises:
             WorldError: The simulation diverged, or the robot cannot go on.
@@ -39,9 +68,9 @@ class EvaluationWorld(Protocol):
         ...
 
     def truth(self) -> Truth:
-        """The state that success is judged by."""
+        """The true state, by which success is judged."""
         ...
 
     def close(self) -> None:
-        """Free what the world holds."""
+        """Release the world's resources."""
         ...

@@ -18,7 +18,7 @@ from coral.contact.scene.geometry import rotate
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import WorldError
+from coral.contact.worlds.evaluation_world import Simulation, WorldError
 from coral.contact.worlds.merged_contacts import merged_contacts
 
 
@@ -62,6 +62,11 @@ class HandWorld:
         self.data = mujoco.MjData(self.model)
         self._substeps = whole_steps(cfg.control_period_s, cfg.physics_dt_s, "hand", "physics_dt_s")
         self._stiffness = 0.0
+
+    @property
+    def simulation(self) -> Simulation:
+        """See `EvaluationWorld.simulation`."""
+        return Simulation(self.model, self.data)
 
     def reset(self) -> Observation:
         """See `EvaluationWorld.reset`."""

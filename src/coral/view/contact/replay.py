@@ -43,7 +43,9 @@ class ReplayedScene:
         self.trial = trial_of_run(run)
         world = make_world(str(run.config.get("world", "hand")), self.trial, 0.02)
         try:
-            self._model: mujoco.MjModel = getattr(world, "model")  # noqa: B009
+            if world.simulation is None:
+                raise InputError(str(run.path), "world", repr(world.name), "a world that MuJoCo simulates")
+            self._model = world.simulation.model
         finally:
             world.close()
         self._data = mujoco.MjData(self._model)

@@ -34,7 +34,7 @@ class RobotCfg:
     """Where the robot stands and how it begins.
 
     Args:
-        base: Foot of the arm (link 0), world frame, m. Chosen by the study in `reach`.
+        base: Foot of the arm (link 0), world frame, m. Chosen by a study of inverse kinematics (a test keeps it).
         joints: Shape=(7,) rad at reset: hand pointing down over the near half of the table, elbow up, mid-range.
         motor_inertia: kg m^2 at each joint, of rotor and gear, instead of robosuite's 5 to 0.7.
         link_inertia_factor: On robosuite's rotational inertias of links and hand, which are those of bodies three times

@@ -25,12 +25,6 @@ ROBOT_PARTS = ("hand", "left", "right", "robot")
 PAD_OVERLAP_M = 0.001  # the pads' faces meet before the finger joints read zero
 
 
-def is_robot_geom(model: mujoco.MjModel, geom: int) -> bool:
-    """Whether a geom belongs to the arm or the gripper (the mount and the foot do not count: they cannot move)."""
-    body = model.geom_bodyid[geom]
-    return bool(model.body_weldid[body] != 0) and model.body(body).name.startswith(("robot0_", "gripper0_"))
-
-
 def part_of(model: mujoco.MjModel, geom: int) -> str:
     """Name by which a geom is known to the judge: "left", "right", "hand", "robot", an object or a fixture."""
     name: str = model.geom(geom).name

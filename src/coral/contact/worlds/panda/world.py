@@ -12,6 +12,7 @@ from coral.config import TimeStep
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
+from coral.contact.worlds.evaluation_world import Simulation
 from coral.contact.worlds.merged_contacts import merged_contacts
 from coral.contact.worlds.panda.environment import RobotCfg, make_environment
 from coral.contact.worlds.panda.failure_monitor import FailureMonitor, FailureMonitorCfg
@@ -76,6 +77,11 @@ class PandaWorld:
         self._watch = FailureMonitor(model, cfg.watch, tuple(self._objects.values()))
         self._start = self._settle()
 
+    @property
+    def simulation(self) -> Simulation:
+        """See `EvaluationWorld.simulation`."""
+        return Simulation(self.model, self.data)
+
     def reset(self) -> Observation:
         """See `EvaluationWorld.reset`."""
         mujoco.mj_resetData(self.model, self.data)
@@ -116,10 +122,6 @@ class PandaWorld:
     def effective_mass(self) -> Array:
         """Shape=(3, 3) kg: what the hand's spring pulls at the present posture."""
         return self._impedance.effective_mass
-
-    def camera_model(self) -> tuple[mujoco.MjModel, mujoco.MjData, tuple[str, ...]]:
-        """Model, state and the name of each geom ("hand", "robot", an object, a fixture, ...), for a camera to see."""
-        return self.model, self.data, tuple(part_of(self.model, geom) for geom in range(self.model.ngeom))
 
     def _place_robot(self) -> None:
         mujoco.mj_resetData(self.model, self.data)

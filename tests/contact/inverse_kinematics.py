@@ -23,7 +23,6 @@ from coral.contact.worlds.panda.names import (
     ROBOT_PARTS,
     SITE,
     TOOL_IN_SITE,
-    is_robot_geom,
     part_of,
 )
 
@@ -194,3 +193,9 @@ def tool_rotation(pointing: Sequence[float], opening: Sequence[float]) -> Array:
     y = np.asarray(opening, dtype=float) - np.dot(opening, z) * z
     y /= np.linalg.norm(y)
     return np.column_stack([np.cross(y, z), y, z])
+
+
+def is_robot_geom(model: mujoco.MjModel, geom: int) -> bool:
+    """Whether a geom belongs to the arm or the gripper (the mount and the foot do not count: they cannot move)."""
+    body = model.geom_bodyid[geom]
+    return bool(model.body_weldid[body] != 0) and model.body(body).name.startswith(("robot0_", "gripper0_"))

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from inverse_kinematics import Reach, ReachCfg, rotation_vector, tool_rotation
 
 from coral.contact.control.controller import ControllerCfg
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
 from coral.contact.scene.geometry import from_rotvec, multiply, rotation_of
-from coral.contact.worlds.panda.reach import Reach, ReachCfg, rotation_vector, tool_rotation
 
 DOWN = (0.0, 0.0, -1.0)
 
