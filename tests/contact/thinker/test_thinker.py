@@ -547,7 +547,7 @@ def corrected(scene, monkeypatch):
     def run(plans, last=True, **cfg):
         one, noted = scene("pick-box"), []
         strategist, _ = thinker(one, **cfg)
-        monkeypatch.setattr(thinking, "correct", lambda asker, name, now, *_: noted.append((name, now.time_s)))
+        monkeypatch.setattr(thinking, "correct_beliefs", lambda asker, name, now, *_: noted.append((name, now.time_s)))
         strategist.begin(one.trial, one.now, one.world)
         box = one.now.objects["box"]
         for k in range(1, plans + 1):

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from coral.contact.rules.goals import NoRule, goal_words
 from coral.contact.rules.scene_reading import Array, Thing, vector
 from coral.contact.rules.support import rise, things_around, top_height
+from coral.contact.scene.facts import AtGoal, Goal, InsideGoal, RestingGoal, SceneFacts
 
 HAND_M = 0.11
 """Half the width of the hand: what stands nearer to a spot may be under the palm."""
@@ -42,7 +41,7 @@ class Placement:
     palm_m: float = 0.0
 
 
-def placement_of(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
+def placement_of(thing: Thing, facts: SceneFacts, goal: AtGoal | InsideGoal | RestingGoal) -> Placement:
     """The spot that a goal asks for.
 
     Raises:
@@ -53,7 +52,7 @@ def placement_of(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]
     return _in_region(thing, facts, goal) if goal["kind"] == "inside" else _on_top(thing, facts, goal)
 
 
-def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
+def _at_place(thing: Thing, facts: SceneFacts, goal: AtGoal) -> Placement:
     place, point = np.asarray(facts["places"][goal["place"]], dtype=float), goal.get("point")
     return Placement(
         where=f"self.{goal['place']}_pos",
@@ -64,7 +63,7 @@ def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -
     )
 
 
-def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
+def _in_region(thing: Thing, facts: SceneFacts, goal: InsideGoal) -> Placement:
     low, high = np.asarray(goal["low"], dtype=float), np.asarray(goal["high"], dtype=float)
     sharing = [
         one["object"]
@@ -94,7 +93,7 @@ def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) 
     )
 
 
-def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
+def _on_top(thing: Thing, facts: SceneFacts, goal: RestingGoal) -> Placement:
     name = goal["thing"]
     if name == "table":
         raise NoRule(f"no goal says where on the table the {thing.name} is to be put: {goal_words(goal)}")
@@ -120,13 +119,13 @@ def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> 
     )
 
 
-def _tops_around(thing: Thing, facts: Mapping[str, Any], point: Array, floor: float) -> tuple[float, float]:
+def _tops_around(thing: Thing, facts: SceneFacts, point: Array, floor: float) -> tuple[float, float]:
     """The highest top near a spot, and where the palm has to stay on account of it (m)."""
     near = [top_height(facts, name, point, HAND_M) for name in things_around(facts, thing)]
     over = max([floor, *(height for height in near if height is not None)])
     return over, over + CLEAR_M if over > floor else 0.0
 
 
-def _not_too_high(thing: Thing, over: float, goal: Mapping[str, Any]) -> None:
+def _not_too_high(thing: Thing, over: float, goal: Goal) -> None:
     if over > HIGHEST_M:
         raise NoRule(f"the {thing.name} would have to be carried over a height of {over:.2f} m: {goal_words(goal)}")

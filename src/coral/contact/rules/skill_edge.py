@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
@@ -12,6 +9,7 @@ from coral.contact.plan.contact_regions import Array, Region, tool_quaternion
 from coral.contact.plan.cost_plan import StageAnswer
 from coral.contact.rules.scene_reading import GRASP_M, Draft, SkillAdjustment, Thing, axis_of, care, number, vector
 from coral.contact.rules.skill_push import add_behind, behind_head
+from coral.contact.scene.facts import SceneFacts
 
 OPEN_M = 0.07
 DEEP_M = 0.028
@@ -26,7 +24,7 @@ def can_overhang(thing: Thing) -> bool:
     return thing.height <= GRASP_M and max(thing.size[thing.lying]) > 2 * thing.height
 
 
-def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: float, choice: SkillAdjustment) -> None:
+def add_overhang(draft: Draft, thing: Thing, facts: SceneFacts, lift_m: float, choice: SkillAdjustment) -> None:
     """Push an end over the edge, go round, pinch it, lift."""
     n = thing.name
     axis, sign, grip = _end(thing, facts)
@@ -201,7 +199,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     )
 
 
-def _end(thing: Thing, facts: Mapping[str, Any]) -> tuple[int, float, Array]:
+def _end(thing: Thing, facts: SceneFacts) -> tuple[int, float, Array]:
     """Which end to push out: axis, sign, and where to grip it in the object's frame.
 
     A named point whose name the instruction mentions, else the end nearest to the edge.
@@ -218,17 +216,17 @@ def _end(thing: Thing, facts: Mapping[str, Any]) -> tuple[int, float, Array]:
     return best[0], best[1], grip
 
 
-def _room(thing: Thing, facts: Mapping[str, Any], axis: int, sign: float) -> float:
+def _room(thing: Thing, facts: SceneFacts, axis: int, sign: float) -> float:
     """How far the end is from the edge it points to; an arm on the near side reaches the left and the right edge."""
     out, edge = _edge(thing, facts, thing.rotation[:, axis] * sign)
     tip = thing.position + thing.rotation[:, axis] * sign * thing.to_face(axis, sign)
     return edge - float(tip @ out) + (0.3 if abs(out[0]) > 0.5 else 0.0)
 
 
-def _edge(thing: Thing, facts: Mapping[str, Any], direction: Array) -> tuple[Array, float]:
+def _edge(thing: Thing, facts: SceneFacts, direction: Array) -> tuple[Array, float]:
     """Outward direction and coordinate along it of the table's edge that a direction points to."""
     k = int(abs(direction[1]) >= abs(direction[0]))
     sign = 1.0 if direction[k] >= 0 else -1.0
     out = np.zeros(3)
     out[k] = sign
-    return out, sign * facts["table"]["xy"[k]][int(sign > 0)]
+    return out, sign * (facts["table"]["x"], facts["table"]["y"])[k][int(sign > 0)]

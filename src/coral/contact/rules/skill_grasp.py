@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from coral.contact.plan.contact_regions import Region
@@ -12,12 +9,13 @@ from coral.contact.plan.cost_plan import StageAnswer
 from coral.contact.rules.placement import Placement
 from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, care, number, others, vector
 from coral.contact.rules.support import rise
+from coral.contact.scene.facts import SceneFacts
 
 PALM_M = 0.037
 """From the tool back to the palm."""
 
 
-def add_grasp(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> None:
+def add_grasp(draft: Draft, thing: Thing, facts: SceneFacts, choice: SkillAdjustment) -> None:
     """Reach around the object from above and close."""
     closing = _closing(thing, facts, choice)
     depth = max(0.0, thing.height / 2 - 0.025) - choice.lower_m
@@ -78,7 +76,7 @@ def add_grasp(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Skil
     draft.words.append(f"grasp the {n} from above across its {100 * thing.size[closing]:.1f} cm side")
 
 
-def add_lift(draft: Draft, thing: Thing, facts: Mapping[str, Any], height_m: float, choice: SkillAdjustment) -> None:
+def add_lift(draft: Draft, thing: Thing, facts: SceneFacts, height_m: float, choice: SkillAdjustment) -> None:
     """Raise what is held so that its lowest point is above a height."""
     n, depth = thing.name, _depth(thing, choice)
     rise = height_m + 0.025
@@ -101,7 +99,7 @@ def add_lift(draft: Draft, thing: Thing, facts: Mapping[str, Any], height_m: flo
     draft.words.append(f"raise it by {100 * rise:.0f} cm")
 
 
-def add_place(draft: Draft, thing: Thing, facts: Mapping[str, Any], spot: Placement, choice: SkillAdjustment) -> None:
+def add_place(draft: Draft, thing: Thing, facts: SceneFacts, spot: Placement, choice: SkillAdjustment) -> None:
     """Carry what is held above everything to a spot, set it down, let go, retire."""
     n, depth = thing.name, _depth(thing, choice)
     tops = [Thing(other, facts).position[2] + Thing(other, facts).height / 2 for other in others(facts, n)]
@@ -173,7 +171,7 @@ def add_place(draft: Draft, thing: Thing, facts: Mapping[str, Any], spot: Placem
     add_release(draft, thing, facts, choice)
 
 
-def add_release(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> None:
+def add_release(draft: Draft, thing: Thing, facts: SceneFacts, choice: SkillAdjustment) -> None:
     """Open the fingers and go straight up."""
     n = thing.name
     draft.stages += [
@@ -208,7 +206,7 @@ def add_release(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Sk
     draft.words.append("let go and retire upwards")
 
 
-def _closing(thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> int:
+def _closing(thing: Thing, facts: SceneFacts, choice: SkillAdjustment) -> int:
     """The axis to close along: of those that fit, the one whose hand keeps clearest of other things; ties by width."""
     fits = thing.closings()
 
@@ -249,7 +247,7 @@ def _head(thing: Thing, depth: float, closing: int) -> str:
     square = {_square(thing, closing)}"""
 
 
-def _holding(thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> str:
+def _holding(thing: Thing, facts: SceneFacts, choice: SkillAdjustment) -> str:
     n, depth = thing.name, _depth(thing, choice)
     upright = f"1.0 - ({'-1.0 * ' if thing.up_sign < 0 else ''}quat_axis(self.{n}_quat, {thing.up})[2])"
     return f"""def state_cost(self):

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from coral.contact.plan.contact_regions import PAD_M, Array, Region
 from coral.contact.plan.cost_plan import StageAnswer
 from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, axis_of, care, number, vector
 from coral.contact.rules.skill_push import abreast, add_behind, behind_head
+from coral.contact.scene.facts import FixtureFacts, SceneFacts
 
 
-def nearest_face(thing: Thing, item: Mapping[str, Any]) -> tuple[Array, Array]:
+def nearest_face(thing: Thing, item: FixtureFacts) -> tuple[Array, Array]:
     """Point on the fixture's nearest upright face, and the horizontal direction from the object into it."""
     yaw = np.radians(item["yaw_deg"])
     turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
@@ -31,7 +29,7 @@ def nearest_face(thing: Thing, item: Mapping[str, Any]) -> tuple[Array, Array]:
     return best[1], best[2]
 
 
-def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str, choice: SkillAdjustment) -> None:
+def add_pivot(draft: Draft, thing: Thing, facts: SceneFacts, against: str, choice: SkillAdjustment) -> None:
     """Push against something upright, raise the near end while pressing, let go."""
     n = thing.name
     point, way = nearest_face(thing, facts["fixtures"][against])

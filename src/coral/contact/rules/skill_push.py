@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from coral.contact.plan.contact_regions import PAD_M, Region
 from coral.contact.plan.cost_plan import StageAnswer
 from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, axis_of, care, number
+from coral.contact.scene.facts import AtGoal, SceneFacts
 
 HIGH = 0.75
 """Where a box is tipped, -1 at the bottom to 1 at the top: some face is left below the upper edge for the fingertip."""
@@ -42,7 +40,7 @@ def behind_head(thing: Thing, axis: int, sign: float, height: str, handed: bool 
 def add_behind(
     draft: Draft,
     thing: Thing,
-    facts: Mapping[str, Any],
+    facts: SceneFacts,
     axis: int,
     sign: float,
     height_m: float,
@@ -107,8 +105,8 @@ def _square(n: str, axis: int, handed: float) -> str:
 def add_push(
     draft: Draft,
     thing: Thing,
-    facts: Mapping[str, Any],
-    goal: Mapping[str, Any],
+    facts: SceneFacts,
+    goal: AtGoal,
     newtons: float | None,
     choice: SkillAdjustment,
 ) -> None:
@@ -213,7 +211,7 @@ def add_draw_back(
     axis: int,
     sign: float,
     height_m: float,
-    facts: Mapping[str, Any],
+    facts: SceneFacts,
     stiffness: float = 600.0,
     short: str = "",
 ) -> None:
@@ -243,7 +241,7 @@ def _push_height(thing: Thing, choice: SkillAdjustment) -> float:
     return float(thing.low + max(0.014, 0.35 * thing.height - choice.lower_m))
 
 
-def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> None:
+def add_tip(draft: Draft, thing: Thing, facts: SceneFacts, choice: SkillAdjustment) -> None:
     """Push near the top so that the object falls over its far lower edge."""
     n = thing.name
     ranked = sorted(thing.lying, key=lambda k: thing.size[k])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from coral.contact.plan.touchable_points import Scenery, candidates_of
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial, prior_beliefs
 from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.diagnosis import Diagnosis
+from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
 from coral.contact.thinker.scene_facts import interface_text, scene_facts
 from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
@@ -62,10 +64,10 @@ class Questions:
         fallback: Mapping[str, Rule],
         emit: Emit,
     ) -> None:
-        self.facts: dict[str, Any] = {}
+        self.facts: QuestionFacts
         self.sizes = {name: trial.size(name) for name in trial.objects}
         self.scenery = Scenery.of(trial)
-        self.diagnoses: list[str] = []
+        self.diagnoses: list[Diagnosis] = []
         self._asker, self._trial, self._world, self._cfg = asker, trial, world, cfg
         self._rng, self.load, self._fallback, self._emit = rng, load, fallback, emit
         self._unanswered = ""
@@ -77,7 +79,7 @@ class Questions:
 
     def look(self, now: Observation, believed: bool = True) -> None:
         """Gather the facts anew, with what is believed of the objects or without."""
-        self.facts = scene_facts(self._trial, now, self.beliefs if believed else None)
+        self.facts = cast(QuestionFacts, scene_facts(self._trial, now, self.beliefs if believed else None))
 
     def parameters(self, given: Mapping[str, PhysicalParameters]) -> None:
         """Masses and frictions, believed from now on: those given, the others as the advisor says."""
@@ -131,10 +133,11 @@ class Questions:
         """Where a plan's stages touch; nowhere in particular where nobody answers."""
         if not self._cfg.regions:
             return RegionsAnswer({})
+        asked: RegionFacts = {**self._asked(), "stages": plan.names}
         outcome = self._asker.ask(
             "contact-regions",
             RegionsAnswer,
-            {**self._asked(), "stages": plan.names},
+            asked,
             {"task": self.facts["instruction"], "objects": self._shown(), "stages": plan.names},
             lambda answer: self.wrong_regions(answer, plan),
             seen=True,
@@ -225,7 +228,7 @@ class Questions:
             code="" if plan is None else plan.text(),
         )
 
-    def _asked(self) -> dict[str, Any]:
+    def _asked(self) -> PlanFacts:
         """The facts that go with a question about the plan."""
         return {**self.facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}
 

@@ -332,7 +332,7 @@ class Thinker:
         return Experience(
             task=task.name,
             instruction=task.instruction,
-            goals=self._questions.facts["goals"],
+            goals=[dict(goal) for goal in self._questions.facts["goals"]],
             numbers=scene_numbers(self._questions.facts),
             plan=self._plan,
             regions=self._regions,
