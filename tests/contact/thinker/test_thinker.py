@@ -288,8 +288,8 @@ def test_the_process_ends_though_the_memory_cannot_be_written(remembering):
 def test_attempts_without_progress_are_counted(scene):
     one = scene("pick-box")
     watch = ProgressMonitor(OuterCfg(n_retry=3, attempt_s=0.2), ("reach", "close", "lift"))
-    assert not any(watch.see(moment(one, 0.1 * k, "reach", 10.0 - k)) for k in range(8))
-    found = [watch.see(moment(one, 0.8 + 0.1 * k, "reach", 3.0)) for k in range(8)]
+    assert not any(watch.update(moment(one, 0.1 * k, "reach", 10.0 - k)) for k in range(8))
+    found = [watch.update(moment(one, 0.8 + 0.1 * k, "reach", 3.0)) for k in range(8)]
     assert found[-1]
     assert not found[0]
 
@@ -298,7 +298,7 @@ def test_falling_back_again_and_again_is_no_progress(scene):
     one = scene("pick-box")
     watch = ProgressMonitor(OuterCfg(n_retry=5, attempt_s=0.2), ("reach", "close", "lift"))
     stages = ["reach", "close"] * 8
-    assert any(watch.see(moment(one, 0.2 * k, stage, 5.0)) for k, stage in enumerate(stages))
+    assert any(watch.update(moment(one, 0.2 * k, stage, 5.0)) for k, stage in enumerate(stages))
     assert watch.returns >= 2
 
 
@@ -311,7 +311,7 @@ def test_an_object_on_its_way_is_progress_though_the_cost_stays_as_it_is(scene, 
         box = one.now.objects["box"]
         moved = dataclasses.replace(box, position=box.position + np.array([pace_m_s * 0.04, 0.0, 0.0]))
         one.now = dataclasses.replace(one.now, objects={**one.now.objects, "box": moved})
-        seen.append(watch.see(moment(one, 0.04 * k, "push", 5.0)))
+        seen.append(watch.update(moment(one, 0.04 * k, "push", 5.0)))
     assert any(seen) == stuck
 
 
@@ -322,7 +322,7 @@ def test_an_object_that_goes_to_and_fro_is_no_progress(scene):
     for k in range(1, 200):
         moved = dataclasses.replace(box, position=box.position + np.array([0.03 * np.sin(k), 0.0, 0.0]))
         one.now = dataclasses.replace(one.now, objects={**one.now.objects, "box": moved})
-        seen.append(watch.see(moment(one, 0.04 * k, "push", 5.0)))
+        seen.append(watch.update(moment(one, 0.04 * k, "push", 5.0)))
     assert any(seen)
 
 

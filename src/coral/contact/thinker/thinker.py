@@ -155,7 +155,7 @@ class Thinker:
             if strategy is None:
                 raise failure
             return strategy
-        if self._watch.see(moment) and self.cfg.refine and self._repairs < self.cfg.outer.refinements:
+        if self._watch.update(moment) and self.cfg.refine and self._repairs < self.cfg.outer.refinements:
             return self._refine(moment)
         self._correct_in_passing()
         return None
