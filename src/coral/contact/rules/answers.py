@@ -61,7 +61,7 @@ def _regions(facts: RegionFacts, rejections: Sequence[Rejection]) -> BaseModel:
         ]
         for name, regions in made.root.items()
     }
-    # The rules have no second choice of a place: the others are better than none.
+    # The rules have no second adjustment of a place: the others are better than none.
     for rejection in rejections:
         if rejection.code in UNTOUCHABLE:
             held[rejection.details["object"]].pop(rejection.details["region"])

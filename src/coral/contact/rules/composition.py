@@ -36,17 +36,17 @@ class Composed:
     regions: RegionsAnswer
 
 
-def compose(facts: SceneFacts, choice: SkillAdjustment | None = None) -> Composed:
+def compose(facts: SceneFacts, adjustment: SkillAdjustment | None = None) -> Composed:
     """The plan for a scene.
 
     Args:
         facts: The scene (`scene_facts`) with its goals.
-        choice: What repairs have changed.
+        adjustment: What repairs have changed.
 
     Raises:
         NoRule: The rules know no way; the text says to what.
     """
-    choice = choice or SkillAdjustment()
+    adjustment = adjustment or SkillAdjustment()
     drafts = []
     for name in dict.fromkeys(goal["object"] for goal in facts["goals"]):
         asked = [goal for goal in facts["goals"] if goal["object"] == name]
@@ -55,7 +55,7 @@ def compose(facts: SceneFacts, choice: SkillAdjustment | None = None) -> Compose
             continue
         require_different_kinds(moving)
         thing = Thing(name, facts)
-        drafts.append((thing, _for_object(thing, goals_by_kind([*asked, *moving]), moving, facts, choice)))
+        drafts.append((thing, _for_object(thing, goals_by_kind([*asked, *moving]), moving, facts, adjustment)))
     if not drafts:
         asked_for = ", ".join(goal_words(goal) for goal in facts["goals"])
         raise NoRule(f"no goal asks for anything to be moved: {asked_for}")
@@ -73,7 +73,7 @@ def compose(facts: SceneFacts, choice: SkillAdjustment | None = None) -> Compose
 
 
 def _for_object(
-    thing: Thing, goals: GoalsByKind, moving: Sequence[Goal], facts: SceneFacts, choice: SkillAdjustment
+    thing: Thing, goals: GoalsByKind, moving: Sequence[Goal], facts: SceneFacts, adjustment: SkillAdjustment
 ) -> Draft:
     """The one way that serves what is asked of an object.
 
@@ -82,7 +82,7 @@ def _for_object(
         goals: Its goals by kind.
         moving: Those that ask for it to be moved.
         facts: The scene.
-        choice: What repairs have changed.
+        adjustment: What repairs have changed.
 
     Raises:
         NoRule: No way serves all of them.
@@ -99,37 +99,37 @@ def _for_object(
                 f"{goal_words(goals['touched-while-turning'])}"
             )
         if against in facts["fixtures"]:
-            add_pivot(draft, thing, facts, against, choice)
+            add_pivot(draft, thing, facts, against, adjustment)
         else:
-            add_tip(draft, thing, facts, choice)
+            add_tip(draft, thing, facts, adjustment)
         return draft
     to_place = goals.get("at")
     if "steady-force" in asked or ("at" in asked and not thing.closings()):
         require_only({"steady-force", "at"}, moving, thing.name, "pushed")
-        place = to_place or _straight_on(thing, facts)
-        add_push(draft, thing, facts, place, goals.get("steady-force", {}).get("newtons"), choice)
+        place = to_place or _default_place(thing, facts)
+        add_push(draft, thing, facts, place, goals.get("steady-force", {}).get("newtons"), adjustment)
         return draft
     held = {"lifted", "grasped"} & asked
     if held and thing.closings():
         require_only({"lifted", "grasped"}, moving, thing.name, "held")
-        add_grasp(draft, thing, facts, choice)
+        add_grasp(draft, thing, facts, adjustment)
         lift = max(goals.get("lifted", {}).get("height_m", 0.0), 0.02)
-        add_lift(draft, thing, facts, lift, choice)
+        add_lift(draft, thing, facts, lift, adjustment)
         if "released" in goals:
-            add_release(draft, thing, facts, choice)
+            add_release(draft, thing, facts, adjustment)
         return draft
     if held and can_overhang(thing):
         require_only({"lifted", "grasped"}, moving, thing.name, "held")
         lift = max(goals.get("lifted", {}).get("height_m", 0.0), 0.02)
-        add_overhang(draft, thing, facts, lift, choice)
+        add_overhang(draft, thing, facts, lift, adjustment)
         return draft
     put = placing_goal(goals, moving)
     if put is not None and thing.closings():
         # What is put somewhere rests there; whether on the right thing, the place decides.
         require_only({put["kind"], "resting"}, moving, thing.name, "put down")
-        spot = placement_of(thing, facts, put)
-        add_grasp(draft, thing, facts, choice)
-        add_place(draft, thing, facts, spot, choice)
+        placement = placement_of(thing, facts, put)
+        add_grasp(draft, thing, facts, adjustment)
+        add_place(draft, thing, facts, placement, adjustment)
         return draft
     unserved = ", ".join(map(goal_words, moving))
     raise NoRule(
@@ -139,7 +139,7 @@ def _for_object(
     )
 
 
-def _straight_on(thing: Thing, facts: SceneFacts) -> AtGoal:
+def _default_place(thing: Thing, facts: SceneFacts) -> AtGoal:
     """Where to push to when only a force is asked for: the first place of the task.
 
     Raises:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from coral.contact.rules.scene_reading import Thing
-from coral.contact.rules.support import rests_on, things_around, top_height
+from coral.contact.rules.support import other_things, rests_on, top_height
 from coral.contact.scene.facts import AtGoal, Goal, GoalsByKind, InsideGoal, RestingGoal, SceneFacts
 
 KEPT = ("undisturbed", "upright", "released")
@@ -29,7 +29,7 @@ def moves(goal: Goal, facts: SceneFacts) -> bool:
     thing = Thing(goal["object"], facts)
     if goal["kind"] == "inside":
         there = (np.asarray(goal["low"]) <= thing.position) & (thing.position <= np.asarray(goal["high"]))
-        return not (there.all() and any(rests_on(thing, facts, name) for name in things_around(facts, thing)))
+        return not (there.all() and any(rests_on(thing, facts, name) for name in other_things(facts, thing)))
     return not rests_on(thing, facts, goal["thing"])
 
 
@@ -38,7 +38,7 @@ def movement_goals(asked: Sequence[Goal], facts: SceneFacts) -> list[Goal]:
     found = [goal for goal in asked if moves(goal, facts)]
     if any(goal["kind"] != "resting" for goal in found):
         # Whatever is turned, pushed or put down comes to rest on the table, or on what is as flat as a mat.
-        found = [goal for goal in found if goal["kind"] != "resting" or _top(goal["thing"], facts) > FLAT_M]
+        found = [goal for goal in found if goal["kind"] != "resting" or _top_height(goal["thing"], facts) > FLAT_M]
     return found
 
 
@@ -58,7 +58,7 @@ def require_different_kinds(goals: Sequence[Goal]) -> None:
         found[goal["kind"]] = goal
 
 
-def _top(name: str, facts: SceneFacts) -> float:
+def _top_height(name: str, facts: SceneFacts) -> float:
     return top_height(facts, name, np.zeros(2), np.inf) or 0.0
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.rules.goals import movement_goals
 from coral.contact.rules.scene_reading import Thing, axis_of, number, vector
-from coral.contact.rules.support import rise, top_height
+from coral.contact.rules.support import origin_height, top_height
 from coral.contact.scene.facts import AtGoal, FlippedGoal, Goal, InsideGoal, LiftedGoal, RestingGoal, SceneFacts
 
 MARGIN_M = 0.02
@@ -123,12 +123,12 @@ def _onto(goal: RestingGoal, facts: SceneFacts) -> str:
     thing, name = Thing(goal["object"], facts), goal["thing"]
     at = f"self.{thing.name}_pos"
     if name == "table":
-        return f"15.0 * abs({at}[2] - {number(rise(thing))})"
+        return f"15.0 * abs({at}[2] - {number(origin_height(thing))})"
     if name in facts["fixtures"]:
         middle = np.asarray(facts["fixtures"][name]["position"], dtype=float)
         aside = f"norm(({at} - {vector(middle)})[:2])"
     else:
         middle = Thing(name, facts).position
         aside = f"norm(({at} - self.{name}_pos)[:2])"
-    height = (top_height(facts, name, middle[:2]) or 0.0) + rise(thing)
+    height = (top_height(facts, name, middle[:2]) or 0.0) + origin_height(thing)
     return f"10.0 * ({aside} + abs({at}[2] - {number(height)}))"

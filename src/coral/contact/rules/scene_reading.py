@@ -130,7 +130,7 @@ def others(facts: SceneFacts, name: str) -> list[str]:
     return [other for other in facts["objects"] if other != name]
 
 
-def care(facts: SceneFacts, name: str) -> str:
+def disturbance_term(facts: SceneFacts, name: str) -> str:
     """Line of a program that makes moving other objects dear; "" where there are none."""
     speeds = " + ".join(f"norm(self.{other}_vel)" for other in others(facts, name))
     return f"    terms['leave others alone'] = 3.0 * ({speeds})\n" if speeds else ""

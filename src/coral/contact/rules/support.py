@@ -50,12 +50,12 @@ def top_height(facts: SceneFacts, name: str, point: Array, within_m: float = 0.0
     return max(found, default=None)
 
 
-def things_around(facts: SceneFacts, thing: Thing) -> list[str]:
+def other_things(facts: SceneFacts, thing: Thing) -> list[str]:
     """Everything but an object itself."""
     return ["table", *facts["fixtures"], *(name for name in facts["objects"] if name != thing.name)]
 
 
-def rise(thing: Thing) -> float:
+def origin_height(thing: Thing) -> float:
     """How far (m) the origin of an object's frame is above its lowest point, as it is turned now."""
     return float(thing.position[2] - thing.low)
 

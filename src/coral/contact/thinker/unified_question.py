@@ -99,4 +99,4 @@ def ask_unified(
             refusal = verify_regions(answer.places, facts, answer.names, cfg.region, scenery)
         return refusal
 
-    return asker.ask(KIND, UnifiedAnswer, facts, prompt, wrong, seen=True)
+    return asker.ask(KIND, UnifiedAnswer, facts, prompt, wrong, with_picture=True)
