@@ -26,6 +26,7 @@ from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import HandTarget, Observation, Transition, Truth
 from coral.contact.scene.trial import PhysicalParameters, Trial, prior_beliefs, with_beliefs
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
+from coral.contact.thinker.think_cfg import resolved
 from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError, RunError
@@ -68,6 +69,7 @@ class Episode:
         variant: str,
         advisor: str = "none",
     ) -> None:
+        cfg = dataclasses.replace(cfg, think=resolved(cfg.think, cfg.controller, advisor))
         self.trial, self.strategist, self.cfg = trial, strategist, cfg
         self.variant, self.advisor = variant, advisor
         self.time_limit_s = trial.task.time_limit_s

@@ -17,6 +17,7 @@ from coral.contact.plan.contact_regions import (
     RegionsAnswer,
     closing_axis,
     natural_approach,
+    reach_box,
 )
 from coral.contact.plan.convex_pieces import Solid
 from coral.contact.plan.touchable_points import MISSED, REACH, Candidates, Scenery, candidates_of, off_surface
@@ -137,7 +138,7 @@ def _nothing_left(
     if worst == MISSED:
         code, mend = "missed", f"in the object's frame it extends {_extent(item)}"
     elif worst == REACH:
-        low, high = cfg.reach_low_m, cfg.reach_high_m
+        low, high = reach_box(cfg)
         code, mend = (
             "out-of-reach",
             (f"in the world the hand gets from {_text(np.asarray(low))} to {_text(np.asarray(high))} m"),

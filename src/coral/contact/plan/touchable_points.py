@@ -17,6 +17,7 @@ from coral.contact.plan.contact_regions import (
     RegionsAnswer,
     candidates,
     natural_approach,
+    reach_box,
     tool_at,
 )
 from coral.contact.plan.convex_pieces import Solid, box, pieces
@@ -206,7 +207,8 @@ def _hindered(
             blocked = (solid.depth(tool) > cfg.buried_m) & (approach != "pinch")
             found[(found == "") & buried] = f"inside {thing}"
             found[(found == "") & blocked] = f"with no room for a finger before {thing}"
-    outside = (tool < np.asarray(cfg.reach_low_m)).any(axis=1) | (tool > np.asarray(cfg.reach_high_m)).any(axis=1)
+    low, high = map(np.asarray, reach_box(cfg))
+    outside = (tool < low).any(axis=1) | (tool > high).any(axis=1)
     found[(found == "") & outside] = REACH
     return [str(reason) for reason in found]
 
