@@ -21,7 +21,8 @@ class Scene:
 
     def __init__(self, task, seed=0):
         self.trial = sample_trial(load_task(task) if isinstance(task, str) else task, seed)
-        self.now = HandWorld(self.trial, HandWorldCfg()).reset()
+        self.real = HandWorld(self.trial, HandWorldCfg())
+        self.now = self.real.reset()
         self.beliefs = prior_beliefs(self.trial)
         self.world = PlanningWorld(self.trial, self.beliefs, self.now, PlanningCfg(threads=1))
         self.facts = scene_facts(self.trial, self.now, self.beliefs)

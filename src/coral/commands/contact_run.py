@@ -35,7 +35,7 @@ from coral.contact.perception.tracker_registry import choose_tracker, tracker_he
 from coral.contact.policy.address import parse_address
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.thinker.think_cfg import within
+from coral.contact.thinker.think_cfg import resolved
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
@@ -161,7 +161,7 @@ class ContactRun:
                 memory=self.memory,
                 folder=folder,
                 inbox=self.inbox,
-                think=within(cfg.controller, cfg.think),
+                think=resolved(cfg.think, cfg.controller, self.advisor),
                 believe=believe,
                 model=model,
             ),

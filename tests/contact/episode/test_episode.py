@@ -112,12 +112,12 @@ class Mender(FixedStrategist):
         super().__init__(first)
         self.second, self.heard = second, []
 
-    def failed(self, error, stage, now):
+    def on_cost_error(self, error, stage, now):
         self.heard.append((error.code, stage, now.time_s))
         return self.second
 
 
-def test_a_cost_that_cannot_be_evaluated_goes_to_the_mind_before_the_episode_ends(run):
+def test_a_cost_that_cannot_be_evaluated_goes_to_the_strategist_before_the_episode_ends(run):
     def broken(state):
         raise CostError("not_finite", "the term is nan")
 
@@ -164,12 +164,12 @@ def test_stages_are_told_as_they_change(run):
     assert [e["stage"] for e in events(folder, "plan")] == ["first"] + ["second"] * 4
 
 
-def test_a_mind_may_change_its_mind(run):
+def test_a_strategist_may_change_its_strategy(run):
     class Second(FixedStrategist):
-        account = StrategistCounts(advisor_calls=2, repairs=1, memory_hit=True)
+        counts = StrategistCounts(advisor_calls=2, repairs=1, memory_hit=True)
 
-        def after(self, moment):
-            return Strategy("other", (Stage("other", stay),)) if moment.step == 4 else None
+        def on_plan(self, report):
+            return Strategy("other", (Stage("other", stay),)) if report.step == 4 else None
 
     result, folder, _ = run(Second(strategy()))
     assert [e["name"] for e in events(folder, "strategy")] == ["stay", "other"]
@@ -178,7 +178,7 @@ def test_a_mind_may_change_its_mind(run):
     assert [e["stage"] for e in events(folder, "plan")] == ["stay"] * 3 + ["other"] * 2
 
 
-def test_a_mind_is_not_told_the_true_masses_and_frictions(run):
+def test_a_strategist_is_not_told_the_true_masses_and_frictions(run):
     class Curious(FixedStrategist):
         def begin(self, trial, first, world):
             self.told = trial
@@ -235,7 +235,7 @@ def test_the_same_seed_gives_the_same_files_whatever_the_number_of_threads(tmp_p
 
 def test_what_fails_at_the_end_does_not_cost_the_record(run, tmp_path):
     class Forgetful(FixedStrategist):
-        def ended(self, reason):
+        def on_end(self, reason):
             raise InputError("memory.sqlite", "", "read-only", "a file that can be written")
 
     with pytest.raises(InputError, match="read-only"):

@@ -7,7 +7,8 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from coral.contact.memory.store import Row, store_of
+from coral.contact.memory.row import Row
+from coral.contact.memory.store import store_of
 from coral.errors import InputError
 
 VECTOR = np.array([0.25, -1.5], np.float32)

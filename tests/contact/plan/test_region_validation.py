@@ -17,7 +17,7 @@ def facts(size=(0.06, 0.06, 0.06), at=(0.0, 0.0, 0.03), **more):
         "points": {},
         **more,
     }
-    return {"objects": {"box": item}, "table": {"x": [-0.4, 0.4], "y": [-0.4, 0.4]}}
+    return {"objects": {"box": item}, "fixtures": {}, "table": {"x": [-0.4, 0.4], "y": [-0.4, 0.4]}}
 
 
 def answer(*regions, name="box"):

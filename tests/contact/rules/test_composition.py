@@ -184,7 +184,8 @@ def test_a_repair_of_the_way_in_takes_another_slant_and_goes_deeper_when_it_slip
     assert len(ways) == 3
     assert [verify_regions(one.regions, facts, one.plan.names) for one in made] == [None] * 3
     first, again = (
-        compose(facts, choice).plan.stages[5].code for choice in (SkillAdjustment(), adjustment_after(["slipped"]))
+        compose(facts, adjustment).plan.stages[5].code
+        for adjustment in (SkillAdjustment(), adjustment_after(["slipped"]))
     )
     assert first != again
 

@@ -40,11 +40,11 @@ def thinker(one, advisor=None, memory=None, given=None, **cfg):
         provenance={"world": "hand", "seed": 0},
         given=given,
     )
-    strategist.listen(lambda event, **fields: told.append((event, fields)))
+    strategist.attach_log(lambda event, **fields: told.append((event, fields)))
     return strategist, told
 
 
-def moment(one, t, stage, cost, taken=()):
+def plan_report(one, t, stage, cost, taken=()):
     body = one.now.objects["box"]
     now = type(one.now)(t, one.now.tool, one.now.opening_m, one.now.wrench, one.now.objects)
     state = one.world.present(now)
@@ -67,7 +67,7 @@ def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):
     strategist, told = thinker(one)
     strategy = strategist.begin(one.trial, one.now, one.world)
     assert [stage.name for stage in strategy.stages] == ["reach", "close", "lift"]
-    assert strategist.account.advisor_calls == 3
+    assert strategist.counts.advisor_calls == 3
     assert [event for event, _ in told] == ["beliefs", "plan_answer", "regions"]
     assert json.dumps(told)
     assert Progress(strategy).update(one.world.present(one.now)) is False
@@ -81,7 +81,7 @@ def test_what_is_given_is_believed_and_not_asked_for(scene):
     assert one.world.beliefs[0]["box"] == PhysicalParameters(2.0, 0.9)
     assert one.trial.objects["box"].physical == truth
     assert (told[0][0], told[0][1]["source"], told[0][1]["box"]) == ("beliefs", "given", [2.0, 0.9])
-    assert strategist.account.advisor_calls == 2
+    assert strategist.counts.advisor_calls == 2
 
 
 def test_what_is_given_of_some_objects_leaves_the_rest_to_the_advisor(scene):
@@ -146,17 +146,17 @@ def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
     one = scene("pick-box")
     strategist, _ = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
-    strategist.ended("timeout")
+    strategist.on_end("timeout")
     assert memory.all() == []
     strategist, _ = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
-    strategist.ended("success")
+    strategist.on_end("success")
     again, told = thinker(one, memory=memory)
     again.begin(one.trial, one.now, one.world)
-    assert again.account.memory_hit
-    assert again.account.advisor_calls == 1  # the masses and frictions; plan and regions are remembered
+    assert again.counts.memory_hit
+    assert again.counts.advisor_calls == 1  # the masses and frictions; plan and regions are remembered
     assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
-    again.ended("success")
+    again.on_end("success")
     assert (memory.all()[0].used, memory.all()[0].helped) == (1, 1)
 
 
@@ -166,12 +166,12 @@ def test_what_succeeded_in_a_shipped_task_is_used_when_the_same_trial_comes_agai
     one = scene(task)
     strategist, _ = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
-    strategist.ended("success")
+    strategist.on_end("success")
     strategist, told = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
     assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
-    assert strategist.account.memory_hit
-    strategist.ended("timeout")
+    assert strategist.counts.memory_hit
+    strategist.on_end("timeout")
 
 
 @pytest.fixture
@@ -181,7 +181,7 @@ def remembering(scene, tmp_path):
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
     strategist, _ = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
-    strategist.ended("success")
+    strategist.on_end("success")
     return one, memory
 
 
@@ -210,7 +210,7 @@ def test_what_is_remembered_runs_in_the_confined_process_until_the_episode_ends(
     one, memory = remembering
     strategist, loaded, worker = confining(one, memory)
     strategy = strategist.begin(one.trial, one.now, one.world)
-    assert strategist.account.memory_hit
+    assert strategist.counts.memory_hit
     assert loaded == []
     assert worker.pid is not None
     direct, _ = thinker(one)
@@ -218,7 +218,7 @@ def test_what_is_remembered_runs_in_the_confined_process_until_the_episode_ends(
     expected = direct.begin(one.trial, one.now, one.world).stages[0].cost(context)
     found = strategy.stages[0].cost(context)
     assert all((found[name] == expected[name]).all() for name in expected)
-    strategist.ended("timeout")
+    strategist.on_end("timeout")
     assert worker.pid is None
 
 
@@ -226,9 +226,9 @@ def test_repairs_of_what_is_remembered_are_confined_too(remembering):
     one, memory = remembering
     strategist, loaded, _ = confining(one, memory)
     strategist.begin(one.trial, one.now, one.world)
-    assert strategist.failed(CostError("runtime", "no"), "reach", one.now) is not None
+    assert strategist.on_cost_error(CostError("runtime", "no"), "reach", one.now) is not None
     assert loaded == []
-    strategist.ended("timeout")
+    strategist.on_end("timeout")
 
 
 def test_what_is_remembered_is_rehearsed_without_regions_too(remembering):
@@ -236,21 +236,21 @@ def test_what_is_remembered_is_rehearsed_without_regions_too(remembering):
     strategist, told = thinker(one, memory=memory, regions=False)
     strategist.begin(one.trial, one.now, one.world)
     assert [0.05 < fields["gain"] < 1 for event, fields in told if event == "recall"] == [True]
-    assert strategist.account.memory_hit
-    strategist.ended("timeout")
+    assert strategist.counts.memory_hit
+    strategist.on_end("timeout")
     strategist, told = thinker(one, memory=memory, regions=False, least_gain=0.999)
     strategist.begin(one.trial, one.now, one.world)
     assert ["rehearsed" in fields["refused"] for event, fields in told if event == "recall"] == [True]
-    assert not strategist.account.memory_hit
-    strategist.ended("timeout")
+    assert not strategist.counts.memory_hit
+    strategist.on_end("timeout")
 
 
 def test_a_remembered_plan_that_was_replaced_did_not_help_and_the_one_that_did_is_kept(remembering):
     one, memory = remembering
     strategist, _ = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
-    assert strategist.failed(CostError("runtime", "no"), "reach", one.now) is not None
-    strategist.ended("success")
+    assert strategist.on_cost_error(CostError("runtime", "no"), "reach", one.now) is not None
+    strategist.on_end("success")
     first, *others = memory.all()
     assert (first.used, first.helped) == (1, 0)
     assert len(others) == 1
@@ -261,7 +261,7 @@ def test_a_success_without_regions_is_not_kept(scene, tmp_path):
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
     strategist, _ = thinker(one, memory=memory, regions=False)
     strategist.begin(one.trial, one.now, one.world)
-    strategist.ended("success")
+    strategist.on_end("success")
     assert memory.all() == []
 
 
@@ -271,7 +271,7 @@ def test_without_a_hit_no_process_is_started(scene, tmp_path):
     strategist.begin(one.trial, one.now, one.world)
     assert loaded
     assert worker.starts == 0
-    strategist.ended("timeout")
+    strategist.on_end("timeout")
 
 
 def test_the_process_ends_though_the_memory_cannot_be_written(remembering):
@@ -281,15 +281,15 @@ def test_the_process_ends_though_the_memory_cannot_be_written(remembering):
     memory.store.path.unlink()
     memory.store.path.mkdir()
     with pytest.raises(InputError):
-        strategist.ended("success")
+        strategist.on_end("success")
     assert worker.pid is None
 
 
 def test_attempts_without_progress_are_counted(scene):
     one = scene("pick-box")
     watch = ProgressMonitor(OuterCfg(n_retry=3, attempt_s=0.2), ("reach", "close", "lift"))
-    assert not any(watch.see(moment(one, 0.1 * k, "reach", 10.0 - k)) for k in range(8))
-    found = [watch.see(moment(one, 0.8 + 0.1 * k, "reach", 3.0)) for k in range(8)]
+    assert not any(watch.update(plan_report(one, 0.1 * k, "reach", 10.0 - k)) for k in range(8))
+    found = [watch.update(plan_report(one, 0.8 + 0.1 * k, "reach", 3.0)) for k in range(8)]
     assert found[-1]
     assert not found[0]
 
@@ -298,7 +298,7 @@ def test_falling_back_again_and_again_is_no_progress(scene):
     one = scene("pick-box")
     watch = ProgressMonitor(OuterCfg(n_retry=5, attempt_s=0.2), ("reach", "close", "lift"))
     stages = ["reach", "close"] * 8
-    assert any(watch.see(moment(one, 0.2 * k, stage, 5.0)) for k, stage in enumerate(stages))
+    assert any(watch.update(plan_report(one, 0.2 * k, stage, 5.0)) for k, stage in enumerate(stages))
     assert watch.returns >= 2
 
 
@@ -311,7 +311,7 @@ def test_an_object_on_its_way_is_progress_though_the_cost_stays_as_it_is(scene, 
         box = one.now.objects["box"]
         moved = dataclasses.replace(box, position=box.position + np.array([pace_m_s * 0.04, 0.0, 0.0]))
         one.now = dataclasses.replace(one.now, objects={**one.now.objects, "box": moved})
-        seen.append(watch.see(moment(one, 0.04 * k, "push", 5.0)))
+        seen.append(watch.update(plan_report(one, 0.04 * k, "push", 5.0)))
     assert any(seen) == stuck
 
 
@@ -322,7 +322,7 @@ def test_an_object_that_goes_to_and_fro_is_no_progress(scene):
     for k in range(1, 200):
         moved = dataclasses.replace(box, position=box.position + np.array([0.03 * np.sin(k), 0.0, 0.0]))
         one.now = dataclasses.replace(one.now, objects={**one.now.objects, "box": moved})
-        seen.append(watch.see(moment(one, 0.04 * k, "push", 5.0)))
+        seen.append(watch.update(plan_report(one, 0.04 * k, "push", 5.0)))
     assert any(seen)
 
 
@@ -333,16 +333,16 @@ def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):
     other = None
     for k in range(8):
         step = Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
-        other = other or strategist.after(moment(one, 0.1 * k, "reach", 5.0, (step,)))
+        other = other or strategist.on_plan(plan_report(one, 0.1 * k, "reach", 5.0, (step,)))
     assert other is not None
-    assert strategist.account.repairs == 1
+    assert strategist.counts.repairs == 1
     stuck = next(fields for event, fields in told if event == "stuck")
     assert stuck["diagnosis"] == "not-reached"
     assert stuck["history"]
     repair = [fields for event, fields in told if event == "plan_answer"][-1]
     assert repair["kind"] == "cost-repair"
     assert "never touched" in repair["explanation"]
-    assert strategist.after(moment(one, 9.0, "reach", 5.0)) is None
+    assert strategist.on_plan(plan_report(one, 9.0, "reach", 5.0)) is None
 
 
 class Regrouper:
@@ -363,7 +363,7 @@ def test_after_a_repair_places_to_touch_are_asked_for_the_new_stages(scene):
     strategist.begin(one.trial, one.now, one.world)
     other = None
     for k in range(8):
-        other = other or strategist.after(moment(one, 0.1 * k, "task", 5.0))
+        other = other or strategist.on_plan(plan_report(one, 0.1 * k, "task", 5.0))
     assert [stage.name for stage in other.stages] == ["reach", "close", "lift"]
     regions = [fields for event, fields in told if event == "regions"]
     assert [(fields["failure"], fields["refused"]) for fields in regions] == [("", [])] * 2
@@ -385,7 +385,7 @@ def test_a_plan_that_stays_keeps_the_places_that_it_was_made_for(scene):
     before = strategist.begin(one.trial, one.now, one.world)
     other = None
     for k in range(8):
-        other = other or strategist.after(moment(one, 0.1 * k, "reach", 5.0))
+        other = other or strategist.on_plan(plan_report(one, 0.1 * k, "reach", 5.0))
     assert [event for event, _ in told].count("regions") == 1
     assert [len(stage.guides) for stage in other.stages] == [len(stage.guides) for stage in before.stages]
 
@@ -399,8 +399,8 @@ def test_without_refinement_nothing_changes(scene):
     one = scene("pick-box")
     strategist, _ = thinker(one, refine=False, outer=OuterCfg(n_retry=1, attempt_s=0.1))
     strategist.begin(one.trial, one.now, one.world)
-    assert [strategist.after(moment(one, 0.1 * k, "reach", 5.0)) for k in range(6)] == [None] * 6
-    assert strategist.account.repairs == 0
+    assert [strategist.on_plan(plan_report(one, 0.1 * k, "reach", 5.0)) for k in range(6)] == [None] * 6
+    assert strategist.counts.repairs == 0
 
 
 @pytest.mark.parametrize("reason", ["success", "timeout"])
@@ -408,7 +408,7 @@ def test_without_memory_nothing_is_kept(scene, reason):
     one = scene("pick-box")
     strategist, told = thinker(one)
     strategist.begin(one.trial, one.now, one.world)
-    strategist.ended(reason)
+    strategist.on_end(reason)
     assert "remembered" not in [event for event, _ in told]
     assert isinstance(one.world.beliefs[0]["box"], PhysicalParameters)
 
@@ -461,7 +461,7 @@ def test_a_cost_that_fails_in_use_is_repaired_with_the_reason_and_its_line(fragi
     one, advisor, strategist, told, stages = fragile()
     with pytest.raises(CostError) as caught:
         evaluated(one, stages[1], 6.0)
-    other = strategist.failed(caught.value, "second", one.now)
+    other = strategist.on_cost_error(caught.value, "second", one.now)
     assert "in stage 'second', line 3" in advisor.prompts[1].partition("did not even run")[2]
     assert evaluated(one, other.stages[1], 6.0) == ["second"]
     assert [(fields["stage"], fields["meanwhile"]) for event, fields in told if event == "cost_error"] == [
@@ -474,10 +474,10 @@ def test_the_last_good_cost_is_used_until_the_repair(fragile):
     assert evaluated(one, stages[0], 4.0) == ["first"]
     assert evaluated(one, stages[1], 4.0) == ["second"]
     assert evaluated(one, stages[1], 6.0) == ["first"]
-    other = strategist.after(moment(one, 6.0, "second", 5.0))
+    other = strategist.on_plan(plan_report(one, 6.0, "second", 5.0))
     assert evaluated(one, other.stages[1], 6.0) == ["second"]
     assert [fields["meanwhile"] for event, fields in told if event == "cost_error"] == ["first"]
-    assert strategist.account.repairs == 1
+    assert strategist.counts.repairs == 1
 
 
 def test_a_failing_cost_is_final_where_nothing_may_be_tried(fragile):
@@ -485,7 +485,7 @@ def test_a_failing_cost_is_final_where_nothing_may_be_tried(fragile):
     evaluated(one, stages[0], 4.0)
     assert evaluated(one, stages[1], 6.0) == ["first"]
     with pytest.raises(CostError):
-        strategist.after(moment(one, 6.0, "second", 5.0))
+        strategist.on_plan(plan_report(one, 6.0, "second", 5.0))
     assert len(advisor.prompts) == 1
 
 
@@ -495,7 +495,7 @@ def test_a_unified_mind_asks_once_and_believes_what_it_hears(scene):
     strategy = strategist.begin(one.trial, one.now, one.world)
     assert [stage.name for stage in strategy.stages] == ["reach", "close", "lift"]
     assert strategy.stages[0].guides
-    assert strategist.account.advisor_calls == 1
+    assert strategist.counts.advisor_calls == 1
     assert [event for event, _ in told] == ["beliefs", "plan_answer"]
     assert one.world.beliefs[0]["box"].mass_kg == pytest.approx(told[0][1]["box"][0], abs=1e-4)
 
@@ -535,19 +535,19 @@ def test_a_unified_mind_that_is_stuck_asks_its_one_question_with_the_history(sce
     strategist, told = thinker(one, advisor, unified=True, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
     strategist.begin(one.trial, one.now, one.world)
     step = Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
-    assert any(strategist.after(moment(one, 0.1 * k, "reach", 5.0, (step,))) for k in range(8))
+    assert any(strategist.on_plan(plan_report(one, 0.1 * k, "reach", 5.0, (step,))) for k in range(8))
     assert "What happened lately" in advisor.prompts[-1]
     assert "correction" not in [event for event, _ in told]
 
 
 @pytest.fixture
 def corrected(scene, monkeypatch):
-    """A mind to which a box is moved on, 5 mm in each plan of 0.1 s; the times at which it corrects are noted."""
+    """A strategist to which a box is moved on, 5 mm in each plan of 0.1 s; the times at which it corrects are noted."""
 
     def run(plans, last=True, **cfg):
         one, noted = scene("pick-box"), []
         strategist, _ = thinker(one, **cfg)
-        monkeypatch.setattr(thinking, "correct", lambda asker, name, now, *_: noted.append((name, now.time_s)))
+        monkeypatch.setattr(thinking, "correct_beliefs", lambda asker, name, now, *_: noted.append((name, now.time_s)))
         strategist.begin(one.trial, one.now, one.world)
         box = one.now.objects["box"]
         for k in range(1, plans + 1):
@@ -557,9 +557,9 @@ def corrected(scene, monkeypatch):
                 for n, body in enumerate((box, after))
             )
             step = Transition(here, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), there)
-            assert strategist.after(moment(one, 0.1 * k, "reach", 50.0 - k, (step,))) is None
+            assert strategist.on_plan(plan_report(one, 0.1 * k, "reach", 50.0 - k, (step,))) is None
         if last:
-            strategist.ended("timeout")
+            strategist.on_end("timeout")
         return [name for name, _ in noted], [round(time, 3) for _, time in noted]
 
     return run

@@ -6,7 +6,14 @@ import pytest
 from coral.contact.scene.observation import BodyState, HandTarget, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.world_model.force_balance import Balance, BalanceCfg, above_table, balances, solve, unbalanced
+from coral.contact.world_model.force_balance import (
+    Balance,
+    BalanceCfg,
+    balance_error,
+    balances,
+    finger_clearance,
+    solve_balance,
+)
 from coral.contact.world_model.identification import IdentifyCfg
 
 CFG = BalanceCfg()
@@ -54,18 +61,18 @@ def test_what_is_dragged_and_then_held_up_tells_both(trial, truth):
     ]
     both = Balance(found[0].dragged, found[1].held)
     assert min(len(found[0].dragged), len(found[1].held)) > 10
-    after, covariance = solve(both, BOUNDS, CFG)
+    after, covariance = solve_balance(both, BOUNDS, CFG)
     assert after.mass_kg == pytest.approx(truth.mass_kg, rel=0.04)
     assert after.friction == pytest.approx(truth.friction, rel=0.04)
     assert np.sqrt(np.diag(covariance)).max() < 0.15
-    right, wrong = unbalanced(both, [truth, PhysicalParameters(2.0, 0.9)], CFG)
+    right, wrong = balance_error(both, [truth, PhysicalParameters(2.0, 0.9)], CFG)
     assert right == pytest.approx(0.0, abs=1e-9)
     assert wrong > 1.0
 
 
 def test_one_press_alone_tells_friction_and_not_mass(trial):
     found = balances(history(trial, PhysicalParameters(0.1, 0.5), 8.0), "board", trial, CFG)
-    _, covariance = solve(found, BOUNDS, CFG)
+    _, covariance = solve_balance(found, BOUNDS, CFG)
     assert covariance[0, 0] > 10 * covariance[1, 1]
     assert len(found.held) == 0
 
@@ -73,7 +80,7 @@ def test_one_press_alone_tells_friction_and_not_mass(trial):
 def test_single_steps_that_something_else_is_felt_in_do_not_decide(trial):
     held = balances(history(trial, PhysicalParameters(0.1, 0.5), 0.0, 0.06), "board", trial, CFG).held.copy()
     held[::4, 0] += 5.0
-    after, _ = solve(Balance(np.zeros((0, 3)), held), BOUNDS, CFG)
+    after, _ = solve_balance(Balance(np.zeros((0, 3)), held), BOUNDS, CFG)
     assert after.mass_kg == pytest.approx(0.1, rel=0.05)
 
 
@@ -88,6 +95,8 @@ def test_too_short_a_history_says_nothing(trial):
 
 def test_a_finger_beside_the_table_is_near_nothing(trial):
     step = history(trial, PhysicalParameters(0.1, 0.5), 1.0, count=1)[0]
-    assert above_table(trial, step) == pytest.approx(step.after.tool.position[2] - 0.008, abs=1e-9)
+    assert finger_clearance(trial, step) == pytest.approx(step.after.tool.position[2] - 0.008, abs=1e-9)
     aside = dataclasses.replace(step.after.tool, position=np.array([0.0, 5.0, 0.0]))
-    assert above_table(trial, dataclasses.replace(step, after=dataclasses.replace(step.after, tool=aside))) == np.inf
+    assert (
+        finger_clearance(trial, dataclasses.replace(step, after=dataclasses.replace(step.after, tool=aside))) == np.inf
+    )

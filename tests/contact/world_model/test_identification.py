@@ -13,7 +13,7 @@ from coral.contact.tasks import load_task
 from coral.contact.thinker.diagnosis import diagnose, recent
 from coral.contact.world_model import identification as module
 from coral.contact.world_model.force_balance import Balance
-from coral.contact.world_model.history import Window, most_telling, windows
+from coral.contact.world_model.history import Window, most_informative_object, windows
 from coral.contact.world_model.history_replay import HistoryReplay
 from coral.contact.world_model.identification import (
     Corrections,
@@ -50,9 +50,9 @@ def still(scene, force=0.0):
 
 def test_a_history_without_touch_says_nothing(scene):
     _, step = still(scene)
-    assert most_telling([step] * 30) is None
+    assert most_informative_object([step] * 30) is None
     assert windows([step] * 30, "box") == []
-    assert most_telling([]) is None
+    assert most_informative_object([]) is None
 
 
 def test_a_proposal_equal_to_the_belief_explains_no_better(scene):

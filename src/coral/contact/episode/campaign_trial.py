@@ -16,7 +16,7 @@ from coral.contact.episode.variants import REMEMBERING, AdvisorSetup, contact_mo
 from coral.contact.memory.memory import Memory
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import sample_trial
-from coral.contact.thinker.think_cfg import within
+from coral.contact.thinker.think_cfg import resolved
 from coral.errors import RunError
 
 
@@ -65,7 +65,7 @@ def run_trial(
                 seed=seed,
                 world=world,
                 folder=folder,
-                think=within(cfg.controller, cfg.think),
+                think=resolved(cfg.think, cfg.controller, advisor),
                 memory=None if own is None else own.where,
                 model=model or contact_model(),
             ),

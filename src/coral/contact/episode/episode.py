@@ -26,6 +26,7 @@ from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import HandTarget, Observation, Transition, Truth
 from coral.contact.scene.trial import PhysicalParameters, Trial, prior_beliefs, with_beliefs
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
+from coral.contact.thinker.think_cfg import resolved
 from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError, RunError
@@ -68,6 +69,7 @@ class Episode:
         variant: str,
         advisor: str = "none",
     ) -> None:
+        cfg = dataclasses.replace(cfg, think=resolved(cfg.think, cfg.controller, advisor))
         self.trial, self.strategist, self.cfg = trial, strategist, cfg
         self.variant, self.advisor = variant, advisor
         self.time_limit_s = trial.task.time_limit_s
@@ -82,7 +84,7 @@ class Episode:
         )
         self.tracked: TrackedWorld | None = None
         self.guessed: GuessedWorld | None = None
-        if strategist.guesses:
+        if strategist.guesses_poses:
             self.world = self.guessed = GuessedWorld(self.world, trial)
         elif cfg.poses == "tracked":
             self.world = self.tracked = TrackedWorld(
@@ -111,7 +113,7 @@ class Episode:
         """Run to the end; returns metrics and timing together.
 
         Raises:
-            InputError, RunError: What the mind wanted to do at the end failed; the run folder is complete all the same.
+            InputError, RunError: What the strategist did at the end failed; the run folder is complete all the same.
         """
         started = time.perf_counter()
         try:
@@ -163,7 +165,7 @@ class Episode:
             plan = self.controller.plan(self.now, stage, self.step)
             changed = self.progress.update(plan.now)
         except CostError as error:
-            other = self.strategist.failed(error, stage.name, self.now)
+            other = self.strategist.on_cost_error(error, stage.name, self.now)
             if other is None:
                 self._cost_error(error, stage.name)
             else:
@@ -194,7 +196,7 @@ class Episode:
         if changed:
             self.emit("stage", before=stage.name, stage=self.stage, index=self.progress.index)
         try:
-            other = self.strategist.after(PlanReport(self.step, self.now, plan, stage.name, tuple(self._taken)))
+            other = self.strategist.on_plan(PlanReport(self.step, self.now, plan, stage.name, tuple(self._taken)))
         except CostError as error:
             self._cost_error(error, stage.name)
             return None
@@ -250,12 +252,12 @@ class Episode:
         cfg = self.cfg
         self._write_head()
         self._say_start()
-        self.strategist.listen(self.emit)
-        self.strategist.open_eyes(self.look)
+        self.strategist.attach_log(self.emit)
+        self.strategist.attach_camera(self.look)
         self.now = self.world.reset()
         self.t = self.now.time_s
         if self.guessed is not None:
-            self.now = self.guessed.settle(self.strategist.locate(self.trial, self.now), self.now)
+            self.now = self.guessed.settle(self.strategist.guess_poses(self.trial, self.now), self.now)
         self._tell_tracks()
         self.planner = PlanningWorld(
             self.trial, prior_beliefs(self.trial), self.now, cfg.planning, np.random.default_rng([self.trial.seed, 6])
@@ -335,20 +337,20 @@ class Episode:
 
     def _end(self) -> None:
         try:
-            self.strategist.ended(self.end_reason or "failed")
+            self.strategist.on_end(self.end_reason or "failed")
         except (InputError, RunError) as error:
             # As a memory that cannot be written: said when the record is complete.
             self._late = error
-        account = self.strategist.account
+        counts = self.strategist.counts
         self.recorder.state(self.step, self.t, self.world, last=True)
         self.recorder.close(self.step)
         self.emit(
             "end",
             reason=self.end_reason or "failed",
             detail=self.detail,
-            advisor_calls=account.advisor_calls,
-            repairs=account.repairs,
-            memory_hit=account.memory_hit,
+            advisor_calls=counts.advisor_calls,
+            repairs=counts.repairs,
+            memory_hit=counts.memory_hit,
         )
         self.writer.close()
         self.world.close()

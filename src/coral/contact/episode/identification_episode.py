@@ -16,7 +16,7 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode, EpisodeObserver
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
-from coral.contact.thinker.think_cfg import within
+from coral.contact.thinker.think_cfg import resolved
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,7 +61,11 @@ def probe_episode(
         "full",
         trial.task,
         AdvisorSetup(
-            seed=trial.seed, world=world, folder=folder, think=within(cfg.controller, cfg.think), believe={name: first}
+            seed=trial.seed,
+            world=world,
+            folder=folder,
+            think=resolved(cfg.think, cfg.controller, "heuristic"),
+            believe={name: first},
         ),
     )
     episode = Episode(real, world, strategist, cfg, folder, variant="full", advisor="heuristic")

@@ -23,7 +23,7 @@ from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.strategist import FixedStrategist, Strategist
-from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.thinker.think_cfg import ThinkCfg, decision_budget
 from coral.contact.thinker.thinker import Thinker
 from coral.errors import InputError, nearest
 
@@ -44,7 +44,7 @@ class AdvisorSetup:
         memory: The experience memory, as `store_of` takes it; None for none.
         folder: Run folder, in which every attempt is logged; None for no log.
         inbox: Of the advisor `desk`.
-        think: What of the thinking is on, and its thresholds.
+        think: Which parts of the outer loop are enabled, and their thresholds.
         believe: What is believed of objects at first, instead of the advisor's estimate.
         model: Of real models.
     """
@@ -61,8 +61,6 @@ class AdvisorSetup:
 
 
 Make = Callable[[Task, AdvisorSetup], Strategist]
-DESK_S = 86_400.0
-"""A person at the desk may take a day, unless the configuration says otherwise."""
 
 
 def _thinking(
@@ -98,9 +96,7 @@ def _thinking(
         # What rules compose needs no confinement; what a model writes gets it, and so does what is remembered.
         worker = CostWorker()
         load = in_process if rules_alone(asking.advisor) else worker.load
-        budget = asking.think.budget
-        if asking.advisor.rsplit(":", 1)[-1] == "desk" and budget == ThinkCfg().budget:
-            budget = dataclasses.replace(budget, deadline_s=DESK_S)
+        budget = decision_budget(asking.think.budget, asking.advisor)
         return Thinker(
             Asker(advisor, budget, _logging(asking.folder)),
             think,

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import Any
 
 from coral.contact.memory.memory import Experience, roles
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
+from coral.contact.scene.facts import SceneFacts
 
 
-def adapt(experience: Experience, facts: Mapping[str, Any]) -> tuple[PlanAnswer, RegionsAnswer]:
+def adapt(experience: Experience, facts: SceneFacts) -> tuple[PlanAnswer, RegionsAnswer]:
     """The remembered plan and regions in the names and sizes of this scene; to be verified as if newly given."""
     before = list(dict.fromkeys(goal["object"] for goal in experience.goals if goal["kind"] != "undisturbed"))
     names = dict(zip(before, roles(facts), strict=False))

@@ -17,6 +17,7 @@ from coral.contact.memory.embedding import Embedder, Vector, best_embedder
 from coral.contact.memory.store import ExperienceStore, store_of
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
+from coral.contact.scene.facts import SceneFacts
 from coral.errors import InputError
 
 FORMAT = "coral-memory/1"
@@ -186,7 +187,7 @@ class Memory:
         """Note that an experience was used, and whether the episode succeeded."""
         self.store.count(number, helped)
 
-    def find(self, facts: Mapping[str, Any], most: int = 3) -> list[Match]:
+    def find(self, facts: SceneFacts, most: int = 3) -> list[Match]:
         """Experiences that fit a scene, best first: same goals, numbers near, then by the texts.
 
         Args:
@@ -256,7 +257,7 @@ class Memory:
         return count
 
 
-def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:
+def scene_numbers(facts: SceneFacts) -> dict[str, float]:
     """The numbers of a scene by name, objects by their place in the goals so that names do not matter."""
     order = {name: index for index, name in enumerate(roles(facts))}
     found: dict[str, float] = {}
@@ -265,7 +266,10 @@ def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:
             continue
         key = f"object{order[name]}"
         found |= {f"{key}.size.{k}": float(value) for k, value in enumerate(item["size_m"])}
-        found |= {f"{key}.{name}": float(item[name]) for name in ("mass_kg", "friction") if name in item}
+        if "mass_kg" in item:
+            found[f"{key}.mass_kg"] = float(item["mass_kg"])
+        if "friction" in item:
+            found[f"{key}.friction"] = float(item["friction"])
     for index, goal in enumerate(facts["goals"]):
         found |= {
             f"goal{index}.{key}": float(value)
@@ -273,14 +277,14 @@ def scene_numbers(facts: Mapping[str, Any]) -> dict[str, float]:
             if isinstance(value, int | float) and not isinstance(value, bool)
         }
     found |= {f"number.{key}": float(value) for key, value in facts["numbers"].items()}
-    for name, item in facts["fixtures"].items():
-        found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(item["position"])}
+    for name, fixture in facts["fixtures"].items():
+        found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(fixture["position"])}
     for name, place in facts["places"].items():
         found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(place)}
     return found
 
 
-def roles(facts: Mapping[str, Any]) -> list[str]:
+def roles(facts: SceneFacts) -> list[str]:
     """The objects that goals ask to be moved, in the order of the goals."""
     return list(dict.fromkeys(goal["object"] for goal in facts["goals"] if goal["kind"] != "undisturbed"))
 

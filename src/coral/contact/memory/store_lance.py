@@ -17,7 +17,7 @@ import numpy as np
 import pyarrow as pa
 
 from coral.contact.memory.embedding import Vector
-from coral.contact.memory.store import BUSY_S, Row
+from coral.contact.memory.row import BUSY_S, Row
 from coral.errors import InputError, first_line
 
 T = TypeVar("T")
@@ -40,7 +40,7 @@ ALL = 2**31 - 1
 
 
 class LanceStore:
-    """See `Store`.
+    """See `ExperienceStore`.
 
     Args:
         uri: A folder, or what LanceDB connects to (`s3://BUCKET/PATH`, ...; it reads keys from the environment).
@@ -63,11 +63,11 @@ class LanceStore:
         self._lance: Any = lancedb
 
     def exists(self) -> bool:
-        """See `Store.exists`."""
+        """See `ExperienceStore.exists`."""
         return self._told(self._table) is not None
 
     def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
-        """See `Store.insert`."""
+        """See `ExperienceStore.insert`."""
 
         def written() -> int | None:
             table = self._connected().create_table(TABLE, schema=SCHEMA, exist_ok=True)
@@ -92,7 +92,7 @@ class LanceStore:
         return self._committed(written)
 
     def rows(self) -> list[Row]:
-        """See `Store.rows`."""
+        """See `ExperienceStore.rows`."""
         table = self._told(self._table)
         if table is None:
             return []
@@ -100,11 +100,11 @@ class LanceStore:
         return [Row(**{**row, "vector": np.asarray(row["vector"], np.float32)}) for row in found]
 
     def delete(self, number: int) -> None:
-        """See `Store.delete`."""
+        """See `ExperienceStore.delete`."""
         self._change(lambda table: table.delete(f"id = {int(number)}"))
 
     def count(self, number: int, helped: bool) -> None:
-        """See `Store.count`."""
+        """See `ExperienceStore.count`."""
         self._change(
             lambda table: table.update(
                 where=f"id = {int(number)}", values_sql={"used": "used + 1", "helped": f"helped + {int(helped)}"}

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from coral.contact.memory.embedding import Vector
-from coral.contact.memory.store import BUSY_S, Row
+from coral.contact.memory.row import BUSY_S, Row
 from coral.errors import InputError
 
 TABLE = """CREATE TABLE IF NOT EXISTS experience (
@@ -24,7 +24,7 @@ TABLE = """CREATE TABLE IF NOT EXISTS experience (
 
 
 class SqliteStore:
-    """See `Store`.
+    """See `ExperienceStore`.
 
     Args:
         path: The file; made at the first row.
@@ -34,11 +34,11 @@ class SqliteStore:
         self.path, self.name = path, str(path)
 
     def exists(self) -> bool:
-        """See `Store.exists`."""
+        """See `ExperienceStore.exists`."""
         return self.path.is_file()
 
     def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
-        """See `Store.insert`."""
+        """See `ExperienceStore.insert`."""
         with self._open(write=True) as base:
             row = base.execute(
                 "INSERT INTO experience (created, record, embedder, vector) VALUES (?, ?, ?, ?)",
@@ -47,7 +47,7 @@ class SqliteStore:
             return int(row.lastrowid or 0)
 
     def rows(self) -> list[Row]:
-        """See `Store.rows`."""
+        """See `ExperienceStore.rows`."""
         if not self.path.exists():
             return []
         with self._open() as base:
@@ -60,12 +60,12 @@ class SqliteStore:
         ]
 
     def delete(self, number: int) -> None:
-        """See `Store.delete`."""
+        """See `ExperienceStore.delete`."""
         with self._open(write=True) as base:
             base.execute("DELETE FROM experience WHERE id = ?", (number,))
 
     def count(self, number: int, helped: bool) -> None:
-        """See `Store.count`."""
+        """See `ExperienceStore.count`."""
         with self._open(write=True) as base:
             base.execute(
                 "UPDATE experience SET used = used + 1, helped = helped + ? WHERE id = ?", (int(helped), number)

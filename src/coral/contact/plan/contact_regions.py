@@ -22,6 +22,8 @@ from coral.contact.scene.geometry import quaternion_of, rotate, rotation_of
 
 Array = NDArray[np.float64]
 Approach = Literal["push", "press", "pinch"]
+Corner = tuple[Signed, Signed, Signed]
+"""Of a box in the world, m."""
 PAD_M = 0.010
 """From the tool to a finger's forward face."""
 TIP_M = 0.008
@@ -29,7 +31,6 @@ TIP_M = 0.008
 LOWEST_M = 0.012
 """The tool comes no lower over the table."""
 GOLDEN_RAD = math.pi * (3 - math.sqrt(5))
-_REACH = ControllerCfg()
 
 
 class Region(BaseModel):
@@ -82,7 +83,7 @@ class RegionCfg:
         facing: Least cosine between the region's normal and the surface's at a candidate.
         buried_m: A candidate, or the tool at it, lies in another thing when it is so deep in it; tracked poses err by
             as much.
-        reach_low_m, reach_high_m: Corners of the box that the tool stays in; by default the controller's workspace.
+        reach_low_m, reach_high_m: Corners of the box that the tool stays in; None for the controller's workspace.
         standoff_m: Candidates are mirrored so far out along the normal: the way in is a way from there.
     """
 
@@ -92,9 +93,23 @@ class RegionCfg:
     extent_m: Positive = 0.15
     facing: Fraction = 0.5
     buried_m: Positive = 0.003
-    reach_low_m: tuple[Signed, Signed, Signed] = _REACH.workspace_low_m
-    reach_high_m: tuple[Signed, Signed, Signed] = _REACH.workspace_high_m
+    reach_low_m: Corner | None = None
+    reach_high_m: Corner | None = None
     standoff_m: Positive = 0.08
+
+
+def reach_box(cfg: RegionCfg, controller: ControllerCfg | None = None) -> tuple[Corner, Corner]:
+    """Lowest and highest corner of the box that the tool stays in.
+
+    Args:
+        cfg: Bounds.
+        controller: Whose workspace holds where they are None; by default one with its defaults.
+    """
+    controller = controller or ControllerCfg()
+    return (
+        controller.workspace_low_m if cfg.reach_low_m is None else cfg.reach_low_m,
+        controller.workspace_high_m if cfg.reach_high_m is None else cfg.reach_high_m,
+    )
 
 
 def natural_approach(normal: Array) -> Approach:

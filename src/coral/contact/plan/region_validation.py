@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -18,9 +17,11 @@ from coral.contact.plan.contact_regions import (
     RegionsAnswer,
     closing_axis,
     natural_approach,
+    reach_box,
 )
 from coral.contact.plan.convex_pieces import Solid
 from coral.contact.plan.touchable_points import MISSED, REACH, Candidates, Scenery, candidates_of, off_surface
+from coral.contact.scene.facts import ObjectFacts, SceneFacts, on_table
 from coral.contact.scene.geometry import rotate
 
 UNTOUCHABLE = ("missed", "buried", "out-of-reach")
@@ -29,7 +30,7 @@ UNTOUCHABLE = ("missed", "buried", "out-of-reach")
 
 def verify_regions(
     answer: RegionsAnswer,
-    facts: Mapping[str, Any],
+    facts: SceneFacts,
     stages: Sequence[str] = (),
     cfg: RegionCfg | None = None,
     scenery: Scenery | None = None,
@@ -71,9 +72,9 @@ def _no(name: str, code: str, reason: str, index: int | None = None) -> Rejectio
 
 def _wrong(
     region: Region,
-    item: Mapping[str, Any],
+    item: ObjectFacts,
     solids: Sequence[Solid],
-    facts: Mapping[str, Any],
+    facts: SceneFacts,
     stages: Sequence[str],
     cfg: RegionCfg,
 ) -> tuple[str, str] | None:
@@ -102,7 +103,7 @@ def _wrong(
         return "inward", f"the normal {_text(normal)} does not point out of the object at {_text(center)}"
     pose = np.asarray(item["pose"])
     here, out = pose[:3] + rotate(pose[3:], center), rotate(pose[3:], normal)
-    if out[2] < -0.5 and not _overhangs(here, facts):
+    if out[2] < -0.5 and on_table(facts["table"], here):
         return "underside", "the normal points down at the table: the hand cannot get under it"
     approach = region.approach or natural_approach(out)
     if approach == "pinch" and not _graspable(region, item):
@@ -110,7 +111,7 @@ def _wrong(
             f"the fingers open to {MAX_OPENING_M:g} m and the object is wider there; pinch a narrower "
             "part, or push or press"
         )
-    if here[2] < -TIP_M and not _overhangs(here, facts):
+    if here[2] < -TIP_M and on_table(facts["table"], here):
         return "below-table", f"it lies {-here[2]:.3f} m below the table's top"
     return None
 
@@ -127,7 +128,7 @@ def _points_inward(center: Array, normal: Array, solids: Sequence[Solid], cfg: R
 
 
 def _nothing_left(
-    region: Region, left: Candidates, item: Mapping[str, Any], solids: Sequence[Solid], cfg: RegionCfg
+    region: Region, left: Candidates, item: ObjectFacts, solids: Sequence[Solid], cfg: RegionCfg
 ) -> tuple[str, str]:
     """Why no candidate of a region can be touched."""
     count = sum(left.lost.values())
@@ -137,7 +138,7 @@ def _nothing_left(
     if worst == MISSED:
         code, mend = "missed", f"in the object's frame it extends {_extent(item)}"
     elif worst == REACH:
-        low, high = cfg.reach_low_m, cfg.reach_high_m
+        low, high = reach_box(cfg)
         code, mend = (
             "out-of-reach",
             (f"in the world the hand gets from {_text(np.asarray(low))} to {_text(np.asarray(high))} m"),
@@ -145,7 +146,7 @@ def _nothing_left(
     return code, f"none of its {count} candidate points can be touched: {told}; {mend}"
 
 
-def _extent(item: Mapping[str, Any]) -> str:
+def _extent(item: ObjectFacts) -> str:
     half, middle = np.asarray(item["size_m"]) / 2, np.asarray(item.get("middle_m", (0.0, 0.0, 0.0)))
     return f"{_text(middle - half)} to {_text(middle + half)} m"
 
@@ -154,11 +155,7 @@ def _text(vector: Array) -> str:
     return "[" + ", ".join(f"{value:.3f}" for value in vector) + "]"
 
 
-def _overhangs(point: Array, facts: Mapping[str, Any]) -> bool:
-    return not all(facts["table"][axis][0] <= point[k] <= facts["table"][axis][1] for k, axis in enumerate("xy"))
-
-
-def _graspable(region: Region, item: Mapping[str, Any]) -> bool:
+def _graspable(region: Region, item: ObjectFacts) -> bool:
     if closing_axis(np.asarray(region.normal), np.asarray(item["size_m"])) is not None:
         return True
     # A handle is narrower than the thing that it is part of; the rehearsal will tell.

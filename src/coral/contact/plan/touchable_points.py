@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +17,11 @@ from coral.contact.plan.contact_regions import (
     RegionsAnswer,
     candidates,
     natural_approach,
+    reach_box,
     tool_at,
 )
 from coral.contact.plan.convex_pieces import Solid, box, pieces
+from coral.contact.scene.facts import PartFacts, SceneFacts
 from coral.contact.scene.geometry import from_rotvec, rotate, rotation_of
 from coral.contact.scene.trial import Trial
 
@@ -44,11 +45,11 @@ class Scenery:
         return cls({name: pieces(trial, name) for name in trial.objects})
 
     @classmethod
-    def boxes(cls, facts: Mapping[str, Any]) -> Scenery:
+    def boxes(cls, facts: SceneFacts) -> Scenery:
         """All that facts alone tell: the boxes that hold the parts."""
         found = {}
         for name, item in facts["objects"].items():
-            whole = [{"position": item.get("middle_m", (0.0, 0.0, 0.0)), "size_m": item["size_m"]}]
+            whole: list[PartFacts] = [{"position": item.get("middle_m", [0.0] * 3), "size_m": item["size_m"]}]
             found[name] = tuple(
                 box(np.asarray(part["size_m"]), np.asarray(part["position"])) for part in item.get("parts") or whole
             )
@@ -113,7 +114,7 @@ def off_surface(center: Array, solids: Sequence[Solid]) -> float:
 
 def candidates_of(
     answer: RegionsAnswer,
-    facts: Mapping[str, Any],
+    facts: SceneFacts,
     stages: Sequence[str] = (),
     scenery: Scenery | None = None,
     cfg: RegionCfg | None = None,
@@ -146,7 +147,7 @@ def candidates_of(
 def touchable(
     name: str,
     region: Region,
-    facts: Mapping[str, Any],
+    facts: SceneFacts,
     scenery: Scenery,
     cfg: RegionCfg,
     standing: Sequence[str] | None,
@@ -179,7 +180,7 @@ def _hindered(
     name: str,
     region: Region,
     points: Array,
-    facts: Mapping[str, Any],
+    facts: SceneFacts,
     scenery: Scenery,
     cfg: RegionCfg,
     standing: Sequence[str],
@@ -191,8 +192,8 @@ def _hindered(
     tool = tool_at(surface, normal, np.asarray(facts["objects"][name]["size_m"]), out, approach)
     over_table = np.all(
         [
-            (tool[:, k] >= facts["table"][axis][0]) & (tool[:, k] <= facts["table"][axis][1])
-            for k, axis in enumerate("xy")
+            (tool[:, k] >= low) & (tool[:, k] <= high)
+            for k, (low, high) in enumerate((facts["table"]["x"], facts["table"]["y"]))
         ],
         axis=0,
     )
@@ -206,12 +207,13 @@ def _hindered(
             blocked = (solid.depth(tool) > cfg.buried_m) & (approach != "pinch")
             found[(found == "") & buried] = f"inside {thing}"
             found[(found == "") & blocked] = f"with no room for a finger before {thing}"
-    outside = (tool < np.asarray(cfg.reach_low_m)).any(axis=1) | (tool > np.asarray(cfg.reach_high_m)).any(axis=1)
+    low, high = map(np.asarray, reach_box(cfg))
+    outside = (tool < low).any(axis=1) | (tool > high).any(axis=1)
     found[(found == "") & outside] = REACH
     return [str(reason) for reason in found]
 
 
-def _things(facts: Mapping[str, Any], scenery: Scenery, standing: Sequence[str]) -> list[tuple[str, list[Solid]]]:
+def _things(facts: SceneFacts, scenery: Scenery, standing: Sequence[str]) -> list[tuple[str, list[Solid]]]:
     """Everything else that stands there, in the world."""
     found = []
     for name in standing:
@@ -226,7 +228,7 @@ def _things(facts: Mapping[str, Any], scenery: Scenery, standing: Sequence[str])
                 ],
             )
         )
-    for name, item in facts.get("fixtures", {}).items():
+    for name, item in facts["fixtures"].items():
         turn = rotation_of(from_rotvec([0, 0, np.radians(item["yaw_deg"])]))
         found.append((name, [box(np.asarray(item["size_m"]), np.asarray(item["position"]), turn)]))
     return found

@@ -10,22 +10,22 @@ from coral.contact.rules.scene_reading import SkillAdjustment
 
 def adjustment_after(diagnoses: Sequence[str]) -> SkillAdjustment:
     """What the composing rules change after these failures, in order."""
-    choice = SkillAdjustment()
+    adjustment = SkillAdjustment()
     for kind in diagnoses:
         if kind == "slipped":
-            choice = replace(
-                choice,
-                press=min(choice.press * 1.4, 3.0),
-                lower_m=min(choice.lower_m + 0.006, 0.012),
-                careful=max(0.5, 0.8 * choice.careful),
+            adjustment = replace(
+                adjustment,
+                press=min(adjustment.press * 1.4, 3.0),
+                lower_m=min(adjustment.lower_m + 0.006, 0.012),
+                careful=max(0.5, 0.8 * adjustment.careful),
             )
         elif kind == "not-moved":
-            choice = replace(choice, press=min(choice.press * 1.6, 3.0))
+            adjustment = replace(adjustment, press=min(adjustment.press * 1.6, 3.0))
         elif kind in ("not-reached", "no-progress", "cost-error"):
-            choice = replace(choice, turn=choice.turn + 1)
+            adjustment = replace(adjustment, turn=adjustment.turn + 1)
         else:
-            choice = replace(choice, careful=max(0.5, 0.8 * choice.careful))
-    return choice
+            adjustment = replace(adjustment, careful=max(0.5, 0.8 * adjustment.careful))
+    return adjustment
 
 
 def change_words(before: SkillAdjustment, after: SkillAdjustment) -> str:

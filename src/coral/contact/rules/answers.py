@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeVar, cast
 
 from pydantic import BaseModel
 
@@ -17,13 +17,22 @@ from coral.contact.rules.estimates import estimate_parameters
 from coral.contact.rules.goals import NoRule, goal_words
 from coral.contact.rules.outcome_cost import outcome_plan
 from coral.contact.rules.poses import estimate_poses
+from coral.contact.scene.facts import ObjectFacts
 from coral.contact.thinker.diagnosis import TEXTS
+from coral.contact.thinker.question_facts import CorrectionFacts, PlanFacts, RegionFacts
 from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.contact.world_model.parameter_answer import ObjectParameters, ParametersAnswer
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
 
+F = TypeVar("F")
 
-def _composed(facts: Mapping[str, Any], refused: int = 0) -> Composed:
+
+def _rule(answer: Callable[[F, Sequence[Rejection]], BaseModel]) -> Rule:
+    """A rule as advisors call it: facts of a question are any JSON to them, and those of its kind to the rule."""
+    return cast(Rule, answer)
+
+
+def _composed(facts: PlanFacts, refused: int = 0) -> Composed:
     if not facts.get("contact_strategy", True):
         plan = outcome_plan(facts)
         if plan is None:
@@ -37,11 +46,11 @@ def _composed(facts: Mapping[str, Any], refused: int = 0) -> Composed:
         raise AdvisorUnavailable("no-rule", str(error), final=True) from None
 
 
-def _plan(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+def _plan(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
     return _composed(facts, len(rejections)).plan
 
 
-def _regions(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+def _regions(facts: RegionFacts, rejections: Sequence[Rejection]) -> BaseModel:
     made = _composed(facts, int(facts.get("refused", 0))).regions
     # The plan may be somebody else's, with other stages: then a place is good for all of them.
     stages = facts.get("stages", ())
@@ -52,17 +61,17 @@ def _regions(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseM
         ]
         for name, regions in made.root.items()
     }
-    # The rules have no second choice of a place: the others are better than none.
+    # The rules have no second adjustment of a place: the others are better than none.
     for rejection in rejections:
         if rejection.code in UNTOUCHABLE:
             held[rejection.details["object"]].pop(rejection.details["region"])
     return RegionsAnswer({name: ObjectRegions(regions=regions) for name, regions in held.items()})
 
 
-def _repair(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+def _repair(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
     diagnoses = list(facts["diagnoses"])
     made = _composed(facts, len(rejections)).plan
-    why = TEXTS.get(diagnoses[-1], diagnoses[-1])
+    why = TEXTS[diagnoses[-1]]
     before, after = adjustment_after(diagnoses[:-1]), adjustment_after([*diagnoses, *["no-progress"] * len(rejections)])
     # A skill that has no other side or grasp must not claim to take one.
     change = change_words(before, after if _composed({**facts, "diagnoses": diagnoses[:-1]}).plan != made else before)
@@ -70,7 +79,7 @@ def _repair(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseMo
     return made.model_copy(update={"explanation": words})
 
 
-def _parameters(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+def _parameters(facts: CorrectionFacts, rejections: Sequence[Rejection]) -> BaseModel:
     fitted = facts["fitted"]
     if not fitted["better"]:
         raise AdvisorUnavailable("no-better-fit", "no mass and friction explain the history better", final=True)
@@ -79,14 +88,14 @@ def _parameters(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> Ba
     )
 
 
-def _unified(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseModel:
+def _unified(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
     """Its rules for each part, one after the other; what is believed already is kept."""
     found = {
         name: ParameterEstimate(mass_kg=item["mass_kg"], friction_coeff=item["friction"])
         for name, item in facts["objects"].items()
         if "mass_kg" in item
     } or estimate_parameters(facts, rejections).root
-    believed = {
+    believed: dict[str, ObjectFacts] = {
         name: {**item, "mass_kg": found[name].mass_kg, "friction": found[name].friction_coeff}
         for name, item in facts["objects"].items()
     }
@@ -95,11 +104,11 @@ def _unified(facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> BaseM
 
 
 RULES: Mapping[str, Rule] = {
-    "physical-parameters": estimate_parameters,
-    "cost-function": _plan,
-    "contact-regions": _regions,
-    "cost-repair": _repair,
-    "parameter-repair": _parameters,
-    "object-poses": estimate_poses,
-    "unified": _unified,
+    "physical-parameters": _rule(estimate_parameters),
+    "cost-function": _rule(_plan),
+    "contact-regions": _rule(_regions),
+    "cost-repair": _rule(_repair),
+    "parameter-repair": _rule(_parameters),
+    "object-poses": _rule(estimate_poses),
+    "unified": _rule(_unified),
 }

@@ -8,17 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
-from coral.contact.rules.goals import NoRule, goal_words, merged_goals, movement_goals, served
+from coral.contact.rules.goals import (
+    NoRule,
+    goal_words,
+    movement_goals,
+    placing_goal,
+    require_different_kinds,
+    require_only,
+)
 from coral.contact.rules.placement import placement_of
 from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, number
 from coral.contact.rules.skill_edge import add_overhang, can_overhang
 from coral.contact.rules.skill_grasp import add_grasp, add_lift, add_place, add_release
 from coral.contact.rules.skill_pivot import add_pivot
 from coral.contact.rules.skill_push import add_push, add_tip
+from coral.contact.scene.facts import AtGoal, Goal, GoalsByKind, SceneFacts, goals_by_kind
 
 
 @dataclass(frozen=True)
@@ -29,26 +36,26 @@ class Composed:
     regions: RegionsAnswer
 
 
-def compose(facts: Mapping[str, Any], choice: SkillAdjustment | None = None) -> Composed:
+def compose(facts: SceneFacts, adjustment: SkillAdjustment | None = None) -> Composed:
     """The plan for a scene.
 
     Args:
         facts: The scene (`scene_facts`) with its goals.
-        choice: What repairs have changed.
+        adjustment: What repairs have changed.
 
     Raises:
         NoRule: The rules know no way; the text says to what.
     """
-    choice = choice or SkillAdjustment()
+    adjustment = adjustment or SkillAdjustment()
     drafts = []
     for name in dict.fromkeys(goal["object"] for goal in facts["goals"]):
         asked = [goal for goal in facts["goals"] if goal["object"] == name]
         moving = movement_goals(asked, facts)
         if not moving:
             continue
-        goals = {goal["kind"]: goal for goal in asked} | merged_goals(moving)
+        require_different_kinds(moving)
         thing = Thing(name, facts)
-        drafts.append((thing, _for_object(thing, goals, [goal["kind"] for goal in moving], facts, choice)))
+        drafts.append((thing, _for_object(thing, goals_by_kind([*asked, *moving]), moving, facts, adjustment)))
     if not drafts:
         asked_for = ", ".join(goal_words(goal) for goal in facts["goals"])
         raise NoRule(f"no goal asks for anything to be moved: {asked_for}")
@@ -66,7 +73,7 @@ def compose(facts: Mapping[str, Any], choice: SkillAdjustment | None = None) -> 
 
 
 def _for_object(
-    thing: Thing, goals: Mapping[str, Any], moving: Sequence[str], facts: Mapping[str, Any], choice: SkillAdjustment
+    thing: Thing, goals: GoalsByKind, moving: Sequence[Goal], facts: SceneFacts, adjustment: SkillAdjustment
 ) -> Draft:
     """The one way that serves what is asked of an object.
 
@@ -75,15 +82,15 @@ def _for_object(
         goals: Its goals by kind.
         moving: Those that ask for it to be moved.
         facts: The scene.
-        choice: What repairs have changed.
+        adjustment: What repairs have changed.
 
     Raises:
         NoRule: No way serves all of them.
     """
-    draft, asked = Draft(), set(moving)
+    draft, asked = Draft(), {goal["kind"] for goal in moving}
     if "flipped" in asked:
         against = goals.get("touched-while-turning", {}).get("thing")
-        served(goals, asked, {"flipped", "touched-while-turning"}, thing.name, "turned over")
+        require_only({"flipped", "touched-while-turning"}, moving, thing.name, "turned over")
         if not 45 < goals["flipped"]["degrees"] < 135:
             raise NoRule(f"no rule turns the {thing.name} by other than a right angle: {goal_words(goals['flipped'])}")
         if against in facts["objects"]:
@@ -92,39 +99,39 @@ def _for_object(
                 f"{goal_words(goals['touched-while-turning'])}"
             )
         if against in facts["fixtures"]:
-            add_pivot(draft, thing, facts, against, choice)
+            add_pivot(draft, thing, facts, against, adjustment)
         else:
-            add_tip(draft, thing, facts, choice)
+            add_tip(draft, thing, facts, adjustment)
         return draft
     to_place = goals.get("at")
     if "steady-force" in asked or ("at" in asked and not thing.closings()):
-        served(goals, asked, {"steady-force", "at"}, thing.name, "pushed")
-        place = to_place or _straight_on(thing, facts)
-        add_push(draft, thing, facts, place, goals.get("steady-force", {}).get("newtons"), choice)
+        require_only({"steady-force", "at"}, moving, thing.name, "pushed")
+        place = to_place or _default_place(thing, facts)
+        add_push(draft, thing, facts, place, goals.get("steady-force", {}).get("newtons"), adjustment)
         return draft
     held = {"lifted", "grasped"} & asked
     if held and thing.closings():
-        served(goals, asked, {"lifted", "grasped"}, thing.name, "held")
-        add_grasp(draft, thing, facts, choice)
+        require_only({"lifted", "grasped"}, moving, thing.name, "held")
+        add_grasp(draft, thing, facts, adjustment)
         lift = max(goals.get("lifted", {}).get("height_m", 0.0), 0.02)
-        add_lift(draft, thing, facts, lift, choice)
+        add_lift(draft, thing, facts, lift, adjustment)
         if "released" in goals:
-            add_release(draft, thing, facts, choice)
+            add_release(draft, thing, facts, adjustment)
         return draft
     if held and can_overhang(thing):
-        served(goals, asked, {"lifted", "grasped"}, thing.name, "held")
+        require_only({"lifted", "grasped"}, moving, thing.name, "held")
         lift = max(goals.get("lifted", {}).get("height_m", 0.0), 0.02)
-        add_overhang(draft, thing, facts, lift, choice)
+        add_overhang(draft, thing, facts, lift, adjustment)
         return draft
-    put = next((kind for kind in ("at", "inside", "resting") if kind in asked), None)
+    put = placing_goal(goals, moving)
     if put is not None and thing.closings():
         # What is put somewhere rests there; whether on the right thing, the place decides.
-        served(goals, asked, {put, "resting"}, thing.name, "put down")
-        spot = placement_of(thing, facts, goals[put])
-        add_grasp(draft, thing, facts, choice)
-        add_place(draft, thing, facts, spot, choice)
+        require_only({put["kind"], "resting"}, moving, thing.name, "put down")
+        placement = placement_of(thing, facts, put)
+        add_grasp(draft, thing, facts, adjustment)
+        add_place(draft, thing, facts, placement, adjustment)
         return draft
-    unserved = ", ".join(goal_words(goals[kind]) for kind in moving)
+    unserved = ", ".join(map(goal_words, moving))
     raise NoRule(
         f"the {thing.name} is too wide to grasp and no goal can be reached by pushing: {unserved}"
         if not thing.closings()
@@ -132,7 +139,7 @@ def _for_object(
     )
 
 
-def _straight_on(thing: Thing, facts: Mapping[str, Any]) -> dict[str, Any]:
+def _default_place(thing: Thing, facts: SceneFacts) -> AtGoal:
     """Where to push to when only a force is asked for: the first place of the task.
 
     Raises:
@@ -140,7 +147,8 @@ def _straight_on(thing: Thing, facts: Mapping[str, Any]) -> dict[str, Any]:
     """
     if not facts["places"]:
         raise NoRule(f"a force is asked for on the {thing.name}, but no place to push it to")
-    return {"place": next(iter(facts["places"])), "tolerance_m": 0.02, "axes": "xy"}
+    place = next(iter(facts["places"]))
+    return {"object": thing.name, "kind": "at", "place": place, "point": None, "tolerance_m": 0.02, "axes": "xy"}
 
 
 def _append(merged: Draft, draft: Draft, before: Thing | None) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from coral.advisor.question import Rejection
+from coral.contact.scene.facts import SceneFacts
 from coral.contact.world_model.parameter_estimates import ParameterEstimate, ParameterEstimates
 
 # Mean density of a thing called so, air inside counted (kg/m3), and friction on a table. Handbook orders of magnitude.
@@ -44,7 +44,7 @@ MATERIALS: Mapping[str, tuple[float, float]] = {
 UNKNOWN = (500.0, 0.5)
 
 
-def estimate_parameters(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> ParameterEstimates:
+def estimate_parameters(facts: SceneFacts, rejections: Sequence[Rejection] = ()) -> ParameterEstimates:
     """The heuristic's answer: volume times the density of what the label names, within what the task file states.
 
     Refused estimates are drawn to the middle of what the task file states.

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from coral.contact.rules.scene_reading import Thing
-from coral.contact.rules.support import rests_on, things_around, top_height
+from coral.contact.rules.support import other_things, rests_on, top_height
+from coral.contact.scene.facts import AtGoal, Goal, GoalsByKind, InsideGoal, RestingGoal, SceneFacts
 
 KEPT = ("undisturbed", "upright", "released")
 """What holds of what is left alone; a plan that moves an object lets go of it and keeps it as it stood anyway."""
@@ -20,36 +20,35 @@ class NoRule(ValueError):
     """The rules know no way to what is asked."""
 
 
-def moves(goal: Mapping[str, Any], facts: Mapping[str, Any]) -> bool:
+def moves(goal: Goal, facts: SceneFacts) -> bool:
     """Whether a goal asks for its object to be moved."""
-    kind = goal["kind"]
-    if kind == "flipped":
-        return bool(goal["degrees"] > goal["tolerance_deg"])
-    if kind not in ("inside", "resting"):
-        return kind not in KEPT
+    if goal["kind"] == "flipped":
+        return goal["degrees"] > goal["tolerance_deg"]
+    if goal["kind"] != "inside" and goal["kind"] != "resting":
+        return goal["kind"] not in KEPT
     thing = Thing(goal["object"], facts)
-    if kind == "inside":
+    if goal["kind"] == "inside":
         there = (np.asarray(goal["low"]) <= thing.position) & (thing.position <= np.asarray(goal["high"]))
-        return not (there.all() and any(rests_on(thing, facts, name) for name in things_around(facts, thing)))
+        return not (there.all() and any(rests_on(thing, facts, name) for name in other_things(facts, thing)))
     return not rests_on(thing, facts, goal["thing"])
 
 
-def movement_goals(asked: Sequence[Mapping[str, Any]], facts: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def movement_goals(asked: Sequence[Goal], facts: SceneFacts) -> list[Goal]:
     """Of the goals of one object, those that ask for it to be moved."""
     found = [goal for goal in asked if moves(goal, facts)]
     if any(goal["kind"] != "resting" for goal in found):
         # Whatever is turned, pushed or put down comes to rest on the table, or on what is as flat as a mat.
-        found = [goal for goal in found if goal["kind"] != "resting" or _top(goal["thing"], facts) > FLAT_M]
+        found = [goal for goal in found if goal["kind"] != "resting" or _top_height(goal["thing"], facts) > FLAT_M]
     return found
 
 
-def merged_goals(goals: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
-    """Goals of one object by their kind.
+def require_different_kinds(goals: Sequence[Goal]) -> None:
+    """See that no two goals of one object are of one kind.
 
     Raises:
-        NoRule: Two of them are of one kind.
+        NoRule: Two of them are.
     """
-    found: dict[str, Mapping[str, Any]] = {}
+    found: dict[str, Goal] = {}
     for goal in goals:
         if goal["kind"] in found:
             raise NoRule(
@@ -57,42 +56,47 @@ def merged_goals(goals: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, A
                 f"besides {goal_words(found[goal['kind']])}"
             )
         found[goal["kind"]] = goal
-    return found
 
 
-def _top(name: str, facts: Mapping[str, Any]) -> float:
+def _top_height(name: str, facts: SceneFacts) -> float:
     return top_height(facts, name, np.zeros(2), np.inf) or 0.0
 
 
-def goal_words(goal: Mapping[str, Any]) -> str:
+def goal_words(goal: Goal) -> str:
     """A goal as a message names it."""
-    kind = str(goal["kind"])
-    if kind == "at":
+    if goal["kind"] == "at":
         return f"at {goal['place']}"
-    if kind == "inside":
+    if goal["kind"] == "inside":
         return f"inside {list(goal['low'])} to {list(goal['high'])}"
-    if kind == "resting":
+    if goal["kind"] == "resting":
         return f"resting on {goal['thing']}"
-    if kind == "flipped":
+    if goal["kind"] == "flipped":
         return f"flipped by {goal['degrees']:g} degrees"
-    return f"{kind} by {goal['thing']}" if kind == "touched-while-turning" else kind
+    return f"{goal['kind']} by {goal['thing']}" if goal["kind"] == "touched-while-turning" else goal["kind"]
 
 
-def served(goals: Mapping[str, Any], asked: set[str], by: set[str], name: str, done: str) -> None:
-    """See that nothing is asked of an object beside what one way serves.
+def require_only(kinds: set[str], moving: Sequence[Goal], name: str, done: str) -> None:
+    """See that one way of moving an object serves all of its goals.
 
     Args:
-        goals: Its goals by kind.
-        asked: Kinds that ask for it to be moved.
-        by: Kinds that the way serves.
+        kinds: Kinds of goals that the way serves.
+        moving: The object's goals that ask for it to be moved, one of each kind.
         name: The object.
-        done: What the way does with it.
+        done: What the way does with it, for the message.
 
     Raises:
-        NoRule: There is something else.
+        NoRule: There is a goal of another kind.
     """
-    left = sorted(asked - by)
+    left = sorted((goal for goal in moving if goal["kind"] not in kinds), key=lambda goal: goal["kind"])
     if left:
-        raise NoRule(
-            f"the {name} can be {done}, but no rule does besides: {', '.join(goal_words(goals[kind]) for kind in left)}"
-        )
+        raise NoRule(f"the {name} can be {done}, but no rule does besides: {', '.join(map(goal_words, left))}")
+
+
+def placing_goal(goals: GoalsByKind, moving: Sequence[Goal]) -> AtGoal | InsideGoal | RestingGoal | None:
+    """The goal that says where an object is to be put down; None where it is not to be put anywhere."""
+    kinds = {goal["kind"] for goal in moving}
+    if "at" in kinds:
+        return goals["at"]
+    if "inside" in kinds:
+        return goals["inside"]
+    return goals["resting"] if "resting" in kinds else None

@@ -6,15 +6,15 @@ strategy provides, and fall back on the object's position; so does this one: the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.rules.goals import movement_goals
 from coral.contact.rules.scene_reading import Thing, axis_of, number, vector
-from coral.contact.rules.support import rise, top_height
+from coral.contact.rules.support import origin_height, top_height
+from coral.contact.scene.facts import AtGoal, FlippedGoal, Goal, InsideGoal, LiftedGoal, RestingGoal, SceneFacts
 
 MARGIN_M = 0.02
 """Beyond an object's largest half extent the hand is drawn to it; within, it may touch anywhere."""
@@ -24,7 +24,7 @@ EDGE_M = 0.02
 """How far within a region an object is drawn to."""
 
 
-def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
+def outcome_plan(facts: SceneFacts) -> PlanAnswer | None:
     """One cost for the whole task, of its goals alone; None where no goal asks for something that a cost can lower."""
     terms: list[str] = []
     trial: list[str] = []
@@ -34,10 +34,10 @@ def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
         for goal in movement_goals([one for one in facts["goals"] if one["object"] == name], facts)
     ]
     for goal in facts["goals"]:
-        kind, name = goal["kind"], goal["object"]
-        if kind in _TERMS:
-            terms.append(f"    terms['{name} {kind}'] = {_TERMS[kind](goal)}")
-        if kind == "resting" and goal in moving:
+        name, term = goal["object"], _term(goal)
+        if term is not None:
+            terms.append(f"    terms['{name} {goal['kind']}'] = {term}")
+        if goal["kind"] == "resting" and goal in moving:
             terms.append(f"    terms['{name} on {goal['thing']}'] = {_onto(goal, facts)}")
         if goal in moving:
             trial.append(name)
@@ -55,7 +55,7 @@ def outcome_plan(facts: Mapping[str, Any]) -> PlanAnswer | None:
     )
 
 
-def _reach(name: str, facts: Mapping[str, Any], let_go: bool, goals: Sequence[str]) -> str:
+def _reach(name: str, facts: SceneFacts, let_go: bool, goals: Sequence[str]) -> str:
     """Draw the hand to an object; where it is to be released, only until its other goals are met, and away after."""
     near = number(max(facts["objects"][name]["size_m"]) / 2 + MARGIN_M)
     reach = f"terms['{name} reach'] = 8.0 * clip(norm(self.ee_pos - self.{name}_pos) - {near}, 0.0, 1.0)"
@@ -68,58 +68,67 @@ def _reach(name: str, facts: Mapping[str, Any], let_go: bool, goals: Sequence[st
     )
 
 
-def _flipped(goal: Mapping[str, Any]) -> str:
+def _term(goal: Goal) -> str | None:
+    """What a goal costs, as program text; None for one that no cost can lower."""
+    name = goal["object"]
+    if goal["kind"] == "flipped":
+        return _flipped(goal)
+    if goal["kind"] == "at":
+        return _at(goal)
+    if goal["kind"] == "inside":
+        return _inside(goal)
+    if goal["kind"] == "lifted":
+        return _lifted(goal)
+    if goal["kind"] == "touched-while-turning":
+        return f"1.0 - self.{name}_{goal['thing']}_contact"
+    if goal["kind"] == "grasped":
+        return f"2.0 - self.{name}_left_contact - self.{name}_right_contact"
+    if goal["kind"] == "resting":
+        return f"0.3 * norm(self.{name}_vel)"
+    if goal["kind"] == "steady-force":
+        force = f"norm(self.{name}_hand_force)"
+        return f"0.05 * self.{name}_hand_contact * abs({force} - {number(goal['newtons'])})"
+    if goal["kind"] == "undisturbed":
+        return f"5.0 * norm(self.{name}_pos - self.{name}_init_pos)"
+    return None
+
+
+def _flipped(goal: FlippedGoal) -> str:
     axis = "xyz".index(goal["axis"])
     turned = f"dot({axis_of(goal['object'], axis)}, {axis_of(goal['object'], axis, 1.0, 'init_quat')})"
     return f"6.0 * abs({turned} - {number(np.cos(np.radians(goal['degrees'])))})"
 
 
-def _at(goal: Mapping[str, Any]) -> str:
+def _at(goal: AtGoal) -> str:
     point = goal.get("point")
     where = f"self.{goal['object']}_{point}_pos" if point else f"self.{goal['object']}_pos"
     axes = ", ".join("1.0" if axis in goal["axes"] else "0.0" for axis in "xyz")
     return f"15.0 * norm(({where} - self.{goal['place']}_pos) * np.array([{axes}]))"
 
 
-def _lifted(goal: Mapping[str, Any]) -> str:
+def _lifted(goal: LiftedGoal) -> str:
     risen = f"self.{goal['object']}_pos[2] - self.{goal['object']}_init_pos[2]"
     return f"15.0 * clip({number(goal['height_m'])} - ({risen}), 0.0, 1.0)"
 
 
-def _inside(goal: Mapping[str, Any]) -> str:
+def _inside(goal: InsideGoal) -> str:
     low, high = np.asarray(goal["low"], dtype=float), np.asarray(goal["high"], dtype=float)
     inward = np.minimum(EDGE_M, (high - low) / 4)
     at = f"self.{goal['object']}_pos"
     return f"15.0 * norm({at} - np.maximum({vector(low + inward)}, np.minimum({vector(high - inward)}, {at})))"
 
 
-def _onto(goal: Mapping[str, Any], facts: Mapping[str, Any]) -> str:
+def _onto(goal: RestingGoal, facts: SceneFacts) -> str:
     """How far the object is from lying on something: aside of its middle, and off its top."""
     thing, name = Thing(goal["object"], facts), goal["thing"]
     at = f"self.{thing.name}_pos"
     if name == "table":
-        return f"15.0 * abs({at}[2] - {number(rise(thing))})"
+        return f"15.0 * abs({at}[2] - {number(origin_height(thing))})"
     if name in facts["fixtures"]:
         middle = np.asarray(facts["fixtures"][name]["position"], dtype=float)
         aside = f"norm(({at} - {vector(middle)})[:2])"
     else:
         middle = Thing(name, facts).position
         aside = f"norm(({at} - self.{name}_pos)[:2])"
-    height = (top_height(facts, name, middle[:2]) or 0.0) + rise(thing)
+    height = (top_height(facts, name, middle[:2]) or 0.0) + origin_height(thing)
     return f"10.0 * ({aside} + abs({at}[2] - {number(height)}))"
-
-
-_TERMS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
-    "flipped": _flipped,
-    "at": _at,
-    "inside": _inside,
-    "lifted": _lifted,
-    "touched-while-turning": lambda goal: f"1.0 - self.{goal['object']}_{goal['thing']}_contact",
-    "grasped": lambda goal: f"2.0 - self.{goal['object']}_left_contact - self.{goal['object']}_right_contact",
-    "resting": lambda goal: f"0.3 * norm(self.{goal['object']}_vel)",
-    "steady-force": lambda goal: (
-        f"0.05 * self.{goal['object']}_hand_contact * "
-        f"abs(norm(self.{goal['object']}_hand_force) - {number(goal['newtons'])})"
-    ),
-    "undisturbed": lambda goal: f"5.0 * norm(self.{goal['object']}_pos - self.{goal['object']}_init_pos)",
-}

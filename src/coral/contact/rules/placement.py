@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from coral.contact.rules.goals import NoRule, goal_words
 from coral.contact.rules.scene_reading import Array, Thing, vector
-from coral.contact.rules.support import rise, things_around, top_height
+from coral.contact.rules.support import origin_height, other_things, top_height
+from coral.contact.scene.facts import AtGoal, Goal, InsideGoal, RestingGoal, SceneFacts
 
 HAND_M = 0.11
-"""Half the width of the hand: what stands nearer to a spot may be under the palm."""
+"""Half the width of the hand: what stands nearer to a placement may be under the palm."""
 CLEAR_M = 0.01
 HIGHEST_M = 0.4
 """The hand carries things over no higher top: above that are its workspace's end and the arm's."""
@@ -21,7 +20,7 @@ HIGHEST_M = 0.4
 
 @dataclass(frozen=True, kw_only=True)
 class Placement:
-    """A spot.
+    """Where and how an object is set down.
 
     Args:
         where: Its position as program text.
@@ -42,8 +41,8 @@ class Placement:
     palm_m: float = 0.0
 
 
-def placement_of(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
-    """The spot that a goal asks for.
+def placement_of(thing: Thing, facts: SceneFacts, goal: AtGoal | InsideGoal | RestingGoal) -> Placement:
+    """Where a goal asks for an object to be set down. asks for.
 
     Raises:
         NoRule: There is none on which the object could come to rest.
@@ -53,7 +52,7 @@ def placement_of(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]
     return _in_region(thing, facts, goal) if goal["kind"] == "inside" else _on_top(thing, facts, goal)
 
 
-def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
+def _at_place(thing: Thing, facts: SceneFacts, goal: AtGoal) -> Placement:
     place, point = np.asarray(facts["places"][goal["place"]], dtype=float), goal.get("point")
     return Placement(
         where=f"self.{goal['place']}_pos",
@@ -64,7 +63,7 @@ def _at_place(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -
     )
 
 
-def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
+def _in_region(thing: Thing, facts: SceneFacts, goal: InsideGoal) -> Placement:
     low, high = np.asarray(goal["low"], dtype=float), np.asarray(goal["high"], dtype=float)
     sharing = [
         one["object"]
@@ -75,15 +74,15 @@ def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) 
     middle = (low + high) / 2
     # Side by side, where one region is for several objects.
     middle[along] = low[along] + (high - low)[along] * (sharing.index(thing.name) + 0.5) / len(sharing)
-    tops = [top_height(facts, name, middle[:2]) for name in things_around(facts, thing)]
+    tops = [top_height(facts, name, middle[:2]) for name in other_things(facts, thing)]
     floor = max((height for height in tops if height is not None and height < high[2]), default=None)
     if floor is None:
         raise NoRule(f"nothing is there for the {thing.name} to lie on: {goal_words(goal)}")
-    height = floor + rise(thing)
+    height = floor + origin_height(thing)
     if not low[2] <= height <= high[2]:
         raise NoRule(f"let go there, the {thing.name} comes to rest at a height of {height:.3f} m: {goal_words(goal)}")
-    over, palm = _tops_around(thing, facts, middle[:2], floor)
-    _not_too_high(thing, over, goal)
+    over, palm = _heights_to_clear(thing, facts, middle[:2], floor)
+    _require_low_enough(thing, over, goal)
     return Placement(
         where=vector([*middle[:2], floor]),
         height_m=height,
@@ -94,7 +93,7 @@ def _in_region(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) 
     )
 
 
-def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> Placement:
+def _on_top(thing: Thing, facts: SceneFacts, goal: RestingGoal) -> Placement:
     name = goal["thing"]
     if name == "table":
         raise NoRule(f"no goal says where on the table the {thing.name} is to be put: {goal_words(goal)}")
@@ -108,11 +107,11 @@ def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> 
     floor = top_height(facts, name, at[:2])
     if floor is None:
         raise NoRule(f"the {name} has no top in its middle to put the {thing.name} on: {goal_words(goal)}")
-    over, palm = _tops_around(thing, facts, at[:2], floor)
-    _not_too_high(thing, over, goal)
+    over, palm = _heights_to_clear(thing, facts, at[:2], floor)
+    _require_low_enough(thing, over, goal)
     return Placement(
         where=where or vector([*at[:2], floor]),
-        height_m=floor + rise(thing),
+        height_m=floor + origin_height(thing),
         top_m=over,
         palm_m=palm,
         near_m=min(0.02, 0.2 * float(extent)),
@@ -120,13 +119,13 @@ def _on_top(thing: Thing, facts: Mapping[str, Any], goal: Mapping[str, Any]) -> 
     )
 
 
-def _tops_around(thing: Thing, facts: Mapping[str, Any], point: Array, floor: float) -> tuple[float, float]:
-    """The highest top near a spot, and where the palm has to stay on account of it (m)."""
-    near = [top_height(facts, name, point, HAND_M) for name in things_around(facts, thing)]
+def _heights_to_clear(thing: Thing, facts: SceneFacts, point: Array, floor: float) -> tuple[float, float]:
+    """The highest top near a placement, and where the palm has to stay on account of it (m)."""
+    near = [top_height(facts, name, point, HAND_M) for name in other_things(facts, thing)]
     over = max([floor, *(height for height in near if height is not None)])
     return over, over + CLEAR_M if over > floor else 0.0
 
 
-def _not_too_high(thing: Thing, over: float, goal: Mapping[str, Any]) -> None:
+def _require_low_enough(thing: Thing, over: float, goal: Goal) -> None:
     if over > HIGHEST_M:
         raise NoRule(f"the {thing.name} would have to be carried over a height of {over:.2f} m: {goal_words(goal)}")

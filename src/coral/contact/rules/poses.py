@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from coral.advisor.question import Rejection
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.thinker.pose_question import LEAST_PIXELS, ObjectPose, PosesAnswer
+from coral.contact.thinker.question_facts import PoseFacts
 
 
-def estimate_poses(facts: Mapping[str, Any], rejections: Sequence[Rejection] = ()) -> PosesAnswer:
+def estimate_poses(facts: PoseFacts, rejections: Sequence[Rejection] = ()) -> PosesAnswer:
     """The heuristic's answer: usual orientation, place by the box around what depth measured of the object.
 
     Only the sides that face the camera are in that box, so that the guess is off towards the camera. What was refused,
@@ -20,13 +20,15 @@ def estimate_poses(facts: Mapping[str, Any], rejections: Sequence[Rejection] = (
     """
     found = {}
     for name, item in facts["objects"].items():
-        usual = item["usual_pose"]
+        usual, seen = item["usual_pose"], item["seen_box_m"]
         turn = rotation_of(np.array(usual[3:]))
         half = float(np.abs(turn[2]) @ np.array(item["size_m"])) / 2
         x, y = (np.array(usual[:3]) + turn @ np.array(item["middle_m"]))[:2]
         z = half
-        if item["pixels"] >= LEAST_PIXELS and not rejections:
-            low, high = item["seen_box_m"]
+        if seen is not None and item["pixels"] >= LEAST_PIXELS and not rejections:
+            low, high = seen
             x, y, z = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2, max(high[2] - half, 0.0)
-        found[name] = ObjectPose(position=(round(x, 5), round(y, 5), round(z, 5)), quaternion=tuple(usual[3:]))
+        found[name] = ObjectPose(
+            position=(round(x, 5), round(y, 5), round(z, 5)), quaternion=(usual[3], usual[4], usual[5], usual[6])
+        )
     return PosesAnswer(found)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from coral.contact.plan.contact_regions import Region
 from coral.contact.plan.cost_plan import StageAnswer
+from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.geometry import rotation_of
 
 Array = NDArray[np.float64]
@@ -47,7 +48,7 @@ class Draft:
 class Thing:
     """An object that moves, as it stands now."""
 
-    def __init__(self, name: str, facts: Mapping[str, Any]) -> None:
+    def __init__(self, name: str, facts: SceneFacts) -> None:
         item = facts["objects"][name]
         self.name, self.shapes = name, tuple(item["shapes"])
         self.size = np.asarray(item["size_m"], dtype=float)
@@ -124,12 +125,12 @@ class Thing:
         return [round(float(v), 4) for v in center], [float(v) for v in normal]
 
 
-def others(facts: Mapping[str, Any], name: str) -> list[str]:
+def others(facts: SceneFacts, name: str) -> list[str]:
     """The other objects that move."""
     return [other for other in facts["objects"] if other != name]
 
 
-def care(facts: Mapping[str, Any], name: str) -> str:
+def disturbance_term(facts: SceneFacts, name: str) -> str:
     """Line of a program that makes moving other objects dear; "" where there are none."""
     speeds = " + ".join(f"norm(self.{other}_vel)" for other in others(facts, name))
     return f"    terms['leave others alone'] = 3.0 * ({speeds})\n" if speeds else ""

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.plan.contact_regions import Array, Region, tool_quaternion
 from coral.contact.plan.cost_plan import StageAnswer
-from coral.contact.rules.scene_reading import GRASP_M, Draft, SkillAdjustment, Thing, axis_of, care, number, vector
-from coral.contact.rules.skill_push import add_behind, behind_head
+from coral.contact.rules.scene_reading import (
+    GRASP_M,
+    Draft,
+    SkillAdjustment,
+    Thing,
+    axis_of,
+    disturbance_term,
+    number,
+    vector,
+)
+from coral.contact.rules.skill_push import add_reach_behind, behind_head
+from coral.contact.scene.facts import SceneFacts
 
 OPEN_M = 0.07
 DEEP_M = 0.028
@@ -26,28 +33,28 @@ def can_overhang(thing: Thing) -> bool:
     return thing.height <= GRASP_M and max(thing.size[thing.lying]) > 2 * thing.height
 
 
-def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: float, choice: SkillAdjustment) -> None:
+def add_overhang(draft: Draft, thing: Thing, facts: SceneFacts, lift_m: float, adjustment: SkillAdjustment) -> None:
     """Push an end over the edge, go round, pinch it, lift."""
     n = thing.name
-    axis, sign, grip = _end(thing, facts)
+    axis, sign, grip = _end_to_push(thing, facts)
     out, edge = _edge(thing, facts, thing.rotation[:, axis] * sign)
     overhang = min(facts["numbers"].get("overhang", 0.05), 0.3 * float(thing.size[axis]))
     rear = thing.to_face(axis, -sign)
     height = thing.low + max(0.014, thing.height / 2)
-    add_behind(draft, thing, facts, axis, sign, height, choice, handed=True)
+    add_reach_behind(draft, thing, facts, axis, sign, height, adjustment, handed=True)
     rise = lift_m + 0.05
     beyond = f"(dot(self.{n}_pos + quat_rotate(self.{n}_quat, {vector(grip)}), {vector(out)}) - {number(edge)})"
     # Along the edge, away from the robot, and a little inward: what an arm on the robot's side can do.
-    slant = SLANTS[choice.turn % len(SLANTS)]
+    slant = SLANTS[adjustment.turn % len(SLANTS)]
     aside = np.array([1.0, 0.0, 0.0]) - slant * out if abs(out[1]) > abs(out[0]) else -out
     palm: Array = aside / np.linalg.norm(aside)
     inward = thing.rotation.T @ palm
-    grip = grip - max(0.0, thing.room_behind(grip, inward) - DEEP_M - 0.5 * choice.lower_m) * inward
+    grip = grip - max(0.0, thing.room_behind(grip, inward) - DEEP_M - 0.5 * adjustment.lower_m) * inward
     at = f"(self.{n}_pos + quat_rotate(self.{n}_quat, {vector(grip)}))"
     tool = np.asarray(facts["hand"]["pose"][3:], dtype=float)
     pinch = tool_quaternion(palm, np.array([0.0, 0.0, 1.0]), tool)
     turn = f"quat_angle(self.ee_quat, {vector(pinch)})"
-    soft = 0.6 * choice.careful
+    soft = 0.6 * adjustment.careful
     over = f"{beyond} > {number(overhang - 0.004)}"
     reach = draft.stages[-1]
     draft.stages[-1] = reach.model_copy(update={"done": f"({reach.done}) or {over}"})
@@ -63,7 +70,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
             lost=f"norm(self.ee_pos - self.{n}_pos) > {number(rear + 0.12)} and not {over}",
             opening=OPEN_M,
             toward=f"{ahead} * np.array([1.0, 1.0, 0.0]) + np.array([0.0, 0.0, {number(height)}])",
-            stiffness=600.0 * choice.press,
+            stiffness=600.0 * adjustment.press,
             code=behind_head(thing, axis, sign, number(height), handed=True)
             + f"""
     beyond = {beyond}
@@ -75,7 +82,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     terms['square'] = 2.0 * square
     terms['abreast'] = 15.0 * abs(self.gripper_target - {number(OPEN_M)})
     terms['gently'] = 1.0 * norm(self.{n}_vel) + 0.01 * norm(self.ee_force)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         )
     )
@@ -150,7 +157,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
             code=f"""def state_cost(self):
     terms['stay'] = {stay}
     terms['turn'] = 2.0 * {turn}
-    terms['close'] = {number(20 * choice.press)} * self.gripper_target
+    terms['close'] = {number(20 * adjustment.press)} * self.gripper_target
     terms['hold'] = -1.0 * self.{n}_left_contact * self.{n}_right_contact
     terms['leave alone'] = 5.0 * norm(self.{n}_vel)
     return terms
@@ -170,7 +177,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     # the end in the hand may come up alone: what is believed too heavy is tried all the same
     terms['raise the end'] = 4.0 * clip({number(rise)} - self.ee_pos[2], 0.0, 1.0)
     terms['carry level'] = 1.0 * quat_angle(self.{n}_quat, self.{n}_init_quat)
-    terms['hold'] = {number(20 * choice.press)} * self.gripper_target + 6.0 * norm(self.ee_pos - {at})
+    terms['hold'] = {number(20 * adjustment.press)} * self.gripper_target + 6.0 * norm(self.ee_pos - {at})
     terms['turn'] = 0.5 * {turn}
     terms['calm'] = 0.1 * norm(self.ee_vel)
     return terms
@@ -201,7 +208,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: Mapping[str, Any], lift_m: f
     )
 
 
-def _end(thing: Thing, facts: Mapping[str, Any]) -> tuple[int, float, Array]:
+def _end_to_push(thing: Thing, facts: SceneFacts) -> tuple[int, float, Array]:
     """Which end to push out: axis, sign, and where to grip it in the object's frame.
 
     A named point whose name the instruction mentions, else the end nearest to the edge.
@@ -212,23 +219,26 @@ def _end(thing: Thing, facts: Mapping[str, Any]) -> tuple[int, float, Array]:
         point = named[0]
         axis = max(thing.lying, key=lambda k: abs(float(point[k])))
         return axis, 1.0 if point[axis] >= 0 else -1.0, point
-    best = max(((k, s) for k in thing.lying for s in (1.0, -1.0)), key=lambda end: -_room(thing, facts, end[0], end[1]))
+    best = max(
+        ((k, s) for k in thing.lying for s in (1.0, -1.0)),
+        key=lambda end: -_gap_to_edge(thing, facts, end[0], end[1]),
+    )
     grip = thing.middle.copy()
     grip[best[0]] = best[1] * (thing.to_face(*best) - 0.02)
     return best[0], best[1], grip
 
 
-def _room(thing: Thing, facts: Mapping[str, Any], axis: int, sign: float) -> float:
+def _gap_to_edge(thing: Thing, facts: SceneFacts, axis: int, sign: float) -> float:
     """How far the end is from the edge it points to; an arm on the near side reaches the left and the right edge."""
     out, edge = _edge(thing, facts, thing.rotation[:, axis] * sign)
     tip = thing.position + thing.rotation[:, axis] * sign * thing.to_face(axis, sign)
     return edge - float(tip @ out) + (0.3 if abs(out[0]) > 0.5 else 0.0)
 
 
-def _edge(thing: Thing, facts: Mapping[str, Any], direction: Array) -> tuple[Array, float]:
+def _edge(thing: Thing, facts: SceneFacts, direction: Array) -> tuple[Array, float]:
     """Outward direction and coordinate along it of the table's edge that a direction points to."""
     k = int(abs(direction[1]) >= abs(direction[0]))
     sign = 1.0 if direction[k] >= 0 else -1.0
     out = np.zeros(3)
     out[k] = sign
-    return out, sign * facts["table"]["xy"[k]][int(sign > 0)]
+    return out, sign * (facts["table"]["x"], facts["table"]["y"])[k][int(sign > 0)]

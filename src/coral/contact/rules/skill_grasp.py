@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from coral.contact.plan.contact_regions import Region
 from coral.contact.plan.cost_plan import StageAnswer
 from coral.contact.rules.placement import Placement
-from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, care, number, others, vector
-from coral.contact.rules.support import rise
+from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, disturbance_term, number, others, vector
+from coral.contact.rules.support import origin_height
+from coral.contact.scene.facts import SceneFacts
 
 PALM_M = 0.037
 """From the tool back to the palm."""
 
 
-def add_grasp(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> None:
+def add_grasp(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> None:
     """Reach around the object from above and close."""
-    closing = _closing(thing, facts, choice)
-    depth = max(0.0, thing.height / 2 - 0.025) - choice.lower_m
+    closing = _closing(thing, facts, adjustment)
+    depth = max(0.0, thing.height / 2 - 0.025) - adjustment.lower_m
     depth = max(depth, 0.012 - thing.height / 2)
     head = _head(thing, depth, closing)
     n = thing.name
@@ -38,7 +36,7 @@ def add_grasp(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Skil
     terms['square'] = 4.0 * square
     terms['open'] = 20.0 * (0.08 - self.gripper_target)
     terms['leave alone'] = 0.1 * norm(self.{n}_hand_force)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         ),
         StageAnswer(
@@ -46,14 +44,14 @@ def add_grasp(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Skil
             done=f"self.{n}_left_contact and self.{n}_right_contact",
             back_to="reach",
             lost=f"({_off(thing, depth)}) > 0.04",
-            noise=0.5 * choice.careful,
+            noise=0.5 * adjustment.careful,
             code=head
             + f"""
     terms['stay'] = 15.0 * norm(off)
     terms['square'] = 2.0 * square
-    terms['close'] = {number(20 * choice.press)} * self.gripper_target
+    terms['close'] = {number(20 * adjustment.press)} * self.gripper_target
     terms['hold'] = -1.0 * self.{n}_left_contact * self.{n}_right_contact
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         ),
     ]
@@ -78,19 +76,19 @@ def add_grasp(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Skil
     draft.words.append(f"grasp the {n} from above across its {100 * thing.size[closing]:.1f} cm side")
 
 
-def add_lift(draft: Draft, thing: Thing, facts: Mapping[str, Any], height_m: float, choice: SkillAdjustment) -> None:
+def add_lift(draft: Draft, thing: Thing, facts: SceneFacts, height_m: float, adjustment: SkillAdjustment) -> None:
     """Raise what is held so that its lowest point is above a height."""
-    n, depth = thing.name, _depth(thing, choice)
+    n, depth = thing.name, _depth(thing, adjustment)
     rise = height_m + 0.025
     draft.stages.append(
         StageAnswer(
             name="lift",
             back_to="reach",
             lost=f"({_off(thing, depth)}) > 0.04",
-            noise=0.7 * choice.careful,
+            noise=0.7 * adjustment.careful,
             opening=0.0,
             toward=f"self.ee_pos + np.array([0.0, 0.0, {number(rise)}])",
-            code=_holding(thing, facts, choice)
+            code=_holding_head(thing, facts, adjustment)
             + f"""
     terms['lift'] = 10.0 * abs(self.{n}_pos[2] - self.{n}_init_pos[2] - {number(rise)})
     terms['stay over'] = 2.0 * norm((self.{n}_pos - self.{n}_init_pos)[:2])
@@ -101,9 +99,9 @@ def add_lift(draft: Draft, thing: Thing, facts: Mapping[str, Any], height_m: flo
     draft.words.append(f"raise it by {100 * rise:.0f} cm")
 
 
-def add_place(draft: Draft, thing: Thing, facts: Mapping[str, Any], spot: Placement, choice: SkillAdjustment) -> None:
-    """Carry what is held above everything to a spot, set it down, let go, retire."""
-    n, depth = thing.name, _depth(thing, choice)
+def add_place(draft: Draft, thing: Thing, facts: SceneFacts, placement: Placement, adjustment: SkillAdjustment) -> None:
+    """Carry what is held above everything to a placement, set it down, let go, retire."""
+    n, depth = thing.name, _depth(thing, adjustment)
     tops = [Thing(other, facts).position[2] + Thing(other, facts).height / 2 for other in others(facts, n)]
     tops += [
         item["position"][2] + item["size_m"][2] / 2
@@ -112,18 +110,18 @@ def add_place(draft: Draft, thing: Thing, facts: Mapping[str, Any], spot: Placem
     ]
     carry = max([0.06, *(min(top, 0.2) for top in tops)]) + thing.height / 2 + 0.02
     # Once raised it may be 3 cm lower than that; a rim has to be cleared then, too.
-    carry = max(carry, spot.top_m + rise(thing) + 0.045)
-    floor = max(spot.height_m, spot.palm_m - PALM_M - depth)
+    carry = max(carry, placement.top_m + origin_height(thing) + 0.045)
+    floor = max(placement.height_m, placement.palm_m - PALM_M - depth)
     lost = f"({_off(thing, depth)}) > 0.05"
-    aside = f"norm((self.{n}_pos + {vector(spot.shift)} - {spot.where})[:2])"
-    hold = _holding(thing, facts, choice)
-    target = f"{spot.where} - {vector(spot.shift)}"
+    aside = f"norm((self.{n}_pos + {vector(placement.shift)} - {placement.where})[:2])"
+    hold = _holding_head(thing, facts, adjustment)
+    target = f"{placement.where} - {vector(placement.shift)}"
     offset = f"(self.ee_pos - self.{n}_pos)"
 
     def to(over: str, height: float) -> str:
         return f"{over} * np.array([1.0, 1.0, 0.0]) + {vector([0, 0, height])} + {offset}"
 
-    soft = 0.7 * choice.careful
+    soft = 0.7 * adjustment.careful
     draft.stages += [
         StageAnswer(
             name="raise",
@@ -141,7 +139,7 @@ def add_place(draft: Draft, thing: Thing, facts: Mapping[str, Any], spot: Placem
         ),
         StageAnswer(
             name="carry",
-            done=f"{aside} < {number(spot.near_m)}",
+            done=f"{aside} < {number(placement.near_m)}",
             back_to="reach",
             lost=lost,
             noise=soft,
@@ -169,18 +167,18 @@ def add_place(draft: Draft, thing: Thing, facts: Mapping[str, Any], spot: Placem
 """,
         ),
     ]
-    draft.words.append(f"carry it at {100 * carry:.0f} cm {spot.words}")
-    add_release(draft, thing, facts, choice)
+    draft.words.append(f"carry it at {100 * carry:.0f} cm {placement.words}")
+    add_release(draft, thing, facts, adjustment)
 
 
-def add_release(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> None:
+def add_release(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> None:
     """Open the fingers and go straight up."""
     n = thing.name
     draft.stages += [
         StageAnswer(
             name="release",
             done="self.gripper_opening > 0.07",
-            noise=0.5 * choice.careful,
+            noise=0.5 * adjustment.careful,
             opening=0.08,
             toward="self.ee_pos",
             code=f"""def state_cost(self):
@@ -201,14 +199,14 @@ def add_release(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: Sk
     terms['straight'] = 10.0 * norm((self.ee_pos - self.{n}_pos)[:2])
     terms['open'] = 20.0 * (0.08 - self.gripper_target)
     terms['leave alone'] = 5.0 * norm(self.{n}_vel)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         ),
     ]
     draft.words.append("let go and retire upwards")
 
 
-def _closing(thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> int:
+def _closing(thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> int:
     """The axis to close along: of those that fit, the one whose hand keeps clearest of other things; ties by width."""
     fits = thing.closings()
 
@@ -225,11 +223,11 @@ def _closing(thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) ->
         return min([0.05, *gaps])
 
     ranked = sorted(fits, key=lambda axis: (-round(room(axis), 2), thing.size[axis]))
-    return ranked[choice.turn % len(ranked)]
+    return ranked[adjustment.turn % len(ranked)]
 
 
-def _depth(thing: Thing, choice: SkillAdjustment) -> float:
-    return max(max(0.0, thing.height / 2 - 0.025) - choice.lower_m, 0.012 - thing.height / 2)
+def _depth(thing: Thing, adjustment: SkillAdjustment) -> float:
+    return max(max(0.0, thing.height / 2 - 0.025) - adjustment.lower_m, 0.012 - thing.height / 2)
 
 
 def _off(thing: Thing, depth: float) -> str:
@@ -249,11 +247,11 @@ def _head(thing: Thing, depth: float, closing: int) -> str:
     square = {_square(thing, closing)}"""
 
 
-def _holding(thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> str:
-    n, depth = thing.name, _depth(thing, choice)
+def _holding_head(thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> str:
+    n, depth = thing.name, _depth(thing, adjustment)
     upright = f"1.0 - ({'-1.0 * ' if thing.up_sign < 0 else ''}quat_axis(self.{n}_quat, {thing.up})[2])"
     return f"""def state_cost(self):
-    terms['hold'] = {number(20 * choice.press)} * self.gripper_target + 6.0 * {_off(thing, depth)}
+    terms['hold'] = {number(20 * adjustment.press)} * self.gripper_target + 6.0 * {_off(thing, depth)}
     terms['upright'] = 1.5 * (1.0 + quat_axis(self.ee_quat, 2)[2]) + 1.5 * ({upright})
     terms['calm'] = 0.1 * norm(self.ee_vel)
-{care(facts, n)}"""
+{disturbance_term(facts, n)}"""

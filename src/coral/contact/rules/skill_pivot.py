@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from coral.contact.plan.contact_regions import PAD_M, Array, Region
 from coral.contact.plan.cost_plan import StageAnswer
-from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, axis_of, care, number, vector
-from coral.contact.rules.skill_push import abreast, add_behind, behind_head
+from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, axis_of, disturbance_term, number, vector
+from coral.contact.rules.skill_push import abreast_opening, add_reach_behind, behind_head
+from coral.contact.scene.facts import FixtureFacts, SceneFacts
 
 
-def nearest_face(thing: Thing, item: Mapping[str, Any]) -> tuple[Array, Array]:
+def nearest_face(thing: Thing, item: FixtureFacts) -> tuple[Array, Array]:
     """Point on the fixture's nearest upright face, and the horizontal direction from the object into it."""
     yaw = np.radians(item["yaw_deg"])
     turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
@@ -31,14 +29,14 @@ def nearest_face(thing: Thing, item: Mapping[str, Any]) -> tuple[Array, Array]:
     return best[1], best[2]
 
 
-def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str, choice: SkillAdjustment) -> None:
+def add_pivot(draft: Draft, thing: Thing, facts: SceneFacts, against: str, adjustment: SkillAdjustment) -> None:
     """Push against something upright, raise the near end while pressing, let go."""
     n = thing.name
     point, way = nearest_face(thing, facts["fixtures"][against])
     axis, sign = thing.toward(np.array([*way, 0.0]))
-    height = thing.low + 0.016 - min(choice.lower_m, 0.004)
-    add_behind(draft, thing, facts, axis, sign, height, choice)
-    wide = abreast(0.75 * thing.size[next(k for k in thing.lying if k != axis)])
+    height = thing.low + 0.016 - min(adjustment.lower_m, 0.004)
+    add_reach_behind(draft, thing, facts, axis, sign, height, adjustment)
+    wide = abreast_opening(0.75 * thing.size[next(k for k in thing.lying if k != axis)])
     half, ahead = thing.size[axis] / 2, vector([*way, 0.0])
     up = f"{'-1.0 * ' if thing.up_sign < 0 else ''}quat_axis(self.{n}_quat, {thing.up})"
     raised = f"-1.0 * ({axis_of(n, axis, sign)})[2]"
@@ -53,7 +51,7 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
     far_top = self.{n}_pos + {number(half)} * along + {number(thing.height / 2)} * up
     square = 1.0 + quat_axis(self.ee_quat, 2)[2] + 3.0 * dot(quat_axis(self.ee_quat, 1), ahead) ** 2"""
     lost = f"{raised} < 0.2 and norm(self.ee_pos - self.{n}_pos) > {number(half + 0.09)}"
-    soft = 0.6 * choice.careful
+    soft = 0.6 * adjustment.careful
     draft.stages += [
         StageAnswer(
             name="push",
@@ -73,7 +71,7 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
     terms['gently'] = 0.02 * norm(self.{n}_hand_force)
     terms['calm'] = 0.5 * norm(self.{n}_vel)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         ),
         StageAnswer(
@@ -88,16 +86,16 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
             + f"""
     force = dot(self.{n}_hand_force, ahead)
     far = dot({vector([*point, 0.0])} - far_top, ahead)
-    terms['raise'] = {number(6 * choice.press)} * (1.0 - raised)
+    terms['raise'] = {number(6 * adjustment.press)} * (1.0 - raised)
     terms['stay under'] = 12.0 * norm(self.ee_pos - under)
     terms['at the {against}'] = 10.0 * clip(far, 0.0, 1.0)
     terms['square'] = 2.0 * square
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
-    terms['press'] = 0.05 * abs(force - {number(6 * choice.press)})
+    terms['press'] = 0.05 * abs(force - {number(6 * adjustment.press)})
     # half way up, a finger that is not held back jams between the {n} and the {against}
-    terms['gently'] = 0.1 * clip(norm(self.ee_force) - {number(12 * choice.press)}, 0.0, 100.0)
+    terms['gently'] = 0.1 * clip(norm(self.ee_force) - {number(12 * adjustment.press)}, 0.0, 100.0)
     terms['calm'] = 0.2 * norm(self.{n}_vel)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         ),
         StageAnswer(
@@ -115,7 +113,7 @@ def add_pivot(draft: Draft, thing: Thing, facts: Mapping[str, Any], against: str
     terms['leave standing'] = 8.0 * (1.0 - raised)
     terms['square'] = 2.0 * square
     terms['calm'] = 0.3 * norm(self.ee_vel)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         ),
     ]

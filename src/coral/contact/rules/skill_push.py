@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from coral.contact.plan.contact_regions import PAD_M, Region
 from coral.contact.plan.cost_plan import StageAnswer
-from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, axis_of, care, number
+from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, axis_of, disturbance_term, number
+from coral.contact.scene.facts import AtGoal, SceneFacts
 
 HIGH = 0.75
 """Where a box is tipped, -1 at the bottom to 1 at the top: some face is left below the upper edge for the fingertip."""
@@ -19,7 +17,7 @@ SOFT = 1.5
 """A steady force: so soft a hand that the most that it may be led by hardly pulls harder than asked."""
 
 
-def abreast(width_m: float) -> float:
+def abreast_opening(width_m: float) -> float:
     """Opening at which two fingers side by side push a face: wide enough to steer, narrower than the face."""
     return float(np.clip(0.4 * width_m, 0.0, 0.07))
 
@@ -39,19 +37,19 @@ def behind_head(thing: Thing, axis: int, sign: float, height: str, handed: bool 
     square = {_square(thing.name, axis, sign if handed else 0.0)}"""
 
 
-def add_behind(
+def add_reach_behind(
     draft: Draft,
     thing: Thing,
-    facts: Mapping[str, Any],
+    facts: SceneFacts,
     axis: int,
     sign: float,
     height_m: float,
-    choice: SkillAdjustment,
+    adjustment: SkillAdjustment,
     handed: bool = False,
 ) -> None:
     """Come from above to the face that is to be pushed."""
     n = thing.name
-    wide = abreast(thing.size[next(k for k in thing.lying if k != axis)])
+    wide = abreast_opening(thing.size[next(k for k in thing.lying if k != axis)])
     up = thing.up_sign * (height_m - thing.low - thing.height / 2) / max(thing.height / 2, 1e-6)
     gap, above = 0.012, thing.height + 0.03
     here = (
@@ -71,7 +69,7 @@ def add_behind(
     terms['square'] = 4.0 * square
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
     terms['leave alone'] = 0.2 * norm(self.{n}_hand_force)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         )
     )
@@ -107,23 +105,25 @@ def _square(n: str, axis: int, handed: float) -> str:
 def add_push(
     draft: Draft,
     thing: Thing,
-    facts: Mapping[str, Any],
-    goal: Mapping[str, Any],
+    facts: SceneFacts,
+    goal: AtGoal,
     newtons: float | None,
-    choice: SkillAdjustment,
+    adjustment: SkillAdjustment,
 ) -> None:
     """Push to a place, with a given force if one is asked for."""
     n, place = thing.name, goal["place"]
     way = np.asarray(facts["places"][place], dtype=float)[:2] - thing.position[:2]
     axis, sign = thing.toward(np.array([*way, 0.0]))
-    height = _push_height(thing, choice) if newtons is None else max(thing.low + thing.height - 0.03, thing.low + 0.016)
-    add_behind(draft, thing, facts, axis, sign, height, choice)
-    wide = abreast(thing.size[next(k for k in thing.lying if k != axis)])
+    height = (
+        _push_height(thing, adjustment) if newtons is None else max(thing.low + thing.height - 0.03, thing.low + 0.016)
+    )
+    add_reach_behind(draft, thing, facts, axis, sign, height, adjustment)
+    wide = abreast_opening(thing.size[next(k for k in thing.lying if k != axis)])
     point = goal.get("point")
     where = f"self.{n}_{point}_pos" if point else f"self.{n}_pos"
     gap = f"norm(({where} - self.{place}_pos)[:2])"
     lost = f"norm(self.ee_pos - self.{n}_pos) > {number(thing.to_face(axis, -sign) + 0.1)}"
-    stiffness, short = 600.0 * choice.press, ""
+    stiffness, short = 600.0 * adjustment.press, ""
     if newtons is None:
         draft.stages.append(
             StageAnswer(
@@ -131,7 +131,7 @@ def add_push(
                 done=f"{gap} < {number(0.5 * goal['tolerance_m'])}",
                 back_to="reach",
                 lost=lost,
-                noise=0.6 * choice.careful,
+                noise=0.6 * adjustment.careful,
                 stiffness=stiffness,
                 opening=wide,
                 toward=f"self.ee_pos + 0.06 * (self.{place}_pos - {where}) / ({gap} + 0.02) * "
@@ -144,12 +144,12 @@ def add_push(
     terms['square'] = 3.0 * square
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
     terms['calm'] = 0.5 * norm(self.{n}_vel)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
             )
         )
     else:
-        stiffness = float(np.clip(SOFT * newtons / LEAD_M * choice.press, 50.0, 600.0))
+        stiffness = float(np.clip(SOFT * newtons / LEAD_M * adjustment.press, 50.0, 600.0))
         short = f"{gap} > {number(0.95 * goal['tolerance_m'])}"
         ahead = f"(self.{place}_pos - {where}) / ({gap} + 0.001) * np.array([1.0, 1.0, 0.0])"
         top = number(thing.height / 2 - 0.01)
@@ -159,19 +159,19 @@ def add_push(
                 done=f"{gap} < {number(0.7 * goal['tolerance_m'])}",
                 back_to="reach",
                 lost=lost,
-                noise=0.2 * choice.careful,
+                noise=0.2 * adjustment.careful,
                 stiffness=stiffness,
                 toward=f"self.ee_pos + 0.065 * {ahead} - "
                 f"np.array([0.0, 0.0, max(0.0, self.ee_pos[2] - self.{n}_pos[2] - {top})])",
                 code=_steadily(thing, axis, sign, place, where, height, newtons)
                 + f"""
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
             )
         )
     draft.words.append(f"push the {n} to {place}" + (f" with {newtons:g} N" if newtons else ""))
-    add_draw_back(draft, thing, axis, sign, height, facts, stiffness, short)
+    add_retreat(draft, thing, axis, sign, height, facts, stiffness, short)
 
 
 def _steadily(thing: Thing, axis: int, sign: float, place: str, where: str, height_m: float, newtons: float) -> str:
@@ -207,13 +207,13 @@ def _steadily(thing: Thing, axis: int, sign: float, place: str, where: str, heig
     terms['square'] = 2.0 * tilt + 6.0 * dot(quat_axis(self.ee_quat, 1), along) ** 2"""
 
 
-def add_draw_back(
+def add_retreat(
     draft: Draft,
     thing: Thing,
     axis: int,
     sign: float,
     height_m: float,
-    facts: Mapping[str, Any],
+    facts: SceneFacts,
     stiffness: float = 600.0,
     short: str = "",
 ) -> None:
@@ -233,26 +233,26 @@ def add_draw_back(
     terms['leave alone'] = 5.0 * norm(self.{n}_vel)
     terms['square'] = 1.0 * square
     terms['calm'] = 0.3 * norm(self.ee_vel)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         )
     )
 
 
-def _push_height(thing: Thing, choice: SkillAdjustment) -> float:
-    return float(thing.low + max(0.014, 0.35 * thing.height - choice.lower_m))
+def _push_height(thing: Thing, adjustment: SkillAdjustment) -> float:
+    return float(thing.low + max(0.014, 0.35 * thing.height - adjustment.lower_m))
 
 
-def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: SkillAdjustment) -> None:
+def add_tip(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> None:
     """Push near the top so that the object falls over its far lower edge."""
     n = thing.name
     ranked = sorted(thing.lying, key=lambda k: thing.size[k])
-    axis = ranked[choice.turn % 2]
+    axis = ranked[adjustment.turn % 2]
     sign = 1.0 if thing.rotation[0, axis] >= 0 else -1.0
     half_up = thing.height / 2
-    height = thing.position[2] + HIGH * half_up - choice.lower_m
-    add_behind(draft, thing, facts, axis, sign, height, choice)
-    wide = abreast(thing.size[next(k for k in thing.lying if k != axis)])
+    height = thing.position[2] + HIGH * half_up - adjustment.lower_m
+    add_reach_behind(draft, thing, facts, axis, sign, height, adjustment)
+    wide = abreast_opening(thing.size[next(k for k in thing.lying if k != axis)])
     up = f"{'-1.0 * ' if thing.up_sign < 0 else ''}quat_axis(self.{n}_quat, {thing.up})"
     first = axis_of(n, axis, sign, "init_quat")
     lean = f"dot({up}, {first})"
@@ -261,7 +261,7 @@ def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: SkillA
     up = {up}
     along = {axis_of(n, axis, sign)}
     lean = dot(up, ahead)
-    touch = self.{n}_pos - {number(thing.size[axis] / 2)} * along + {number(HIGH * half_up - choice.lower_m)} * up
+    touch = self.{n}_pos - {number(thing.size[axis] / 2)} * along + {number(HIGH * half_up - adjustment.lower_m)} * up
     behind = touch - {number(PAD_M)} * ahead
     foot = self.{n}_pos + {number(thing.size[axis] / 2)} * along - {number(half_up)} * up
     square = 1.0 + quat_axis(self.ee_quat, 2)[2] + 3.0 * dot(quat_axis(self.ee_quat, 1), ahead) ** 2"""
@@ -270,21 +270,21 @@ def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: SkillA
             name="tip",
             done=f"{lean} > 0.75",
             back_to="reach",
-            noise=0.6 * choice.careful,
+            noise=0.6 * adjustment.careful,
             opening=wide,
             lost=f"{lean} < 0.15 and norm(self.ee_pos - self.{n}_pos) > {number(half_up + 0.1)}",
             toward=f"self.ee_pos + 0.07 * {first}",
-            stiffness=600.0 * choice.press,
+            stiffness=600.0 * adjustment.press,
             code=head
             + f"""
     terms['behind'] = 10.0 * norm(self.ee_pos - behind)
-    terms['tip'] = {number(5 * choice.press)} * (1.0 - lean)
+    terms['tip'] = {number(5 * adjustment.press)} * (1.0 - lean)
     terms['do not slide'] = 2.0 * norm((foot - self.{n}_init_pos)[:2])
     terms['square'] = 3.0 * square
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
     terms['gently'] = 0.05 * norm(self.{n}_hand_force)
     terms['calm'] = 0.3 * norm(self.ee_vel)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         ),
         StageAnswer(
@@ -301,7 +301,7 @@ def add_tip(draft: Draft, thing: Thing, facts: Mapping[str, Any], choice: SkillA
     terms['let go'] = 0.2 * norm(self.{n}_hand_force)
     terms['square'] = 2.0 * square
     terms['calm'] = 0.3 * norm(self.ee_vel)
-{care(facts, n)}    return terms
+{disturbance_term(facts, n)}    return terms
 """,
         ),
     ]

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
 from coral.contact.rules.scene_reading import Array, Thing
+from coral.contact.scene.facts import SceneFacts, on_table
 
 
-def blocks(facts: Mapping[str, Any], name: str) -> Iterator[tuple[Array, Array, Array, float]]:
+def blocks(facts: SceneFacts, name: str) -> Iterator[tuple[Array, Array, Array, float]]:
     """The pieces of a fixture or object as upright boxes.
 
     Yields:
@@ -31,7 +31,7 @@ def blocks(facts: Mapping[str, Any], name: str) -> Iterator[tuple[Array, Array, 
         yield at[:2], ways / np.linalg.norm(ways, axis=1)[:, None], half[thing.lying], float(at[2] + half[thing.up])
 
 
-def top_height(facts: Mapping[str, Any], name: str, point: Array, within_m: float = 0.0) -> float | None:
+def top_height(facts: SceneFacts, name: str, point: Array, within_m: float = 0.0) -> float | None:
     """Height (m) of the highest piece of a fixture, object or the table at a point, or within so much of it; else None.
 
     Args:
@@ -41,10 +41,7 @@ def top_height(facts: Mapping[str, Any], name: str, point: Array, within_m: floa
         within_m: How near to the point counts.
     """
     if name == "table":
-        over = all(
-            facts["table"][axis][0] <= value <= facts["table"][axis][1] for axis, value in zip("xy", point, strict=True)
-        )
-        return 0.0 if over else None
+        return 0.0 if on_table(facts["table"], point) else None
     found = [
         height
         for middle, ways, half, height in blocks(facts, name)
@@ -53,17 +50,17 @@ def top_height(facts: Mapping[str, Any], name: str, point: Array, within_m: floa
     return max(found, default=None)
 
 
-def things_around(facts: Mapping[str, Any], thing: Thing) -> list[str]:
+def other_things(facts: SceneFacts, thing: Thing) -> list[str]:
     """Everything but an object itself."""
     return ["table", *facts["fixtures"], *(name for name in facts["objects"] if name != thing.name)]
 
 
-def rise(thing: Thing) -> float:
+def origin_height(thing: Thing) -> float:
     """How far (m) the origin of an object's frame is above its lowest point, as it is turned now."""
     return float(thing.position[2] - thing.low)
 
 
-def rests_on(thing: Thing, facts: Mapping[str, Any], name: str) -> bool:
+def rests_on(thing: Thing, facts: SceneFacts, name: str) -> bool:
     """Whether an object seems to lie on something now; poses are tracked, so within a centimetre."""
     height = top_height(facts, name, thing.position[:2])
     return height is not None and abs(thing.low - height) < 0.01

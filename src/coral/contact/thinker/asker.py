@@ -48,7 +48,7 @@ class Asker:
         facts: Mapping[str, Any],
         prompt: Mapping[str, Any],
         verify: Callable[[A], Rejection | None],
-        seen: bool = False,
+        with_picture: bool = False,
         pictures: tuple[Picture, ...] = (),
     ) -> Outcome[A]:
         """Ask, verify, ask again with the reasons.
@@ -59,11 +59,11 @@ class Asker:
             facts: For advisors without eyes.
             prompt: What the template's placeholders stand for.
             verify: Why an answer is refused, or None.
-            seen: Whether a picture taken now goes with it.
+            with_picture: Whether a picture taken now goes with it.
             pictures: Taken before, that go with it too.
         """
         text, version = render(kind, prompt)
-        if seen and self.pictures is not None:
+        if with_picture and self.pictures is not None:
             pictures = (*pictures, *self.pictures())
         question: Question[A] = Question(
             kind=kind, prompt=text, answer_type=answer_type, facts=facts, pictures=pictures, prompt_version=version
@@ -72,7 +72,7 @@ class Asker:
         def observe(rejections: Sequence[Rejection]) -> Question[A]:
             return question
 
-        def heard(attempt: Attempt) -> None:
+        def count(attempt: Attempt) -> None:
             self.calls += 1
             if self.log is not None:
                 self.log(attempt)
@@ -81,7 +81,15 @@ class Asker:
         # One loop for all questions: a model's connections live in the loop that opened them.
         self._loop = self._loop or asyncio.new_event_loop()
         return self._loop.run_until_complete(
-            consult(self.advisor, observe, lambda _, answer: verify(answer), self.budget, WallClock(), heard, decision)
+            consult(
+                self.advisor,
+                observe,
+                lambda _, answer: verify(answer),
+                self.budget,
+                WallClock(),
+                count,
+                decision,
+            )
         )
 
     def close(self) -> None:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,8 @@ from coral.contact.control.uncertainty import UncertaintyCfg
 from coral.contact.scene.observation import Observation, Transition
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.diagnosis import HistoryRow
+from coral.contact.thinker.question_facts import CorrectionFacts, FittedFacts, QuestionFacts
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.force_balance import balances
 from coral.contact.world_model.history import windows
@@ -32,7 +33,7 @@ class TouchHistory:
     """
 
     steps: Sequence[Transition]
-    recent: Sequence[Mapping[str, Any]]
+    recent: Sequence[HistoryRow]
 
 
 def correct_beliefs(
@@ -42,7 +43,7 @@ def correct_beliefs(
     past: TouchHistory,
     trial: Trial,
     world: PlanningWorld,
-    facts: Mapping[str, Any],
+    facts: QuestionFacts,
     cfg: ThinkCfg,
     rng: np.random.Generator,
     emit: Callable[..., None],
@@ -99,12 +100,18 @@ def correct_beliefs(
                 f"(error {after:.2f}, now {before:.2f}); propose others, or say so by keeping them",
             )
 
-        fitted = {"object": name, "mass_kg": fit.after.mass_kg, "friction": fit.after.friction, "better": fit.accepted}
+        fitted: FittedFacts = {
+            "object": name,
+            "mass_kg": fit.after.mass_kg,
+            "friction": fit.after.friction,
+            "better": fit.accepted,
+        }
         told = {key: {"mass": one.mass_kg, "friction": one.friction} for key, one in believed.items()}
+        asked: CorrectionFacts = {**facts, "fitted": fitted}
         outcome = asker.ask(
             "parameter-repair",
             ParametersAnswer,
-            {**facts, "fitted": fitted},
+            asked,
             {"task": facts["instruction"], "parameters": told, "history": past.recent},
             wrong,
         )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from coral.contact.scene.observation import Transition
-from coral.contact.world_model.history import most_telling
+from coral.contact.world_model.history import most_informative_object
 
 
 @dataclass
@@ -36,7 +36,7 @@ class CorrectionSchedule:
         now = steps[-1].after.time_s
         if now - self._since < self.every_s - 1e-9 and not last:
             return None
-        name = most_telling(steps[self._seen :])
+        name = most_informative_object(steps[self._seen :])
         if name is not None:
             self.done, self._since, self._seen = self.done + 1, now, len(steps)
         return name

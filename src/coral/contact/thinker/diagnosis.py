@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Literal, TypedDict
 
 import numpy as np
 
@@ -18,6 +18,19 @@ TEXTS: Mapping[Diagnosis, str] = {
     "moved-otherwise": "the object moved, but not as rehearsed: the simulation believes in wrong parameters",
     "no-progress": "the cost fell no further, though nothing is visibly wrong: a side or grasp that leads nowhere",
 }
+
+
+class HistoryRow(TypedDict):
+    """One control step as prompts and events show it: metres, newtons, world frame; a `cost` of None is unknown."""
+
+    time_s: float
+    object_pos: list[float]
+    object_moved_mm: float
+    hand_pos: list[float]
+    hand_told_to: list[float]
+    opening_told_m: float
+    force_on_hand_n: list[float]
+    cost: float | None
 
 
 def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: float) -> Diagnosis:
@@ -46,7 +59,7 @@ def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: f
 
 def recent(
     steps: Sequence[Transition], costs: Sequence[tuple[float, float]], name: str, most: int = 5
-) -> list[dict[str, Any]]:
+) -> list[HistoryRow]:
     """The last stretch in a few rows, as the prompts show it (the paper's last five steps).
 
     Args:
@@ -58,7 +71,7 @@ def recent(
     if not steps:
         return []
     chosen = np.unique(np.linspace(0, len(steps) - 1, most).astype(int))
-    rows: list[dict[str, Any]] = []
+    rows: list[HistoryRow] = []
     for index in chosen:
         step = steps[int(index)]
         body, before = step.after.objects[name], step.before.objects[name]

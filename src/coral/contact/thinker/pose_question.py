@@ -7,7 +7,7 @@ of the package calls its position, may lie elsewhere (of a board with a handle, 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from coral.contact.scene.geometry import quaternion_of, rotate
 from coral.contact.scene.observation import Array, BodyState, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.question_facts import PoseFacts, UnposedObjectFacts
 from coral.contact.thinker.scene_facts import pose
 
 LEAST_PIXELS = 20
@@ -45,7 +46,7 @@ class ObjectPose(BaseModel):
 class PosesAnswer(RootModel[dict[str, ObjectPose]]):
     """Poses by the objects' names."""
 
-    def bodies(self, facts: Mapping[str, Any]) -> dict[str, BodyState]:
+    def bodies(self, facts: PoseFacts) -> dict[str, BodyState]:
         """As an observation holds them, at rest: positions of the frames' origins, no longer of the boxes' centres."""
         found = {}
         for name, one in self.root.items():
@@ -55,7 +56,7 @@ class PosesAnswer(RootModel[dict[str, ObjectPose]]):
         return found
 
 
-def verify_poses(answer: PosesAnswer, facts: Mapping[str, Any]) -> Rejection | None:
+def verify_poses(answer: PosesAnswer, facts: PoseFacts) -> Rejection | None:
     """Why guessed poses are impossible, or None."""
     wanted, given = list(facts["objects"]), list(answer.root)
     if set(wanted) != set(given):
@@ -82,7 +83,7 @@ def verify_poses(answer: PosesAnswer, facts: Mapping[str, Any]) -> Rejection | N
     return None
 
 
-def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, Any]:
+def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
     """What is known before anything is: shapes, how things usually stand, the camera, and what its depth measured.
 
     Args:
@@ -90,7 +91,8 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, An
         now: Of the robot's own sensors.
         frame: The first picture, with the objects' outlines.
     """
-    table, objects = trial.task.table, {}
+    table = trial.task.table
+    objects: dict[str, UnposedObjectFacts] = {}
     points = _points(frame)
     for item in trial.task.objects:
         T = nominal_pose(trial, item.name)
@@ -130,7 +132,7 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, An
     }
 
 
-def pose_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
+def pose_prompt(facts: PoseFacts) -> dict[str, Any]:
     """What the template "object-poses" shows. No measured depth: the picture is what a model guesses by.
 
     Named points, as seen from the centre of the box, tell an object's front from its back.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from coral.contact.plan.touchable_points import Scenery, candidates_of
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial, prior_beliefs
 from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.diagnosis import Diagnosis
+from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
 from coral.contact.thinker.scene_facts import interface_text, scene_facts
 from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
@@ -62,10 +64,10 @@ class Questions:
         fallback: Mapping[str, Rule],
         emit: Emit,
     ) -> None:
-        self.facts: dict[str, Any] = {}
+        self.facts: QuestionFacts
         self.sizes = {name: trial.size(name) for name in trial.objects}
         self.scenery = Scenery.of(trial)
-        self.diagnoses: list[str] = []
+        self.diagnoses: list[Diagnosis] = []
         self._asker, self._trial, self._world, self._cfg = asker, trial, world, cfg
         self._rng, self.load, self._fallback, self._emit = rng, load, fallback, emit
         self._unanswered = ""
@@ -75,15 +77,15 @@ class Questions:
         """What the planning world believes of the objects."""
         return dict(self._world.beliefs[0])
 
-    def look(self, now: Observation, believed: bool = True) -> None:
+    def update_facts(self, now: Observation, believed: bool = True) -> None:
         """Gather the facts anew, with what is believed of the objects or without."""
-        self.facts = scene_facts(self._trial, now, self.beliefs if believed else None)
+        self.facts = cast(QuestionFacts, scene_facts(self._trial, now, self.beliefs if believed else None))
 
-    def parameters(self, given: Mapping[str, PhysicalParameters]) -> None:
+    def ask_parameters(self, given: Mapping[str, PhysicalParameters]) -> None:
         """Masses and frictions, believed from now on: those given, the others as the advisor says."""
         if set(given) >= set(self.sizes):
             self._world.believe(given)
-            self._emit("beliefs", source="given", attempts=0, refused=[], **_told(given))
+            self._emit("beliefs", source="given", attempts=0, refused=[], **_rounded(given))
             return
         outcome = self._asker.ask(
             "physical-parameters",
@@ -93,33 +95,33 @@ class Questions:
             lambda answer: verify_estimates(
                 answer, {name: list(size) for name, size in self.sizes.items()}, self._cfg.belief
             ),
-            seen=True,
+            with_picture=True,
         )
         beliefs = {**(prior_beliefs(self._trial) if outcome.answer is None else outcome.answer.physical()), **given}
         self._world.believe(beliefs)
         source = "given" if given else outcome.failure or "advisor"
-        self._emit("beliefs", source=source, attempts=outcome.attempts, refused=_reasons(outcome), **_told(beliefs))
+        self._emit("beliefs", source=source, attempts=outcome.attempts, refused=_reasons(outcome), **_rounded(beliefs))
         if outcome.answer is None:
             self._emit("fallback", what="beliefs", by="task", because=outcome.failure)
 
-    def formulate(self, now: Observation) -> PlanAnswer | None:
+    def ask_plan(self, now: Observation) -> PlanAnswer | None:
         """A plan for the scene; None where nobody answers."""
         objects = self.facts["objects"]
         poses = {name: item["pose"] for name, item in objects.items()} | {"hand": self.facts["hand"]["pose"]}
-        return self._plan("cost-function", now, {"poses": poses, "parameters": self._shown()})
+        return self._ask_for_plan("cost-function", now, {"poses": poses, "parameters": self._prompt_objects()})
 
-    def repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
+    def ask_repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
         """Another plan, told what became of the last one; None where nobody answers."""
-        return self._plan("cost-repair", now, {"world": self._shown(), **history})
+        return self._ask_for_plan("cost-repair", now, {"world": self._prompt_objects(), **history})
 
-    def rule(self) -> PlanAnswer:
+    def plan_by_rules(self) -> PlanAnswer:
         """The rules' plan. A robot that stands still helps nobody; the record says who took over.
 
         Raises:
             NoStrategy: The rules have none either.
         """
         try:
-            rule = self._fallback["cost-function"](self._asked(), ())
+            rule = self._fallback["cost-function"](self._plan_facts(), ())
         except AdvisorUnavailable as none:
             raise NoStrategy(none.reason) from None
         assert isinstance(rule, PlanAnswer)
@@ -127,17 +129,18 @@ class Questions:
         self._emit("fallback", what="plan", by="heuristic", because=self._unanswered)
         return rule
 
-    def regions(self, plan: PlanAnswer) -> RegionsAnswer:
+    def ask_regions(self, plan: PlanAnswer) -> RegionsAnswer:
         """Where a plan's stages touch; nowhere in particular where nobody answers."""
         if not self._cfg.regions:
             return RegionsAnswer({})
+        asked: RegionFacts = {**self._plan_facts(), "stages": plan.names}
         outcome = self._asker.ask(
             "contact-regions",
             RegionsAnswer,
-            {**self._asked(), "stages": plan.names},
-            {"task": self.facts["instruction"], "objects": self._shown(), "stages": plan.names},
-            lambda answer: self.wrong_regions(answer, plan),
-            seen=True,
+            asked,
+            {"task": self.facts["instruction"], "objects": self._prompt_objects(), "stages": plan.names},
+            lambda answer: self.check_regions(answer, plan),
+            with_picture=True,
         )
         found = outcome.answer or RegionsAnswer({})
         self._emit(
@@ -149,11 +152,11 @@ class Questions:
         )
         return found
 
-    def wrong_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
+    def check_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
         """Why a plan's regions cannot be used in the scene as it was last looked at; None if they can."""
         return verify_regions(regions, self.facts, plan.names, self._cfg.region, self.scenery)
 
-    def candidates(self, regions: RegionsAnswer, plan: PlanAnswer) -> list[Array]:
+    def touchable_candidates(self, regions: RegionsAnswer, plan: PlanAnswer) -> list[Array]:
         """The points of each region that can be touched; where some were dropped, the record tells how many and why."""
         found = candidates_of(regions, self.facts, plan.names, self.scenery, self._cfg.region)
         dropped = [
@@ -165,17 +168,17 @@ class Questions:
             self._emit("candidates", regions=dropped)
         return [left.points for left in found]
 
-    def everything(
+    def ask_everything(
         self, now: Observation, history: Mapping[str, Any] | None = None
     ) -> tuple[PlanAnswer, RegionsAnswer] | None:
         """One question about all of it (variant `unified`); what is accepted is believed."""
         before = self.beliefs
         outcome = ask_unified(
             self._asker,
-            self._asked(),
-            self._shown(),
+            self._plan_facts(),
+            self._prompt_objects(),
             self._world,
-            lambda answer: self.wrong_plan(answer, now),
+            lambda answer: self.check_plan(answer, now),
             self._cfg,
             self.scenery,
             history,
@@ -183,13 +186,13 @@ class Questions:
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
             self._world.believe(before)
-        self.look(now)
+        self.update_facts(now)
         self.facts["refused"] = len(outcome.rejections)
-        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts, **_told(self.beliefs))
-        self._tell_plan("unified", outcome)
+        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts, **_rounded(self.beliefs))
+        self._emit_plan("unified", outcome)
         return None if found is None else (found.plan, found.places)
 
-    def wrong_plan(self, plan: PlanAnswer, now: Observation, load: Loader | None = None) -> Rejection | None:
+    def check_plan(self, plan: PlanAnswer, now: Observation, load: Loader | None = None) -> Rejection | None:
         """Why a plan's programs cannot be used, seen on states around the present one; None if they can.
 
         Args:
@@ -200,20 +203,20 @@ class Questions:
         samples = sample_states(self._world, now, self.sizes, self._rng)
         return verify_plan(plan, self._world.schema, samples, load or self.load)
 
-    def _plan(self, kind: str, now: Observation, about: Mapping[str, Any]) -> PlanAnswer | None:
+    def _ask_for_plan(self, kind: str, now: Observation, about: Mapping[str, Any]) -> PlanAnswer | None:
         prompt = {
             "task": self.facts["instruction"],
             "interface": interface_text(self._world.schema),
             "contact_strategy": self._cfg.strategy,
             **about,
         }
-        outcome = self._asker.ask(kind, PlanAnswer, self._asked(), prompt, lambda plan: self.wrong_plan(plan, now))
+        outcome = self._asker.ask(kind, PlanAnswer, self._plan_facts(), prompt, lambda plan: self.check_plan(plan, now))
         self.facts["refused"] = len(outcome.rejections)
-        self._tell_plan(kind, outcome)
+        self._emit_plan(kind, outcome)
         self._unanswered = outcome.failure
         return outcome.answer
 
-    def _tell_plan(self, kind: str, outcome: Outcome[Any]) -> None:
+    def _emit_plan(self, kind: str, outcome: Outcome[Any]) -> None:
         plan: PlanAnswer | None = outcome.answer
         self._emit(
             "plan_answer",
@@ -225,11 +228,11 @@ class Questions:
             code="" if plan is None else plan.text(),
         )
 
-    def _asked(self) -> dict[str, Any]:
+    def _plan_facts(self) -> PlanFacts:
         """The facts that go with a question about the plan."""
         return {**self.facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}
 
-    def _shown(self) -> dict[str, Any]:
+    def _prompt_objects(self) -> dict[str, Any]:
         """The objects as prompts show them: nothing that only the default advisor needs."""
         hidden = ("stated_mass_kg", "stated_friction", "solid_share", "parts")
         return {
@@ -242,5 +245,5 @@ def _reasons(outcome: Outcome[Any]) -> list[str]:
     return [rejection.reason for rejection in outcome.rejections]
 
 
-def _told(beliefs: Mapping[str, PhysicalParameters]) -> dict[str, list[float]]:
+def _rounded(beliefs: Mapping[str, PhysicalParameters]) -> dict[str, list[float]]:
     return {name: [round(one.mass_kg, 5), round(one.friction, 4)] for name, one in beliefs.items()}

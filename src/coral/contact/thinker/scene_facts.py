@@ -9,6 +9,7 @@ import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.cost.context import Schema
+from coral.contact.scene.facts import ObjectFacts, SceneFacts, goals_of
 from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial, part_size
 
@@ -19,9 +20,7 @@ FUNCTIONS = (
 )
 
 
-def scene_facts(
-    trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalParameters] | None = None
-) -> dict[str, Any]:
+def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalParameters] | None = None) -> SceneFacts:
     """The scene as plain numbers: metres, kilograms, quaternions (w, x, y, z), world frame.
 
     Args:
@@ -30,7 +29,7 @@ def scene_facts(
         beliefs: Masses and frictions as believed; None while nobody has said anything.
     """
     task = trial.task
-    objects = {}
+    objects: dict[str, ObjectFacts] = {}
     for item in task.objects:
         name = item.name
         factors = trial.objects[name].scale
@@ -54,12 +53,13 @@ def scene_facts(
         if np.abs(middle).max() > 0.001:
             objects[name]["middle_m"] = _round(middle)
         if beliefs is not None:
-            objects[name] |= {"mass_kg": round(beliefs[name].mass_kg, 5), "friction": round(beliefs[name].friction, 4)}
+            objects[name]["mass_kg"] = round(beliefs[name].mass_kg, 5)
+            objects[name]["friction"] = round(beliefs[name].friction, 4)
     table = task.table
     return {
         "task": task.name,
         "instruction": task.instruction,
-        "goals": [goal.model_dump(mode="json") for goal in task.success.conditions],
+        "goals": goals_of(task.success.conditions),
         "objects": objects,
         "fixtures": {
             item.name: {"position": list(item.position), "size_m": list(item.size), "yaw_deg": item.yaw_deg}

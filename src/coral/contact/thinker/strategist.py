@@ -57,16 +57,16 @@ class Strategist(Protocol):
     """Decides on strategies, and on what is believed of masses and frictions."""
 
     @property
-    def account(self) -> StrategistCounts:
+    def counts(self) -> StrategistCounts:
         """What it has done so far."""
         ...
 
     @property
-    def guesses(self) -> bool:
+    def guesses_poses(self) -> bool:
         """Whether it says where the objects are, once, and nobody looks for them afterwards."""
         ...
 
-    def locate(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
+    def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
         """Where the objects are, by a look; asked for before `begin` of a mind that guesses.
 
         Args:
@@ -75,11 +75,11 @@ class Strategist(Protocol):
         """
         ...
 
-    def listen(self, emit: Callable[..., None]) -> None:
+    def attach_log(self, emit: Callable[..., None]) -> None:
         """Be told where to report: `emit(event, **fields)` appends to the run's events."""
         ...
 
-    def open_eyes(self, look: Look) -> None:
+    def attach_camera(self, look: Look) -> None:
         """Be given a camera."""
         ...
 
@@ -96,7 +96,7 @@ class Strategist(Protocol):
         """
         ...
 
-    def after(self, moment: PlanReport) -> Strategy | None:
+    def on_plan(self, report: PlanReport) -> Strategy | None:
         """Look at a plan; another strategy to go on with, or None.
 
         Raises:
@@ -104,7 +104,7 @@ class Strategist(Protocol):
         """
         ...
 
-    def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
+    def on_cost_error(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
         """A cost could not be evaluated and no plan was made; another strategy to go on with, or None to give up.
 
         Args:
@@ -114,7 +114,7 @@ class Strategist(Protocol):
         """
         ...
 
-    def ended(self, reason: str) -> None:
+    def on_end(self, reason: str) -> None:
         """The episode is over; "success" or why not."""
         ...
 
@@ -126,33 +126,33 @@ class FixedStrategist:
         strategy: The strategy.
     """
 
-    account = StrategistCounts()
-    guesses = False
+    counts = StrategistCounts()
+    guesses_poses = False
 
     def __init__(self, strategy: Strategy) -> None:
         self._strategy = strategy
 
-    def listen(self, emit: Callable[..., None]) -> None:
-        """See `Strategist.listen`."""
+    def attach_log(self, emit: Callable[..., None]) -> None:
+        """See `Strategist.attach_log`."""
 
-    def open_eyes(self, look: Look) -> None:
-        """See `Strategist.open_eyes`."""
+    def attach_camera(self, look: Look) -> None:
+        """See `Strategist.attach_camera`."""
 
-    def locate(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
-        """See `Strategist.locate`; what was written beforehand knows no poses."""
+    def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
+        """See `Strategist.guess_poses`; what was written beforehand knows no poses."""
         return {}
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """See `Strategist.begin`."""
         return self._strategy
 
-    def after(self, moment: PlanReport) -> Strategy | None:
-        """See `Strategist.after`."""
+    def on_plan(self, report: PlanReport) -> Strategy | None:
+        """See `Strategist.on_plan`."""
         return None
 
-    def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
-        """See `Strategist.failed`."""
+    def on_cost_error(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
+        """See `Strategist.on_cost_error`."""
         return None
 
-    def ended(self, reason: str) -> None:
-        """See `Strategist.ended`."""
+    def on_end(self, reason: str) -> None:
+        """See `Strategist.on_end`."""

@@ -1,34 +1,52 @@
-"""What of the thinking is on, and its thresholds."""
+"""Which parts of the outer loop are enabled, and their thresholds."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
 from coral.advisor.consult import BudgetCfg
-from coral.config import Count, NonNegative
+from coral.config import Count, NonNegative, Positive
 from coral.contact.control.controller import ControllerCfg
-from coral.contact.plan.contact_regions import RegionCfg
+from coral.contact.plan.contact_regions import RegionCfg, reach_box
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.world_model.identification import IdentifyCfg
 from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
 
+MODEL_S = 600.0
+"""A model takes minutes to write and mend a program."""
+DESK_S = 86_400.0
+"""A person at the desk may take a day."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DecisionCfg:
+    """How long one decision may take.
+
+    Args:
+        max_requeries: Further attempts after the first; a refused or malformed answer uses one up.
+        deadline_s: Longest wall time for all attempts together; None for 600 s, and for a day where a person answers.
+    """
+
+    max_requeries: int = 3
+    deadline_s: Positive | None = None
+
 
 @dataclass(frozen=True, kw_only=True)
 class ThinkCfg:
-    """What of CoRAL is on: the ablations switch parts off.
+    """Which parts of the outer loop are enabled; an ablation disables one.
 
     Args:
-        strategy: Say where to touch (off: `unguided`, the cost is of outcomes alone and no regions are asked for).
-        regions: Ask for contact regions (off: `no-regions`, the plan stays as it is and the sampling is not guided).
-        refine: Refine when stuck (off: `no-refinement`).
-        unified: Everything in one question (the paper's unified VLM).
-        tracking: Poses come from elsewhere (off: `no-tracking`, they are asked for once).
+        strategy: Whether plans say where to touch. Off (`unguided`): the cost is of outcomes alone, and no regions are
+            asked for.
+        regions: Whether to ask for contact regions. Off (`no-regions`): the same plan, but nothing guides the samples.
+        refine: Whether to ask for another plan when stuck. Off: `no-refinement`.
+        unified: Whether everything is one question (the paper's unified VLM).
+        tracking: Whether objects are tracked. Off (`no-tracking`): the advisor is asked for their poses once.
         least_gain: Share by which the best rehearsed way must lower the first stage's cost in a remembered plan.
         correct_every_s: Simulated time after which the world model is corrected by what was felt, stuck or not;
             0 for only when stuck.
         corrections: Most of these in an episode; the last is kept for its end.
-        budget: Attempts and wall time for one decision. Simulated time stands still, and a model takes minutes to
-            write and mend a program.
+        budget: Attempts and wall time for one decision; simulated time stands still meanwhile.
         belief: Bounds of what may be believed.
         region: Bounds of what regions may be.
         identify: The fit of corrections.
@@ -43,18 +61,36 @@ class ThinkCfg:
     least_gain: float = 0.05
     correct_every_s: NonNegative = 0.0
     corrections: Count = 5
-    budget: BudgetCfg = field(default_factory=lambda: BudgetCfg(deadline_s=600.0))
+    budget: DecisionCfg = field(default_factory=DecisionCfg)
     belief: ParameterBoundsCfg = field(default_factory=ParameterBoundsCfg)
     region: RegionCfg = field(default_factory=RegionCfg)
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
     outer: OuterCfg = field(default_factory=OuterCfg)
 
 
-def within(controller: ControllerCfg, think: ThinkCfg) -> ThinkCfg:
-    """The same, told where a controller lets the hand go; bounds that were set for the regions themselves stay."""
-    region, untold = think.region, RegionCfg()
-    if (region.reach_low_m, region.reach_high_m) != (untold.reach_low_m, untold.reach_high_m):
-        return think
+def decision_budget(cfg: DecisionCfg, advisor: str) -> BudgetCfg:
+    """Attempts and time of one decision.
+
+    Args:
+        cfg: What was set.
+        advisor: As on the command line.
+    """
+    unset_s = DESK_S if advisor.rsplit(":", 1)[-1] == "desk" else MODEL_S
+    deadline_s = unset_s if cfg.deadline_s is None else cfg.deadline_s
+    return BudgetCfg(max_requeries=cfg.max_requeries, deadline_s=deadline_s)
+
+
+def resolved(think: ThinkCfg, controller: ControllerCfg, advisor: str) -> ThinkCfg:
+    """The same with a number for everything that is None.
+
+    Args:
+        think: The outer loop.
+        controller: Where it lets the hand go, regions may lie.
+        advisor: As on the command line; a person has more time than a model.
+    """
+    low, high = reach_box(think.region, controller)
     return replace(
-        think, region=replace(region, reach_low_m=controller.workspace_low_m, reach_high_m=controller.workspace_high_m)
+        think,
+        region=replace(think.region, reach_low_m=low, reach_high_m=high),
+        budget=replace(think.budget, deadline_s=decision_budget(think.budget, advisor).deadline_s),
     )

@@ -32,7 +32,7 @@ from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, StrategistCounts
 from coral.contact.thinker.think_cfg import ThinkCfg
-from coral.contact.world_model.history import most_telling
+from coral.contact.world_model.history import most_informative_object
 from coral.errors import RunError
 
 
@@ -69,46 +69,46 @@ class Thinker:
         self._emit: Callable[..., None] = lambda event, **fields: None
         self._given = dict(given or {})
         self._worker = worker or CostWorker()  # its process starts at the first program
-        self._rhythm = CorrectionSchedule(
+        self._correction_schedule = CorrectionSchedule(
             cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0, cfg.corrections
         )
         self._now: Observation
         self._repairs = 0
-        self._hit: Match | None = None
+        self._match: Match | None = None
         self._recalled: PlanAnswer | None = None
-        self._past: list[Transition] = []
+        self._history: list[Transition] = []
         self._trial: Trial
         self._world: PlanningWorld
         self._plan: PlanAnswer
         self._regions = RegionsAnswer({})
         self._questions: Questions
-        self._watch: ProgressMonitor
+        self._monitor: ProgressMonitor
         self._failure: CostError | None = None
-        self._keep = self._keeping()
-        self._look: Look = lambda: None
+        self._last_good = self._new_last_good()
+        self._camera: Look = lambda: None
 
     @property
-    def account(self) -> StrategistCounts:
-        """See `Mind.account`."""
-        return StrategistCounts(self.asker.calls, self._repairs, self._hit is not None)
+    def counts(self) -> StrategistCounts:
+        """See `Strategist.counts`."""
+        return StrategistCounts(self.asker.calls, self._repairs, self._match is not None)
 
-    def listen(self, emit: Callable[..., None]) -> None:
-        """See `Mind.listen`."""
+    def attach_log(self, emit: Callable[..., None]) -> None:
+        """See `Strategist.attach_log`."""
         self._emit = emit
 
     @property
-    def guesses(self) -> bool:
-        """See `Mind.guesses`."""
+    def guesses_poses(self) -> bool:
+        """See `Strategist.guesses_poses`."""
         return not self.cfg.tracking
 
-    def open_eyes(self, look: Look) -> None:
-        """See `Mind.open_eyes`."""
-        self._look = look
+    def attach_camera(self, look: Look) -> None:
+        """See `Strategist.attach_camera`."""
+        self._camera = look
         self.asker.pictures = lambda: tuple(to_picture(frame) for frame in (look(),) if frame is not None)
 
-    def locate(self, trial: Trial, first: Observation) -> dict[str, BodyState]:
-        """See `Mind.locate`."""
-        frame = self._look()
+    def guess_poses(self, trial: Trial, first: Observation) -> dict[str, BodyState]:
+        """See `Strategist.guess_poses`."""
+        frame = self._camera()
         if frame is None:
             raise RunError("poses cannot be guessed in a world without pictures")
         return ask_poses(self.asker, trial, first, frame, self._fallback["object-poses"], self._emit)
@@ -119,80 +119,80 @@ class Thinker:
         self._questions = Questions(
             self.asker, trial, world, self.cfg, self._rng, self._load, self._fallback, self._emit
         )
-        self._questions.look(first, believed=False)
+        self._questions.update_facts(first, believed=False)
         strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
-        self._watch = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+        self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
         return strategy
 
     def _ask_all(self, first: Observation) -> Strategy:
-        found = self._questions.everything(first)
-        self._plan, self._regions = found or (self._questions.rule(), RegionsAnswer({}))
+        found = self._questions.ask_everything(first)
+        self._plan, self._regions = found or (self._questions.plan_by_rules(), RegionsAnswer({}))
         return self._strategy("asked")
 
     def _recall_or_ask(self, first: Observation) -> Strategy:
         questions = self._questions
-        questions.parameters(self._given)
-        questions.look(first)
+        questions.ask_parameters(self._given)
+        questions.update_facts(first)
         strategy = self._recall(first)
         if strategy is not None:
             return strategy
-        self._keep, self._failure = self._keeping(), None  # nothing of a plan that was refused takes over
-        self._plan = questions.formulate(first) or questions.rule()
-        self._regions = questions.regions(self._plan)
+        self._last_good, self._failure = self._new_last_good(), None  # nothing of a plan that was refused takes over
+        self._plan = questions.ask_plan(first) or questions.plan_by_rules()
+        self._regions = questions.ask_regions(self._plan)
         return self._strategy("asked")
 
-    def after(self, moment: PlanReport) -> Strategy | None:
+    def on_plan(self, report: PlanReport) -> Strategy | None:
         """Watch the progress; think again when there is none, or when a cost failed and the last good one took over.
 
         Raises:
-            CostError: See `Mind.after`.
+            CostError: See `Strategist.on_plan`.
         """
-        self._past += moment.taken
-        self._now = moment.now
+        self._history += report.taken
+        self._now = report.now
         failure, self._failure = self._failure, None
         if failure is not None:
-            strategy = self._mend(failure, moment.stage, moment.now, self._keep.name)
+            strategy = self._repair_cost(failure, report.stage, report.now, self._last_good.name)
             if strategy is None:
                 raise failure
             return strategy
-        if self._watch.see(moment) and self.cfg.refine and self._repairs < self.cfg.outer.refinements:
-            return self._refine(moment)
-        self._correct_in_passing()
+        if self._monitor.update(report) and self.cfg.refine and self._repairs < self.cfg.outer.refinements:
+            return self._refine(report)
+        self._correct_if_due()
         return None
 
-    def failed(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
+    def on_cost_error(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
         """Have a cost repaired that failed while it was in use, as often as the outer loop may think again."""
-        return self._mend(error, stage, now, "")
+        return self._repair_cost(error, stage, now, "")
 
-    def _mend(self, error: CostError, stage: str, now: Observation, meanwhile: str) -> Strategy | None:
+    def _repair_cost(self, error: CostError, stage: str, now: Observation, meanwhile: str) -> Strategy | None:
         self._emit("cost_error", stage=stage, code=error.code, reason=str(error), meanwhile=meanwhile)
         if not self.cfg.refine or self._repairs >= self.cfg.outer.refinements:
             return None
         self._repairs += 1
         self._failure = None
         self._questions.diagnoses.append("cost-error")
-        self._questions.look(now)
+        self._questions.update_facts(now)
         try:
-            self._replan(now, self._questions.rule, f"in stage {stage!r}, {error}")
+            self._replan(now, self._questions.plan_by_rules, f"in stage {stage!r}, {error}")
         except NoStrategy:
             return None
         return self._repaired()
 
-    def ended(self, reason: str) -> None:
+    def on_end(self, reason: str) -> None:
         """Keep what succeeded; note whether what was remembered helped."""
         try:
-            self._keep_or_count(reason == "success")
+            self._remember_outcome(reason == "success")
         finally:
             self._worker.close()
             self.asker.close()
 
-    def _keep_or_count(self, success: bool) -> None:
-        self._correct_in_passing(last=True)
+    def _remember_outcome(self, success: bool) -> None:
+        self._correct_if_due(last=True)
         if self.memory is None:
             return
-        followed = self._hit is not None and self._plan is self._recalled
-        if self._hit is not None:
-            self.memory.used(self._hit.stored.id, success and followed)
+        followed = self._match is not None and self._plan is self._recalled
+        if self._match is not None:
+            self.memory.used(self._match.stored.id, success and followed)
         # Without regions a plan is no help to whom it would guide.
         if success and not followed and self.cfg.regions:
             number = self.memory.add(self._experience())
@@ -205,31 +205,31 @@ class Thinker:
         for match in self.memory.find(facts):
             # A memory may come from anybody, and hold what a model wrote: nothing of it runs in this process.
             plan, regions = adapt(match.stored.experience, facts)
-            refusal = self._questions.wrong_plan(plan, first, self._worker.load)
+            refusal = self._questions.check_plan(plan, first, self._worker.load)
             if refusal is None and self.cfg.regions:
-                refusal = self._questions.wrong_regions(regions, plan)
-            risen = 0.0
+                refusal = self._questions.check_regions(regions, plan)
+            gain = 0.0
             if refusal is None:
                 self._plan, self._regions = plan, regions
-                self._keep = self._keeping()
+                self._last_good = self._new_last_good()
                 try:
                     strategy = self._strategy(f"remembered {match.stored.id}", self._worker.load)
-                    risen = rehearsed_gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
+                    gain = rehearsed_gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
                 except CostError as error:
                     refusal = Rejection(code=error.code, reason=str(error))
-            if refusal is None and risen < self.cfg.least_gain:
-                refusal = Rejection(code="rehearsal", reason=f"rehearsed, it lowers the cost by {100 * risen:.0f} %")
+            if refusal is None and gain < self.cfg.least_gain:
+                refusal = Rejection(code="rehearsal", reason=f"rehearsed, it lowers the cost by {100 * gain:.0f} %")
             self._emit(
                 "recall",
                 id=match.stored.id,
                 similarity=match.similarity,
                 distance=match.distance,
                 embedder=self.memory.embedder.name,
-                gain=round(risen, 4),
+                gain=round(gain, 4),
                 refused="" if refusal is None else refusal.reason,
             )
             if refusal is None:
-                self._hit, self._recalled = match, plan
+                self._match, self._recalled = match, plan
                 # Repairs of it too: a plan that stays, or one that quotes it, is as foreign as it is.
                 self._load = self._questions.load = self._worker.load
                 return strategy
@@ -237,7 +237,7 @@ class Thinker:
 
     def _strategy(self, name: str, load: Loader | None = None) -> Strategy:
         regions = self._regions if self.cfg.regions else None
-        candidates = None if regions is None else self._questions.candidates(regions, self._plan)
+        candidates = None if regions is None else self._questions.touchable_candidates(regions, self._plan)
         return make_strategy(
             name,
             self._plan,
@@ -245,69 +245,69 @@ class Thinker:
             self._world.schema,
             self._questions.sizes,
             load or self._load,
-            self._keep,
+            self._last_good,
             candidates,
         )
 
-    def _keeping(self) -> LastGoodCost:
-        def heard(cost: Cost, error: CostError) -> None:
+    def _new_last_good(self) -> LastGoodCost:
+        def note_failure(cost: Cost, error: CostError) -> None:
             self._failure = self._failure or error
 
-        return LastGoodCost(failed=heard)
+        return LastGoodCost(failed=note_failure)
 
     def _repaired(self) -> Strategy:
         try:
             strategy = self._strategy(f"repair {self._repairs}")
         except CostError as error:
             raise RunError(f"the repaired plan cannot be made: {error}") from None
-        self._watch = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+        self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
         return strategy
 
     def _replan(self, now: Observation, otherwise: Callable[[], PlanAnswer], error: str = "") -> None:
-        steps, costs = self._watch.steps, self._watch.costs
-        name = most_telling(steps) or next(iter(self._questions.sizes))
+        steps, costs = self._monitor.steps, self._monitor.costs
+        name = most_informative_object(steps) or next(iter(self._questions.sizes))
         history = {
-            "attempts": self._watch.attempts,
+            "attempts": self._monitor.attempts,
             "history": recent(steps, costs, name),
             "code": self._plan.text(),
             "error": error,
         }
         if self.cfg.unified:
-            self._plan, self._regions = self._questions.everything(now, history) or (otherwise(), self._regions)
+            self._plan, self._regions = self._questions.ask_everything(now, history) or (otherwise(), self._regions)
             return
         before = self._plan
-        self._plan = self._questions.repair(now, history) or otherwise()
+        self._plan = self._questions.ask_repair(now, history) or otherwise()
         if self._plan is not before:  # a plan that stays keeps the places that it was made for
-            self._regions = self._questions.regions(self._plan)
+            self._regions = self._questions.ask_regions(self._plan)
 
-    def _refine(self, moment: PlanReport) -> Strategy | None:
+    def _refine(self, report: PlanReport) -> Strategy | None:
         """The outer loop: what went wrong, a better world model, a better plan."""
-        watch, now = self._watch, moment.now
-        name = most_telling(watch.steps) or next(iter(self._questions.sizes))
-        kind = diagnose(watch.steps, name, watch.returns, watch.surprise_m.get(name, 0.0))
+        monitor, now = self._monitor, report.now
+        name = most_informative_object(monitor.steps) or next(iter(self._questions.sizes))
+        kind = diagnose(monitor.steps, name, monitor.returns, monitor.surprise_m.get(name, 0.0))
         self._repairs += 1
         self._emit(
             "stuck",
-            attempts=watch.attempts,
-            stage=moment.stage,
+            attempts=monitor.attempts,
+            stage=report.stage,
             object=name,
             diagnosis=kind,
             text=TEXTS[kind],
-            cost=round(moment.plan.cost, 4),
-            history=recent(watch.steps, watch.costs, name),
+            cost=round(report.plan.cost, 4),
+            history=recent(monitor.steps, monitor.costs, name),
         )
         corrected = not self.cfg.unified and self._correct(name, now)
-        self._questions.look(now)
+        self._questions.update_facts(now)
         if corrected and kind == "moved-otherwise":
             # The plan was right and the world model was not: the stage goes on, rehearsed in the corrected one.
-            self._watch = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+            self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
             return None
         self._questions.diagnoses.append(kind)
         self._replan(now, lambda: self._plan)
         return self._repaired()
 
     def _correct(self, name: str, now: Observation) -> bool:
-        past = TouchHistory(tuple(self._past), recent(self._watch.steps, self._watch.costs, name))
+        past = TouchHistory(tuple(self._history), recent(self._monitor.steps, self._monitor.costs, name))
         return correct_beliefs(
             self.asker,
             name,
@@ -321,9 +321,9 @@ class Thinker:
             self._emit,
         )
 
-    def _correct_in_passing(self, last: bool = False) -> None:
+    def _correct_if_due(self, last: bool = False) -> None:
         """Correct by what was touched, stuck or not; plan and stage go on."""
-        name = self._rhythm.due(self._past, last)
+        name = self._correction_schedule.due(self._history, last)
         if name is not None:
             self._correct(name, self._now)
 
@@ -332,7 +332,7 @@ class Thinker:
         return Experience(
             task=task.name,
             instruction=task.instruction,
-            goals=self._questions.facts["goals"],
+            goals=[dict(goal) for goal in self._questions.facts["goals"]],
             numbers=scene_numbers(self._questions.facts),
             plan=self._plan,
             regions=self._regions,

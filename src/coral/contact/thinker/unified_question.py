@@ -19,6 +19,7 @@ from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.touchable_points import Scenery
 from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.question_facts import PlanFacts
 from coral.contact.thinker.scene_facts import interface_text
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimate, ParameterEstimates, verify_estimates
@@ -55,7 +56,7 @@ class UnifiedAnswer(PlanAnswer):
 
 def ask_unified(
     asker: Asker,
-    facts: Mapping[str, Any],
+    facts: PlanFacts,
     shown: Mapping[str, Any],
     world: PlanningWorld,
     wrong_plan: Callable[[UnifiedAnswer], Rejection | None],
@@ -98,4 +99,4 @@ def ask_unified(
             refusal = verify_regions(answer.places, facts, answer.names, cfg.region, scenery)
         return refusal
 
-    return asker.ask(KIND, UnifiedAnswer, facts, prompt, wrong, seen=True)
+    return asker.ask(KIND, UnifiedAnswer, facts, prompt, wrong, with_picture=True)

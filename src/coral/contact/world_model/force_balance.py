@@ -95,7 +95,7 @@ def balances(steps: Sequence[Transition], name: str, trial: Trial, cfg: BalanceC
     turn = np.array([rotation_of(step.after.objects[name].quaternion)[:, 0] for step in steps])
     lowest = np.array([trial.lowest_point(name, step.after.objects[name]) for step in steps])
     lift = np.array([step.after.tool.velocity[2] for step in steps])
-    clear = np.array([above_table(trial, step) for step in steps])
+    clear = np.array([finger_clearance(trial, step) for step in steps])
     step_s = float(np.median(np.diff([step.after.time_s for step in steps])))
     r, n = cfg.reach, cfg.steps
     way, turned = np.zeros_like(place), np.ones(len(steps))
@@ -124,7 +124,7 @@ def balances(steps: Sequence[Transition], name: str, trial: Trial, cfg: BalanceC
     return Balance(np.array(dragged, dtype=float).reshape(-1, 3), np.array(held, dtype=float).reshape(-1, 2))
 
 
-def above_table(trial: Trial, step: Transition) -> float:
+def finger_clearance(trial: Trial, step: Transition) -> float:
     """Height (m) of the lowest corner of the fingers that is above the table; infinite beside it."""
     tool = step.after.tool
     size = FINGER_M + np.array([0.0, step.after.opening_m / 2, 0.0])
@@ -135,7 +135,7 @@ def above_table(trial: Trial, step: Transition) -> float:
     return float(np.where(over, corners[:, 2], np.inf).min())
 
 
-def solve(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[PhysicalParameters, Array]:
+def solve_balance(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[PhysicalParameters, Array]:
     """The most likely mass and friction, and the covariance of their logarithms, Shape=(2, 2).
 
     Errors are taken for Cauchy's: what touches something else is felt, too, and hard.
@@ -147,23 +147,23 @@ def solve(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[PhysicalParam
     """
     axes = [np.linspace(low, high, 160) for low, high in bounds]
     theta = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
-    cost = np.log1p(np.square(_left(theta, found, cfg))).sum(axis=1)
+    cost = np.log1p(np.square(_residuals(theta, found, cfg))).sum(axis=1)
     best = theta[int(np.argmin(cost))]
-    left, step = _left(best[None], found, cfg)[0], 1e-3
-    slope = np.stack([(_left((best + step * unit)[None], found, cfg)[0] - left) / step for unit in np.eye(2)])
+    left, step = _residuals(best[None], found, cfg)[0], 1e-3
+    slope = np.stack([(_residuals((best + step * unit)[None], found, cfg)[0] - left) / step for unit in np.eye(2)])
     # Stretches overlap: so many tell as much as one.
     information = (slope / (1.0 + np.square(left))) @ slope.T / cfg.steps
     covariance = np.linalg.inv(information + 0.01 * np.eye(2)) + cfg.model**2 * np.eye(2)
     return PhysicalParameters(float(np.exp(best[0])), float(np.exp(best[1]))), covariance
 
 
-def unbalanced(found: Balance, beliefs: Sequence[PhysicalParameters], cfg: BalanceCfg) -> Array:
+def balance_error(found: Balance, beliefs: Sequence[PhysicalParameters], cfg: BalanceCfg) -> Array:
     """Mean of log(1 + r^2) over the stretches, r what is left over in its deviation, Shape=(beliefs,)."""
     theta = np.log([[one.mass_kg, one.friction] for one in beliefs])
-    return np.asarray(np.log1p(np.square(_left(theta, found, cfg))).mean(axis=1))
+    return np.asarray(np.log1p(np.square(_residuals(theta, found, cfg))).mean(axis=1))
 
 
-def _left(theta: Array, found: Balance, cfg: BalanceCfg) -> Array:
+def _residuals(theta: Array, found: Balance, cfg: BalanceCfg) -> Array:
     """What is left over of each balance, in its deviation, Shape=(beliefs, stretches)."""
     mass, friction = (np.exp(theta[:, k, None]) for k in (0, 1))
     push, press, gain = found.dragged.T

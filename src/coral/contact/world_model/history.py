@@ -59,7 +59,7 @@ def windows(
     return [window for _, _, window in sorted(best, key=lambda item: item[1])]
 
 
-def most_telling(steps: Sequence[Transition]) -> str | None:
+def most_informative_object(steps: Sequence[Transition]) -> str | None:
     """The object that moved farthest, or the nearest one to a hand that felt something; None without any."""
     if not steps:
         return None

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from coral.config import Count, Fraction, Positive
 from coral.contact.scene.trial import PhysicalParameters
-from coral.contact.world_model.force_balance import Balance, BalanceCfg, solve, unbalanced
+from coral.contact.world_model.force_balance import Balance, BalanceCfg, balance_error, solve_balance
 from coral.contact.world_model.history_replay import HistoryReplay, ReplayCfg
 from coral.words import many
 
@@ -188,7 +188,7 @@ def fit_by_balance(
         believed: What is believed now, of all objects.
         cfg: The fit.
     """
-    after, covariance = solve(found, np.log([cfg.mass_kg, cfg.friction]), cfg.balance)
+    after, covariance = solve_balance(found, np.log([cfg.mass_kg, cfg.friction]), cfg.balance)
     one = np.ones(2)
     sd = [float(np.sqrt(v)) for v in (covariance[0, 0], covariance[1, 1], one @ covariance @ one)]
     fit = Fit(name, believed[name], after, np.inf, np.inf, False, sd[0], sd[1], sd[2], len(replay.windows))
@@ -297,7 +297,7 @@ def replay_errors(
     before, after = compare(replay, name, believed, proposed)
     if found is None or not len(found):
         return before, after
-    more = unbalanced(found, [believed[name], proposed[name]], cfg.balance)
+    more = balance_error(found, [believed[name], proposed[name]], cfg.balance)
     return before + float(more[0]), after + float(more[1])
 
 

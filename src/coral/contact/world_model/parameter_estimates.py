@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, RootModel
 
 from coral.advisor.question import Rejection
 from coral.config import Positive
+from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.trial import PhysicalParameters
 
 
@@ -96,7 +97,7 @@ def verify_estimates(
     return None
 
 
-def belief_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
+def belief_prompt(facts: SceneFacts) -> dict[str, Any]:
     """What the template "physical-parameters" shows: the paper's table, to be completed."""
     return {
         "task": facts["instruction"],

@@ -1,0 +1,255 @@
+"""What an advisor may know of a scene, as plain numbers: the types of the JSON that questions and memories hold.
+
+Metres, kilograms, quaternions (w, x, y, z), world frame. `thinker/scene_facts.py` gathers them; checks, memory and
+rules read them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, NotRequired, TypedDict, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.scene.conditions import Condition
+
+
+class PartFacts(TypedDict):
+    """The box that holds one part of an object, in the object's frame."""
+
+    size_m: list[float]
+    position: list[float]
+
+
+class ObjectFacts(TypedDict):
+    """One object that moves.
+
+    Args:
+        label: What it is called; its name where the task file has no label.
+        size_m: Full extents of the box that holds it.
+        pose: x, y, z, qw, qx, qy, qz of its frame.
+        shapes: Kinds of its parts, sorted.
+        solid_share: Volume of the parts as a share of the box's.
+        parts: Those that are neither meshes nor turned.
+        points: Named points in its frame.
+        stated_mass_kg, stated_friction: Least and most that the task file states.
+        middle_m: Centre of its box in its frame; missing where it is the origin.
+        mass_kg, friction: As believed; missing until something is believed.
+    """
+
+    label: str
+    size_m: list[float]
+    pose: list[float]
+    shapes: list[str]
+    solid_share: float
+    parts: list[PartFacts]
+    points: dict[str, list[float]]
+    stated_mass_kg: list[float]
+    stated_friction: list[float]
+    middle_m: NotRequired[list[float]]
+    mass_kg: NotRequired[float]
+    friction: NotRequired[float]
+
+
+class FixtureFacts(TypedDict):
+    """Something that does not move: its centre, full extents and turn about z."""
+
+    position: list[float]
+    size_m: list[float]
+    yaw_deg: float
+
+
+class TableFacts(TypedDict):
+    """From where to where the table's top reaches; it lies at z = 0."""
+
+    x: list[float]
+    y: list[float]
+
+
+class HandFacts(TypedDict):
+    """The tool's pose, and how far the fingers open."""
+
+    pose: list[float]
+    widest_opening_m: float
+
+
+class LiftedGoal(TypedDict):
+    """See `conditions.Lifted`."""
+
+    object: str
+    kind: Literal["lifted"]
+    height_m: float
+
+
+class GraspedGoal(TypedDict):
+    """See `conditions.Grasped`."""
+
+    object: str
+    kind: Literal["grasped"]
+
+
+class ReleasedGoal(TypedDict):
+    """See `conditions.Released`."""
+
+    object: str
+    kind: Literal["released"]
+
+
+class AtGoal(TypedDict):
+    """See `conditions.At`."""
+
+    object: str
+    kind: Literal["at"]
+    place: str
+    point: str | None
+    tolerance_m: float
+    axes: str
+
+
+class InsideGoal(TypedDict):
+    """See `conditions.Inside`."""
+
+    object: str
+    kind: Literal["inside"]
+    low: list[float]
+    high: list[float]
+
+
+class RestingGoal(TypedDict):
+    """See `conditions.Resting`."""
+
+    object: str
+    kind: Literal["resting"]
+    thing: str
+
+
+class FlippedGoal(TypedDict):
+    """See `conditions.Flipped`."""
+
+    object: str
+    kind: Literal["flipped"]
+    axis: str
+    degrees: float
+    tolerance_deg: float
+
+
+class UprightGoal(TypedDict):
+    """See `conditions.Upright`."""
+
+    object: str
+    kind: Literal["upright"]
+    tolerance_deg: float
+
+
+class TouchedWhileTurningGoal(TypedDict):
+    """See `conditions.TouchedWhileTurning`."""
+
+    object: str
+    kind: Literal["touched-while-turning"]
+    thing: str
+    axis: str
+    between_deg: list[float]
+    for_s: float
+
+
+class SteadyForceGoal(TypedDict):
+    """See `conditions.SteadyForce`."""
+
+    object: str
+    kind: Literal["steady-force"]
+    newtons: float
+    tolerance: float
+    fraction: float
+    moving_m_s: float
+    window_s: float
+    for_s: float
+
+
+class UndisturbedGoal(TypedDict):
+    """See `conditions.Undisturbed`."""
+
+    object: str
+    kind: Literal["undisturbed"]
+    tolerance_m: float
+
+
+Goal = (
+    LiftedGoal
+    | GraspedGoal
+    | ReleasedGoal
+    | AtGoal
+    | InsideGoal
+    | RestingGoal
+    | FlippedGoal
+    | UprightGoal
+    | TouchedWhileTurningGoal
+    | SteadyForceGoal
+    | UndisturbedGoal
+)
+"""A condition of the task file as JSON; `kind` tells which."""
+
+GoalsByKind = TypedDict(
+    "GoalsByKind",
+    {
+        "lifted": LiftedGoal,
+        "grasped": GraspedGoal,
+        "released": ReleasedGoal,
+        "at": AtGoal,
+        "inside": InsideGoal,
+        "resting": RestingGoal,
+        "flipped": FlippedGoal,
+        "upright": UprightGoal,
+        "touched-while-turning": TouchedWhileTurningGoal,
+        "steady-force": SteadyForceGoal,
+        "undisturbed": UndisturbedGoal,
+    },
+    total=False,
+)
+"""Goals of one object, at most one of each kind."""
+
+
+class SceneFacts(TypedDict):
+    """The whole scene.
+
+    Args:
+        task: Its name.
+        instruction: What is asked for, in words.
+        goals: What is asked for, as the task file's conditions.
+        objects, fixtures: What moves and what does not, by name.
+        places: Named places of the task.
+        numbers: Named numbers of the task.
+        table: The table's top.
+        hand: The hand.
+    """
+
+    task: str
+    instruction: str
+    goals: list[Goal]
+    objects: dict[str, ObjectFacts]
+    fixtures: dict[str, FixtureFacts]
+    places: dict[str, list[float]]
+    numbers: dict[str, float]
+    table: TableFacts
+    hand: HandFacts
+
+
+def goals_of(conditions: Sequence[Condition]) -> list[Goal]:
+    """Conditions as JSON; a test holds that their fields are those of the types above."""
+    return [cast(Goal, condition.model_dump(mode="json")) for condition in conditions]
+
+
+def goals_by_kind(goals: Sequence[Goal]) -> GoalsByKind:
+    """Goals of one object by their kind; of two of a kind the last."""
+    return cast(GoalsByKind, {goal["kind"]: goal for goal in goals})
+
+
+def on_table(table: TableFacts, point: NDArray[np.float64]) -> bool:
+    """Whether a point lies over the table.
+
+    Args:
+        table: The table.
+        point: Shape=(2,) or (3,) m, in the world.
+    """
+    (left, right), (near, far) = table["x"], table["y"]
+    return bool(left <= point[0] <= right and near <= point[1] <= far)

@@ -1,0 +1,43 @@
+"""What the outer loop remembers of surprises; what counts as progress is in test_thinker.py."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from coral.contact.scene.observation import BodyState, HandTarget, Observation, Transition
+from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
+from coral.contact.thinker.strategist import PlanReport
+
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def observed(time_s, x_m):
+    """The box at a place, the hand still."""
+    at_rest = BodyState(np.zeros(3), UPRIGHT)
+    return Observation(time_s, at_rest, 0.08, np.zeros(6), {"box": BodyState(np.array([x_m, 0.0, 0.0]), UPRIGHT)})
+
+
+def surprise_after(seconds, period_s, cfg):
+    """What is left of one surprise of 5 cm when nothing surprises any more for so long, at a period between plans."""
+    monitor, before = ProgressMonitor(cfg, ("push",)), observed(0.0, 0.0)
+    still = HandTarget(np.zeros(3), UPRIGHT, 0.08, 600.0)
+    for k in range(round(seconds / period_s) + 2):
+        now = observed(k * period_s, 0.05 if k else 0.0)
+        plan = SimpleNamespace(cost=1.0, now={"box_pos": now.objects["box"].position[None, None]})
+        taken = (Transition(before, still, now),) if k else ()
+        monitor.update(PlanReport(k, now, plan, "push", taken))
+        before = now
+    return monitor.surprise_m["box"]
+
+
+@pytest.mark.parametrize("period_s", [0.02, 0.04, 0.1])
+def test_a_surprise_fades_in_seconds_whatever_the_period_between_plans(period_s):
+    tau_s = OuterCfg().surprise_tau_s
+    assert surprise_after(1.0, period_s, OuterCfg()) == pytest.approx(0.05 * math.exp(-1.0 / tau_s), rel=1e-6)
+    assert surprise_after(1.0, period_s, OuterCfg(surprise_tau_s=0.5)) == pytest.approx(0.05 * math.exp(-2.0), rel=1e-6)
+
+
+def test_at_the_default_period_a_surprise_loses_four_percent_with_each_plan():
+    assert surprise_after(0.04, 0.04, OuterCfg()) == pytest.approx(0.05 * 0.96, rel=1e-14)
