@@ -1,0 +1,44 @@
+"""CONTRIBUTING.md names files, classes and registries that exist."""
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+PATHS = sorted(set(re.findall(r"`((?:src|tests|docs|benchmarks)/[\w./-]+)`", PAGE)))
+
+
+@pytest.mark.parametrize("path", [path for path in PATHS if "NAME" not in path])
+def test_every_file_it_names_is_there(path):
+    assert (ROOT / path).exists()
+
+
+def test_the_recipes_name_files():
+    assert len(PATHS) > 20
+
+
+@pytest.mark.parametrize(
+    ("module", "names"),
+    [
+        ("coral.contact.scene.conditions", ["BaseCondition"]),
+        ("coral.contact.perception.tracker_registry", ["TRACKERS", "TrackerCfgs"]),
+        ("coral.contact.perception.tracker", ["PoseTracker"]),
+        ("coral.contact.worlds.registry", ["WORLDS"]),
+        ("coral.contact.rules.answers", ["RULES"]),
+        ("coral.contact.episode.variants", ["VARIANTS"]),
+        ("coral.reef.variants", ["VARIANTS"]),
+        ("coral.advisor.registry", ["ENTRIES"]),
+    ],
+)
+def test_every_registry_is_where_it_says(module, names):
+    found = importlib.import_module(module)
+    assert all(hasattr(found, name) for name in names)
+
+
+def test_every_room_of_contact_is_in_the_table():
+    rooms = {path.parent.name for path in (ROOT / "src/coral/contact").glob("*/__init__.py")}
+    table = PAGE.split("## The rooms of contact")[1].split("## ")[0]
+    assert rooms == set(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE))
