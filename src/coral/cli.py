@@ -1,4 +1,4 @@
-"""The `coral` command: words pick a command, its dataclass is its flags, its result is printed."""
+"""The `coral` command line: the first words name a command, whose dataclass defines its flags."""
 
 from __future__ import annotations
 

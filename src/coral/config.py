@@ -30,7 +30,7 @@ Signed = Annotated[float, Field(allow_inf_nan=False)]
 
 
 def whole_steps(period_s: float, step_s: float, where: str, field: str) -> int:
-    """How many steps make a period.
+    """Number of steps in a period.
 
     Args:
         period_s: The period.

@@ -1,10 +1,10 @@
-"""Small words for people: numbers of things."""
+"""Counts in words."""
 
 from __future__ import annotations
 
 
 def many(count: int, word: str, plural: str = "") -> str:
-    """A number of things in words: "1 plan", "2 plans".
+    """A count in words: "1 plan", "2 plans".
 
     Args:
         count: How many.

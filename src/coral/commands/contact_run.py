@@ -222,7 +222,7 @@ def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
 
 
 def with_poses(cfg: EpisodeCfg, poses: Literal["tracked", "ground-truth"] | None) -> EpisodeCfg:
-    """The configuration with poses from elsewhere."""
+    """The configuration with another source of poses."""
     return cfg if poses is None else dataclasses.replace(cfg, poses=poses)
 
 

@@ -1,4 +1,4 @@
-"""`coral contact tasks`: what can be asked for, or one task with everything that varies in it."""
+"""`coral contact tasks`: list the tasks, or describe one with everything that varies in it."""
 
 from __future__ import annotations
 

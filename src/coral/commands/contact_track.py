@@ -1,4 +1,4 @@
-"""`coral contact track`: how exactly and how fast objects are tracked through the tasks' motions."""
+"""`coral contact track`: accuracy and speed of the tracker on the tasks' motions."""
 
 from __future__ import annotations
 

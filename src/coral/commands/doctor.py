@@ -1,4 +1,4 @@
-"""`coral doctor`: does this installation have what it needs, and what would each extra add?"""
+"""`coral doctor`: check this installation, and list what each extra would add."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Doctor:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Everything that was looked at."""
+        """Run all checks."""
         packages: dict[str, str | None] = {}
         for name in CORE:
             try:
@@ -75,7 +75,7 @@ class Doctor:
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """A line each."""
+        """One line for each check."""
         lines = [f"{'ok     ' if good else 'MISSING'}  {name}" for name, good in result["checks"].items()]
         lines += [f"MISSING  package {name}" for name, found in result["packages"].items() if not found]
         lines += [

@@ -10,10 +10,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from coral.errors import InputError
-from coral.faults import shown
 from coral.reef.clutter import Clutter, Room, mm
 from coral.reef.spines import TOPOLOGIES, Line, Topology, samples, spread, topology_lines
 from coral.reef.world import Cluster, Current, Oyster, ReefWorld, Start, check_world
+from coral.validation_errors import shown
 
 _APART_M = 3.0
 """Between the middles of two clusters at least, so that a gap of 1.2 m or more stays between their outlines."""

@@ -36,7 +36,7 @@ class SimulatorCfg:
 
 @dataclass(frozen=True, kw_only=True)
 class Sensed:
-    """What the robot's sensors say at one moment."""
+    """The robot's measurements at one moment."""
 
     frame: Frame
     pose: Pose

@@ -14,10 +14,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from coral.errors import InputError, nearest
-from coral.faults import input_error, shown
 from coral.odd_text import encodable
 from coral.reef.world_check import check_world
 from coral.reef.world_yaml import read_mapping, to_text
+from coral.validation_errors import input_error, shown
 
 __all__ = [
     "Cluster",

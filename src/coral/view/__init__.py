@@ -1,1 +1,1 @@
-"""What people look at: map pictures, video, the run report, the live view."""
+"""Map pictures, video, run reports and the live view."""

@@ -1,4 +1,4 @@
-"""The decisions of a run: what was asked and why, what came back, what became of it."""
+"""The decisions of a run: question, trigger, answers, verdicts and result."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from coral.contact.scene.shapes import Shape
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_validation import check_task
 from coral.errors import InputError, nearest
-from coral.faults import input_error
+from coral.validation_errors import input_error
 
 TASKS_DIR = Path(__file__).parent / "tasks"
 

@@ -1,1 +1,1 @@
-"""What people look at of a contact episode: pictures, charts, report, film."""
+"""Pictures, charts, report and film of a contact episode."""

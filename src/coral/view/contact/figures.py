@@ -18,7 +18,7 @@ HUES = ("#0b6470", "#c8352b", "#b86e00", "#5a3ea8", "#178048", "#195ae6", "#8a4b
 
 
 def stages_chart(run: RunFolder) -> str:
-    """Which stage was on, and what touched what."""
+    """Active stage and contacts over time."""
     axis = time_axis(run.duration_s)
     touches = touching(run)
     pairs = list(dict.fromkeys((touch["first"], touch["second"]) for touch in touches))
@@ -101,7 +101,7 @@ def opening_chart(run: RunFolder) -> str:
 
 
 def tracking_chart(run: RunFolder, objects: Sequence[str]) -> str:
-    """How far tracked poses are off; "" where none were tracked."""
+    """Errors of the tracked poses; "" where none were tracked."""
     curves = {name: 1e3 * run.column(f"{name}_off_m") for name in objects}
     if not any(np.isfinite(values).any() for values in curves.values()):
         return ""
@@ -193,12 +193,12 @@ def _legend(names: Sequence[str]) -> tuple[list[str], int]:
 
 
 def stage_names(run: RunFolder) -> list[str]:
-    """Stages in the order in which they first came on."""
+    """Stages in the order of their first activation."""
     return list(dict.fromkeys(str(event["stage"]) for event in run.select("stage")))
 
 
 def stage_spans(run: RunFolder) -> list[tuple[float, float, str]]:
-    """Start (s), end (s) and name of every stage as it came on."""
+    """Start (s), end (s) and name of every activation of a stage."""
     events = run.select("stage")
     ends = [*(float(event["t"]) for event in events[1:]), run.duration_s][: len(events)]
     return [(float(event["t"]), end, str(event["stage"])) for event, end in zip(events, ends, strict=True)]

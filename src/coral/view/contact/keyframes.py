@@ -1,4 +1,4 @@
-"""Pictures of the moments that tell an episode: its beginning, each change of stage or contact, its end."""
+"""Key frames of an episode: its start, each change of stage or contact, its end."""
 
 from __future__ import annotations
 

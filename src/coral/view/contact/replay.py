@@ -92,7 +92,7 @@ def _overview(run: RunFolder, trial: Trial) -> Array:
 
 
 def trial_of_run(run: RunFolder) -> Trial:
-    """The trial of a run, drawn again.
+    """Sample the trial of a run again.
 
     Raises:
         InputError: The run holds no task, or no seed.

@@ -1,4 +1,4 @@
-"""What the mind did during a contact episode, in its own words (paper, Fig. 6), and every answer it was given."""
+"""The reasoning of a contact episode (paper, Fig. 6), and every answer that the advisor gave."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ FAILED = {
 
 @dataclass(frozen=True, kw_only=True)
 class ThoughtPart:
-    """One step of a thought.
+    """One step of the reasoning.
 
     Args:
         title: What it was.
@@ -56,7 +56,7 @@ class ThoughtPart:
 
 @dataclass(frozen=True, kw_only=True)
 class Thought:
-    """All that was thought at one moment.
+    """The reasoning at one moment.
 
     Args:
         t: Simulated time (s).
@@ -84,7 +84,7 @@ class Answer:
 
 
 def thoughts(run: RunFolder) -> list[Thought]:
-    """What the mind did, moment by moment."""
+    """The reasoning of a run, moment by moment."""
     moments: dict[tuple[int, float], list[Record]] = {}
     for event in run.select(*_PARTS):
         moments.setdefault((int(event.get("step", 0)), float(event["t"])), []).append(event)
@@ -101,7 +101,7 @@ def thoughts(run: RunFolder) -> list[Thought]:
 
 
 def answers(run: RunFolder) -> list[Answer]:
-    """Every answer that the advisor gave, good or bad."""
+    """Every answer of the advisor, accepted or not."""
     found = []
     for entry in run.attempts:
         spoilt = [

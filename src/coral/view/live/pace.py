@@ -1,4 +1,4 @@
-"""Pause, stop and speed limit of something that runs, changed from a page and obeyed by the run."""
+"""Pause, stop and speed limit of a run, set from a page."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ STOPPED = "stopped by the operator"
 
 
 class Pace:
-    """The wishes of whoever watches; every method may be called from any thread."""
+    """Pause, stop and speed as set by the viewer. Every method may be called from any thread."""
 
     def __init__(
         self,
@@ -36,7 +36,7 @@ class Pace:
 
     @property
     def paused(self) -> bool:
-        """Whether the run is to stand still."""
+        """Whether the run is paused."""
         return self._paused
 
     @paused.setter
@@ -56,7 +56,7 @@ class Pace:
 
     @property
     def stop(self) -> str:
-        """Why the run is to end, or ""."""
+        """Why the viewer ended the run, or ""."""
         return self._stop
 
     def end(self, reason: str = STOPPED) -> None:

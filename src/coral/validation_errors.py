@@ -1,4 +1,4 @@
-"""What pydantic found wrong in a user's file, in words for the person who wrote it."""
+"""Validation errors of pydantic as one line for the person who wrote the file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LONGEST = 60
 
 
 def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> InputError:
-    """The first fault as one line: dotted field, found, expected.
+    """The first validation error as one line: dotted field, found, expected.
 
     Args:
         where: The file.
@@ -70,7 +70,7 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
 
 
 def shown(value: Any) -> str:
-    """A wrong value as a message shows it."""
+    """A wrong value, shortened for a message."""
     text = repr(value)
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
