@@ -109,10 +109,10 @@ def test_one_robot_does_and_writes_what_was_recorded(pond, tmp_path):
 
 
 def same(found, expected):
-    """Keys in the same order, words alike, numbers to rounding."""
+    """Keys in the same order, words alike, numbers to rounding; keys that were not recorded yet may have joined."""
     if isinstance(expected, dict):
-        assert list(found) == list(expected)
-        found, expected = list(found.values()), list(expected.values())
+        assert [key for key in found if key in expected] == list(expected)
+        found, expected = [found[key] for key in expected], list(expected.values())
     if isinstance(expected, list):
         assert len(found) == len(expected)
         for one, other in zip(found, expected, strict=True):
