@@ -1,4 +1,3 @@
-import json
 import math
 
 import numpy as np
@@ -72,23 +71,20 @@ def test_the_bound_of_a_world_is_planned_once(pond, tour, tmp_path, monkeypatch)
     planned = []
     monkeypatch.setattr(bound, "plan_tour", lambda *a, **k: planned.append(1) or tour)
     asked = (pond, CameraCfg(), ImagingCfg(), None, VehicleCfg())
-    first = bound.oracle_times(*asked)
-    assert first == {
-        "50": tour.time_to(0.5),
-        "80": tour.time_to(0.8),
-        "90": tour.time_to(0.9),
-        "end": pytest.approx(0.1 * len(tour.commands)),
-    }
-    assert bound.oracle_times(*asked) == first
-    monkeypatch.setattr(bound, "_kept", {})
-    assert bound.oracle_times(*asked) == first  # from the folder
-    assert len(planned) == 1
+    first = bound.oracle_bound(*asked)
+    assert first.times == {share: tour.time_to(share) for share in (0.5, 0.8, 0.9)}
+    assert bound.oracle_bound(*asked) is first
     (kept,) = (tmp_path / "coral" / "oracle").iterdir()
-    assert json.loads(kept.read_text()) == first
-    # Other water, another tour; a broken file is planned anew.
-    bound.oracle_times(*asked[:3], 3.0, VehicleCfg())
-    assert len(planned) == 2
-    kept.write_text("{")
     monkeypatch.setattr(bound, "_kept", {})
-    assert bound.oracle_times(*asked) == first
-    assert len(planned) == 3
+    read = bound.oracle_bound(*asked)
+    assert read.times == first.times
+    np.testing.assert_array_equal(read.commands, tour.commands)
+    assert len(planned) == 1
+    # Other water, another tour; a broken file is planned anew.
+    bound.oracle_bound(*asked[:3], 3.0, VehicleCfg())
+    assert len(planned) == 2
+    for broken in ("{", "[]", '{"times": [1], "commands": []}'):
+        kept.write_text(broken)
+        monkeypatch.setattr(bound, "_kept", {})
+        assert bound.oracle_bound(*asked).times == first.times
+    assert len(planned) == 5

@@ -34,8 +34,8 @@ NOTES = (
     "less; imaged: within 6 m. Times and the area, the mean share over the first 600 s, are of inspected; (28/30): "
     "only 28 of 30 missions got there.",
     "Random: the whole system with an advisor that draws lots. Blind sweep: straight lanes, through whatever is in the "
-    "way. Oracle: a tour that knows the reef, at cruise speed, without inertia; a heuristic, not a proven optimum. These "
-    "two go on to their own end; the other missions only with --cfg.no-stop-when-covered.",
+    "way. Oracle: a tour that knows the reef, at cruise speed, without inertia; a heuristic, not a proven optimum. "
+    "These two go on to their own end; the other missions only with --cfg.no-stop-when-covered.",
 )
 
 
