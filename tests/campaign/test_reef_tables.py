@@ -154,3 +154,37 @@ def test_failed_missions_only_make_no_table():
 def test_the_papers_numbers_are_complete(table, rows):
     assert len(paper()[table]) == rows
     assert len({tuple(row) for row in paper()[table].values()}) == 1
+
+
+JUDGED = [
+    mission(variant, world, 0, advisor=advisor, inspected=share, imaged=1.0, time_to_90_s=soon, oracle_ratio_90=ratio)
+    for world in ("l1", "k1")
+    for variant, advisor, share, soon, ratio in (
+        ("full", "heuristic", 0.95, 120.0 if world == "l1" else None, 2.0 if world == "l1" else None),
+        ("blind-sweep", "none", 0.4, None, None),
+        ("oracle", "none", 1.0, 60.0, 1.0),
+    )
+]
+
+
+def test_what_was_inspected_stands_in_a_table_with_the_bound_and_the_blind():
+    table = tables_by_name(JUDGED)["Inspection"]
+    rows = {row[0]: dict(zip(table.header, row, strict=True)) for row in table.rows}
+    assert list(rows) == ["CORAL (full)", "blind sweep", "oracle tour (bound)"]
+    assert rows["CORAL (full)"]["inspected (%)"] == "95.0"
+    assert rows["CORAL (full)"]["to 90 % (s)"] == "120 (1/2)"
+    assert rows["CORAL (full)"]["× oracle, to 90 %"] == "2.00 (1/2)"
+    assert rows["blind sweep"]["to 90 % (s)"] == "—"
+    assert rows["oracle tour (bound)"]["to 90 % (s)"] == "60"
+    assert "position error (m)" not in table.header  # recorded by none of these missions
+    assert any("not a proven optimum" in note for note in table.notes)
+
+
+def test_baselines_are_rows_of_the_papers_tables_too():
+    tables = tables_by_name(JUDGED)
+    for name in ("Table I", "Table II", "All variants"):
+        assert {"blind sweep", "oracle tour (bound)"} <= {row[0] for row in tables[name].rows}
+
+
+def test_missions_that_were_not_judged_make_no_such_table():
+    assert "Inspection" not in tables_by_name(ROWS)

@@ -34,7 +34,7 @@ def test_every_parameter_set_can_be_driven():
 
 
 def test_unknown_model_is_named():
-    with pytest.raises(InputError, match="planar or six_dof"):
+    with pytest.raises(InputError, match="planar, six_dof or kinematic"):
         Vehicle(VehicleCfg(model="submarine"))  # type: ignore[arg-type]
 
 

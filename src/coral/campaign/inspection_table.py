@@ -33,9 +33,9 @@ NOTES = (
     "Inspected: mean share of the clusters’ oyster area that the true camera had in its picture at pixels of 0.05 m or "
     "less; imaged: within 6 m. Times and the area, the mean share over the first 600 s, are of inspected; (28/30): "
     "only 28 of 30 missions got there.",
-    "Oracle: a tour that knows the reef, at cruise speed, without inertia; a heuristic, not a proven optimum. Blind "
-    "sweep: straight lanes, through whatever is in the way. Random: the whole system with an advisor that draws lots. "
-    "Sweep and oracle go on to their own end; the other missions only with --cfg.no-stop-when-covered.",
+    "Random: the whole system with an advisor that draws lots. Blind sweep: straight lanes, through whatever is in the "
+    "way. Oracle: a tour that knows the reef, at cruise speed, without inertia; a heuristic, not a proven optimum. "
+    "These two go on to their own end; the other missions only with --cfg.no-stop-when-covered.",
 )
 
 

@@ -1,4 +1,4 @@
-"""The oracle's times for a world, planned once and kept: in this process, and in the user's cache folder."""
+"""The oracle's tour of a world, planned once and kept: in this process, and in the user's cache folder."""
 
 from __future__ import annotations
 
@@ -6,8 +6,13 @@ import contextlib
 import hashlib
 import json
 import os
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from coral.config import to_mapping
 from coral.reef.camera import CameraCfg
@@ -23,23 +28,36 @@ _CODE = (
     "tour_kernels",
     "imaging",
     "imaging_kernels",
+    "camera",
     "costfield",
     "costfield_kernels",
     "reachability",
+    "scene",
 )
 """Modules whose text decides the tour."""
 
-Bound = dict[str, float | None]
+
+@dataclass(frozen=True)
+class Bound:
+    """What is kept of a tour.
+
+    times: When 50, 80 and 90 % are inspected (s), by share; None where never.
+    commands: Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s) of each tick.
+    """
+
+    times: dict[float, float | None]
+    commands: NDArray[np.float64]
 
 
-def oracle_times(
+def oracle_bound(
     world: ReefWorld,
     camera: CameraCfg,
     imaging: ImagingCfg,
     visibility_m: float | None,
     vehicle: VehicleCfg,
+    dt: float = 0.1,
 ) -> Bound:
-    """When the oracle's tour has inspected 50, 80 and 90 % (`50`, `80`, `90`), and all that it will (`end`); seconds.
+    """The oracle's tour and its times; the arguments are those of `plan_tour`.
 
     Deterministic. Planned anew only when the world, the camera, what counts as inspected or the planner has changed.
     """
@@ -49,25 +67,30 @@ def oracle_times(
         "imaging": to_mapping(imaging),
         "visibility_m": visibility_m,
         "vehicle": [vehicle.hull_radius_m, vehicle.max_speed_m_s, vehicle.max_yaw_rate_rad_s],
+        "dt": dt,
         "code": _code(),
     }
     key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:24]
     if key in _kept:
         return _kept[key]
     path = _folder() / f"{key}.json"
-    with contextlib.suppress(OSError, ValueError):
-        _kept[key] = json.loads(path.read_text(encoding="utf-8"))
+    with contextlib.suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
+        _kept[key] = _from_json(json.loads(path.read_text(encoding="utf-8")))
         return _kept[key]
-    tour = plan_tour(world, camera, imaging, visibility_m=visibility_m, vehicle=vehicle)
-    found: Bound = {f"{100 * share:.0f}": tour.time_to(share) for share in SHARES}
-    found["end"] = round(tour.dt * len(tour.commands), 3)
-    _kept[key] = found
+    tour = plan_tour(world, camera, imaging, visibility_m=visibility_m, vehicle=vehicle, dt=dt)
+    found = _kept[key] = Bound({share: tour.time_to(share) for share in SHARES}, tour.commands)
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_name(f".{path.name}.{os.getpid()}.part")
-        part.write_text(json.dumps(found), encoding="utf-8")
+        content = {"times": [found.times[share] for share in SHARES], "commands": found.commands.tolist()}
+        part.write_text(json.dumps(content), encoding="utf-8")
         os.replace(part, path)
     return found
+
+
+def _from_json(content: Any) -> Bound:
+    times = [None if value is None else float(value) for value in content["times"]]
+    return Bound(dict(zip(SHARES, times, strict=True)), np.array(content["commands"], np.float64).reshape(-1, 2))
 
 
 _kept: dict[str, Bound] = {}

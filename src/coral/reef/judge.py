@@ -13,12 +13,15 @@ from numpy.typing import NDArray
 
 from coral.reef.chain import Track
 from coral.reef.imaging import ImagingMeter
+from coral.reef.mapping import distance_to
 from coral.reef.world import ReefWorld
 
 JUDGE_FILE = "judge.csv"
 COLUMNS = ("step", "t", "imaged", "inspected", "reef_m")
 """Mean share of the clusters' oyster area imaged and inspected so far; distance of the robot from the reef (m), of the
 farthest one where several survey."""
+CELL_M = 0.1
+"""Edge of the cells in which the distance from the reef is looked up."""
 MATCH_M = 1.0
 """A track stands for a true cluster when it lies this near to its oysters: d_merge of the robot's own tracker."""
 
@@ -29,7 +32,11 @@ class Judge:
     def __init__(self, world: ReefWorld, meter: ImagingMeter, folder: Path) -> None:
         self.meter = meter
         spine = [point for line in world.spine for point in _dense(np.array(line))]
-        self._reef = np.concatenate([np.array(spine).reshape(-1, 2), meter.points[:, :2]])
+        reef = np.concatenate([np.array(spine).reshape(-1, 2), meter.points[:, :2]])
+        width, height = (math.ceil(edge / CELL_M) for edge in world.size_m)
+        there = np.zeros((height, width), np.bool_)
+        there[_cells(reef[:, 1], height), _cells(reef[:, 0], width)] = True
+        self._away = distance_to(there, CELL_M)
         self._file: IO[str] = open(folder / JUDGE_FILE, "x", encoding="utf-8", buffering=1)  # noqa: SIM115
         self._file.write(",".join(COLUMNS) + "\n")
 
@@ -40,9 +47,10 @@ class Judge:
         self._file.write(f"{step},{t:.6g},{meter.imaged:.6g},{meter.inspected:.6g},{reef_m:.4g}\n")
 
     def reef_m(self, x: float, y: float) -> float:
-        """Distance (m) of a point from the reef: from the nearest oyster, or from the line that the reef grew along."""
-        away = self._reef - (x, y)
-        return math.sqrt(float((away * away).sum(axis=1).min()))
+        """Distance of a point from the reef, to a decimetre (m): from an oyster, or from the line it grew along."""
+        height, width = self._away.shape
+        j, i = min(max(int(y / CELL_M), 0), height - 1), min(max(int(x / CELL_M), 0), width - 1)
+        return float(self._away[j, i])
 
     def phantoms(self, tracks: Sequence[Track]) -> int:
         """How many of the robot's clusters match no true one."""
@@ -59,6 +67,10 @@ class Judge:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+
+
+def _cells(values: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+    return np.clip((values / CELL_M).astype(np.int64), 0, count - 1)
 
 
 def _dense(line: NDArray[np.float64], step_m: float = 0.2) -> list[tuple[float, float]]:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.reef.bound import oracle_bound
 from coral.reef.geometry import Pose
-from coral.reef.oracle import plan_tour
 from coral.reef.tour import drive_lines, lanes
 from coral.reef.world import ReefWorld
 
@@ -30,12 +30,5 @@ def planned(world: ReefWorld, cfg: MissionCfg) -> NDArray[np.float64] | None:
     sim, start = cfg.simulator, Pose(world.start.x, world.start.y, world.start.theta)
     if cfg.decider == "sweep":
         return drive_lines(lanes(world.size_m, cfg.lane_m, start), start, sim.vehicle, cfg.control_period_s)
-    tour = plan_tour(
-        world,
-        sim.camera,
-        sim.imaging,
-        visibility_m=sim.noise.visibility_m,
-        vehicle=sim.vehicle,
-        dt=cfg.control_period_s,
-    )
-    return tour.commands
+    visibility_m = sim.noise.visibility_m
+    return oracle_bound(world, sim.camera, sim.imaging, visibility_m, sim.vehicle, cfg.control_period_s).commands
