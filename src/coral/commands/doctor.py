@@ -90,7 +90,7 @@ class Doctor:
         lines.append(
             "ok       system calls of costs are filtered"
             if result["costs_filtered"]
-            else "without  a filter of system calls: `coral contact run` refuses costs (CORAL_ALLOW_UNFILTERED_COSTS=1 allows them)"
+            else "without  a filter of system calls: contact refuses costs (CORAL_ALLOW_UNFILTERED_COSTS=1 allows them)"
         )
         keys = [key for key, there in result["keys"].items() if there]
         lines.append(f"model keys in the environment: {', '.join(keys) or 'none (the heuristic advisor needs none)'}")

@@ -139,7 +139,8 @@ def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(reply, schem
         "import sys,os,struct\nr = "
         + repr(reply)
         + (
-            "\ndef send(b): os.write(1, struct.pack('<I', len(b)) + b)\nsend(b'{\"ready\": true, \"filtered\": true}')\nn = 0\n"
+            "\ndef send(b): os.write(1, struct.pack('<I', len(b)) + b)\n"
+            'send(b\'{"ready": true, "filtered": true}\')\nn = 0\n'
             "while (h := os.read(0, 4)):\n    os.read(0, struct.unpack('<I', h)[0])\n    n += 1\n"
             '    send(b\'{"reads": [], "source": ""}\' if n == 1 else r)\n'
         )
