@@ -63,12 +63,17 @@ class Doctor:
             "video encoder": _encoder(),
             "temporary folder": os.access(tempfile.gettempdir(), os.W_OK),
         }
+        from coral.contact.cost_program import CostWorker
+
+        with CostWorker() as worker:
+            filtered = worker.check()
         return {
             "ok": all(checks.values()),
             "checks": checks,
             "python": platform.python_version(),
             "packages": packages,
             "cores": os.cpu_count(),
+            "costs_filtered": filtered,
             "browser": shutil.which("chromium") or shutil.which("google-chrome"),
             "extras": {name: importlib.util.find_spec(module) is not None for name, (module, _) in EXTRAS.items()},
             "keys": {key: key in os.environ for key in KEYS},
@@ -82,6 +87,11 @@ class Doctor:
             f"{'extra  ' if there else 'without'}  {name}: {EXTRAS[name][1]}"
             for name, there in result["extras"].items()
         ]
+        lines.append(
+            "ok       system calls of costs are filtered"
+            if result["costs_filtered"]
+            else "without  a filter of system calls: contact refuses costs (CORAL_ALLOW_UNFILTERED_COSTS=1 allows them)"
+        )
         keys = [key for key, there in result["keys"].items() if there]
         lines.append(f"model keys in the environment: {', '.join(keys) or 'none (the heuristic advisor needs none)'}")
         lines.append("ready" if result["ok"] else "not ready: run make setup")

@@ -12,10 +12,13 @@ import sys
 import numpy as np
 import pytest
 
+from coral.commands.doctor import Doctor
 from coral.contact.cost.context import Context
 from coral.contact.cost_program import CostError, CostProgram, CostWorker, LimitsCfg, WorkerCfg
+from coral.contact.cost_program.errors import LONGEST_NAME
 from coral.contact.cost_program.sandbox import KEPT
 from coral.contact.cost_program.seccomp import MACHINES, filter_program
+from coral.errors import InputError
 
 LINUX = sys.platform.startswith("linux")
 
@@ -121,14 +124,23 @@ def test_a_quantity_of_the_wrong_shape_is_named(worker, schema, states):
 
 @pytest.mark.parametrize(
     "reply",
-    [b'{"terms": ["a"], "lines": {}}', b"[]", b"not json", b'{"terms": 3}', b'{"error": ["made up", "x", "y", "z"]}'],
+    [
+        b'{"terms": ["a"], "lines": {}}',
+        b'{"terms": ["\\ud800"], "lines": {"\\ud800": 1}, "distances": []}',
+        b'{"terms": ["\\u001b[2J"], "lines": {"\\u001b[2J": 1}, "distances": []}',
+        b"[]",
+        b"not json",
+        b'{"terms": 3}',
+        b'{"error": ["made up", "x", "y", "z"]}',
+    ],
 )
 def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(reply, schema, states, monkeypatch):
     honest = (
         "import sys,os,struct\nr = "
         + repr(reply)
         + (
-            "\ndef send(b): os.write(1, struct.pack('<I', len(b)) + b)\nsend(b'{\"ready\": true}')\nn = 0\n"
+            "\ndef send(b): os.write(1, struct.pack('<I', len(b)) + b)\n"
+            'send(b\'{"ready": true, "filtered": true}\')\nn = 0\n'
             "while (h := os.read(0, 4)):\n    os.read(0, struct.unpack('<I', h)[0])\n    n += 1\n"
             '    send(b\'{"reads": [], "source": ""}\' if n == 1 else r)\n'
         )
@@ -181,3 +193,72 @@ def test_every_jump_of_the_filter_stays_inside(machine):
         if kind & 0x07 == 0x05:
             assert i + 1 + max(met, unmet) < len(code)
     assert code[-1][0] == 0x06
+
+
+UNUSUAL = {
+    "greek": "α, Δ, π = 1.0, 2.0, 3.0\n    return α * self.time + Δ * π",
+    "wide letters": "ｘ = self.time\n    return ｘ",
+    "named character": "d = {'\\N{DEGREE SIGN}': self.time}\n    return d['°']",
+    "long name": f"{'x' * 300} = self.time\n    cost = 0.0\n    cost += {'x' * 300}\n    return cost",
+    "comment that cannot be shown": "cost = 0.0\n    cost += self.time  # \x1b[2J\x07\n    return cost",
+}
+
+
+@pytest.mark.parametrize("what", sorted(UNUSUAL))
+def test_unusual_python_runs_in_the_process_too(what, worker, schema, states):
+    starts = worker.starts
+    terms = worker.load(f"def state_cost(self):\n    {UNUSUAL[what]}\n", schema)(states(np.random.default_rng(0)))
+    assert worker.starts == max(1, starts)
+    assert all(name.isprintable() and len(name) <= LONGEST_NAME for name in terms)
+
+
+FAULTY = {
+    "too many digits": ("def state_cost(self):\n    return " + "9" * 5000, "syntax", "digits"),
+    "unfinished": ("def state_cost(self):\n    return 1 +", "syntax", "not Python"),
+    "open text": ("def state_cost(self):\n    return f'{x'", "syntax", "not Python"),
+    "indentation": ("def state_cost(self):\n    return 1\n  y = 2", "syntax", "not Python"),
+    "async": ("async def state_cost(self):\n    return 1.0", "not_allowed", "no async"),
+    "async inside": ("def state_cost(self):\n    async def f(): pass\n    return 1.0", "not_allowed", "no async"),
+    "unknown letter": ("def state_cost(self):\n    return self.timé", "unknown_state", "no 'timé'"),
+    "lone surrogate": (r"def state_cost(self):" "\n    " r"return {'reach\ud800': 1.0}", "wrong_return", "printable"),
+    "bell": (r"def state_cost(self):" "\n    " r"terms['\x07'] = 1.0", "wrong_return", "printable"),
+    "long term": (f"def state_cost(self):\n    return {{'{'y' * 300}': 1.0}}", "wrong_return", "1 to 60"),
+    "no name": ("def state_cost(self):\n    return {'': 1.0}", "wrong_return", "printable"),
+}
+
+
+@pytest.mark.parametrize("what", sorted(FAULTY))
+def test_a_faulty_program_gets_its_reason_from_the_process(what, worker, schema, states):
+    source, code, words = FAULTY[what]
+    with pytest.raises(CostError, match=words) as caught:
+        worker.load(source, schema)(states(np.random.default_rng(0)))
+    assert caught.value.code == code
+    assert str(caught.value).isprintable()
+    assert worker.pid is not None
+
+
+def test_a_machine_without_a_filter_runs_no_cost_unless_told_to(schema, monkeypatch):
+    unfiltered = (
+        "from coral.contact.cost_program import sandbox, seccomp\nseccomp.available = lambda: False\nsandbox.main()"
+    )
+    monkeypatch.setattr("coral.contact.cost_program.worker.START", unfiltered)
+    monkeypatch.delenv("CORAL_ALLOW_UNFILTERED_COSTS", raising=False)
+    source = "def state_cost(self):\n    return 1.0"
+    with CostWorker() as one:
+        with pytest.raises(InputError, match="CORAL_ALLOW_UNFILTERED_COSTS=1"):
+            one.load(source, schema)
+        assert one.pid is None
+        assert not one.check()
+    with CostWorker(WorkerCfg(allow_unfiltered=True)) as one:
+        assert one.load(source, schema).source.startswith("def state_cost")
+        assert not one.filtered
+    monkeypatch.setenv("CORAL_ALLOW_UNFILTERED_COSTS", "1")
+    assert WorkerCfg().allow_unfiltered
+
+
+def test_doctor_tells_whether_system_calls_are_filtered(monkeypatch):
+    monkeypatch.setattr(CostWorker, "check", lambda _: False)
+    doctor = Doctor()
+    assert "refuses costs" in doctor.describe(doctor())
+    monkeypatch.setattr(CostWorker, "check", lambda _: True)
+    assert "are filtered" in doctor.describe(doctor())

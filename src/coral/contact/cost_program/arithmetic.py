@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.sharing import LAZY, memory
 from coral.contact.cost_program.values import (
     NUMBER,
     ContactList,
@@ -80,7 +81,7 @@ def truth(meter: Meter, value: Value) -> bool | Mask:
     if value is None or isinstance(value, bool | int | float | str):
         return bool(value)
     if isinstance(value, Seq | DictValue):
-        return bool(value.items)
+        return bool(value.items) or (isinstance(value, Seq) and value.kind in ("iterator", "reversed", "generator"))
     if isinstance(value, Vec):
         if len(value.items) == 1:
             return truth(meter, value.items[0])
@@ -157,7 +158,7 @@ def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
     if isinstance(a, NUMBER) and isinstance(b, NUMBER):
         return scalar(meter, symbol, a, b)
     if isinstance(a, Seq) and isinstance(b, Seq):
-        if symbol == "+" and a.kind == b.kind:
+        if symbol == "+" and a.kind == b.kind in ("list", "tuple"):
             return bounded(meter, Seq(a.items + b.items, a.kind))
         raise meter.fault("wrong_type", f"`{symbol}` does not apply to two {a.kind}s; make them arrays with np.array")
     if symbol == "*" and (isinstance(a, Seq) or isinstance(b, Seq)) and (isinstance(a, int) or isinstance(b, int)):
@@ -177,6 +178,8 @@ def _repeated(meter: Meter, a: Value, b: Value) -> Value:
     seq, times = (a, b) if isinstance(a, Seq) else (b, a)
     assert isinstance(seq, Seq)
     assert isinstance(times, int)
+    if seq.kind not in ("list", "tuple"):
+        raise meter.fault("wrong_type", f"{kind(seq)} cannot be repeated; write list(...) around it")
     if times * max(len(seq.items), 1) > meter.cfg.items:
         raise meter.fault("memory", f"a list of more than {meter.cfg.items} entries")
     return bounded(meter, Seq(seq.items * times, seq.kind))
@@ -223,6 +226,8 @@ def as_vector(meter: Meter, value: Value) -> Value:
     """
     if not isinstance(value, Seq):
         return value
+    if value.kind in (*LAZY, "set"):
+        raise meter.fault("wrong_type", f"{kind(value)} is no array; write list(...) around it")
     items = tuple(as_vector(meter, item) for item in value.items)
     sizes = {len(item.items) if isinstance(item, Vec) else 0 for item in items}
     if len(sizes) > 1:
@@ -283,7 +288,8 @@ def transposed(meter: Meter, value: Vec) -> Vec:
     if not is_matrix(value):
         return value
     rows = [components(meter, row) for row in value.items]
-    return Vec(tuple(Vec(column) for column in zip(*rows, strict=True)), base=value)
+    marks = memory(value)
+    return Vec(tuple(Vec(column, "", marks) for column in zip(*rows, strict=True)), "", marks)
 
 
 def norm(meter: Meter, value: Value) -> Value:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from coral.contact.cost_program.arithmetic import as_vector, components, each, number, transposed
 from coral.contact.cost_program.functions import flat
 from coral.contact.cost_program.limits import Meter
+from coral.contact.cost_program.sharing import renewed, view
 from coral.contact.cost_program.values import (
     NUMBER,
     BodyHandle,
@@ -26,15 +27,39 @@ from coral.contact.cost_program.values import (
 
 def array(meter: Meter, value: Value, dtype: Value = None, copy: Value = None) -> Value:
     """A new vector or matrix of a list, tuple or vector; a number stays a number."""
+    if copy is False and isinstance(value, Vec):
+        return value
     found = as_vector(meter, value)
     if isinstance(found, Vec):
-        return Vec(tuple(array(meter, item) for item in found.items), order=found.order)
+        return _of_one_kind(found, dtype is not None)
     return number(meter, found) if not isinstance(found, bool | np.ndarray) else found
+
+
+def _of_one_kind(value: Vec, floats: bool) -> Vec:
+    """A new array whose entries are all floats if one of them is, as NumPy stores them."""
+    whole = not floats and all(isinstance(item, int) for item in _leaves(value))
+
+    def renew(item: Value) -> Value:
+        if isinstance(item, Vec):
+            return Vec(tuple(renew(part) for part in item.items), item.order)
+        return float(item) if isinstance(item, int) and not isinstance(item, bool) and not whole else item
+
+    found = renew(value)
+    assert isinstance(found, Vec)
+    return found
+
+
+def _leaves(value: Vec) -> Iterator[Value]:
+    for item in value.items:
+        if isinstance(item, Vec):
+            yield from _leaves(item)
+        else:
+            yield item
 
 
 def asarray(meter: Meter, value: Value, dtype: Value = None) -> Value:
     """The vector itself, or a new one of a list."""
-    return value if isinstance(value, Vec) else array(meter, value)
+    return value if isinstance(value, Vec) and dtype is None else array(meter, value, dtype)
 
 
 def to_float(meter: Meter, value: Value = 0.0) -> Value:
@@ -60,8 +85,10 @@ def to_int(meter: Meter, value: Value = 0) -> Value:
     return found
 
 
-def as_type(meter: Meter, value: Value, dtype: Value = None) -> Value:
+def as_type(meter: Meter, value: Value, dtype: Value = None, copy: Value = None) -> Value:
     """astype(float): truth values become numbers."""
+    if copy is False:
+        return value
 
     def change(item: Number) -> Number:
         return float(item) if isinstance(item, int) else item
@@ -80,8 +107,9 @@ def full(meter: Meter, shape: Value, fill_value: Value, dtype: Value = None) -> 
     sizes = [_size(meter, item) for item in (shape.items if isinstance(shape, Seq) else (shape,))]
     if not 1 <= len(sizes) <= 2 or math.prod(sizes) > meter.cfg.items:
         raise meter.fault("wrong_size", f"an array has one or two axes and at most {meter.cfg.items} entries")
-    row: Value = Vec((number(meter, fill_value),) * sizes[-1])
-    return row if len(sizes) == 1 else Vec((row,) * sizes[0])
+    fill = number(meter, fill_value)
+    row: tuple[Value, ...] = (fill if dtype is None else to_float(meter, fill),) * sizes[-1]
+    return Vec(row) if len(sizes) == 1 else Vec(tuple(Vec(row) for _ in range(sizes[0])))
 
 
 def zeros(meter: Meter, shape: Value, dtype: Value = None) -> Value:
@@ -98,7 +126,7 @@ def like(fill: float) -> Callable[..., Value]:
     """np.zeros_like or np.ones_like."""
 
     def call(meter: Meter, value: Value, dtype: Value = None) -> Value:
-        return each(meter, lambda _: fill, value)
+        return each(meter, lambda item: int(fill) if isinstance(item, int) and dtype is None else fill, value)
 
     return call
 
@@ -120,7 +148,7 @@ def concatenate(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
     for part in parts:
         found += part.items if isinstance(part, Vec) else (part,)
     result = as_vector(meter, Seq(found))
-    return bounded(meter, result)
+    return bounded(meter, renewed(result))
 
 
 def stack(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
@@ -130,7 +158,7 @@ def stack(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
     found = as_vector(meter, Seq(tuple(arrays.items)))
     if not isinstance(found, Vec) or axis not in (0, 1, -1):
         raise meter.fault("wrong_call", "stack takes a list of vectors and axis 0 or 1")
-    return transposed(meter, found) if axis != 0 else found
+    return renewed(transposed(meter, found) if axis != 0 else found)
 
 
 def reshape(meter: Meter, value: Value, *shape: Value) -> Value:
@@ -146,14 +174,42 @@ def reshape(meter: Meter, value: Value, *shape: Value) -> Value:
     if any(n <= 0 for n in wanted) or math.prod(wanted) != len(items):
         raise meter.fault("wrong_size", f"{len(items)} numbers do not fill the shape {tuple(wanted)}")
     if len(wanted) == 1:
-        return Vec(items)
+        return view(items, value)
     columns = wanted[1]
-    return Vec(tuple(Vec(items[i * columns : (i + 1) * columns]) for i in range(wanted[0])))
+    rows = (view(items[i * columns : (i + 1) * columns], value) for i in range(wanted[0]))
+    return view(tuple(rows), value)
 
 
 def ravel(meter: Meter, value: Value) -> Value:
-    """All numbers as one vector."""
+    """All numbers as one vector, which changes with the array."""
+    return view(flat(meter, value), value)
+
+
+def flatten(meter: Meter, value: Value) -> Value:
+    """All numbers as a vector of its own."""
     return Vec(flat(meter, value))
+
+
+def squeezed(meter: Meter, value: Value) -> Value:
+    """The array without its axes of length 1; it changes with the array."""
+    found = as_vector(meter, value)
+    if not isinstance(found, Vec):
+        return found
+    if len(found.items) == 1:
+        only = found.items[0]
+        if isinstance(only, Vec) and len(only.items) > 1:
+            return only
+        raise meter.fault("wrong_size", "an array of one number is not squeezed here; write its entry, as v[0]")
+    if is_matrix(found) and all(isinstance(row, Vec) and len(row.items) == 1 for row in found.items):
+        return ravel(meter, found)
+    return found
+
+
+def to_list(meter: Meter, value: Value) -> Value:
+    """tolist(): the numbers as a list, of a matrix as a list of lists."""
+    if not isinstance(value, Vec):
+        return value
+    return Seq(tuple(to_list(meter, item) for item in value.items))
 
 
 def transpose(meter: Meter, value: Value) -> Value:
@@ -184,11 +240,11 @@ def shape_of(value: Value) -> Seq:
 
 
 def copied(meter: Meter, value: Value) -> Value:
-    """A value that can be changed without changing the original."""
+    """A value that can be changed without changing the original; of a list an array, as np.copy."""
     if isinstance(value, Vec):
-        return array(meter, value)
+        return renewed(value)
     if isinstance(value, Seq):
-        return Seq(value.items, value.kind)
+        return array(meter, value)
     if isinstance(value, DictValue):
         return DictValue(dict(value.items))
     if isinstance(value, NUMBER) or value is None or isinstance(value, BodyHandle):

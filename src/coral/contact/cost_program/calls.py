@@ -8,9 +8,11 @@ from collections.abc import Callable
 import numpy as np
 
 from coral.contact.cost_program.arrays import copied, shape_of, transpose
-from coral.contact.cost_program.library import CONSTANTS, MODULES, VECTOR_METHODS, entries
+from coral.contact.cost_program.iterating import entries
+from coral.contact.cost_program.library import CONSTANTS, MODULES, VECTOR_METHODS
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import filled, merge
+from coral.contact.cost_program.sharing import marks_of
 from coral.contact.cost_program.values import (
     Builtin,
     DictValue,
@@ -46,7 +48,7 @@ def attribute(machine: Machine, base: Value, name: str) -> Value:
         return _of_vector(machine, base, name)
     if isinstance(base, DictValue) and name in TABLE_METHODS:
         method = TABLE_METHODS[name]
-        return Builtin(name, lambda _, args, named: method(machine, base, [*args, *named.values()]))
+        return Builtin(name, lambda _, args, named: method(machine, base, [*args, *named.values()]), base)
     raise _unknown(machine, base, name, list(TABLE_METHODS) if isinstance(base, DictValue) else [])
 
 
@@ -90,7 +92,7 @@ def _of_vector(machine: Machine, base: Value, name: str) -> Value:
     if name not in VECTOR_METHODS:
         raise _unknown(machine, base, name, sorted([*VECTOR_METHODS, "T", "shape"]))
     method = VECTOR_METHODS[name]
-    return Builtin(name, lambda meter, args, named: method.call(meter, [base, *args], named))
+    return Builtin(name, lambda meter, args, named: method.call(meter, [base, *args], named), base)
 
 
 def _get(machine: Machine, table: DictValue, args: list[Value]) -> Value:
@@ -104,15 +106,15 @@ def _get(machine: Machine, table: DictValue, args: list[Value]) -> Value:
 
 
 def _items(machine: Machine, table: DictValue, args: list[Value]) -> Value:
-    return Seq(tuple(Seq((key, value), "tuple") for key, value in table.items.items()))
+    return Seq(tuple(Seq((key, value), "tuple") for key, value in table.items.items()), "view", marks_of(table))
 
 
 def _keys(machine: Machine, table: DictValue, args: list[Value]) -> Value:
-    return Seq(tuple(table.items))
+    return Seq(tuple(table.items), "view", marks_of(table))
 
 
 def _values(machine: Machine, table: DictValue, args: list[Value]) -> Value:
-    return Seq(tuple(table.items.values()))
+    return Seq(tuple(table.items.values()), "values", marks_of(table))
 
 
 def _copy(machine: Machine, table: DictValue, args: list[Value]) -> Value:
@@ -139,19 +141,29 @@ def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
     if isinstance(node.func, ast.Attribute) and node.func.attr in CHANGERS:
         raise machine.meter.fault("not_allowed", f"{node.func.attr} is a statement of its own")
     function = evaluate(machine, node.func)
+    waiting = len(machine.pending)
+    if isinstance(function, Builtin) and function.bound is not None:
+        machine.pending.append(function.bound)
     args: list[Value] = []
     for item in node.args:
         if isinstance(item, ast.Starred):
-            args.extend(entries(machine.meter, evaluate(machine, item.value)))
+            more = entries(machine.meter, evaluate(machine, item.value))
         else:
-            args.append(evaluate(machine, item))
+            more = (evaluate(machine, item),)
+        args.extend(more)
+        machine.pending.extend(more)
     named: dict[str, Value] = {}
     for keyword in node.keywords:
         if keyword.arg is None:
-            raise machine.meter.fault("not_allowed", "a cost has no ** in calls")
+            raise machine.meter.fault("not_allowed", "a cost has no ** in calls; write the keywords one by one")
         named[keyword.arg] = evaluate(machine, keyword.value)
+        machine.pending.append(named[keyword.arg])
+    del machine.pending[waiting:]
     machine.meter.step(node.lineno)
     if isinstance(function, Function):
+        for value in (*args, *named.values()):
+            if isinstance(value, Seq) and value.kind == "generator":
+                raise machine.meter.fault("wrong_type", "a generator goes into sum, max and the like; write a list")
         return invoke(machine, function, args, named, evaluate)
     if isinstance(function, Builtin):
         if function.name != "sum" and any(_gaps(value) for value in args):

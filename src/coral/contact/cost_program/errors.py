@@ -36,6 +36,19 @@ CODES: dict[str, str] = {
     "killed": "the process of the cost died",
     "internal": "the interpreter itself failed",
 }
+LONGEST_NAME = 60
+
+
+def printable(text: str, longest: int = 4000) -> str:
+    """The text without what a terminal, a log or a page cannot show: control characters and lone surrogates escaped."""
+    if not text.isprintable():
+        text = "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in text)
+    return text[:longest]
+
+
+def is_term_name(name: object) -> bool:
+    """Whether reports, logs and terminals can show it as the name of a term."""
+    return isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable() and bool(name.strip())
 
 
 class CostError(RuntimeError):
@@ -49,8 +62,8 @@ class CostError(RuntimeError):
     """
 
     def __init__(self, code: str, text: str, line: int = 0, shown: str = "") -> None:
-        self.code, self.text, self.line, self.shown = code, text, line, shown
-        super().__init__(code, text, line, shown)
+        self.code, self.text, self.line, self.shown = code, printable(text), line, printable(shown)
+        super().__init__(self.code, self.text, line, self.shown)
 
     def __str__(self) -> str:
         if not self.line:

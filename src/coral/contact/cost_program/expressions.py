@@ -10,10 +10,11 @@ import numpy as np
 
 from coral.contact.cost_program.arithmetic import binary, both, dot, either, invert, negative, number, truth
 from coral.contact.cost_program.calls import attribute, call
-from coral.contact.cost_program.library import entries
+from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.limits import Mask
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import merge
+from coral.contact.cost_program.sharing import renewed
 from coral.contact.cost_program.subscripts import subscript
 from coral.contact.cost_program.values import (
     NUMBER,
@@ -99,11 +100,21 @@ def _binary(machine: Machine, node: Any) -> Value:
         node = node.left
     found = evaluate(machine, node)
     for link in reversed(chain):
-        right = evaluate(machine, link.right)
+        right = _holding(machine, found, link.right)
         machine.meter.step(link.lineno)
         found = operate(machine, link.op, found, right)
         if machine.meter.trace is not None:
             _watch(machine, link, found)
+    return found
+
+
+def _holding(machine: Machine, held: Value, node: ast.expr) -> Value:
+    """An expression that is evaluated while an operand before it waits."""
+    if isinstance(held, NUMBER):
+        return evaluate(machine, node)
+    machine.pending.append(held)
+    found = evaluate(machine, node)
+    machine.pending.pop()
     return found
 
 
@@ -132,7 +143,7 @@ def _unary(machine: Machine, node: Any) -> Value:
     if isinstance(node.op, ast.USub):
         return negative(machine.meter, value)
     if isinstance(node.op, ast.UAdd):
-        return value if isinstance(value, Vec) else number(machine.meter, value)
+        return renewed(value) if isinstance(value, Vec) else number(machine.meter, value)
     if isinstance(value, np.ndarray) and value.dtype == np.bool_:
         return invert(machine.meter, value)
     raise machine.meter.fault("wrong_type", "~ applies to truth values of the state; use not")
@@ -183,7 +194,7 @@ def _compare(machine: Machine, node: Any) -> Value:
     left = evaluate(machine, node.left)
     found: Value = True
     for operator, right_node in zip(node.ops, node.comparators, strict=True):
-        right = evaluate(machine, right_node)
+        right = _holding(machine, left, right_node)
         machine.meter.line = node.lineno
         step = _relation(machine, operator, left, right)
         if len(node.ops) == 1:
@@ -215,7 +226,7 @@ def _contains(machine: Machine, item: Value, container: Value) -> Value:
         return held.mask if isinstance(held, Partial) else item in container.items
     if isinstance(container, Seq):
         found: bool | Mask = False
-        for other in container.items:
+        for other in entries(machine.meter, container) if container.kind != "set" else container.items:
             found = either(machine.meter, found, truth(machine.meter, binary(machine.meter, "==", item, other)))
         return found
     raise machine.meter.fault("wrong_type", f"`in` looks into lists and dicts, not into {kind(container)}")
@@ -223,12 +234,27 @@ def _contains(machine: Machine, item: Value, container: Value) -> Value:
 
 def _items(machine: Machine, nodes: list[ast.expr]) -> tuple[Value, ...]:
     found: list[Value] = []
+    waiting = len(machine.pending)
     for node in nodes:
         if isinstance(node, ast.Starred):
-            found.extend(entries(machine.meter, evaluate(machine, node.value)))
+            more = entries(machine.meter, evaluate(machine, node.value))
         else:
-            found.append(evaluate(machine, node))
+            more = (storable(machine, evaluate(machine, node)),)
+        found.extend(more)
+        machine.pending.extend(more)
+    del machine.pending[waiting:]
     return tuple(found)
+
+
+def storable(machine: Machine, value: Value) -> Value:
+    """A value about to get a name or a place in a container.
+
+    Raises:
+        CostError: It is a generator, whose values Python would compute only later.
+    """
+    if isinstance(value, Seq) and value.kind == "generator":
+        raise machine.meter.fault("wrong_type", "a generator is used where it is made; write a list, [x for x in xs]")
+    return value
 
 
 def _list(machine: Machine, node: Any) -> Value:
@@ -241,6 +267,7 @@ def _tuple(machine: Machine, node: Any) -> Value:
 
 def _dict(machine: Machine, node: Any) -> Value:
     items: dict[Value, Value] = {}
+    waiting = len(machine.pending)
     for key_node, value_node in zip(node.keys, node.values, strict=True):
         if key_node is None:
             other = evaluate(machine, value_node)
@@ -249,7 +276,10 @@ def _dict(machine: Machine, node: Any) -> Value:
             items.update(other.items)
         else:
             key = evaluate(machine, key_node)
-            items[checked_key(machine, key)] = evaluate(machine, value_node)
+            value = storable(machine, evaluate(machine, value_node))
+            items[checked_key(machine, key)] = value
+            machine.pending.append(value)
+    del machine.pending[waiting:]
     return bounded(machine.meter, DictValue(items))
 
 
@@ -276,7 +306,7 @@ def make_function(
     defaults: dict[str, Value] = {}
     first = len(positional) - len(arguments.defaults)
     for argument, default in zip(positional[first:], arguments.defaults, strict=True):
-        defaults[argument.arg] = evaluate(machine, default)
+        defaults[argument.arg] = storable(machine, evaluate(machine, default))
     for argument, kw_default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True):
         if kw_default is not None:
             defaults[argument.arg] = evaluate(machine, kw_default)
@@ -326,7 +356,8 @@ def _comprehension(machine: Machine, node: Any) -> Value:
     machine.stack.pop()
     if isinstance(node, ast.DictComp):
         return bounded(machine.meter, DictValue(dict(found)))
-    return bounded(machine.meter, Seq(tuple(value for _, value in found)))
+    sort = "generator" if isinstance(node, ast.GeneratorExp) else "list"
+    return bounded(machine.meter, Seq(tuple(value for _, value in found), sort))
 
 
 def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
@@ -336,7 +367,7 @@ def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
         CostError: The target is no name, or the lengths differ.
     """
     if isinstance(target, ast.Name):
-        machine.frame.variables[target.id] = value
+        machine.frame.variables[target.id] = storable(machine, value)
         return
     if not isinstance(target, ast.Tuple | ast.List):
         raise machine.meter.fault(
@@ -354,7 +385,7 @@ def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
 def _walrus(machine: Machine, node: Any) -> Value:
     if machine.branching:
         raise machine.meter.fault("not_allowed", "`:=` is not available inside a condition or comprehension")
-    value = evaluate(machine, node.value)
+    value = storable(machine, evaluate(machine, node.value))
     machine.frame.variables[node.target.id] = value
     return value
 

@@ -6,10 +6,10 @@ import re
 import textwrap
 
 FENCE = re.compile(r"^[ \t]*(```+|~~~+)[ \t]*([\w+-]*)[ \t]*$", re.MULTILINE)
-DEFINITION = re.compile(r"^([ \t]*)def[ \t]+\w+[ \t]*\(", re.MULTILINE)
-COST = re.compile(r"^[ \t]*def[ \t]+state_cost[ \t]*\(", re.MULTILINE)
+DEFINITION = re.compile(r"^([ \t]*)(?:async[ \t]+)?def[ \t]+\w+[ \t]*\(", re.MULTILINE)
+COST = re.compile(r"^[ \t]*(?:async[ \t]+)?def[ \t]+state_cost[ \t]*\(", re.MULTILINE)
 NAMES = r"[A-Za-z_]\w*(\s*,\s*[A-Za-z_]\w*)*"
-START = re.compile(rf"^(def|from|import|@|#|{NAMES}(\[.*\])?(\s*:\s*[\w\[\], ]+)?\s*([-+*/]?=)|\"\"\"|\'\'\')")
+START = re.compile(rf"^(def|async|from|import|@|#|{NAMES}(\[.*\])?(\s*:\s*[\w\[\], ]+)?\s*([-+*/]?=)|\"\"\"|\'\'\')")
 RULE = re.compile(r"^[ \t]*---+[ \t]*$", re.MULTILINE)
 WRAPPED = "def state_cost(self):\n"
 

@@ -25,7 +25,9 @@ from coral.contact.cost_program.arithmetic import (
     unary,
     where,
 )
+from coral.contact.cost_program.iterating import ONCE, entries
 from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.sharing import renewed
 from coral.contact.cost_program.values import (
     NUMBER,
     ContactList,
@@ -352,21 +354,22 @@ def length(meter: Meter, value: Value) -> Value:
     """Entries of a container; contact points count 1 when there are any."""
     if isinstance(value, ContactList):
         return number(meter, value.touching)
-    if isinstance(value, Vec | Seq | DictValue):
+    if isinstance(value, Vec | DictValue) or (isinstance(value, Seq) and value.kind not in ONCE):
         return len(value.items)
     raise meter.fault("wrong_type", f"{kind(value)} has no length")
 
 
 def add_up(meter: Meter, value: Value, start: Value = 0) -> Value:
     """Python's sum; an entry that is set in some states only counts 0 in the others."""
-    items = value.items if isinstance(value, Seq | Vec) else None
-    if items is None:
+    if not isinstance(value, Seq | Vec):
         raise meter.fault("wrong_type", f"sum takes a list, not {kind(value)}")
     found = start
-    for item in items:
+    for item in entries(meter, value):
         if isinstance(item, Partial):
             item = where(meter, item.mask, item.value, 0.0)
         found = (
-            item if isinstance(found, int) and found == 0 and isinstance(item, Vec) else binary(meter, "+", found, item)
+            renewed(item)
+            if isinstance(found, int) and found == 0 and isinstance(item, Vec)
+            else binary(meter, "+", found, item)
         )
     return found

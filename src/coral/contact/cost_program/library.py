@@ -10,8 +10,9 @@ from typing import Any
 from coral.contact.cost_program import arrays, functions, orientations
 from coral.contact.cost_program.arithmetic import dot, number, truth
 from coral.contact.cost_program.functions import of_one, of_two
+from coral.contact.cost_program.iterating import entries, iterator
 from coral.contact.cost_program.limits import Meter
-from coral.contact.cost_program.values import Builtin, DictValue, Seq, Value, Vec, bounded, kind
+from coral.contact.cost_program.values import Builtin, DictValue, Seq, Value, Vec, bounded
 
 SILENT = ("dtype", "copy")  # keywords that change nothing here: every number is a float64
 
@@ -51,7 +52,7 @@ def _extreme(symbol: str) -> Callable[..., Value]:
         if len(values) == 1:
             if not isinstance(values[0], Seq | Vec) or not values[0].items:
                 raise meter.fault("wrong_call", "max and min take several numbers or a list of them")
-            values = values[0].items
+            values = entries(meter, values[0])
         return functions.largest(meter, tuple(number(meter, item) for item in values), symbol)
 
     return call
@@ -66,31 +67,18 @@ def _range(meter: Meter, *values: Value) -> Value:
     found = range(*numbers)
     if len(found) > meter.cfg.loop:
         raise meter.fault("steps", f"a range has at most {meter.cfg.loop} entries")
-    return Seq(tuple(found))
-
-
-def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
-    """What a loop over the value runs through.
-
-    Raises:
-        CostError: It cannot be looped over.
-    """
-    if isinstance(value, Vec | Seq):
-        return value.items
-    if isinstance(value, DictValue):
-        return tuple(value.items)
-    raise meter.fault("wrong_type", f"{kind(value)} cannot be looped over")
+    return Seq(tuple(found), "range")
 
 
 def _zip(meter: Meter, *values: Value) -> Value:
     lists = [entries(meter, value) for value in values]
-    return Seq(tuple(Seq(row, "tuple") for row in zip(*lists, strict=False)))
+    return iterator((Seq(row, "tuple") for row in zip(*lists, strict=False)), *values)
 
 
 def _enumerate(meter: Meter, iterable: Value, start: Value = 0) -> Value:
     if not isinstance(start, int):
         raise meter.fault("not_fixed", "enumerate starts at a constant whole number")
-    return Seq(tuple(Seq((i, item), "tuple") for i, item in enumerate(entries(meter, iterable), start)))
+    return iterator((Seq((i, item), "tuple") for i, item in enumerate(entries(meter, iterable), start)), iterable)
 
 
 def _sequence(name: str) -> Callable[..., Value]:
@@ -109,7 +97,7 @@ def _dict(meter: Meter, value: Value = None) -> Value:
 
 
 def _reversed(meter: Meter, value: Value) -> Value:
-    return Seq(entries(meter, value)[::-1])
+    return iterator(entries(meter, value)[::-1], value, kind="reversed")
 
 
 def _bool(meter: Meter, value: Value = False) -> Value:
@@ -304,13 +292,13 @@ METHODS: dict[str, Callable[..., Value]] = {
     "prod": functions.reduction("prod"),
     "astype": arrays.as_type,
     "reshape": arrays.reshape,
-    "flatten": arrays.ravel,
+    "flatten": arrays.flatten,
     "ravel": arrays.ravel,
     "transpose": arrays.transpose,
     "clip": functions.clip,
     "round": functions.round_to,
-    "tolist": _sequence("list"),
-    "squeeze": arrays.copied,
+    "tolist": arrays.to_list,
+    "squeeze": arrays.squeezed,
     "item": arrays.to_float,
 }
 

@@ -15,7 +15,7 @@ from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.merging import merge_variables
 from coral.contact.cost_program.pybullet import PyBullet
 from coral.contact.cost_program.state import StateSpace
-from coral.contact.cost_program.values import DictValue, Function, Module, Partial, Poison, Scope, Seq, Value, Vec
+from coral.contact.cost_program.values import Module, Partial, Poison, Scope, Value
 from coral.errors import nearest
 
 Snapshot = list[dict[str, Value]]
@@ -24,8 +24,17 @@ Exit = tuple[Mask | None, Snapshot]
 
 @dataclass
 class Loop:
-    """States that left the present turn of a loop, or the loop."""
+    """A running loop.
 
+    Args:
+        sources: Containers that it runs over.
+        turn: The present turn, from 0.
+        continues: States that left the present turn.
+        breaks: States that left the loop.
+    """
+
+    sources: tuple[Value, ...] = ()
+    turn: int = 0
     continues: list[Exit] = field(default_factory=list)
     breaks: list[Exit] = field(default_factory=list)
 
@@ -44,6 +53,8 @@ class Machine:
         run: Runs the body of a function.
         stack: Frames of the running functions, the present one last.
         loops: Loops of the present function, the innermost last.
+        running: Loops of all running functions.
+        pending: Containers that an expression which is still being evaluated holds.
         exited: How often some states have left a block so far.
         branching: Depth of expressions that count for some states only.
     """
@@ -57,6 +68,8 @@ class Machine:
     run: Callable[[Machine, list[ast.stmt]], bool]
     stack: list[Scope] = field(default_factory=list)
     loops: list[Loop] = field(default_factory=list)
+    running: list[Loop] = field(default_factory=list)
+    pending: list[Value] = field(default_factory=list)
     exited: int = 0
     branching: int = 0
 
@@ -156,56 +169,6 @@ class Machine:
                     self.meter.mask = np.logical_or(mask, self.meter.mask)
         return True
 
-    def check_unshared(self, value: Value, name: str) -> None:
-        """Refuse to change in place what a second name sees, since here every name holds a value of its own.
-
-        Raises:
-            CostError: Another variable, container or default argument holds it.
-        """
-        seen: set[int] = set()
-        found = 0
-        for frame in [*self.stack, *(self.stack[-1:] and _parents(self.frame))]:
-            if id(frame) in seen:
-                continue
-            seen.add(id(frame))
-            found += sum(_holds(held, value) for held in frame.variables.values())
-        if found > 1:
-            raise self.meter.fault(
-                "shared",
-                f"{name!r} would change in place while another name holds the same value; "
-                f"copy it first, as with {name}.copy()",
-            )
-
-
-def _parents(frame: Scope) -> list[Scope]:
-    found = []
-    parent = frame.parent
-    while parent is not None:
-        found.append(parent)
-        parent = parent.parent
-    return found
-
-
-def _holds(held: Value, value: Value) -> int:
-    """How often a value is found in a variable, as itself, inside it, or as what one of the two is a view of."""
-    if held is value or _is_view(held, value) or _is_view(value, held):
-        return 1
-    if isinstance(held, Partial):
-        return _holds(held.value, value)
-    if isinstance(held, Seq | Vec):
-        return sum(_holds(item, value) for item in held.items if isinstance(item, Seq | Vec | DictValue))
-    if isinstance(held, DictValue):
-        return sum(
-            _holds(item, value) for item in held.items.values() if isinstance(item, Seq | Vec | DictValue | Partial)
-        )
-    if isinstance(held, Function):
-        return sum(_holds(item, value) for item in held.defaults.values())
-    return 0
-
-
-def _is_view(view: Value, base: Value) -> bool:
-    while isinstance(view, Vec) and view.base is not None:
-        if view.base is base:
-            return True
-        view = view.base
-    return False
+    def looping(self) -> list[tuple[Value, int]]:
+        """What the running loops of all functions run over, and the turn that each is at."""
+        return [(source, loop.turn) for loop in self.running for source in loop.sources]

@@ -6,6 +6,7 @@ import numpy as np
 
 from coral.contact.cost_program.arithmetic import where
 from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.sharing import marks_of
 from coral.contact.cost_program.values import NUMBER, ContactList, DictValue, Partial, Poison, Seq, Value, Vec, kind
 
 MISSING = object()
@@ -30,9 +31,9 @@ def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
         return where(meter, condition, a, b)
     if isinstance(a, Vec) and isinstance(b, Vec) and len(a.items) == len(b.items):
         items = _merge_items(meter, condition, a.items, b.items)
-        return Vec(items, order=a.order if a.order == b.order else "")
+        return Vec(items, a.order if a.order == b.order else "", marks_of(a) | marks_of(b))
     if isinstance(a, Seq) and isinstance(b, Seq) and a.kind == b.kind and len(a.items) == len(b.items):
-        return Seq(_merge_items(meter, condition, a.items, b.items), a.kind)
+        return Seq(_merge_items(meter, condition, a.items, b.items), a.kind, marks_of(a) | marks_of(b))
     if isinstance(a, DictValue) and isinstance(b, DictValue):
         return merge_tables(meter, condition, a, b)
     if isinstance(a, str) and isinstance(b, str) and a == b:
@@ -55,7 +56,8 @@ def merge_tables(meter: Meter, condition: Mask, a: DictValue, b: DictValue) -> D
     """Dicts joined key by key; a key of only one of them is set in some states only."""
     keys = [*a.items, *(key for key in b.items if key not in a.items)]
     return DictValue(
-        {key: merge(meter, condition, a.items.get(key, MISSING), b.items.get(key, MISSING)) for key in keys}
+        {key: merge(meter, condition, a.items.get(key, MISSING), b.items.get(key, MISSING)) for key in keys},
+        marks_of(a) | marks_of(b),
     )
 
 

@@ -94,7 +94,7 @@ WORDS: dict[type[ast.AST], str] = {
     ast.Yield: "yield",
     ast.YieldFrom: "yield",
     ast.Await: "await",
-    ast.AsyncFunctionDef: "async",
+    ast.AsyncFunctionDef: "async (write def without it)",
     ast.Match: "match",
     ast.SetComp: "sets",
     ast.Set: "sets",

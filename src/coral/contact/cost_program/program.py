@@ -10,7 +10,7 @@ import numpy as np
 from coral.contact.cost.context import Array, Context, Schema, Terms
 from coral.contact.cost_program.arithmetic import binary
 from coral.contact.cost_program.calls import leave, outcome
-from coral.contact.cost_program.errors import CostError
+from coral.contact.cost_program.errors import LONGEST_NAME, CostError, is_term_name
 from coral.contact.cost_program.labels import TermNames
 from coral.contact.cost_program.limits import LimitsCfg, Meter
 from coral.contact.cost_program.machine import Machine
@@ -195,7 +195,12 @@ class CostProgram:
         for name, value in table.items.items():
             term = filled(meter, value, 0.0)
             if not isinstance(term, NUMBER) or not isinstance(name, str):
-                raise meter.fault("wrong_return", f"the term {name!r} is {kind(term)}, not a number")
+                raise meter.fault("wrong_return", f"the term {_short(name)} is {kind(term)}, not a number")
+            if not is_term_name(name):
+                raise meter.fault(
+                    "wrong_return",
+                    f"the name of a term has 1 to {LONGEST_NAME} printable characters, not {_short(name)}",
+                )
             found[name] = term
         return found
 
@@ -225,3 +230,9 @@ class CostProgram:
             "getContactPoints": [quantity for quantity in self.schema if quantity.endswith("_contact")],
         }
         return [quantity for quantity in needed.get(name, []) if quantity in self.schema]
+
+
+def _short(name: Value) -> str:
+    """The key of a dict as it is shown in an error."""
+    text = ascii(name)
+    return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."

@@ -20,6 +20,7 @@ from coral.contact.cost_program.quaternions import (
     rotate,
     write_quat,
 )
+from coral.contact.cost_program.sharing import renewed
 from coral.contact.cost_program.state import StateSpace
 from coral.contact.cost_program.values import BodyHandle, ContactList, Seq, Value, Vec, kind
 
@@ -54,20 +55,24 @@ class PyBullet:
         given = [*args, *(value for key, value in named.items() if key not in IGNORED)]
         return self.calls[name](meter, given)
 
+    def _fresh(self, meter: Meter, name: str) -> Value:
+        """A quantity that shares no memory with what is read by its name."""
+        return renewed(self.space.read(meter, name))
+
     def _link_state(self, meter: Meter, args: list[Value]) -> Value:
         self._body(meter, args[:1], "hand")
-        position, velocity = self.space.read(meter, "ee_pos"), self.space.read(meter, "ee_vel")
-        orientation, spin = self.space.read(meter, "ee_ori"), self.space.read(meter, "ee_angvel")
+        position, velocity = self._fresh(meter, "ee_pos"), self._fresh(meter, "ee_vel")
+        orientation, spin = self._fresh(meter, "ee_ori"), self._fresh(meter, "ee_angvel")
         offset, none = Vec((0.0, 0.0, 0.0)), Vec((0.0, 0.0, 0.0, 1.0), order="xyzw")
         return Seq((position, orientation, offset, none, position, orientation, velocity, spin), "tuple")
 
     def _base_pose(self, meter: Meter, args: list[Value]) -> Value:
         name = self._body(meter, args, "object")
-        return Seq((self.space.read(meter, f"{name}_pos"), self.space.read(meter, f"{name}_ori")), "tuple")
+        return Seq((self._fresh(meter, f"{name}_pos"), self._fresh(meter, f"{name}_ori")), "tuple")
 
     def _base_velocity(self, meter: Meter, args: list[Value]) -> Value:
         name = self._body(meter, args, "object")
-        return Seq((self.space.read(meter, f"{name}_vel"), self.space.read(meter, f"{name}_angvel")), "tuple")
+        return Seq((self._fresh(meter, f"{name}_vel"), self._fresh(meter, f"{name}_angvel")), "tuple")
 
     def _contacts(self, meter: Meter, args: list[Value]) -> Value:
         bodies = [item for item in args if isinstance(item, BodyHandle) and item.name != "other"]

@@ -14,6 +14,7 @@ import resource
 import signal
 import struct
 import sys
+import unicodedata  # noqa: F401  (Python's parser needs it for names such as α, and could not load it once confined)
 from collections.abc import Callable
 from typing import Any
 
@@ -147,6 +148,15 @@ class Sandbox:
         return end
 
 
+def _refuse_files(event: str, _: tuple[object, ...]) -> None:
+    """Refuse in Python what the filter would answer by ending the process.
+
+    Python's parser looks for the file of a faulty program to quote its line, and swallows this error.
+    """
+    if event in ("open", "import"):
+        raise PermissionError(f"a cost may not {event} anything")
+
+
 def confine(headroom_bytes: int) -> bool:
     """Give up what costs do not need; whether system calls are filtered too."""
     filters = seccomp.available()
@@ -161,6 +171,7 @@ def confine(headroom_bytes: int) -> bool:
     }
     for which, value in limits.items():
         resource.setrlimit(which, (value, value))
+    sys.addaudithook(_refuse_files)
     return filters and seccomp.install()
 
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from coral.contact.cost.context import Schema
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.values import BodyHandle, Value, Vec
+from coral.contact.cost_program.sharing import marks_of
+from coral.contact.cost_program.values import BodyHandle, Marks, Value, Vec
 from coral.errors import nearest
 
 HAND_BODIES = ("panda", "robot", "arm", "hand", "gripper")
@@ -99,7 +100,7 @@ class StateSpace:
             quat = self._quantity(meter, found[0])
             assert isinstance(quat, Vec)
             w, x, y, z = quat.items
-            return Vec((x, y, z, w), order="xyzw")
+            return Vec((x, y, z, w), "xyzw", self._marks(meter, name))
         if name in self.bodies:
             return self.bodies[name]
         if name in HANDLES:
@@ -120,7 +121,14 @@ class StateSpace:
         parts = cast(tuple[Value, ...], meter.cache[name])
         if not found.size:
             return parts[0]
-        return Vec(parts, order="wxyz" if name.endswith("_quat") else "")
+        return Vec(parts, "wxyz" if name.endswith("_quat") else "", self._marks(meter, name))
+
+    def _marks(self, meter: Meter, name: str) -> Marks:
+        """One memory for all that is read of a quantity: two names of it cannot be told apart when one changes."""
+        key = f"memory of {name}"
+        if key not in meter.cache:
+            meter.cache[key] = marks_of(Vec(()))
+        return cast(Marks, meter.cache[key])
 
     def _components(self, meter: Meter, name: str) -> tuple[Value, ...]:
         """Contiguous arrays, one per component: the same memory layout for every batch, so the same rounding."""

@@ -10,12 +10,16 @@ import numpy as np
 
 from coral.contact.cost_program.arithmetic import truth
 from coral.contact.cost_program.calls import CHANGERS, leave
-from coral.contact.cost_program.expressions import evaluate, make_function, operate, unpack
-from coral.contact.cost_program.library import CONSTANTS, IMPORTABLE, MODULES, entries
+from coral.contact.cost_program.expressions import evaluate, make_function, operate, storable, unpack
+from coral.contact.cost_program.in_place import check_unshared, is_inside
+from coral.contact.cost_program.iterating import entries
+from coral.contact.cost_program.library import CONSTANTS, IMPORTABLE, MODULES
 from coral.contact.cost_program.machine import Loop, Machine
-from coral.contact.cost_program.subscripts import replaced, subscript
+from coral.contact.cost_program.replacing import replaced, same_shape
+from coral.contact.cost_program.sharing import marks_of
+from coral.contact.cost_program.subscripts import subscript
 from coral.contact.cost_program.sums import LEDGER, added, evaluate_sum, forgotten
-from coral.contact.cost_program.values import DictValue, Module, Seq, Value, Vec, kind
+from coral.contact.cost_program.values import DictValue, Module, Seq, Value, Vec, bounded, kind
 
 
 def run_block(machine: Machine, body: list[ast.stmt]) -> bool:
@@ -45,32 +49,38 @@ def _expression(machine: Machine, node: Any) -> bool:
 def _change(machine: Machine, node: ast.Call, function: ast.Attribute) -> None:
     """`list.append(x)`, `list.extend(xs)`, `dict.update(d)`."""
     base = evaluate(machine, function.value)
-    args = [evaluate(machine, item) for item in node.args]
-    named = {keyword.arg: evaluate(machine, keyword.value) for keyword in node.keywords if keyword.arg}
+    machine.pending.append(base)
+    args = [storable(machine, evaluate(machine, item)) for item in node.args]
+    named = {k.arg: storable(machine, evaluate(machine, k.value)) for k in node.keywords if k.arg}
+    machine.pending.pop()
     machine.meter.line = node.lineno
     if not isinstance(base, CHANGERS[function.attr]) or len(args) > 1 or (isinstance(base, Seq) and len(args) != 1):
         raise machine.meter.fault("wrong_call", f"{function.attr} does not apply to {kind(base)} in this way")
     changed: Value
     if isinstance(base, Seq):
-        if base.kind == "tuple":
-            raise machine.meter.fault("wrong_type", "a tuple cannot be changed")
+        if base.kind != "list":
+            raise machine.meter.fault("wrong_type", f"{kind(base)} cannot be changed")
         more = (args[0],) if function.attr == "append" else entries(machine.meter, args[0])
-        changed = Seq(base.items + more)
+        changed = Seq(base.items + more, "list", marks_of(base))
     else:
         assert isinstance(base, DictValue)
         other = args[0] if args else DictValue({})
         if not isinstance(other, DictValue):
             raise machine.meter.fault("wrong_call", "update takes a dict")
-        changed = DictValue(base.items | other.items | dict(named))
-    _rebind(machine, function.value, base, changed)
+        changed = DictValue(base.items | other.items | dict(named), marks_of(base))
+    bounded(machine.meter, changed)
+    check_unshared(machine, base, _root(machine, function.value))
+    _rebind(machine, function.value, changed)
 
 
-def _rebind(machine: Machine, target: ast.expr, old: Value, new: Value) -> None:
-    """Let a variable, or an entry of one, hold the changed container."""
-    if isinstance(target, ast.Subscript):
-        holder = evaluate(machine, target.value)
-        _rebind(machine, target.value, holder, replaced(machine, holder, target.slice, new, evaluate))
-        return
+def _root(machine: Machine, target: ast.expr) -> str:
+    """The variable whose value, or whose entry, a statement changes in place.
+
+    Raises:
+        CostError: It is no variable of the program, or cannot be changed from here.
+    """
+    while isinstance(target, ast.Subscript):
+        target = target.value
     if not isinstance(target, ast.Name):
         raise machine.meter.fault(
             "not_allowed",
@@ -82,20 +92,39 @@ def _rebind(machine: Machine, target: ast.expr, old: Value, new: Value) -> None:
         raise machine.meter.fault("unknown_name", f"{target.id!r} is not a variable that can be changed here")
     if owner is not machine.frame and machine.branching:
         raise machine.meter.fault("shared", f"{target.id!r} of an outer function cannot be changed inside a condition")
-    machine.check_unshared(old, target.id)
+    return target.id
+
+
+def _rebind(machine: Machine, target: ast.expr, new: Value, inside: bool = True) -> None:
+    """Let a variable, or an entry of one, hold the changed container."""
+    if isinstance(target, ast.Subscript):
+        holder = evaluate(machine, target.value)
+        if inside and not is_inside(new, holder):
+            raise machine.meter.fault("shared", "this would change a copy that nobody sees; give the copy a name first")
+        changed, _ = replaced(machine, holder, target.slice, new, evaluate, inside)
+        _rebind(machine, target.value, changed)
+        return
+    assert isinstance(target, ast.Name)
+    owner = machine.owner(target.id)
+    assert owner is not None
     owner.variables[target.id] = new
 
 
 def _set(machine: Machine, target: ast.expr, value: Value) -> None:
     if isinstance(target, ast.Subscript):
+        name = _root(machine, target)
+        machine.pending.append(value)
         holder = evaluate(machine, target.value)
         machine.meter.line = target.lineno
-        _rebind(machine, target.value, holder, replaced(machine, holder, target.slice, value, evaluate))
+        changed, at = replaced(machine, holder, target.slice, value, evaluate)
+        machine.pending.pop()
+        check_unshared(machine, holder, name, at)
+        _rebind(machine, target.value, changed)
     else:
         unpack(machine, target, value)
-        for name in ast.walk(target):
-            if machine.frame.entry and isinstance(name, ast.Name) and name.id in machine.sums:
-                forgotten(machine, name.id)
+        for name_node in ast.walk(target):
+            if machine.frame.entry and isinstance(name_node, ast.Name) and name_node.id in machine.sums:
+                forgotten(machine, name_node.id)
 
 
 def _assign(machine: Machine, node: Any) -> bool:
@@ -105,7 +134,7 @@ def _assign(machine: Machine, node: Any) -> bool:
     only = targets[0] if len(targets) == 1 else None
     if machine.frame.entry and isinstance(only, ast.Name) and only.id in machine.sums:
         value, ledger = evaluate_sum(machine, node.value, only.id)
-        machine.frame.variables[only.id] = value
+        machine.frame.variables[only.id] = storable(machine, value)
         machine.frame.variables[LEDGER + only.id] = ledger
         return True
     value = evaluate(machine, node.value)
@@ -117,11 +146,19 @@ def _assign(machine: Machine, node: Any) -> bool:
 def _augment(machine: Machine, node: Any) -> bool:
     target = node.target
     if isinstance(target, ast.Subscript):
+        name = _root(machine, target)
         holder = evaluate(machine, target.value)
         old = subscript(machine, holder, target.slice, evaluate)
+        machine.pending.append(holder)
         right = evaluate(machine, node.value)
+        machine.pending.pop()
         machine.meter.line = node.lineno
-        _set(machine, target, operate(machine, node.op, old, right))
+        new = _updated(machine, node.op, old, right)
+        if isinstance(old, Vec) or (isinstance(old, Seq) and old.kind == "list"):
+            check_unshared(machine, old, name)
+        elif isinstance(holder, Vec | Seq | DictValue):
+            check_unshared(machine, holder, name, replaced(machine, holder, target.slice, new, evaluate)[1])
+        _rebind(machine, target, new, inside=isinstance(old, Vec) or (isinstance(old, Seq) and old.kind == "list"))
         return True
     if not isinstance(target, ast.Name):
         raise machine.meter.fault("not_allowed", "the state cannot be changed; use a variable of your own")
@@ -130,17 +167,34 @@ def _augment(machine: Machine, node: Any) -> bool:
             "unset", f"{target.id!r} has no value before it is changed; begin with {target.id} = 0.0"
         )
     old = machine.lookup(target.id)
+    if isinstance(old, Vec | Seq):
+        machine.pending.append(old)
     right = evaluate(machine, node.value)
     machine.meter.line = node.lineno
     if isinstance(old, Vec | Seq):
-        machine.check_unshared(old, target.id)
-    machine.frame.variables[target.id] = operate(machine, node.op, old, right)
+        machine.pending.pop()
+        if isinstance(old, Vec) or old.kind == "list":
+            check_unshared(machine, old, target.id)
+    machine.frame.variables[target.id] = _updated(machine, node.op, old, right)
     if machine.frame.entry and target.id in machine.sums:
         if isinstance(node.op, ast.Add | ast.Sub):
             added(machine, target.id, node.value, right, isinstance(node.op, ast.Sub))
         else:
             forgotten(machine, target.id)
     return True
+
+
+def _updated(machine: Machine, operator: ast.operator, old: Value, right: Value) -> Value:
+    """What `old += right` leaves: an array or a list keeps its memory, and an array its shape."""
+    grows = isinstance(operator, ast.Add) and isinstance(right, Seq | DictValue)
+    if isinstance(old, Seq) and old.kind == "list" and grows:
+        return bounded(machine.meter, Seq(old.items + entries(machine.meter, right), "list", marks_of(old)))
+    new = operate(machine, operator, old, right)
+    if isinstance(old, Seq) and isinstance(new, Seq) and old.kind == "list":
+        return Seq(new.items, "list", marks_of(old))
+    if isinstance(old, Vec):
+        return same_shape(machine.meter, old, new)
+    return new
 
 
 def _return(machine: Machine, node: Any) -> bool:
@@ -150,7 +204,7 @@ def _return(machine: Machine, node: Any) -> bool:
         value, ledger = evaluate_sum(machine, node.value, "")
         leave(machine, value, ledger)
     else:
-        leave(machine, evaluate(machine, node.value), None)
+        leave(machine, storable(machine, evaluate(machine, node.value)), None)
     return False
 
 
@@ -179,20 +233,23 @@ def _if(machine: Machine, node: Any) -> bool:
 
 
 def _for(machine: Machine, node: Any) -> bool:
-    items = entries(machine.meter, evaluate(machine, node.iter))
+    source = evaluate(machine, node.iter)
+    items = entries(machine.meter, source)
     if len(items) > machine.meter.cfg.loop:
         raise machine.meter.fault("steps", f"a loop has at most {machine.meter.cfg.loop} turns")
-    outer, exits, loop, falls = machine.meter.mask, len(machine.frame.exits), Loop(), True
+    outer, exits, loop, falls = machine.meter.mask, len(machine.frame.exits), Loop((source,)), True
     machine.loops.append(loop)
-    for item in items:
+    machine.running.append(loop)
+    for turn, item in enumerate(items):
         machine.meter.step(node.lineno)
-        loop.continues = []
+        loop.continues, loop.turn = [], turn
         _set(machine, node.target, item)
         falls = run_block(machine, node.body)
         falls = machine.collect(loop.continues, falls)
         if not falls:
             break
     machine.loops.pop()
+    machine.running.pop()
     falls = machine.collect(loop.breaks, falls)
     if falls and len(machine.frame.exits) == exits:
         machine.meter.mask = outer

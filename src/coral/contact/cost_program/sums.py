@@ -100,7 +100,9 @@ def _sum(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple[
             rest = rest.left
         value, ledger = _sum(machine, rest, variable, whole)
         for link in reversed(chain):
+            machine.pending.append(value)
             right, more = _leaf(machine, link.right, variable, False)
+            machine.pending.pop()
             machine.meter.step(link.lineno)
             value = operate(machine, link.op, value, right)
             ledger = _joined(machine, ledger, more, isinstance(link.op, ast.Sub))

@@ -17,6 +17,8 @@ from coral.contact.cost_program.limits import Mask, Meter
 
 Value = object
 Number = bool | int | float | NDArray[np.float64] | NDArray[np.bool_]
+Marks = frozenset[int]
+"""Numbers of pieces of memory."""
 NUMBER = (bool, int, float, np.ndarray)
 
 
@@ -25,32 +27,44 @@ class Vec:
 
     Args:
         items: Numbers, or vectors of one length.
-        base: The vector that this one is a view of, in numpy's terms.
         order: "wxyz" or "xyzw" when it is known to be a quaternion.
+        marks: The memory that it stands for, None while nobody asked; see `sharing.py`.
     """
 
-    __slots__ = ("base", "items", "order")
+    __slots__ = ("items", "marks", "order")
 
-    def __init__(self, items: tuple[Value, ...], base: Vec | None = None, order: str = "") -> None:
-        self.items, self.base, self.order = items, base, order
+    def __init__(self, items: tuple[Value, ...], order: str = "", marks: Marks | None = None) -> None:
+        self.items, self.order, self.marks = items, order, marks
 
 
 class Seq:
-    """A list or a tuple."""
+    """A list, or another thing to loop over.
 
-    __slots__ = ("items", "kind")
+    Args:
+        items: What it holds.
+        kind: "list", "tuple", "range" or "set"; "view" (keys or items) or "values" of a dict; "iterator", "reversed"
+            or "generator", good for one pass.
+        marks: See `Vec`.
+    """
 
-    def __init__(self, items: tuple[Value, ...], kind: str = "list") -> None:
-        self.items, self.kind = items, kind
+    __slots__ = ("items", "kind", "marks", "used")
+
+    def __init__(self, items: tuple[Value, ...], kind: str = "list", marks: Marks | None = None) -> None:
+        self.items, self.kind, self.marks, self.used = items, kind, marks, False
 
 
 class DictValue:
-    """A dict with texts or whole numbers as keys."""
+    """A dict with texts or whole numbers as keys.
 
-    __slots__ = ("items",)
+    Args:
+        items: What it holds.
+        marks: See `Vec`.
+    """
 
-    def __init__(self, items: dict[Value, Value]) -> None:
-        self.items = items
+    __slots__ = ("items", "marks")
+
+    def __init__(self, items: dict[Value, Value], marks: Marks | None = None) -> None:
+        self.items, self.marks = items, marks
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,10 +114,17 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Builtin:
-    """A function of the language."""
+    """A function of the language.
+
+    Args:
+        name: Its name.
+        call: What it does.
+        bound: The value whose method it is.
+    """
 
     name: str
     call: Callable[[Meter, list[Value], dict[str, Value]], Value]
+    bound: Value = None
 
 
 @dataclass(eq=False)
@@ -135,6 +156,15 @@ class Function:
     names: frozenset[str]
 
 
+SEQ_WORDS = {
+    "iterator": "an iterator",
+    "generator": "a generator",
+    "reversed": "an iterator",
+    "view": "a view of a dict",
+    "values": "a view of a dict",
+}
+
+
 def kind(value: Value) -> str:
     """The word for a value in an error."""
     if isinstance(value, np.ndarray):
@@ -146,7 +176,7 @@ def kind(value: Value) -> str:
     if isinstance(value, Vec):
         return f"a matrix of {len(value.items)} rows" if is_matrix(value) else f"a vector of {len(value.items)}"
     if isinstance(value, Seq):
-        return f"a {value.kind} of {len(value.items)}"
+        return SEQ_WORDS.get(value.kind, f"a {value.kind} of {len(value.items)}")
     words = {
         DictValue: "a dict",
         str: "a text",

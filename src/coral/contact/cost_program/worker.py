@@ -22,12 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Schema, Terms
-from coral.contact.cost_program.errors import CODES, CostError
+from coral.contact.cost_program.errors import CODES, CostError, is_term_name, printable
 from coral.contact.cost_program.limits import LimitsCfg
 from coral.contact.cost_program.sandbox import HEADER, LONGEST_MESSAGE, Reply, Request
+from coral.contact.cost_program.seccomp import MACHINES
 from coral.contact.cost_program.trace import Distance, Traced
+from coral.errors import InputError
 
 START = "from coral.contact.cost_program.sandbox import main; main()"
+ALLOW_UNFILTERED = "CORAL_ALLOW_UNFILTERED_COSTS"
 KEPT_ENVIRONMENT = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # nothing else: keys of model providers stay outside
 
 
@@ -42,6 +45,7 @@ class WorkerCfg:
         memory_bytes: What it may use beyond what it starts with.
         shared_bytes: Size of the shared arrays; it grows when a batch needs more.
         limits: Bounds on a program.
+        allow_unfiltered: Whether to run costs where the machine cannot filter system calls; else that is an error.
     """
 
     cpu_s: float = 1.0
@@ -50,6 +54,7 @@ class WorkerCfg:
     memory_bytes: int = 1 << 30
     shared_bytes: int = 32 << 20
     limits: LimitsCfg = field(default_factory=LimitsCfg)
+    allow_unfiltered: bool = field(default_factory=lambda: os.environ.get(ALLOW_UNFILTERED) == "1")
 
 
 class CostWorker:
@@ -95,7 +100,7 @@ class CostWorker:
             cost = WorkerCost(self, number, source, schema, name)
             reply = self._load(cost)
             cost.reads = [str(item) for item in reply["reads"] if item in schema]
-            cost.source = str(reply["source"])
+            cost.source = printable(str(reply["source"]), 2 * self.cfg.limits.characters)
             return cost
 
     def close(self) -> None:
@@ -168,9 +173,11 @@ class CostWorker:
 
     def _taken(self, cost: WorkerCost, reply: Reply, offset: int, shape: tuple[int, int]) -> Traced:
         """The answer, checked: a process that was taken over could say anything."""
-        names = [str(name)[:200] for name in reply["terms"]]
-        if len(names) > self.cfg.limits.terms or len(set(names)) != len(names) or not names:
+        names = list(reply["terms"])
+        if not 0 < len(names) <= self.cfg.limits.terms or not all(map(is_term_name, names)):
             raise ValueError("terms")
+        if len(set(names)) != len(names):
+            raise ValueError("names")
         terms: Terms = {}
         for name in names:
             terms[name], offset = self._copied(offset, shape)
@@ -230,6 +237,21 @@ class CostWorker:
         self.starts += 1
         reply = self._receive(time.monotonic() + self.cfg.start_s)
         self.filtered = reply.get("filtered") is True
+        if not self.filtered and not self.cfg.allow_unfiltered:
+            self._stop()
+            raise InputError(
+                "costs",
+                "",
+                "no filter of system calls (seccomp) on this machine",
+                f"Linux on {' or '.join(MACHINES)}; set {ALLOW_UNFILTERED}=1 to run costs without it if you trust "
+                "whoever writes them",
+            )
+
+    def check(self) -> bool:
+        """Whether its process starts and system calls are filtered on this machine."""
+        with self._lock, contextlib.suppress(InputError, CostError, OSError):
+            self._start()
+        return self.filtered
 
     def _stop(self) -> None:
         if self._process is not None:
@@ -257,7 +279,7 @@ class CostWorker:
         """The error that the process tells of."""
         try:
             code, text, line, shown = error
-            return CostError(code if code in CODES else "internal", str(text)[:4000], int(line), str(shown)[:200])
+            return CostError(code if code in CODES else "internal", str(text), int(line), str(shown)[:200])
         except (TypeError, ValueError):
             self._stop()
             return CostError("killed", "the process of the cost answered nonsense and was killed")

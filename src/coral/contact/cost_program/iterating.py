@@ -1,0 +1,37 @@
+"""Looping: what a loop runs through, and iterators, which Python computes one by one and only once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from coral.contact.cost_program.limits import Meter
+from coral.contact.cost_program.sharing import memory
+from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, kind
+
+ONCE = ("iterator", "reversed", "generator")
+"""Kinds of `Seq` that are good for one pass."""
+
+
+def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
+    """What a loop over the value runs through.
+
+    Raises:
+        CostError: It cannot be looped over.
+    """
+    if isinstance(value, Seq):
+        if value.kind == "set":
+            raise meter.fault("wrong_type", "a set has no order to loop over; write a list")
+        if value.used:
+            raise meter.fault("wrong_type", "an iterator is used up after one pass; write list(...) around it")
+        value.used = value.kind in ONCE
+        return value.items
+    if isinstance(value, Vec):
+        return value.items
+    if isinstance(value, DictValue):
+        return tuple(value.items)
+    raise meter.fault("wrong_type", f"{kind(value)} cannot be looped over")
+
+
+def iterator(items: Iterable[Value], *sources: Value, kind: str = "iterator") -> Seq:
+    """What Python computes item by item while it runs over the sources."""
+    return Seq(tuple(items), kind, frozenset().union(*(memory(source) for source in sources)))

@@ -1,0 +1,42 @@
+"""Which containers share memory: a change of one in place would be seen through the others.
+
+Values of the interpreter never change; a change in place makes a new value for one name. That gives what Python gives
+as long as no second name sees the change, so every list, dict and array carries marks of the memory it stands for.
+"""
+
+from __future__ import annotations
+
+from itertools import count
+
+from coral.contact.cost_program.values import DictValue, Marks, Seq, Value, Vec
+
+LAZY = ("iterator", "reversed", "generator", "view", "values")
+"""Kinds of `Seq` that are no list: they have no entries by number, and make no array."""
+_numbers = count()
+
+
+def marks_of(value: Vec | Seq | DictValue) -> Marks:
+    """The memory that a container itself stands for; a container without marks gets one of its own."""
+    if value.marks is None:
+        value.marks = frozenset((next(_numbers),))
+    return value.marks
+
+
+def memory(value: Value) -> Marks:
+    """All memory that a change of the value's own entries touches: of a matrix that of its rows, too."""
+    if not isinstance(value, Vec | Seq | DictValue):
+        return frozenset()
+    found = marks_of(value)
+    if isinstance(value, Vec) and value.items and isinstance(value.items[0], Vec):
+        return found.union(*(memory(row) for row in value.items))
+    return found
+
+
+def view(items: tuple[Value, ...], *bases: Value, order: str = "") -> Vec:
+    """A vector that NumPy would make as a view of others."""
+    return Vec(items, order, frozenset().union(*(memory(base) for base in bases)))
+
+
+def renewed(value: Value) -> Value:
+    """The same numbers in memory of their own."""
+    return Vec(tuple(renewed(item) for item in value.items), value.order) if isinstance(value, Vec) else value
