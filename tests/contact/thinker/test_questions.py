@@ -1,0 +1,144 @@
+"""What goes with each question, and what becomes of refused answers; the way through them is in test_thinker.py."""
+
+import numpy as np
+import pytest
+
+from coral.advisor.question import AdvisorUnavailable, Reply
+from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
+from coral.contact.plan.cost_plan import PlanAnswer, in_process
+from coral.contact.rules.answers import RULES
+from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.questions import Questions
+from coral.contact.thinker.strategist import NoStrategy
+from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.world_model.parameter_estimates import ParameterEstimate
+
+HIDDEN = ("stated_mass_kg", "stated_friction", "solid_share")
+
+
+class Careless:
+    """The default advisor, whose first so many plans read what the state does not have."""
+
+    name = "careless"
+
+    def __init__(self, wrong=0):
+        self.wrong, self.questions = wrong, []
+
+    async def answer(self, question, rejections):
+        self.questions.append(question)
+        if question.kind == "cost-function" and len(rejections) < self.wrong:
+            return Reply(value=PlanAnswer(code="def state_cost(self):\n    return self.cup_pos[0]"), raw="")
+        return Reply(value=RULES[question.kind](question.facts, ()), raw="")
+
+    def asked(self, kind):
+        return next(question for question in reversed(self.questions) if question.kind == kind)
+
+
+@pytest.fixture
+def ask(scene):
+    def make(advisor, task="pick-box", fallback=RULES, **cfg):
+        one, told = scene(task), []
+        questions = Questions(
+            Asker(advisor),
+            one.trial,
+            one.world,
+            ThinkCfg(**cfg),
+            np.random.default_rng(0),
+            in_process,
+            fallback,
+            lambda event, **fields: told.append((event, fields)),
+        )
+        questions.update_facts(one.now, believed=False)
+        return one, questions, told
+
+    return make
+
+
+def test_masses_are_in_the_facts_once_something_is_believed(ask):
+    one, questions, _ = ask(Careless())
+    assert "mass_kg" not in questions.facts["objects"]["box"]
+    questions.ask_parameters({})
+    questions.update_facts(one.now)
+    assert questions.facts["objects"]["box"]["mass_kg"] == round(questions.beliefs["box"].mass_kg, 5)
+
+
+@pytest.mark.parametrize("kind", ["cost-function", "contact-regions"])
+def test_prompts_hold_the_scene_but_not_what_only_the_rules_need(ask, kind):
+    advisor = Careless()
+    one, questions, _ = ask(advisor)
+    questions.ask_regions(questions.ask_plan(one.now))
+    question = advisor.asked(kind)
+    assert set(HIDDEN) <= set(question.facts["objects"]["box"])
+    assert "size_m" in question.prompt
+    assert not any(key in question.prompt for key in HIDDEN)
+
+
+def test_regions_are_asked_for_the_plan_that_held_and_its_stages(ask):
+    advisor = Careless(wrong=2)
+    one, questions, told = ask(advisor)
+    plan = questions.ask_plan(one.now)
+    questions.ask_regions(plan)
+    facts = advisor.asked("contact-regions").facts
+    assert (facts["refused"], facts["stages"]) == (2, plan.names)
+    assert len(dict(told)["plan_answer"]["refused"]) == 2
+
+
+def test_where_the_rules_take_over_their_regions_fit_their_plan(ask):
+    advisor = Careless(wrong=99)
+    one, questions, told = ask(advisor)
+    assert questions.ask_plan(one.now) is None
+    questions.ask_regions(questions.plan_by_rules())
+    assert advisor.asked("contact-regions").facts["refused"] == 0
+    assert dict(told)["fallback"]["what"] == "plan"
+
+
+def test_where_the_rules_know_no_way_either_there_is_no_strategy(ask):
+    def none(facts, rejections):
+        raise AdvisorUnavailable("no-rule", "too wide to grasp", final=True)
+
+    _, questions, _ = ask(Careless(), fallback={"cost-function": none})
+    with pytest.raises(NoStrategy, match="too wide"):
+        questions.plan_by_rules()
+
+
+def test_a_question_about_the_plan_carries_what_went_wrong_so_far(ask):
+    advisor = Careless()
+    one, questions, _ = ask(advisor)
+    questions.diagnoses.append("slipped")
+    questions.ask_repair(one.now, {"attempts": 3, "history": [], "code": "x = 1", "error": ""})
+    assert advisor.asked("cost-repair").facts["diagnoses"] == ["slipped"]
+    assert "x = 1" in advisor.asked("cost-repair").prompt
+
+
+def test_without_regions_nobody_is_asked_for_them(ask):
+    advisor = Careless()
+    one, questions, _ = ask(advisor, regions=False)
+    assert questions.ask_regions(questions.ask_plan(one.now)) == RegionsAnswer({})
+    assert [question.kind for question in advisor.questions] == ["cost-function"]
+
+
+def test_candidates_that_cannot_be_touched_are_left_out_and_counted_in_the_record(ask):
+    one, questions, told = ask(Careless())
+    plan = questions.ask_plan(one.now)
+    size = one.sizes["box"]
+    wide = Region(
+        center=(0.0, 0.0, size[2] / 2), normal=(0.0, 0.0, 1.0), extent=0.6 * float(min(size[:2])), num_samples=32
+    )
+    (kept,) = questions.touchable_candidates(RegionsAnswer({"box": ObjectRegions(regions=[wide])}), plan)
+    (row,) = dict(told)["candidates"]["regions"]
+    assert 0 < row["kept"] == len(kept) < 33
+    assert row["kept"] + sum(row["lost"].values()) == 33
+
+
+def test_a_refused_answer_about_everything_leaves_no_belief_behind(ask):
+    class Light(Careless):
+        async def answer(self, question, rejections):
+            value = RULES["unified"](question.facts, ())
+            light = {"box": ParameterEstimate(mass_kg=0.2, friction_coeff=0.77)}
+            return Reply(value=value.model_copy(update={"parameters": light, "regions": {}}), raw="")
+
+    one, questions, told = ask(Light(), unified=True)
+    before = questions.beliefs
+    assert questions.ask_everything(one.now) is None
+    assert questions.beliefs == before
+    assert dict(told)["beliefs"]["box"][1] != 0.77
