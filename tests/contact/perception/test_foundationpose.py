@@ -12,7 +12,8 @@ from coral.contact.perception.benchmark_motions import motion_of
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker
 from coral.contact.perception.foundationpose_server import Sessions, decode, encode
-from coral.contact.perception.posed_scene import PosedScene, known_model
+from coral.contact.perception.object_model import from_trial
+from coral.contact.perception.posed_scene import PosedScene
 from coral.contact.perception.tracker import TrackerFailed
 from coral.contact.scene.rigid_transform import inverse_transform
 from coral.errors import InputError
@@ -28,7 +29,7 @@ def url():
 def seen(trial):
     stage = PosedScene(trial, RgbdCameraCfg(width=160, height=120), None, colours="shaded")
     moment = motion_of(trial).at(0.0)
-    return known_model(stage.model, trial, "box"), stage.take(moment, np.random.default_rng(0)), moment.objects["box"]
+    return from_trial(stage.model, trial, "box"), stage.take(moment, np.random.default_rng(0)), moment.objects["box"]
 
 
 def test_poses_go_through_the_server_and_are_judged(url, seen):

@@ -8,7 +8,8 @@ from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.model_tracker import ModelTracker
 from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
-from coral.contact.perception.posed_scene import PosedScene, known_model
+from coral.contact.perception.object_model import from_trial
+from coral.contact.perception.posed_scene import PosedScene
 from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure_accuracy
 from coral.contact.perception.tracking_loss import measure_loss
 from coral.contact.scene.geometry import rotation_about
@@ -77,7 +78,7 @@ def test_a_loss_is_noticed_reported_and_recovered(trial, how):
 
 def test_a_mask_of_something_else_is_noticed_and_forgotten(stage, at_rest, trial):
     rng = np.random.default_rng(0)
-    tracker = ModelTracker(known_model(stage.model, trial, "box"))
+    tracker = ModelTracker(from_trial(stage.model, trial, "box"))
     frame = stage.take(at_rest, rng)
     first = tracker.register(frame, frame.mask("box"))
     wrong = tracker.track(frame, frame.instance == 0)
@@ -90,7 +91,7 @@ def test_a_mask_of_something_else_is_noticed_and_forgotten(stage, at_rest, trial
 
 
 def test_a_narrow_strip_beside_the_hand_is_called_covered(stage, at_rest, trial):
-    tracker = ModelTracker(known_model(stage.model, trial, "box"))
+    tracker = ModelTracker(from_trial(stage.model, trial, "box"))
     frame = stage.take(at_rest, np.random.default_rng(0))
     tracker.register(frame, frame.mask("box"))
     mask = frame.mask("box")
@@ -106,7 +107,7 @@ def test_a_narrow_strip_beside_the_hand_is_called_covered(stage, at_rest, trial)
 
 def test_a_jump_within_one_picture_is_found_again(stage, at_rest, trial):
     rng = np.random.default_rng(0)
-    tracker = ModelTracker(known_model(stage.model, trial, "box"))
+    tracker = ModelTracker(from_trial(stage.model, trial, "box"))
     frame = stage.take(at_rest, rng)
     tracker.register(frame, frame.mask("box"))
     here = at_rest.objects["box"]
@@ -118,7 +119,7 @@ def test_a_jump_within_one_picture_is_found_again(stage, at_rest, trial):
 
 
 def test_the_first_pose_is_the_expected_one_among_equals(stage, at_rest, trial):
-    model = known_model(stage.model, trial, "box")
+    model = from_trial(stage.model, trial, "box")
     frame = stage.take(at_rest, np.random.default_rng(0))
     truth = at_rest.objects["box"]
     expected = truth @ pose_matrix(rotation_about(np.array([0, 0, 1.0]), np.pi), np.zeros(3))
@@ -127,7 +128,7 @@ def test_the_first_pose_is_the_expected_one_among_equals(stage, at_rest, trial):
 
 
 def test_before_anything_is_seen_the_object_is_lost_where_expected(stage, at_rest, trial):
-    tracker = ModelTracker(known_model(stage.model, trial, "box"))
+    tracker = ModelTracker(from_trial(stage.model, trial, "box"))
     frame = stage.take(at_rest, np.random.default_rng(0))
     estimate = tracker.track(frame, np.zeros(frame.depth.shape, bool))
     assert estimate.lost
@@ -138,14 +139,14 @@ def test_before_anything_is_seen_the_object_is_lost_where_expected(stage, at_res
 
 def test_the_same_pictures_give_the_same_poses(stage, at_rest, trial):
     frame = stage.take(at_rest, np.random.default_rng(5))
-    model = known_model(stage.model, trial, "can")
+    model = from_trial(stage.model, trial, "can")
     first, second = (ModelTracker(model).register(frame, frame.mask("can")) for _ in range(2))
     np.testing.assert_array_equal(first.T_world_object, second.T_world_object)
 
 
 def test_objects_tracked_together_have_the_velocities_of_their_motions(trial, at_rest):
     stage = PosedScene(trial, CFG.camera, None)
-    trackers = {name: ModelTracker(known_model(stage.model, trial, name)) for name in trial.objects}
+    trackers = {name: ModelTracker(from_trial(stage.model, trial, name)) for name in trial.objects}
     here, rng, filters = at_rest.objects["box"], np.random.default_rng(0), {}
     for k in range(20):
         time_s = 0.04 * k

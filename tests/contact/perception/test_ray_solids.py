@@ -4,8 +4,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from coral.contact.perception.mesh_file import read_mesh
 from coral.contact.perception.object_model import from_body, from_mesh, from_primitives
-from coral.contact.perception.ray_solids import SolidPart, read_mesh
+from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.perception.surface_kernels import distance
 from coral.errors import InputError
 

@@ -21,7 +21,8 @@ from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
 from coral.contact.perception.advisor_camera import make_advisor_camera
 from coral.contact.perception.guessed_world import GuessedWorld
-from coral.contact.perception.tracked_world import PoseDifference, TrackedWorld
+from coral.contact.perception.pose_difference import PoseDifference
+from coral.contact.perception.tracked_world import TrackedWorld
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import HandTarget, Observation, Transition, Truth
 from coral.contact.scene.trial import PhysicalParameters, Trial, prior_beliefs, with_beliefs

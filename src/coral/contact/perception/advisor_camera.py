@@ -11,7 +11,7 @@ import numpy as np
 from coral.advisor.question import Picture
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, RgbdFrame, look_at
 from coral.contact.perception.depth_noise import DepthNoise
-from coral.contact.perception.posed_scene import hidden_geoms, instance_names
+from coral.contact.perception.scene_geoms import hidden_geoms, instance_names
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld

@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import http.client
-import socket
-import threading
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
-from urllib.parse import urlsplit
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +12,8 @@ from numpy.typing import NDArray
 from coral.config import Count, Positive
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.confidence import ConfidenceCfg, assess_pose, is_unseen, patch_around
-from coral.contact.perception.foundationpose_server import LIMIT_BYTES, Arrays, decode, encode
+from coral.contact.perception.foundationpose_client import OutOfReach, exchange, parse_url
+from coral.contact.perception.foundationpose_server import Arrays, encode
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseEstimate, TrackerFailed
 from coral.contact.scene.rigid_transform import inverse_transform
@@ -69,7 +65,7 @@ class FoundationPoseTracker:
         expected: Array | None = None,
     ) -> None:
         self.model, self.cfg = model, cfg or FoundationPoseCfg()
-        self._address = parse_url(self.cfg.url)
+        parse_url(self.cfg.url)
         self._session: NDArray[Any] | None = None
         self._reference = np.eye(4) if expected is None else expected
         self._found, self._lost = False, False
@@ -153,101 +149,7 @@ class FoundationPoseTracker:
 
     def _ask(self, verb: str, request: Arrays) -> Arrays:
         try:
-            return _exchange(self._address, verb, encode(request), self.cfg)
+            return exchange(self.cfg.url, verb, encode(request), self.cfg.connect_s, self.cfg.timeout_s)
         except OutOfReach:
             self._session = None  # so that `close` does not wait for a dead server once more
             raise
-
-
-class OutOfReach(TrackerFailed):
-    """Nobody answers."""
-
-
-def reach(cfg: FoundationPoseCfg) -> None:
-    """Make sure that somebody listens; nothing is asked.
-
-    Raises:
-        InputError: The address is none of an HTTP server.
-        OutOfReach: Nobody does.
-    """
-    address = parse_url(cfg.url)
-    try:
-        socket.create_connection(address, timeout=cfg.connect_s).close()
-    except OSError as error:
-        raise OutOfReach(_silent(cfg, error)) from None
-
-
-def parse_url(url: str, where: str = "foundationpose", field: str = "url") -> tuple[str, int]:
-    """Host and port.
-
-    Raises:
-        InputError: The address is none of an HTTP server; `where` and `field` are named as the place that holds it.
-    """
-    try:
-        parts = urlsplit(url)
-        port = parts.port
-    except ValueError:
-        parts, port = urlsplit(""), None
-    if (
-        parts.scheme != "http"
-        or not parts.hostname
-        or parts.path.strip("/")
-        or parts.query
-        or parts.fragment
-        or parts.username is not None
-        or any(c.isspace() for c in url)
-    ):
-        raise InputError(where, field, repr(url), "an address as http://127.0.0.1:5070")
-    return parts.hostname, port or 80
-
-
-def _exchange(address: tuple[str, int], verb: str, question: bytes, cfg: FoundationPoseCfg) -> Arrays:
-    """One question and its answer."""
-    connection = http.client.HTTPConnection(*address, timeout=cfg.connect_s)
-    late = threading.Event()
-    try:
-        connection.connect()
-        line: socket.socket = connection.sock
-        line.settimeout(cfg.timeout_s)
-        with _patience(line, cfg.timeout_s, late):
-            connection.request("POST", f"/{verb}", question)
-            reply = connection.getresponse()
-            body = reply.read(LIMIT_BYTES + 1)
-        if late.is_set():
-            raise TimeoutError
-        if reply.status != 200:
-            text = " ".join(body[:300].decode("utf-8", "replace").split())
-            raise TrackerFailed(f"foundationpose at {cfg.url} refuses to {verb}: {text}")
-        if len(body) > LIMIT_BYTES:
-            raise ValueError("an answer of more than 256 MiB")
-        return {name: np.asarray(array) for name, array in decode(body).items()}
-    except (OSError, http.client.HTTPException) as error:
-        if late.is_set() or (isinstance(error, TimeoutError) and connection.sock is not None):
-            raise OutOfReach(f"foundationpose at {cfg.url}: no answer to {verb} in {cfg.timeout_s:g} s") from None
-        raise OutOfReach(_silent(cfg, error)) from None
-    except ValueError as error:
-        raise TrackerFailed(f"foundationpose at {cfg.url}: {error}") from None
-    finally:
-        connection.close()
-
-
-@contextlib.contextmanager
-def _patience(line: socket.socket, seconds: float, late: threading.Event) -> Iterator[None]:
-    """Hang up after a while: the socket's own timeout begins anew with every byte that comes."""
-
-    def hang_up() -> None:
-        late.set()
-        with contextlib.suppress(OSError):
-            line.shutdown(socket.SHUT_RDWR)
-
-    clock = threading.Timer(seconds, hang_up)
-    clock.daemon = True
-    clock.start()
-    try:
-        yield
-    finally:
-        clock.cancel()
-
-
-def _silent(cfg: FoundationPoseCfg, error: Exception) -> str:
-    return f"foundationpose at {cfg.url} does not answer: {' '.join(str(error).split()) or type(error).__name__}"

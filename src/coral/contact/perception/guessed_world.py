@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from coral.contact.perception.posed_scene import known_model
-from coral.contact.perception.tracked_world import PoseDifference
+from coral.contact.perception.object_model import from_trial
+from coral.contact.perception.pose_difference import PoseDifference, compare_poses
 from coral.contact.scene.observation import BodyState, HandTarget, Observation, Truth
-from coral.contact.scene.rigid_transform import body_to_matrix
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation
 from coral.errors import InputError
@@ -31,7 +30,7 @@ class GuessedWorld:
         if world.simulation is None:
             raise InputError("--variant", "", "poses guessed from a picture", "a world of which pictures can be made")
         model = world.simulation.model
-        self._shapes = {name: known_model(model, trial, name) for name in trial.objects}
+        self._shapes = {name: from_trial(model, trial, name) for name in trial.objects}
         self._guessed: dict[str, BodyState] = {}
 
     @property
@@ -63,12 +62,10 @@ class GuessedWorld:
 
     def compare(self, now: Observation, truth: Truth) -> dict[str, PoseDifference]:
         """How far the guesses are from the truth; for the record."""
-        found = {}
-        for name in now.objects:
-            seen, true = body_to_matrix(now.objects[name]), body_to_matrix(truth.objects[name])
-            shift, turn = self._shapes[name].symmetry.difference(seen, true)
-            found[name] = PoseDifference(float(shift), float(turn), False)
-        return found
+        return {
+            name: compare_poses(self._shapes[name].symmetry, now.objects[name], truth.objects[name], lost=False)
+            for name in now.objects
+        }
 
     def _seen(self, now: Observation) -> Observation:
         return replace(now, objects=dict(self._guessed))

@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception import solids as kinds
-from coral.contact.perception.ray_solids import SolidPart, from_mujoco, from_parts, from_triangles, read_mesh
+from coral.contact.perception.mesh_file import read_mesh
+from coral.contact.perception.ray_solids import SolidPart, from_mujoco, from_parts, from_triangles
 from coral.contact.perception.solids import Solids
 from coral.contact.perception.surface_kernels import distance
-from coral.contact.perception.symmetry import Symmetry, of_shape
+from coral.contact.perception.symmetry import Symmetry, of_kind, of_shape
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
+from coral.contact.scene.trial import Trial
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
@@ -99,6 +101,19 @@ def from_body(
         center=model.geom_pos[geoms].astype(float), rotation=rotation_of(model.geom_quat[geoms])
     )
     return _model(name or body, placed, symmetry)
+
+
+def from_trial(model: mujoco.MjModel, trial: Trial, name: str) -> ObjectModel:
+    """What a tracker may know of one object of a trial: its exact shape, and its symmetry.
+
+    The symmetry is the declared one, or that of the shape where this is larger: pictures of depth show nothing else.
+    """
+    found = from_body(model, name)
+    kind = trial.task.object(name).symmetry
+    declared = of_kind(kind, trial.size(name), found.pivot)
+    if kind == "none" or len(declared.members(12)) <= len(found.symmetry.members(12)):
+        return found
+    return from_body(model, name, symmetry=declared)
 
 
 def _model(name: str, solids: Solids, symmetry: Symmetry | None) -> ObjectModel:

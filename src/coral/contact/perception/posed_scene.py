@@ -11,8 +11,7 @@ from coral.contact.control.planning_world import put_state
 from coral.contact.perception.benchmark_motions import MotionSample
 from coral.contact.perception.camera import Colours, RayCamera, RgbdCameraCfg, RgbdFrame, look_at
 from coral.contact.perception.depth_noise import DepthNoise
-from coral.contact.perception.object_model import ObjectModel, from_body
-from coral.contact.perception.symmetry import of_kind
+from coral.contact.perception.scene_geoms import instance_names
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.rigid_transform import matrix_to_body
@@ -61,39 +60,3 @@ class PosedScene:
         self._data.time = time_s
         mujoco.mj_kinematics(self.model, self._data)
         return self.camera.take(self._data, rng)
-
-
-def instance_names(model: mujoco.MjModel, trial: Trial) -> dict[int, str]:
-    """Which geoms are seen as which movable object; all that moves otherwise is the robot."""
-    bodies = {int(model.body(name).id): name for name in trial.objects}
-    robot = {i: "robot" for i, b in enumerate(model.geom_bodyid) if int(b) not in bodies and int(model.body_weldid[b])}
-    return robot | {i: bodies[int(b)] for i, b in enumerate(model.geom_bodyid) if int(b) in bodies}
-
-
-def hidden_geoms(model: mujoco.MjModel, trial: Trial) -> list[int]:
-    """Geoms that a picture to be looked at leaves out: collision shapes over pretty ones, and the room around."""
-    ours = {"table", *(fixture.name for fixture in trial.task.fixtures)}
-    pretty = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
-    bodies = {model.body(name).id for name in trial.objects}
-    return [
-        k
-        for k in range(model.ngeom)
-        if model.geom(k).name not in ours
-        and (
-            int(model.geom_bodyid[k]) == 0
-            or (model.geom_group[k] == 0 and int(model.geom_bodyid[k]) in pretty - bodies)
-        )
-    ]
-
-
-def known_model(model: mujoco.MjModel, trial: Trial, name: str) -> ObjectModel:
-    """What a tracker may know of one object of a trial: its exact shape, and its symmetry.
-
-    The symmetry is the declared one, or that of the shape where this is larger: pictures of depth show nothing else.
-    """
-    found = from_body(model, name)
-    kind = trial.task.object(name).symmetry
-    declared = of_kind(kind, trial.size(name), found.pivot)
-    if kind == "none" or len(declared.members(12)) <= len(found.symmetry.members(12)):
-        return found
-    return from_body(model, name, symmetry=declared)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -121,47 +120,3 @@ def from_mujoco(model: mujoco.MjModel, geoms: NDArray[np.int64]) -> Solids:
         count,
         np.concatenate(corners) if corners else np.zeros((0, 3, 3)),
     )
-
-
-def read_mesh(path: Path, scale: float = 1.0) -> Array:
-    """Triangles of an STL (binary or text) or OBJ file, Shape=(M, 3, 3) m.
-
-    Args:
-        path: The file.
-        scale: Metres per unit of the file: 0.001 for one in millimetres.
-
-    Raises:
-        InputError: It cannot be read, or holds no triangles.
-    """
-    try:
-        raw = path.read_bytes()
-    except OSError as error:
-        raise InputError(str(path), "", error.strerror or str(error), "a readable STL or OBJ file") from None
-    try:
-        if path.suffix.lower() == ".obj":
-            triangles = _obj(raw.decode("utf-8"))
-        elif len(raw) >= 84 and len(raw) == 84 + 50 * int.from_bytes(raw[80:84], "little"):
-            layout = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
-            triangles = np.frombuffer(raw, layout, offset=84)["corners"].astype(float)
-        else:
-            words = [line.split()[1:4] for line in raw.decode("ascii").splitlines() if line.split()[:1] == ["vertex"]]
-            triangles = np.array(words, float).reshape(-1, 3, 3)
-    except (UnicodeDecodeError, ValueError, IndexError) as error:
-        raise InputError(str(path), "", f"broken mesh ({error})", "an STL or OBJ file") from None
-    if not len(triangles) or not np.isfinite(triangles).all():
-        raise InputError(str(path), "", "no finite triangles", "an STL or OBJ file with triangles")
-    return triangles * scale
-
-
-def _obj(text: str) -> Array:
-    vertices: list[list[float]] = []
-    faces: list[tuple[int, int, int]] = []
-    for line in text.splitlines():
-        words = line.split()
-        if words[:1] == ["v"]:
-            vertices.append([float(w) for w in words[1:4]])
-        elif words[:1] == ["f"]:
-            corner = [int(w.split("/")[0]) for w in words[1:]]
-            corner = [c - 1 if c > 0 else len(vertices) + c for c in corner]
-            faces += [(corner[0], corner[k], corner[k + 1]) for k in range(1, len(corner) - 1)]
-    return np.asarray(np.array(vertices, float).reshape(-1, 3)[np.array(faces, int).reshape(-1, 3)])

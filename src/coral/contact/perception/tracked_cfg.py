@@ -14,7 +14,7 @@ from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
 from coral.contact.perception.depth_noise import DepthNoise, DepthNoiseCfg
 from coral.contact.perception.grasp_detection import GraspDetectionCfg
 from coral.contact.perception.motion_filter import MotionFilterCfg
-from coral.contact.perception.posed_scene import instance_names
+from coral.contact.perception.scene_geoms import instance_names
 from coral.contact.perception.tracker_registry import TrackerCfgs, TrackerChoice, choose_tracker
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError

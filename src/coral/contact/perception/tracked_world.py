@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import mujoco
@@ -13,18 +12,18 @@ import numpy as np
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.grasp_detection import is_grasped
-from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
-from coral.contact.perception.posed_scene import known_model
+from coral.contact.perception.motion_filter import MotionFilter
+from coral.contact.perception.object_model import from_trial
+from coral.contact.perception.pose_difference import PoseDifference, compare_poses
 from coral.contact.perception.tracked_cfg import TrackedCfg, make_camera
-from coral.contact.perception.tracker import PoseEstimate, PoseTracker, TrackerFailed
+from coral.contact.perception.tracked_object import TrackedObject
+from coral.contact.perception.tracker import PoseEstimate, TrackerFailed
 from coral.contact.scene.geometry import from_rpy_deg, quaternion_of, rotation_about, rotation_of
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.rigid_transform import body_to_matrix, inverse_transform, pose_matrix
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation, WorldError
 from coral.errors import InputError
-
-_IN_HAND_GAIN = 0.3
 
 
 class PictureSource(Protocol):
@@ -33,50 +32,6 @@ class PictureSource(Protocol):
     def take(self, data: mujoco.MjData, rng: np.random.Generator) -> RgbdFrame | None:
         """A picture of the world as it stands; None where none came."""
         ...
-
-
-@dataclass(frozen=True)
-class PoseDifference:
-    """How one object was tracked, for reports; never for deciding.
-
-    Args:
-        off_m, off_rad: Of the pose that the planner was given from the true one, modulo the object's symmetry.
-        lost: Whether it was lost.
-    """
-
-    off_m: float
-    off_rad: float
-    lost: bool
-
-
-class _Followed:
-    """One object: its tracker, and its motion in the world or, held between the fingers, in the hand."""
-
-    def __init__(self, tracker: PoseTracker, cfg: MotionFilterCfg) -> None:
-        self.tracker, self._cfg = tracker, cfg
-        # Squeezed between rubber pads it moves with them: what pictures say otherwise is mostly noise.
-        self.in_hand = replace(cfg, position_gain=_IN_HAND_GAIN, velocity_gain=0.0)
-        self.held = False
-        self.lost_since: float | None = None
-        self.motion: MotionFilter | None = None
-
-    def hold(self, held: bool, tool: Array, time_s: float) -> None:
-        """Whether it now moves with the hand."""
-        if held != self.held:
-            before, after = (np.eye(4), inverse_transform(tool)) if held else (tool, np.eye(4))
-            T = after @ before @ self.known.at(time_s)
-            self.motion, self.held = MotionFilter(self.in_hand if held else self._cfg, T, time_s), held
-
-    @property
-    def known(self) -> MotionFilter:
-        """Its motion, once it has been found."""
-        assert self.motion is not None
-        return self.motion
-
-    def at(self, tool: Array, time_s: float) -> Array:
-        """T_world_object."""
-        found = self.known.at(time_s)
-        return tool @ found if self.held else found
 
 
 class TrackedWorld:
@@ -113,8 +68,8 @@ class TrackedWorld:
         self._choice.check()
         self.tracker = self._choice.name
         self._eye = eye or make_camera(model, trial, cfg)
-        self._shapes = {name: known_model(model, trial, name) for name in trial.objects}
-        self._objects: dict[str, _Followed] = {}
+        self._shapes = {name: from_trial(model, trial, name) for name in trial.objects}
+        self._objects: dict[str, TrackedObject] = {}
         self._news: list[dict[str, Any]] = []
 
     @property
@@ -134,7 +89,7 @@ class TrackedWorld:
         for name, shape in self._shapes.items():
             with _named():
                 tracker = self._choice.make(shape, nominal_pose(self._trial, name))
-            self._objects[name] = _Followed(tracker, self.cfg.motion)
+            self._objects[name] = TrackedObject(tracker, self.cfg.motion)
         self._late: deque[tuple[float, Array, dict[str, PoseEstimate]]] = deque()
         self._pictured_s, self._due_s, self._retreated_s = now.time_s, now.time_s, -np.inf
         self._news.clear()
@@ -225,13 +180,12 @@ class TrackedWorld:
 
     def compare(self, now: Observation, truth: Truth) -> dict[str, PoseDifference]:
         """How far what is held of the objects is from the truth; for the record."""
-        found = {}
-        for name, shape in self._shapes.items():
-            shift, turn = shape.symmetry.difference(
-                body_to_matrix(now.objects[name]), body_to_matrix(truth.objects[name])
+        return {
+            name: compare_poses(
+                shape.symmetry, now.objects[name], truth.objects[name], self._objects[name].lost_since is not None
             )
-            found[name] = PoseDifference(float(shift), float(turn), self._objects[name].lost_since is not None)
-        return found
+            for name, shape in self._shapes.items()
+        }
 
     def _first(self, now: Observation, frame: RgbdFrame | None) -> dict[str, str]:
         """Look for what has not been found, look again at the rest; what was never found, and why not."""
@@ -291,7 +245,7 @@ class TrackedWorld:
         objects = {name: self._body(one, now.tool, tool, now.time_s) for name, one in self._objects.items()}
         return Observation(now.time_s, now.tool, now.opening_m, now.wrench, objects)
 
-    def _body(self, one: _Followed, hand: BodyState, tool: Array, time_s: float) -> BodyState:
+    def _body(self, one: TrackedObject, hand: BodyState, tool: Array, time_s: float) -> BodyState:
         T = one.at(tool, time_s)
         velocity, spin = one.known.velocity, one.known.spin
         if one.held:

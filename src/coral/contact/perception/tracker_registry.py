@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker, parse_url, reach
+from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker
+from coral.contact.perception.foundationpose_client import parse_url, reach
 from coral.contact.perception.model_tracker import ModelTracker, TrackerCfg
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseTracker
@@ -85,7 +86,7 @@ def _choose_foundationpose(address: str | None, cfgs: TrackerCfgs, place: tuple[
         FoundationPoseTracker.name,
         FoundationPoseTracker.wants_colours,
         lambda shape, expected: FoundationPoseTracker(shape, cfg, expected),
-        lambda: reach(cfg),
+        lambda: reach(cfg.url, cfg.connect_s),
     )
 
 

@@ -17,10 +17,10 @@ from coral.contact.perception.benchmark_motions import motion_of
 from coral.contact.perception.camera import Colours, RgbdCameraCfg, RgbdFrame
 from coral.contact.perception.confidence import ConfidenceCfg, patch_around
 from coral.contact.perception.depth_noise import DepthNoise
-from coral.contact.perception.object_model import ObjectModel
+from coral.contact.perception.object_model import ObjectModel, from_trial
 from coral.contact.perception.pose_error import add, add_s, mssd
 from coral.contact.perception.pose_fit import count_agreement
-from coral.contact.perception.posed_scene import PosedScene, known_model
+from coral.contact.perception.posed_scene import PosedScene
 from coral.contact.perception.tracker import PoseTracker
 from coral.contact.scene.rigid_transform import inverse_transform
 from coral.contact.scene.trial import Trial
@@ -95,7 +95,7 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
     frames = [stage.take(truth, rng, float(t)) for truth, t in zip(truths, times, strict=True)]
     found = []
     for name in trial.objects:
-        model = known_model(stage.model, trial, name)
+        model = from_trial(stage.model, trial, name)
         with closing(make(model)) as tracker:
             _warm(tracker, frames[0].mask(name), frames[0])
         visible = [

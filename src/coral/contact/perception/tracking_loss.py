@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.benchmark_motions import MotionSample, motion_of
-from coral.contact.perception.posed_scene import PosedScene, known_model
+from coral.contact.perception.object_model import from_trial
+from coral.contact.perception.posed_scene import PosedScene
 from coral.contact.perception.tracking_accuracy import AccuracyCfg, MakeTracker
 from coral.contact.scene.geometry import rotation_about
 from coral.contact.scene.rigid_transform import pose_matrix
@@ -55,7 +56,7 @@ def measure_loss(trial: Trial, make: MakeTracker, cfg: AccuracyCfg, how: How) ->
     """Follow the first object of a trial for a second, take it away for one, and give it back for one."""
     stage = PosedScene(trial, cfg.camera, cfg.noise, colours=cfg.colours)
     name = trial.task.objects[0].name
-    model = known_model(stage.model, trial, name)
+    model = from_trial(stage.model, trial, name)
     start = motion_of(trial).at(0.0)
     rng = np.random.default_rng([trial.seed, 2])
     aside = MotionSample(start.objects, pose_matrix(start.tool[:3, :3], np.array([-0.5, 0.3, 0.5])), 0.04)

@@ -1,0 +1,29 @@
+"""How far the believed pose of an object is from the true one; for reports, never for decisions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from coral.contact.perception.symmetry import Symmetry
+from coral.contact.scene.observation import BodyState
+from coral.contact.scene.rigid_transform import body_to_matrix
+
+
+@dataclass(frozen=True)
+class PoseDifference:
+    """The error of one object's pose at one time.
+
+    Args:
+        off_m, off_rad: From the true pose to the one that the planner was given, modulo the object's symmetry.
+        lost: Whether the tracker had lost the object.
+    """
+
+    off_m: float
+    off_rad: float
+    lost: bool
+
+
+def compare_poses(symmetry: Symmetry, believed: BodyState, true: BodyState, lost: bool) -> PoseDifference:
+    """Measure the error of one object's pose."""
+    shift, turn = symmetry.difference(body_to_matrix(believed), body_to_matrix(true))
+    return PoseDifference(float(shift), float(turn), lost)

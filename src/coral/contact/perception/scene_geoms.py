@@ -1,0 +1,30 @@
+"""Which geoms of a trial's scene a camera names, and which ones a picture for people leaves out."""
+
+from __future__ import annotations
+
+import mujoco
+
+from coral.contact.scene.trial import Trial
+
+
+def instance_names(model: mujoco.MjModel, trial: Trial) -> dict[int, str]:
+    """Which geoms are seen as which movable object; all that moves otherwise is the robot."""
+    bodies = {int(model.body(name).id): name for name in trial.objects}
+    robot = {i: "robot" for i, b in enumerate(model.geom_bodyid) if int(b) not in bodies and int(model.body_weldid[b])}
+    return robot | {i: bodies[int(b)] for i, b in enumerate(model.geom_bodyid) if int(b) in bodies}
+
+
+def hidden_geoms(model: mujoco.MjModel, trial: Trial) -> list[int]:
+    """Geoms that a picture to be looked at leaves out: collision shapes over pretty ones, and the room around."""
+    ours = {"table", *(fixture.name for fixture in trial.task.fixtures)}
+    pretty = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
+    bodies = {model.body(name).id for name in trial.objects}
+    return [
+        k
+        for k in range(model.ngeom)
+        if model.geom(k).name not in ours
+        and (
+            int(model.geom_bodyid[k]) == 0
+            or (model.geom_group[k] == 0 and int(model.geom_bodyid[k]) in pretty - bodies)
+        )
+    ]
