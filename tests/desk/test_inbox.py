@@ -9,7 +9,7 @@ import pytest
 
 from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit
 from coral.desk.notice import is_alive, mission_notice
-from coral.desk.watch import Watch
+from coral.desk.watch import InboxWatch
 from coral.errors import InputError
 
 
@@ -200,7 +200,7 @@ def test_rubbish_in_the_inbox_is_listed_and_harmless(inbox, ask):
         ("000005-broken", "unreadable"),
         ("000006-odd", "sent"),
     ]
-    assert "Infinity" not in Watch(inbox).wait(-1, 0.0)[1]
+    assert "Infinity" not in InboxWatch(inbox).wait(-1, 0.0)[1]
     assert inbox.missions() == []
 
 

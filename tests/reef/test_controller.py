@@ -18,7 +18,17 @@ from coral.reef.controller import (
     schedule,
     shift_matrix,
 )
-from coral.reef.controller_kernels import GOAL, N_COSTS, PATH, SPEED, Scene, hull_is_free, rollout, shape_samples, turn
+from coral.reef.controller_kernels import (
+    GOAL,
+    N_COSTS,
+    PATH,
+    SPEED,
+    RolloutScene,
+    hull_is_free,
+    rollout,
+    shape_samples,
+    turn,
+)
 from coral.reef.costfield import UNREACHABLE, CostField
 from coral.reef.dynamics import Thrusters, parameter_set, planar
 from coral.reef.pd import PdController
@@ -37,7 +47,7 @@ def discs(*circles, size=240):
 
 
 def scene_of(distance, field, **changes):
-    scene = Scene(distance, CELL, field.value, field.cell_m, 0.3, 0.08, 4.0, 0.3, 0.4, 3.0, 0.6, 0.6)
+    scene = RolloutScene(distance, CELL, field.value, field.cell_m, 0.3, 0.08, 4.0, 0.3, 0.4, 3.0, 0.6, 0.6)
     return scene._replace(**changes)
 
 

@@ -5,13 +5,13 @@ import pytest
 from coral.reef.chain import Track
 from coral.reef.geometry import Pose
 from coral.reef.imaging import ImagingMeter
-from coral.reef.judge import Judge
+from coral.reef.judge import MissionJudge
 from coral.reef.scene import Scene
 
 
 @pytest.fixture
 def judge(pond, tmp_path):
-    made = Judge(pond, ImagingMeter(Scene.from_world(pond)), tmp_path)
+    made = MissionJudge(pond, ImagingMeter(Scene.from_world(pond)), tmp_path)
     yield made
     made.close()
 
@@ -32,7 +32,7 @@ def test_distance_from_the_reef_is_to_an_oyster_or_to_the_line_it_grew_along(pon
     assert judge.reef_m(2.0, 12.0) > 5.0
     (tmp_path / "spine").mkdir()
     grown = pond.model_copy(update={"spine": (((2.0, 3.0), (2.0, 13.0)),)})
-    assert Judge(grown, judge.meter, tmp_path / "spine").reef_m(2.5, 12.0) == pytest.approx(0.5, abs=0.11)
+    assert MissionJudge(grown, judge.meter, tmp_path / "spine").reef_m(2.5, 12.0) == pytest.approx(0.5, abs=0.11)
 
 
 def test_rows_hold_the_shares_at_that_time(judge, tmp_path):

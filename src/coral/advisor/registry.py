@@ -20,7 +20,7 @@ from coral.errors import InputError, nearest
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class AdvisorEntry:
     """One advisor on the command line. To add one, write its file and its entry in `ENTRIES`."""
 
     form: str
@@ -48,35 +48,35 @@ class Entry:
 
 
 ENTRIES = (
-    Entry(
+    AdvisorEntry(
         form="heuristic",
         what="rules that come with the package; no network, no key, no model",
         make="coral.advisor.rules:make_rules",
         rules=True,
     ),
     *(
-        Entry(form=f"{provider}:MODEL", what="a provider's model", make="coral.advisor.models:make_provider")
+        AdvisorEntry(form=f"{provider}:MODEL", what="a provider's model", make="coral.advisor.models:make_provider")
         for provider in KEYS
     ),
-    Entry(
+    AdvisorEntry(
         form="local:URL#MODEL",
         what="a model on any OpenAI-compatible server: vLLM, Ollama, llama.cpp",
         make="coral.advisor.models:make_local",
     ),
-    Entry(
+    AdvisorEntry(
         form="desk",
         what="a person, or any program that writes a file",
         make="coral.advisor.desk:make_desk",
         person=True,
     ),
-    Entry(form="replay:FILE", what="the answers of an earlier run", make="coral.advisor.replay:make_replay"),
-    Entry(
+    AdvisorEntry(form="replay:FILE", what="the answers of an earlier run", make="coral.advisor.replay:make_replay"),
+    AdvisorEntry(
         form="fallible:P:INNER",
         what="another advisor, of whose answers a share P is malformed, out of range, stale or missing",
         make="coral.advisor.fallible:make_fallible",
         wraps=True,
     ),
-    Entry(
+    AdvisorEntry(
         form="sloppy:ERRORS:INNER",
         what="another advisor that errs plausibly: answers that look right and are not",
         make="coral.advisor.sloppy:make_sloppy",
@@ -96,7 +96,7 @@ def advisor_help(first: str) -> str:
     return f"{first}: {forms()}."
 
 
-def innermost(spec: str) -> tuple[Entry | None, str]:
+def innermost(spec: str) -> tuple[AdvisorEntry | None, str]:
     """Who really answers, inside all that wrap it: its entry and its own string; no entry where it names nobody."""
     spec = spec.strip()
     entry, rest = _split(spec)
@@ -178,7 +178,7 @@ def make_advisor(
     return made
 
 
-def _split(spec: str) -> tuple[Entry | None, str]:
+def _split(spec: str) -> tuple[AdvisorEntry | None, str]:
     """The entry that a string names, and what follows its name; none where it lacks or has too much."""
     name, _, rest = spec.partition(":")
     entry = _BY_NAME.get(name.strip())

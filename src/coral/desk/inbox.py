@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 from coral.advisor.parse import MAX_CHARS
 from coral.desk.notice import is_alive
-from coral.desk.schema import Fault, faults
+from coral.desk.schema import SchemaFault, faults
 from coral.errors import InputError
 from coral.odd_text import encodable
 
@@ -41,13 +41,13 @@ class NotOpen(Exception):
 class Unfit(Exception):
     """The answer does not fit the question's schema."""
 
-    def __init__(self, found: list[Fault]) -> None:
+    def __init__(self, found: list[SchemaFault]) -> None:
         super().__init__("; ".join(f"{fault.place or 'the answer'} {fault.reason}" for fault in found))
         self.faults = found
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class InboxEntry:
     """One question in the inbox, in brief."""
 
     id: str
@@ -87,12 +87,12 @@ class Inbox:
             raise InputError(str(folder), "INBOX", error.strerror or error, "a folder that can be written") from None
         if not os.access(folder, os.R_OK | os.W_OK | os.X_OK):
             raise InputError(str(folder), "INBOX", "a folder without access", "a folder that can be read and written")
-        self._settled: dict[str, tuple[Entry, str]] = {}
+        self._settled: dict[str, tuple[InboxEntry, str]] = {}
         self._questions: dict[str, Mapping[str, Any]] = {}
 
-    def entries(self) -> list[Entry]:
+    def entries(self) -> list[InboxEntry]:
         """All questions in the order in which they were asked."""
-        found: list[Entry] = []
+        found: list[InboxEntry] = []
         last: dict[str, int] = {}
         for question_id in sorted(self._ids(), key=lambda name: (int(name.partition("-")[0]), name)):
             entry, asker = self._entry(question_id)
@@ -170,7 +170,7 @@ class Inbox:
         wrong = faults(answer, question["answer_schema"])
         text = encodable(json.dumps(answer, ensure_ascii=False))
         if not wrong and len(text) > MAX_CHARS:
-            wrong = [Fault((), f"has {len(text)} characters; at most {MAX_CHARS} are read")]
+            wrong = [SchemaFault((), f"has {len(text)} characters; at most {MAX_CHARS} are read")]
         if wrong:
             raise Unfit(wrong)
         tag = secrets.token_hex(8)
@@ -209,14 +209,14 @@ class Inbox:
             raise NoSuchQuestion(question_id)
         return folder
 
-    def _entry(self, question_id: str) -> tuple[Entry, str]:
+    def _entry(self, question_id: str) -> tuple[InboxEntry, str]:
         """A question in brief, and who asked it; one whose state is final is read only once."""
         if question_id in self._settled:
             return self._settled[question_id]
         try:
             question, folder = self.question(question_id), self._folder_of(question_id)
         except NoSuchQuestion:
-            return Entry(id=question_id, kind=question_id.partition("-")[2], state="unreadable"), question_id
+            return InboxEntry(id=question_id, kind=question_id.partition("-")[2], state="unreadable"), question_id
         asker = question.get("asker")
         rejections = question.get("rejections")
         # The close is looked for first: an answer that is there once it is seen was there before.
@@ -230,7 +230,7 @@ class Inbox:
         elif isinstance(asker, dict) and not _asker_lives(asker):
             state = "abandoned"
         by = _document(folder / "operator.json") or {}
-        entry = Entry(
+        entry = InboxEntry(
             id=question_id,
             kind=str(question.get("kind", "")),
             state=state,
@@ -250,7 +250,7 @@ class Inbox:
         return str(rejections[-1].get("reason", "")) if isinstance(rejections[-1], dict) else str(rejections[-1])
 
 
-def entry_json(entry: Entry) -> dict[str, Any]:
+def entry_json(entry: InboxEntry) -> dict[str, Any]:
     """An entry as JSON."""
     return asdict(entry)
 

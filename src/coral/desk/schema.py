@@ -32,7 +32,7 @@ _NAMES = {
 
 
 @dataclass(frozen=True)
-class Fault:
+class SchemaFault:
     """One thing that is wrong with a value."""
 
     path: Path
@@ -45,7 +45,7 @@ class Fault:
         return ".".join(map(str, self.path))
 
 
-def faults(value: Any, schema: Mapping[str, Any]) -> list[Fault]:
+def faults(value: Any, schema: Mapping[str, Any]) -> list[SchemaFault]:
     """What keeps a value from fitting a schema, at most `MAX_FAULTS` of it; [] when it fits.
 
     Understood are types, enum and const, bounds on numbers, lengths, patterns, objects, lists, tuples, `anyOf`,
@@ -55,7 +55,7 @@ def faults(value: Any, schema: Mapping[str, Any]) -> list[Fault]:
         value: What `json.loads` returns.
         schema: A JSON schema (draft 2020-12), as pydantic writes it.
     """
-    found: list[Fault] = []
+    found: list[SchemaFault] = []
     for fault in _check(value, schema, schema, (), 0):
         found.append(fault)
         if len(found) == MAX_FAULTS:
@@ -63,12 +63,12 @@ def faults(value: Any, schema: Mapping[str, Any]) -> list[Fault]:
     return found
 
 
-def _check(value: Any, schema: Any, root: Mapping[str, Any], path: Path, depth: int) -> Iterator[Fault]:
+def _check(value: Any, schema: Any, root: Mapping[str, Any], path: Path, depth: int) -> Iterator[SchemaFault]:
     if len(path) > MAX_DEPTH or depth > MAX_STEPS:
-        yield Fault(path, f"is nested deeper than {MAX_DEPTH} levels")
+        yield SchemaFault(path, f"is nested deeper than {MAX_DEPTH} levels")
         return
     if schema is False:
-        yield Fault(path, "is not allowed here")
+        yield SchemaFault(path, "is not allowed here")
         return
     if not isinstance(schema, Mapping):
         return
@@ -77,12 +77,14 @@ def _check(value: Any, schema: Any, root: Mapping[str, Any], path: Path, depth: 
     types = schema.get("type")
     allowed = [types] if isinstance(types, str) else list(types or ())
     if allowed and not any(_is(value, name) for name in allowed):
-        yield Fault(path, f"must be {' or '.join(_NAMES.get(name, name) for name in allowed)}, not {_short(value)}")
+        yield SchemaFault(
+            path, f"must be {' or '.join(_NAMES.get(name, name) for name in allowed)}, not {_short(value)}"
+        )
         return
     if "enum" in schema and not any(_same(value, option) for option in schema["enum"]):
-        yield Fault(path, f"must be one of {', '.join(map(_short, schema['enum']))}, not {_short(value)}")
+        yield SchemaFault(path, f"must be one of {', '.join(map(_short, schema['enum']))}, not {_short(value)}")
     if "const" in schema and not _same(value, schema["const"]):
-        yield Fault(path, f"must be {_short(schema['const'])}, not {_short(value)}")
+        yield SchemaFault(path, f"must be {_short(schema['const'])}, not {_short(value)}")
     for part in schema.get("allOf", ()):
         yield from _check(value, part, root, path, depth + 1)
     for keyword in ("anyOf", "oneOf"):
@@ -98,7 +100,7 @@ def _check(value: Any, schema: Any, root: Mapping[str, Any], path: Path, depth: 
         yield from _object(value, schema, root, path, depth)
 
 
-def _either(value: Any, options: list[Any], root: Mapping[str, Any], path: Path, depth: int) -> Iterator[Fault]:
+def _either(value: Any, options: list[Any], root: Mapping[str, Any], path: Path, depth: int) -> Iterator[SchemaFault]:
     """The faults of the option that comes nearest: the one whose first fault lies deepest."""
     tried = []
     for option in options:
@@ -109,43 +111,43 @@ def _either(value: Any, options: list[Any], root: Mapping[str, Any], path: Path,
     best = max(tried, key=lambda wrong: (len(wrong[0].path), "must be null" not in wrong[0].reason), default=[])
     only_null = [option for option in options if isinstance(option, Mapping) and option.get("type") == "null"]
     hint = ", or null" if only_null and best and best[0].path == path else ""
-    yield from (Fault(fault.path, fault.reason + hint) for fault in best)
+    yield from (SchemaFault(fault.path, fault.reason + hint) for fault in best)
 
 
-def _number(value: float, schema: Mapping[str, Any], path: Path) -> Iterator[Fault]:
+def _number(value: float, schema: Mapping[str, Any], path: Path) -> Iterator[SchemaFault]:
     if isinstance(value, float) and not math.isfinite(value):
-        yield Fault(path, "must be finite")
+        yield SchemaFault(path, "must be finite")
     elif "minimum" in schema and value < schema["minimum"]:
-        yield Fault(path, f"must be {schema['minimum']} or more, not {_short(value)}")
+        yield SchemaFault(path, f"must be {schema['minimum']} or more, not {_short(value)}")
     elif "maximum" in schema and value > schema["maximum"]:
-        yield Fault(path, f"must be {schema['maximum']} or less, not {_short(value)}")
+        yield SchemaFault(path, f"must be {schema['maximum']} or less, not {_short(value)}")
     elif "exclusiveMinimum" in schema and value <= schema["exclusiveMinimum"]:
-        yield Fault(path, f"must be more than {schema['exclusiveMinimum']}, not {_short(value)}")
+        yield SchemaFault(path, f"must be more than {schema['exclusiveMinimum']}, not {_short(value)}")
     elif "exclusiveMaximum" in schema and value >= schema["exclusiveMaximum"]:
-        yield Fault(path, f"must be less than {schema['exclusiveMaximum']}, not {_short(value)}")
+        yield SchemaFault(path, f"must be less than {schema['exclusiveMaximum']}, not {_short(value)}")
     elif abs(value) > sys.float_info.max:
-        yield Fault(path, "is beyond what a number can be here")
+        yield SchemaFault(path, "is beyond what a number can be here")
     elif schema.get("multipleOf") and abs(math.remainder(value, schema["multipleOf"])) > 1e-9 * max(1.0, abs(value)):
-        yield Fault(path, f"must be a multiple of {schema['multipleOf']}, not {_short(value)}")
+        yield SchemaFault(path, f"must be a multiple of {schema['multipleOf']}, not {_short(value)}")
 
 
-def _text(value: str, schema: Mapping[str, Any], path: Path) -> Iterator[Fault]:
+def _text(value: str, schema: Mapping[str, Any], path: Path) -> Iterator[SchemaFault]:
     if len(value) < schema.get("minLength", 0):
-        yield Fault(path, f"must have {schema['minLength']} characters or more, not {len(value)}")
+        yield SchemaFault(path, f"must have {schema['minLength']} characters or more, not {len(value)}")
     if len(value) > schema.get("maxLength", math.inf):
-        yield Fault(path, f"must have {schema['maxLength']} characters or fewer, not {len(value)}")
+        yield SchemaFault(path, f"must have {schema['maxLength']} characters or fewer, not {len(value)}")
     with contextlib.suppress(re.error):  # patterns are JavaScript's; one that Python cannot read is left to the model
         if "pattern" in schema and not re.search(schema["pattern"], value):
-            yield Fault(path, f"must match {schema['pattern']}, which {_short(value)} does not")
+            yield SchemaFault(path, f"must match {schema['pattern']}, which {_short(value)} does not")
 
 
 def _list(
     value: list[Any], schema: Mapping[str, Any], root: Mapping[str, Any], path: Path, depth: int
-) -> Iterator[Fault]:
+) -> Iterator[SchemaFault]:
     if len(value) < schema.get("minItems", 0):
-        yield Fault(path, f"must have {schema['minItems']} entries or more, not {len(value)}")
+        yield SchemaFault(path, f"must have {schema['minItems']} entries or more, not {len(value)}")
     if len(value) > schema.get("maxItems", math.inf):
-        yield Fault(path, f"must have {schema['maxItems']} entries or fewer, not {len(value)}")
+        yield SchemaFault(path, f"must have {schema['maxItems']} entries or fewer, not {len(value)}")
     leading = schema.get("prefixItems", ())
     for position, item in enumerate(value):
         of = leading[position] if position < len(leading) else schema.get("items", True)
@@ -154,11 +156,11 @@ def _list(
 
 def _object(
     value: dict[str, Any], schema: Mapping[str, Any], root: Mapping[str, Any], path: Path, depth: int
-) -> Iterator[Fault]:
+) -> Iterator[SchemaFault]:
     properties = schema.get("properties", {})
     for name in schema.get("required", ()):
         if name not in value:
-            yield Fault((*path, name), "is missing")
+            yield SchemaFault((*path, name), "is missing")
     for name, item in value.items():
         of = properties[name] if name in properties else schema.get("additionalProperties", True)
         yield from _check(item, of, root, (*path, name), depth + 1)

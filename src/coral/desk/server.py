@@ -22,7 +22,7 @@ from typing import Any
 from coral.access import Access, choose_token
 from coral.advisor.log import plain_json
 from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit
-from coral.desk.watch import Watch
+from coral.desk.watch import InboxWatch
 from coral.errors import InputError
 
 BODY_LIMIT = 256 * 1024
@@ -92,7 +92,7 @@ class DeskServer(ThreadingHTTPServer):
             raise InputError("--host", "", f"{host!r} ({error.strerror})", "an address of this machine") from None
         self.inbox, self.host = inbox, host
         self.access = Access(host, self.server_address[1], token)
-        self.watch = Watch(inbox, watch_period_s)
+        self.watch = InboxWatch(inbox, watch_period_s)
         self.pages = threading.BoundedSemaphore(PAGES)
         self.answered = 0
         """Answers that went through this server."""

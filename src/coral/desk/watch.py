@@ -11,7 +11,7 @@ RECENT = 300
 """Latest questions that a page lists."""
 
 
-class Watch:
+class InboxWatch:
     """The state of an inbox as JSON text, with a version that grows when it changes."""
 
     def __init__(self, inbox: Inbox, period_s: float = 0.2) -> None:

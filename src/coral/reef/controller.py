@@ -13,7 +13,7 @@ from pydantic import Field
 from coral.config import Count, Fraction, Positive, TimeStep
 from coral.errors import InputError
 from coral.mppi.weights import effective_sample_size, softmax_weights, weighted_mean
-from coral.reef.controller_kernels import N_COSTS, Scene, Schedule, clearance_at, rollout, shape_samples
+from coral.reef.controller_kernels import N_COSTS, RolloutScene, Schedule, clearance_at, rollout, shape_samples
 from coral.reef.costfield import CostField
 from coral.reef.dynamics import parameter_set, planar
 from coral.reef.vehicle import VehicleCfg, VehicleState
@@ -286,9 +286,9 @@ class DdpMppi:
             feasible=kept[1],
         )
 
-    def _scene(self, start: Array, field: CostField, distance: NDArray[np.float32], cell_m: float) -> Scene:
+    def _scene(self, start: Array, field: CostField, distance: NDArray[np.float32], cell_m: float) -> RolloutScene:
         cfg, hull, margin = self.cfg, self.vehicle.hull_radius_m, self.cfg.margin_m
-        scene = Scene(
+        scene = RolloutScene(
             distance,
             cell_m,
             field.value,
@@ -343,7 +343,7 @@ class DdpMppi:
         controls[0] = 0.0
         return controls
 
-    def _evaluate(self, start: Array, controls: Array, guide: Array, scene: Scene) -> Array:
+    def _evaluate(self, start: Array, controls: Array, guide: Array, scene: RolloutScene) -> Array:
         """Shape=(K,) total costs, inf for rollouts that collide."""
         rollout(
             start, self._executed, controls, guide, self.schedule, scene, self._model,
@@ -351,7 +351,7 @@ class DdpMppi:
         )  # fmt: skip
         return np.asarray(np.where(self._feasible, self._costs @ self._weights, np.inf))
 
-    def _one(self, start: Array, controls: Array, scene: Scene) -> tuple[Array, Array, bool]:
+    def _one(self, start: Array, controls: Array, scene: RolloutScene) -> tuple[Array, Array, bool]:
         """Path, cost terms and feasibility of a single sequence."""
         path, costs, free = np.empty((1, len(controls) + 1, 3)), np.empty((1, N_COSTS)), np.empty(1, np.bool_)
         rollout(

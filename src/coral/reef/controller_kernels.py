@@ -38,7 +38,7 @@ class Schedule(NamedTuple):
     """Shape=(T, n, 2): unit vectors to those points."""
 
 
-class Scene(NamedTuple):
+class RolloutScene(NamedTuple):
     """What the rollouts move through."""
 
     distance: NDArray[np.float32]
@@ -165,7 +165,7 @@ def rollout(
     controls: Array,
     guide_speed: Array,
     schedule: Schedule,
-    scene: Scene,
+    scene: RolloutScene,
     model: Planar,
     path: NDArray[np.float64],
     costs: Array,

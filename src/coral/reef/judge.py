@@ -26,7 +26,7 @@ MATCH_M = 1.0
 """A track stands for a true cluster when it lies this near to its oysters: d_merge of the robot's own tracker."""
 
 
-class Judge:
+class MissionJudge:
     """Follows the truth of one mission and appends it to `judge.csv`; no decision reads it."""
 
     def __init__(self, world: ReefWorld, meter: ImagingMeter, folder: Path) -> None:

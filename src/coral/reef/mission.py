@@ -27,7 +27,7 @@ from coral.reef.controller import DdpMppi, MppiCfg
 from coral.reef.encounter import Encounters
 from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
-from coral.reef.judge import Judge
+from coral.reef.judge import MissionJudge
 from coral.reef.mapping import MapCfg, OccupancyMap
 from coral.reef.metrics import compute_metrics
 from coral.reef.pd import PdController
@@ -77,7 +77,7 @@ class MissionCfg:
     record: RecordCfg = field(default_factory=RecordCfg)
 
 
-class Observer(Protocol):
+class MissionObserver(Protocol):
     """Anything that watches a mission: a progress bar, a live view."""
 
     def tick(self, mission: Mission) -> None:
@@ -144,7 +144,7 @@ class Mission:
         commands = planned(world, cfg)
         # All that can be refused has been looked at: only now is a folder made.
         self.writer = RunWriter(folder, COLUMNS, cfg.robots)
-        self.judge = Judge(world, first.imaging, folder)
+        self.judge = MissionJudge(world, first.imaging, folder)
         self.attempts = AttemptRecorder(folder)
         self.frames = FrameRecorder(self.writer, cfg.record)
         # A clock for each robot, whose question it may withdraw; one thread, on which the one advisor thinks.
@@ -202,7 +202,7 @@ class Mission:
         for robot in self.robots:
             robot.clock.stood_still(seconds)
 
-    def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
+    def run(self, observers: Sequence[MissionObserver] = ()) -> dict[str, Any]:
         """Run to the end; returns metrics and timing together."""
         started = time.perf_counter()
         try:

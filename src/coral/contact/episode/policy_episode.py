@@ -44,7 +44,7 @@ class Policy(Protocol):
         ...
 
 
-class Observer(Protocol):
+class PolicyObserver(Protocol):
     """Anything that watches; see `coral.contact.episode.episode.EpisodeObserver`."""
 
     def tick(self, episode: PolicyEpisode) -> None:
@@ -103,7 +103,7 @@ class PolicyEpisode:
         self._look_ms: list[float] = []
         self._ask_ms: list[float] = []
 
-    def run(self, observers: Sequence[Observer] = ()) -> dict[str, Any]:
+    def run(self, observers: Sequence[PolicyObserver] = ()) -> dict[str, Any]:
         """Run to the end; returns metrics and timing together."""
         started = time.perf_counter()
         try:

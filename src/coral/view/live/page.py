@@ -13,8 +13,8 @@ import numpy as np
 import rich
 
 from coral.errors import InputError
-from coral.view.live.panel import Controls, Panel
-from coral.view.live.scene import Scene
+from coral.view.live.panel import PageControls, LivePanel
+from coral.view.live.scene import LiveScene
 from coral.view.live.server import HOST, GuardedServer, silent
 from coral.view.live.state import LiveState
 
@@ -29,7 +29,7 @@ FOLLOW_M = 9.0
 class LivePage:
     """Shows the latest state to every browser that is connected; states that come too fast are dropped."""
 
-    def __init__(self, port: int, controls: Controls, *, label: str = "CORAL", flag: str = "--port") -> None:
+    def __init__(self, port: int, controls: PageControls, *, label: str = "CORAL", flag: str = "--port") -> None:
         """Open the page on this machine.
 
         Args:
@@ -49,8 +49,8 @@ class LivePage:
             raise InputError(flag, "", f"port {port} in use", "a free port, or 0 for any")
         # Whatever viser still has to say does not belong among a command's results.
         rich.reconfigure(stderr=True)
-        self._scene = Scene(self._server)
-        self._panel = Panel(self._server, controls, self._hide, self._set_follow)
+        self._scene = LiveScene(self._server)
+        self._panel = LivePanel(self._server, controls, self._hide, self._set_follow)
         self._lock = threading.RLock()
         self._news = threading.Condition()
         self._state: LiveState | None = None

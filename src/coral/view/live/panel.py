@@ -21,7 +21,7 @@ LAYERS = (
 )
 
 
-class Controls(Protocol):
+class PageControls(Protocol):
     """The buttons of one kind of page."""
 
     def build(self, gui: Any) -> None:
@@ -94,11 +94,11 @@ class ReplayControls:
             self._play.icon = "player-play" if paused else "player-pause"
 
 
-class Panel:
+class LivePanel:
     """Two columns beside the scene: the mission on the right, its sensors and curves on the left."""
 
     def __init__(
-        self, server: Any, controls: Controls, hide: Callable[[str, bool], None], follow: Callable[[bool], None]
+        self, server: Any, controls: PageControls, hide: Callable[[str, bool], None], follow: Callable[[bool], None]
     ) -> None:
         gui = self._gui = server.gui
         self._controls = controls

@@ -11,7 +11,7 @@ from coral.reef.geometry import Frame, Pose
 from coral.reef.scene import RECTANGLE, Footprints, Scene
 from coral.reef.world import ReefWorld
 from coral.view.cameraview import camera_picture
-from coral.view.live.state import Body, Ground, Line, Marker, Number, Part
+from coral.view.live.state import LiveBody, Ground, Line, Marker, Number, LivePart
 from coral.view.live.story import Story
 from coral.view.live.strokes import NONE, arrow, bundle, crosshair, oval, path, rectangle, ring
 from coral.view.mapframe import BLUE, CELL_COLORS, MAGENTA, OBSTACLE, ORANGE, OYSTER, PALE_ORANGE, RED, YELLOW
@@ -39,21 +39,21 @@ LEGEND: tuple[tuple[RGB, str], ...] = (
 PLANNED: tuple[tuple[RGB, str], ...] = ((PLAN, "plan"), (ROLLOUT, "rollouts"), (REFERENCE, "path to the goal"))
 
 
-def _rov() -> tuple[Part, ...]:
+def _rov() -> tuple[LivePart, ...]:
     """A BlueROV2 from boxes: blue floats on black side plates, a clear dome in front, thrusters; metres, body FLU."""
     blue, black, gray = (28, 110, 190), (34, 36, 40), (120, 126, 134)
     parts = [
-        Part(shape="box", center=(0.0, 0.0, 0.0), size=(0.34, 0.12, 0.11), color=(225, 228, 232)),
-        Part(shape="ball", center=(0.19, 0.0, 0.0), size=(0.11, 0.11, 0.11), color=(150, 205, 235)),
+        LivePart(shape="box", center=(0.0, 0.0, 0.0), size=(0.34, 0.12, 0.11), color=(225, 228, 232)),
+        LivePart(shape="ball", center=(0.19, 0.0, 0.0), size=(0.11, 0.11, 0.11), color=(150, 205, 235)),
     ]
     for side in (1.0, -1.0):
         parts += [
-            Part(shape="box", center=(0.0, 0.12 * side, 0.10), size=(0.44, 0.11, 0.09), color=blue),
-            Part(shape="box", center=(0.0, 0.18 * side, -0.02), size=(0.457, 0.015, 0.24), color=black),
-            Part(shape="cylinder", center=(0.0, 0.12 * side, 0.15), size=(0.10, 0.10, 0.03), color=black),
+            LivePart(shape="box", center=(0.0, 0.12 * side, 0.10), size=(0.44, 0.11, 0.09), color=blue),
+            LivePart(shape="box", center=(0.0, 0.18 * side, -0.02), size=(0.457, 0.015, 0.24), color=black),
+            LivePart(shape="cylinder", center=(0.0, 0.12 * side, 0.15), size=(0.10, 0.10, 0.03), color=black),
         ]
         parts += [
-            Part(shape="cylinder", center=(0.16 * end, 0.13 * side, -0.08), size=(0.09, 0.09, 0.07), color=gray)
+            LivePart(shape="cylinder", center=(0.16 * end, 0.13 * side, -0.08), size=(0.09, 0.09, 0.07), color=gray)
             for end in (1.0, -1.0)
         ]
     return tuple(parts)
@@ -74,13 +74,13 @@ def ground(scene: MapScene) -> Ground:
     return Ground(cells=scene.cells, palette=CELL_COLORS, cell_m=scene.cell_m, origin=scene.origin, heights=HEIGHTS)
 
 
-def robot(pose: Pose | None) -> tuple[Body, ...]:
+def robot(pose: Pose | None) -> tuple[LiveBody, ...]:
     """The vehicle where it is."""
     if pose is None:
         return ()
     half = 0.5 * pose.theta
     return (
-        Body(
+        LiveBody(
             name="robot",
             parts=ROV,
             lines=HEADING,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.view.live.state import Body, Ground, Line, LiveState, Marker, Part
+from coral.view.live.state import LiveBody, Ground, Line, LiveState, Marker, LivePart
 from coral.view.pictures import RGB
 
 FACES: NDArray[np.uint32] = np.array(
@@ -45,7 +45,7 @@ def blocks(
     return vertices.reshape(-1, 3), faces.astype(np.uint32)
 
 
-class Scene:
+class LiveScene:
     """Keeps what a viser server draws equal to the last state it was shown."""
 
     def __init__(self, server: Any) -> None:
@@ -185,7 +185,7 @@ class Scene:
                 label.position, label.text = above, marker.label
                 self._markers[k] = ball, label, marker
 
-    def _show_body(self, body: Body) -> None:
+    def _show_body(self, body: LiveBody) -> None:
         if body.name not in self._bodies:
             root = f"/bodies/{body.name}"
             self._bodies[body.name] = self._scene.add_frame(root, show_axes=False)
@@ -198,7 +198,7 @@ class Scene:
         self._bodies[body.name].position = body.position
         self._bodies[body.name].wxyz = body.wxyz
 
-    def _add_part(self, name: str, part: Part) -> None:
+    def _add_part(self, name: str, part: LivePart) -> None:
         look = {
             "color": part.color,
             "opacity": part.opacity if part.opacity < 1 else None,

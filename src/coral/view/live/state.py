@@ -54,7 +54,7 @@ class Marker:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class LivePart:
     """One solid of a body, in the body's own frame (m)."""
 
     shape: Literal["box", "ball", "cylinder"]
@@ -66,11 +66,11 @@ class Part:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Body:
+class LiveBody:
     """Something that moves as a whole. Its parts and lines never change."""
 
     name: str
-    parts: tuple[Part, ...]
+    parts: tuple[LivePart, ...]
     lines: tuple[Line, ...] = ()
     """In the body's own frame."""
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -143,7 +143,7 @@ class LiveState:
     ground: Ground | None = None
     lines: tuple[Line, ...] = ()
     markers: tuple[Marker, ...] = ()
-    bodies: tuple[Body, ...] = ()
+    bodies: tuple[LiveBody, ...] = ()
     follow: str = ""
     """Name of the body that the camera may follow."""
     pictures: tuple[tuple[str, Image], ...] = ()
