@@ -13,7 +13,7 @@ import numpy as np
 import rich
 
 from coral.errors import InputError
-from coral.view.live.panel import PageControls, LivePanel
+from coral.view.live.panel import LivePanel, PageControls
 from coral.view.live.scene import LiveScene
 from coral.view.live.server import HOST, GuardedServer, silent
 from coral.view.live.state import LiveState

@@ -11,7 +11,7 @@ from coral.reef.geometry import Frame, Pose
 from coral.reef.scene import RECTANGLE, Footprints, Scene
 from coral.reef.world import ReefWorld
 from coral.view.cameraview import camera_picture
-from coral.view.live.state import LiveBody, Ground, Line, Marker, Number, LivePart
+from coral.view.live.state import Ground, Line, LiveBody, LivePart, Marker, Number
 from coral.view.live.story import Story
 from coral.view.live.strokes import NONE, arrow, bundle, crosshair, oval, path, rectangle, ring
 from coral.view.mapframe import BLUE, CELL_COLORS, MAGENTA, OBSTACLE, ORANGE, OYSTER, PALE_ORANGE, RED, YELLOW

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.view.live.state import LiveBody, Ground, Line, LiveState, Marker, LivePart
+from coral.view.live.state import Ground, Line, LiveBody, LivePart, LiveState, Marker
 from coral.view.pictures import RGB
 
 FACES: NDArray[np.uint32] = np.array(
