@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json as json_text
 import shlex
-import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,16 +17,23 @@ import tyro
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
-from coral.campaign.bench import digest, make_executor, table_json
-from coral.campaign.campaign import Summary, run_campaign
+from coral.campaign.bench import digest
+from coral.campaign.campaign import Summary
 from coral.campaign.contact_ablation import NAMES, ablations, chosen
 from coral.campaign.contact_tables import contact_tables
-from coral.campaign.dataset import Row, read_parquet, to_rows, write_parquet
-from coral.campaign.progress import CampaignProgress
+from coral.campaign.dataset import Row
 from coral.campaign.spec import Spec, called, grid, parse_names, parse_seeds
 from coral.campaign.store import Store, write_whole
-from coral.campaign.table import document
 from coral.campaign.version import code_version
+from coral.commands.campaigns import (
+    CampaignFlags,
+    check_finished,
+    check_jobs,
+    describe_campaign,
+    read_results,
+    run_specs,
+    write_tables,
+)
 from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_run import TRACKER_HELP, with_poses, with_samples, with_tracker
 from coral.commands.preflight import preflight_campaign
@@ -45,9 +51,8 @@ from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.registry import check_world
-from coral.errors import InputError, RunError
+from coral.errors import InputError
 from coral.runs import provenance
-from coral.words import many
 
 
 @dataclass(frozen=True)
@@ -81,7 +86,7 @@ class ContactEpisode:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactBench:
+class ContactBench(CampaignFlags):
     """Compare variants of the contact pipeline over tasks, evaluation worlds and seeds.
 
     The same command goes on where a stopped one left off; a larger grid in the same folder extends it.
@@ -108,28 +113,10 @@ class ContactBench:
     (also the memory.json of a campaign). Every trial has a copy to itself. Without it they begin with nothing."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
-    preflight: bool = True
-    """Ask each model one small question first, and refuse the campaign if one cannot be used."""
-    jobs: int = 1
-    """Episodes at a time (executor local); several share the machine's cores, one each."""
-    executor: Literal["local", "ray"] = "local"
-    """local: processes of this machine; ray: a Ray cluster."""
-    address: str = "auto"
-    """Of the Ray cluster: auto, HOST:PORT, or ray://HOST:PORT."""
     out: Path = Path("runs/contact-bench")
     """Folder of the campaign."""
     config: Path | None = None
     """YAML file with configuration values; flags override it."""
-    retry_failed: bool = False
-    """Run episodes again whose failure is recorded."""
-    mix: bool = False
-    """Accept results of other code or another configuration in the same folder."""
-    collect: bool = False
-    """Run nothing: make the data set and the tables from what is there."""
-    json: bool = False
-    """Print one JSON object on standard output; progress stays on standard error."""
-    quiet: bool = False
-    """No progress."""
     model: ModelCfg = field(default_factory=contact_model)
     """How a real model is called, and what each episode may spend."""
     cfg: EpisodeCfg = field(default_factory=EpisodeCfg)
@@ -148,8 +135,7 @@ class ContactBench:
             store.manifest()
             with store.lock():
                 return self._collect(store, None)
-        if self.jobs < 1:
-            raise InputError("--jobs", "", self.jobs, "a number from 1 on")
+        check_jobs(self.jobs)
         names = shipped_tasks() if self.tasks == "all" else parse_names(self.tasks, "--tasks")
         tasks = {name: load_task(name) for name in names}
         cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
@@ -167,21 +153,12 @@ class ContactBench:
             )
             summary = self._run(store, specs, cfg, tasks, memory)
             result = self._collect(store, summary)
-        if summary.failed and not result["done"]:
-            raise RunError(f"every episode failed; see {self.out / 'failures'}")
+        check_finished(result, summary, self.out, "episode")
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """The tables, and where everything is."""
-        failed = f"; {result['failed']} broke off (see {self.out / 'failures'}; --retry-failed runs them again)"
-        return "\n".join(
-            [
-                (self.out / "tables.md").read_text(encoding="utf-8"),
-                f"{many(result['done'], 'episode')}{failed if result['failed'] else ''}",
-                *(f"{name}: {result[name]}" for name in ("data", "tables", "memory") if result[name]),
-                *(f"figure: {path}" for path in result["figures"]),
-            ]
-        )
+        return describe_campaign(self.out, result, "episode", ("data", "tables", "memory", "figures"))
 
     def _advisor(self, name: str) -> Advisor:
         """The advisor of a row, as far as it can be checked here."""
@@ -251,48 +228,18 @@ class ContactBench:
     ) -> Summary:
         if (self.jobs > 1 or self.executor == "ray") and not cfg.planning.threads:
             cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
-        executor = make_executor(self.executor, self.jobs, self.address)
-        try:
-            episode = ContactEpisode(cfg, self.model, tasks, self._policies(), memory)
-            return run_campaign(
-                store,
-                specs,
-                episode,
-                executor,
-                retry_failed=self.retry_failed,
-                mix=self.mix,
-                progress=CampaignProgress(quiet=self.quiet),
-            )
-        except KeyboardInterrupt:
-            print(f"stopped; the same command goes on from here ({self.out})", file=sys.stderr)
-            raise
+        return run_specs(self, store, specs, ContactEpisode(cfg, self.model, tasks, self._policies(), memory))
 
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
-        manifest, records = store.manifest(), store.records()
-        about = manifest["about"]
-        rows = to_rows(records, {name: about.get(name, "") for name in ("commit", "machine")})
-        if not rows:
-            raise RunError(f"no episode is recorded in {self.out} yet")
-        write_parquet(rows, self.out / "results.parquet")
-        rows = read_parquet(self.out / "results.parquet")
-        command = "; then ".join(manifest["commands"]) or "coral contact bench"
-        tables = [*contact_tables(rows, about, command), *ablations(rows, command)]
-        kept = self._remembered(store)
-        for form in ("md", "tex", "html"):
-            write_whole(self.out / f"tables.{form}", document(tables, form, "Contact tasks").encode())
-        done = [record for record in records if record["status"] == "done"]
+        results = read_results(store, "episode", "coral contact bench")
+        tables = [
+            *contact_tables(results.rows, results.about, results.command),
+            *ablations(results.rows, results.command),
+        ]
         return {
-            "out": str(self.out),
-            "episodes": len(store.specs()),
-            "done": len(done),
-            "failed": len(records) - len(done),
-            "ran": summary.finished + summary.failed if summary else 0,
-            "found": summary.found if summary else len(records),
-            "data": str(self.out / "results.parquet"),
-            "tables": str(self.out / "tables.md"),
-            "memory": kept,
-            "figures": self._draw(store, rows),
-            "results": [table_json(table) for table in tables],
+            **write_tables(store, results, tables, "Contact tasks", summary),
+            "memory": self._remembered(store),
+            "figures": self._draw(store, results.rows),
         }
 
     def _remembered(self, store: Store) -> str:
@@ -326,7 +273,7 @@ class ContactBench:
             for row in rows
             if row["status"] == "done" and row["variant"] in NAMES
         )
-        trial = []
+        figures = []
         for number, (task, place, advisor) in enumerate(keys):
             trials = chosen(rows, task, place, advisor)
             runs = {
@@ -337,8 +284,8 @@ class ContactBench:
                 continue
             path = self.out / f"ablation-{Path(task).stem}{f'-{number}' if number else ''}.png"
             draw_ablation(runs, path, f"{Path(task).stem}, world {place}, advisor {called(advisor)}")
-            trial.append(str(path))
-        return trial
+            figures.append(str(path))
+        return figures
 
     def _command(self) -> str:
         """The command that makes this campaign, without what does not change its results."""

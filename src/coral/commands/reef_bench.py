@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import tyro
 
@@ -15,21 +14,27 @@ from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor, rules_alone
-from coral.campaign.bench import digest, make_executor, table_json
-from coral.campaign.campaign import Summary, run_campaign
-from coral.campaign.dataset import read_parquet, to_rows, write_parquet
-from coral.campaign.progress import CampaignProgress
+from coral.campaign.bench import digest
+from coral.campaign.campaign import Summary
 from coral.campaign.reef_tables import DRAWN, REFERENCE, TABLE_I, reef_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, called, grid, parse_names, parse_seeds
-from coral.campaign.store import Store, write_whole
+from coral.campaign.store import Store
 from coral.campaign.sweep import parse_sweeps
-from coral.campaign.table import document
 from coral.campaign.version import code_version
+from coral.commands.campaigns import (
+    CampaignFlags,
+    check_finished,
+    check_jobs,
+    describe_campaign,
+    read_results,
+    run_specs,
+    write_tables,
+)
 from coral.commands.config_flag import config_words, configured
 from coral.commands.preflight import preflight_campaign
 from coral.commands.reef_run import with_fallback
 from coral.config import checked, to_mapping
-from coral.errors import InputError, RunError
+from coral.errors import InputError
 from coral.reef.episode import run_episode
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
@@ -39,7 +44,6 @@ from coral.reef.variants import apply_variant
 from coral.reef.world import ReefWorld, load_world, shipped_worlds
 from coral.runs import provenance
 from coral.view.questions import question_pictures
-from coral.words import many
 
 
 @dataclass(frozen=True)
@@ -73,7 +77,7 @@ def mission_alone() -> MissionCfg:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReefBench:
+class ReefBench(CampaignFlags):
     """Compare variants of the reef survey over worlds, seeds and advisors.
 
     The same command goes on where a stopped one left off; a larger grid in the same folder extends it.
@@ -92,28 +96,10 @@ class ReefBench:
     fallback: Fallback | None = None
     """What decides where an advisor did not: hold (the default: it stands alone), fail (the mission ends), or rules,
     whose rows are marked."""
-    preflight: bool = True
-    """Ask each model one small question first, and refuse the campaign if one cannot be used."""
-    jobs: int = 1
-    """Missions at a time (executor local)."""
-    executor: Literal["local", "ray"] = "local"
-    """local: processes of this machine; ray: a Ray cluster."""
-    address: str = "auto"
-    """Of the Ray cluster: auto, HOST:PORT, or ray://HOST:PORT."""
     out: Path = Path("runs/bench")
     """Folder of the campaign."""
     config: Path | None = None
     """YAML file with configuration values; flags override it."""
-    retry_failed: bool = False
-    """Run missions again whose failure is recorded."""
-    mix: bool = False
-    """Accept results of other code or another configuration in the same folder."""
-    collect: bool = False
-    """Run nothing: make the data set, the tables and the figure from what is there."""
-    json: bool = False
-    """Print one JSON object on standard output; progress stays on standard error."""
-    quiet: bool = False
-    """No progress."""
     model: ModelCfg = field(default_factory=ModelCfg)
     """How a real model is called, and what each mission may spend."""
     cfg: MissionCfg = field(default_factory=mission_alone)
@@ -136,30 +122,21 @@ class ReefBench:
                 return self._collect(store, None)
         worlds = self._worlds()
         specs = self._specs(worlds)
-        if self.jobs < 1:
-            raise InputError("--jobs", "", self.jobs, "a number from 1 on")
+        check_jobs(self.jobs)
         if self.preflight:
             preflight_campaign(
                 store, specs, self._advisor, pictures=True, retry_failed=self.retry_failed, quiet=self.quiet
             )
         with store.lock():
             store.open(specs, self._conditions(worlds), command=self._command(), mix=self.mix, about=provenance())
-            summary = self._run(store, specs, worlds)
+            summary = run_specs(self, store, specs, ReefEpisode(self.cfg, self.model, worlds))
             result = self._collect(store, summary)
-        if summary.failed and not result["done"]:
-            raise RunError(f"every mission failed; see {self.out / 'failures'}")
+        check_finished(result, summary, self.out, "mission")
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """The tables, and where everything is."""
-        failed = f"; {result['failed']} failed (see {self.out / 'failures'}; --retry-failed runs them again)"
-        return "\n".join(
-            [
-                (self.out / "tables.md").read_text(encoding="utf-8"),
-                f"{many(result['done'], 'mission')}{failed if result['failed'] else ''}",
-                *(f"{name}: {result[name]}" for name in ("data", "tables", "figure", "sweep") if result[name]),
-            ]
-        )
+        return describe_campaign(self.out, result, "mission", ("data", "tables", "figure", "sweep"))
 
     def _worlds(self) -> dict[str, ReefWorld]:
         names = shipped_worlds() if self.worlds == "all" else parse_names(self.worlds, "--worlds")
@@ -202,47 +179,13 @@ class ReefBench:
             **{f"world {name}": digest(world.model_dump(mode="json")) for name, world in worlds.items()},
         }
 
-    def _run(self, store: Store, specs: Sequence[Spec], worlds: Mapping[str, ReefWorld]) -> Summary:
-        episode = ReefEpisode(self.cfg, self.model, worlds)
-        executor = make_executor(self.executor, self.jobs, self.address)
-        try:
-            return run_campaign(
-                store,
-                specs,
-                episode,
-                executor,
-                retry_failed=self.retry_failed,
-                mix=self.mix,
-                progress=CampaignProgress(quiet=self.quiet),
-            )
-        except KeyboardInterrupt:
-            print(f"stopped; the same command goes on from here ({self.out})", file=sys.stderr)
-            raise
-
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
-        manifest, records = store.manifest(), store.records()
-        about = manifest["about"]
-        rows = to_rows(records, {name: about.get(name, "") for name in ("commit", "machine")})
-        if not rows:
-            raise RunError(f"no mission is recorded in {self.out} yet")
-        write_parquet(rows, self.out / "results.parquet")
-        rows = read_parquet(self.out / "results.parquet")
-        tables = reef_tables(rows, about, "; then ".join(manifest["commands"]) or "coral reef bench")
-        for form in ("md", "tex", "html"):
-            write_whole(self.out / f"tables.{form}", document(tables, form, "Reef survey").encode())
-        done = [record for record in records if record["status"] == "done"]
+        results = read_results(store, "mission", "coral reef bench")
+        tables = reef_tables(results.rows, results.about, results.command)
         return {
-            "out": str(self.out),
-            "episodes": len(store.specs()),
-            "done": len(done),
-            "failed": len(records) - len(done),
-            "ran": summary.finished + summary.failed if summary else 0,
-            "found": summary.found if summary else len(records),
-            "data": str(self.out / "results.parquet"),
-            "tables": str(self.out / "tables.md"),
-            "figure": self._draw(store, done),
-            "sweep": self._draw_sweep(rows),
-            "results": [table_json(table) for table in tables],
+            **write_tables(store, results, tables, "Reef survey", summary),
+            "figure": self._draw(store, results.done),
+            "sweep": self._draw_sweep(results.rows),
         }
 
     def _draw(self, store: Store, done: Sequence[Mapping[str, Any]]) -> str:

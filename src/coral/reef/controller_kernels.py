@@ -39,7 +39,10 @@ class Schedule(NamedTuple):
 
 
 class RolloutScene(NamedTuple):
-    """What the rollouts move through."""
+    """Obstacle distances and cost-to-go on their grids, the hull, and the scales of the cost terms.
+
+    World frame, metres.
+    """
 
     distance: NDArray[np.float32]
     """Shape=(H, W) distance to the nearest known obstacle (m)."""

@@ -1,0 +1,160 @@
+"""What `coral reef bench` and `coral contact bench` share: flags, running what is missing, results and tables."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from coral.campaign.bench import make_executor, table_json
+from coral.campaign.campaign import Summary, run_campaign
+from coral.campaign.dataset import Row, read_parquet, to_rows, write_parquet
+from coral.campaign.episode import Episode
+from coral.campaign.progress import CampaignProgress
+from coral.campaign.spec import Spec
+from coral.campaign.store import Store, write_whole
+from coral.campaign.table import Table, document
+from coral.errors import InputError, RunError
+from coral.words import many
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignFlags:
+    """Flags of a campaign, whatever its episodes are."""
+
+    preflight: bool = True
+    """Ask each model one small question first, and refuse the campaign if one cannot be used."""
+    jobs: int = 1
+    """Episodes at a time (executor local); several share the machine's cores, one each."""
+    executor: Literal["local", "ray"] = "local"
+    """local: processes of this machine; ray: a Ray cluster."""
+    address: str = "auto"
+    """Of the Ray cluster: auto, HOST:PORT, or ray://HOST:PORT."""
+    retry_failed: bool = False
+    """Run episodes again whose failure is recorded."""
+    mix: bool = False
+    """Accept results of other code or another configuration in the same folder."""
+    collect: bool = False
+    """Run nothing: make the data set, the tables and the figures from what is there."""
+    json: bool = False
+    """Print one JSON object on standard output; progress stays on standard error."""
+    quiet: bool = False
+    """No progress."""
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a campaign's folder holds."""
+
+    rows: Sequence[Row]
+    """One for each recorded episode, as read back from results.parquet."""
+    records: Sequence[Mapping[str, Any]]
+    about: Mapping[str, Any]
+    """Where the results come from: commit, machine."""
+    command: str
+    """The commands that made them."""
+
+    @property
+    def done(self) -> list[Mapping[str, Any]]:
+        """Records of the episodes that ran to their end."""
+        return [record for record in self.records if record["status"] == "done"]
+
+
+def check_jobs(jobs: int) -> None:
+    """Check the number of workers.
+
+    Raises:
+        InputError: It is below 1.
+    """
+    if jobs < 1:
+        raise InputError("--jobs", "", jobs, "a number from 1 on")
+
+
+def run_specs(flags: CampaignFlags, store: Store, specs: Sequence[Spec], episode: Episode) -> Summary:
+    """Run the episodes that are not recorded yet."""
+    executor = make_executor(flags.executor, flags.jobs, flags.address)
+    try:
+        return run_campaign(
+            store,
+            specs,
+            episode,
+            executor,
+            retry_failed=flags.retry_failed,
+            mix=flags.mix,
+            progress=CampaignProgress(quiet=flags.quiet),
+        )
+    except KeyboardInterrupt:
+        print(f"stopped; the same command goes on from here ({store.folder})", file=sys.stderr)
+        raise
+
+
+def read_results(store: Store, noun: str, command: str) -> Results:
+    """Write results.parquet from the records, and read it back.
+
+    Args:
+        store: Of the campaign.
+        noun: What an episode is called: "mission".
+        command: The command, where the manifest names none.
+
+    Raises:
+        RunError: Nothing is recorded.
+    """
+    manifest, records = store.manifest(), store.records()
+    about = manifest["about"]
+    rows = to_rows(records, {name: about.get(name, "") for name in ("commit", "machine")})
+    if not rows:
+        raise RunError(f"no {noun} is recorded in {store.folder} yet")
+    data = store.folder / "results.parquet"
+    write_parquet(rows, data)
+    return Results(read_parquet(data), records, about, "; then ".join(manifest["commands"]) or command)
+
+
+def write_tables(
+    store: Store, results: Results, tables: Sequence[Table], title: str, summary: Summary | None
+) -> dict[str, Any]:
+    """Write the tables as Markdown, LaTeX and HTML; returns what a bench tells of its campaign."""
+    for form in ("md", "tex", "html"):
+        write_whole(store.folder / f"tables.{form}", document(tables, form, title).encode())
+    return {
+        "out": str(store.folder),
+        "episodes": len(store.specs()),
+        "done": len(results.done),
+        "failed": len(results.records) - len(results.done),
+        "ran": summary.finished + summary.failed if summary else 0,
+        "found": summary.found if summary else len(results.records),
+        "data": str(store.folder / "results.parquet"),
+        "tables": str(store.folder / "tables.md"),
+        "results": [table_json(table) for table in tables],
+    }
+
+
+def describe_campaign(out: Path, result: Mapping[str, Any], noun: str, files: Sequence[str]) -> str:
+    """The tables, how many episodes there are, and where the files lie.
+
+    Args:
+        out: Folder of the campaign.
+        result: As of `write_tables`, with further files.
+        noun: What an episode is called.
+        files: Keys of the result that hold a path, or a list of paths.
+    """
+    failed = f"; {result['failed']} failed (see {out / 'failures'}; --retry-failed runs them again)"
+    lines = [
+        (out / "tables.md").read_text(encoding="utf-8"),
+        f"{many(result['done'], noun)}{failed if result['failed'] else ''}",
+    ]
+    for name in files:
+        paths = result[name] if isinstance(result[name], list) else [result[name]]
+        lines += [f"{name}: {path}" for path in paths if path]
+    return "\n".join(lines)
+
+
+def check_finished(result: Mapping[str, Any], summary: Summary, out: Path, noun: str) -> None:
+    """Check that a campaign has a result.
+
+    Raises:
+        RunError: All of its episodes failed.
+    """
+    if summary.failed and not result["done"]:
+        raise RunError(f"every {noun} failed; see {out / 'failures'}")
