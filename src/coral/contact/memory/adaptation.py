@@ -12,7 +12,7 @@ from coral.contact.scene.facts import SceneFacts
 
 
 def adapt(experience: Experience, facts: SceneFacts) -> tuple[PlanAnswer, RegionsAnswer]:
-    """The remembered plan and regions in the names and sizes of this scene; to be verified as if newly given."""
+    """Rewrite a remembered plan and its regions for the names and sizes of this scene; verify them like new ones."""
     before = list(dict.fromkeys(goal["object"] for goal in experience.goals if goal["kind"] != "undisturbed"))
     names = dict(zip(before, roles(facts), strict=False))
     plan = experience.plan

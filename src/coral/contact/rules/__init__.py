@@ -1,1 +1,4 @@
-"""The default advisor: an answer to each kind of question by rules. No language or vision model is asked."""
+"""The stand-in for a language model: an answer to each kind of question by rules, from facts alone.
+
+No part of the paper's pipeline. It lets everything else run, and be tested, where no model is at hand.
+"""

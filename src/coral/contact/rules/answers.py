@@ -1,4 +1,4 @@
-"""The default advisor `heuristic`: an answer to each kind of question by rules, from facts alone. No model is asked."""
+"""The advisor `heuristic`, the stand-in for a language model: which rule answers which kind of question."""
 
 from __future__ import annotations
 

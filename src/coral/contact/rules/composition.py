@@ -1,4 +1,4 @@
-"""The default advisor's plan: program texts and regions composed from the task file's goals by general rules.
+"""The stand-in's plan: program texts and regions composed from the task file's goals by general rules.
 
 No rule knows a task by its name. What a goal asks of an object, and what its size allows the hand to do, choose among
 grasping from above, pushing, tipping, raising against something upright, and pinching beyond the table's edge.
@@ -75,7 +75,7 @@ def compose(facts: SceneFacts, adjustment: SkillAdjustment | None = None) -> Com
 def _for_object(
     thing: Thing, goals: GoalsByKind, moving: Sequence[Goal], facts: SceneFacts, adjustment: SkillAdjustment
 ) -> Draft:
-    """The one way that serves what is asked of an object.
+    """Choose the one skill that reaches all goals of an object.
 
     Args:
         thing: The object.

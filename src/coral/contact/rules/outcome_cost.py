@@ -1,7 +1,7 @@
-"""The default advisor's cost without a contact strategy: what is wanted of the objects, no word of where to touch them.
+"""The stand-in's cost without a contact strategy: it names the goals, and not where to touch the objects.
 
 The paper's ablation leaves finding useful contacts to the sampling. Its cost functions read contact points that only a
-strategy provides, and fall back on the object's position; so does this one: the hand is drawn to the object.
+strategy provides, and fall back on the object's position. So does this one: it draws the hand to the object.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Where what is held is to be set down: at a place of the task, inside a region, on top of something."""
+"""Where to set down the held object: at a place of the task, inside a region, on top of something."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from coral.contact.rules.support import origin_height, other_things, top_height
 from coral.contact.scene.facts import AtGoal, Goal, InsideGoal, RestingGoal, SceneFacts
 
 HAND_M = 0.11
-"""Half the width of the hand: what stands nearer to a placement may be under the palm."""
+"""Half the width of the hand: what stands nearer to where an object is set down may be under the palm."""
 CLEAR_M = 0.01
 HIGHEST_M = 0.4
-"""The hand carries things over no higher top: above that are its workspace's end and the arm's."""
+"""The hand carries nothing over a higher top: above that its workspace and the arm's end."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +120,7 @@ def _on_top(thing: Thing, facts: SceneFacts, goal: RestingGoal) -> Placement:
 
 
 def _heights_to_clear(thing: Thing, facts: SceneFacts, point: Array, floor: float) -> tuple[float, float]:
-    """The highest top near a placement, and where the palm has to stay on account of it (m)."""
+    """The highest top near where an object is set down, and the lowest that the palm may go there (m)."""
     near = [top_height(facts, name, point, HAND_M) for name in other_things(facts, thing)]
     over = max([floor, *(height for height in near if height is not None)])
     return over, over + CLEAR_M if over > floor else 0.0

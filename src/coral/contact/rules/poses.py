@@ -16,7 +16,7 @@ def estimate_poses(facts: PoseFacts, rejections: Sequence[Rejection] = ()) -> Po
     """The heuristic's answer: usual orientation, place by the box around what depth measured of the object.
 
     Only the sides that face the camera are in that box, so that the guess is off towards the camera. What was refused,
-    or hardly seen, is held to be where it usually stands.
+    or hardly seen, is believed to be where it usually stands.
     """
     found = {}
     for name, item in facts["objects"].items():

@@ -21,7 +21,7 @@ GRASP_M = 0.074
 
 @dataclass(frozen=True, kw_only=True)
 class SkillAdjustment:
-    """What a repair may change about a composed plan.
+    """What a repair changes about a composed plan.
 
     Args:
         turn: 0 takes the first grasp or side that fits, 1 the second, ...

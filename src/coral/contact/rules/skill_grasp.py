@@ -77,7 +77,7 @@ def add_grasp(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAd
 
 
 def add_lift(draft: Draft, thing: Thing, facts: SceneFacts, height_m: float, adjustment: SkillAdjustment) -> None:
-    """Raise what is held so that its lowest point is above a height."""
+    """Raise the held object until its lowest point is above a height."""
     n, depth = thing.name, _depth(thing, adjustment)
     rise = height_m + 0.025
     draft.stages.append(
@@ -100,7 +100,7 @@ def add_lift(draft: Draft, thing: Thing, facts: SceneFacts, height_m: float, adj
 
 
 def add_place(draft: Draft, thing: Thing, facts: SceneFacts, placement: Placement, adjustment: SkillAdjustment) -> None:
-    """Carry what is held above everything to a placement, set it down, let go, retire."""
+    """Carry the held object above everything else to its placement, set it down, let go, retire."""
     n, depth = thing.name, _depth(thing, adjustment)
     tops = [Thing(other, facts).position[2] + Thing(other, facts).height / 2 for other in others(facts, n)]
     tops += [

@@ -1,4 +1,4 @@
-"""What stands where, as the composing rules read it: the tops of fixtures and objects, at a point and around it."""
+"""What an object can rest on: the heights of fixtures, objects and the table at a point and around it."""
 
 from __future__ import annotations
 

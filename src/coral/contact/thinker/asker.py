@@ -1,4 +1,4 @@
-"""Putting a question to the advisor from inside an episode and waiting for a verified answer."""
+"""Asks the advisor a question from inside an episode and waits for a verified answer."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ A = TypeVar("A", bound=BaseModel)
 class Asker:
     """One advisor, one event loop, one count of questions. The robot stands still while it waits.
 
-    Simulated time does not pass meanwhile: a contact task is thought about before it is begun, or while the hand holds.
+    Simulated time does not pass meanwhile: the advisor is asked before the task begins, or while the hand holds still.
 
     Args:
         advisor: Who is asked.

@@ -1,4 +1,4 @@
-"""World-model correction (section 3.4): what was felt is replayed, and what explains it better is believed."""
+"""World-model correction (section 3.4): replay what was felt, and believe the parameters that explain it better."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from coral.contact.world_model.parameter_answer import ParametersAnswer, verify_
 
 @dataclass(frozen=True)
 class TouchHistory:
-    """What there is to learn from.
+    """What an episode has shown so far of masses and frictions.
 
     Args:
-        steps: All that was ever felt: what is tried when stuck tells little of a push that went wrong before.
+        steps: All control steps: what is tried when stuck tells little of a push that went wrong before.
         recent: The last of it, as prompts show it.
     """
 
@@ -48,7 +48,7 @@ def correct_beliefs(
     rng: np.random.Generator,
     emit: Callable[..., None],
 ) -> bool:
-    """Correct what is believed of an object, if there is enough to replay; whether it was corrected.
+    """Correct the believed mass and friction of an object, if there is enough to replay.
 
     Args:
         asker: The advisor.
@@ -61,6 +61,9 @@ def correct_beliefs(
         cfg: Thresholds.
         rng: Of the fit.
         emit: Where to report.
+
+    Returns:
+        Whether they were corrected.
     """
     # A rehearsal throws out what begins inside the table: only what was seen where it can be is replayed.
     stretches = windows(

@@ -11,7 +11,7 @@ from coral.contact.world_model.history import most_informative_object
 
 @dataclass
 class CorrectionSchedule:
-    """Counts the corrections of an episode.
+    """Decides when to correct, and of which object, and counts the corrections of an episode.
 
     Args:
         every_s: Simulated time between two of them; 0 for none.

@@ -1,4 +1,4 @@
-"""Why an attempt fails, read from its history, and what the default advisor changes about its plan (3.4, A.9)."""
+"""Why an attempt fails, read from its history (3.4, A.9)."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class HistoryRow(TypedDict):
 
 
 def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: float) -> Diagnosis:
-    """What the last stretch of an episode looks like.
+    """Name what went wrong in the last stretch of an episode.
 
     Args:
         steps: The stretch.

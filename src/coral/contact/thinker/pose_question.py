@@ -28,7 +28,7 @@ from coral.contact.thinker.scene_facts import pose
 LEAST_PIXELS = 20
 """Fewer measured pixels than these tell nothing of an object's place."""
 BESIDE_M, BELOW_M = 0.3, 0.02
-"""How far beside the table and below its top a centre may be held to be."""
+"""How far beside the table and below its top a centre may be guessed."""
 
 
 class ObjectPose(BaseModel):

@@ -33,13 +33,13 @@ Emit = Callable[..., None]
 
 
 class Questions:
-    """The questions about one scene, the checks of their answers, and what takes over where there is none.
+    """Asks about one scene, checks the answers, and falls back on rules where there is none.
 
     Args:
         asker: The advisor.
         trial: The trial.
         world: The planning world; it is told what to believe.
-        cfg: What is on.
+        cfg: Which parts are enabled.
         rng: Draws the states that programs are checked on.
         load: How cost programs are made.
         fallback: Rules that take over where the advisor gives no plan, by kind of question.
@@ -78,11 +78,11 @@ class Questions:
         return dict(self._world.beliefs[0])
 
     def update_facts(self, now: Observation, believed: bool = True) -> None:
-        """Gather the facts anew, with what is believed of the objects or without."""
+        """Read the scene's facts again, with or without what is believed of the objects."""
         self.facts = cast(QuestionFacts, scene_facts(self._trial, now, self.beliefs if believed else None))
 
     def ask_parameters(self, given: Mapping[str, PhysicalParameters]) -> None:
-        """Masses and frictions, believed from now on: those given, the others as the advisor says."""
+        """Ask for masses and frictions and believe them; those that are given take precedence."""
         if set(given) >= set(self.sizes):
             self._world.believe(given)
             self._emit("beliefs", source="given", attempts=0, refused=[], **_rounded(given))
@@ -105,17 +105,17 @@ class Questions:
             self._emit("fallback", what="beliefs", by="task", because=outcome.failure)
 
     def ask_plan(self, now: Observation) -> PlanAnswer | None:
-        """A plan for the scene; None where nobody answers."""
+        """Ask for a plan; None without an answer."""
         objects = self.facts["objects"]
         poses = {name: item["pose"] for name, item in objects.items()} | {"hand": self.facts["hand"]["pose"]}
         return self._ask_for_plan("cost-function", now, {"poses": poses, "parameters": self._prompt_objects()})
 
     def ask_repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
-        """Another plan, told what became of the last one; None where nobody answers."""
+        """Ask for another plan, given what became of the last one; None without an answer."""
         return self._ask_for_plan("cost-repair", now, {"world": self._prompt_objects(), **history})
 
     def plan_by_rules(self) -> PlanAnswer:
-        """The rules' plan. A robot that stands still helps nobody; the record says who took over.
+        """Let the rules make the plan where the advisor has none; the record says so.
 
         Raises:
             NoStrategy: The rules have none either.
@@ -130,7 +130,7 @@ class Questions:
         return rule
 
     def ask_regions(self, plan: PlanAnswer) -> RegionsAnswer:
-        """Where a plan's stages touch; nowhere in particular where nobody answers."""
+        """Ask where a plan's stages touch; no regions without an answer."""
         if not self._cfg.regions:
             return RegionsAnswer({})
         asked: RegionFacts = {**self._plan_facts(), "stages": plan.names}
@@ -171,7 +171,7 @@ class Questions:
     def ask_everything(
         self, now: Observation, history: Mapping[str, Any] | None = None
     ) -> tuple[PlanAnswer, RegionsAnswer] | None:
-        """One question about all of it (variant `unified`); what is accepted is believed."""
+        """Ask one question about everything (variant `unified`) and believe what is accepted."""
         before = self.beliefs
         outcome = ask_unified(
             self._asker,

@@ -1,4 +1,4 @@
-"""Who says what is to be done: asked for a strategy at the start, told of every plan, free to change its mind."""
+"""Who decides what to do: gives a strategy at the start, sees every plan, may change the strategy after each."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from coral.contact.scene.trial import Trial
 
 @dataclass(frozen=True)
 class StrategistCounts:
-    """What a mind has done so far, as the metrics count it.
+    """What a strategist has done so far, as the metrics count it.
 
     Args:
         advisor_calls: Times a question was put to an advisor, again after a refusal included.
@@ -32,7 +32,7 @@ class StrategistCounts:
 
 @dataclass(frozen=True)
 class PlanReport:
-    """What a mind sees after a plan: nothing that the robot does not know.
+    """What a strategist sees after a plan: nothing that the robot does not know.
 
     Args:
         step: Control steps since the episode began.
@@ -50,7 +50,7 @@ class PlanReport:
 
 
 class NoStrategy(RuntimeError):
-    """Nobody knows what is to be done; the text says why."""
+    """Neither the advisor nor the rules have a strategy; the text says why."""
 
 
 class Strategist(Protocol):
@@ -63,11 +63,11 @@ class Strategist(Protocol):
 
     @property
     def guesses_poses(self) -> bool:
-        """Whether it says where the objects are, once, and nobody looks for them afterwards."""
+        """Whether it guesses the objects' poses once, at the start, and nothing tracks them afterwards."""
         ...
 
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
-        """Where the objects are, by a look; asked for before `begin` of a mind that guesses.
+        """Guess the objects' poses from a picture; called before `begin` where `guesses_poses`.
 
         Args:
             trial: The trial; its poses are not for looking at.
@@ -76,15 +76,15 @@ class Strategist(Protocol):
         ...
 
     def attach_log(self, emit: Callable[..., None]) -> None:
-        """Be told where to report: `emit(event, **fields)` appends to the run's events."""
+        """Take the run's log: `emit(event, **fields)` appends to its events."""
         ...
 
     def attach_camera(self, look: Look) -> None:
-        """Be given a camera."""
+        """Take the camera for pictures that go with questions."""
         ...
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
-        """The strategy to begin with; it may set the planning world's beliefs.
+        """Give the strategy to begin with; may set the planning world's beliefs.
 
         Args:
             trial: The trial as the robot knows it: true shapes, seen poses, masses and frictions as believed before.
@@ -97,7 +97,7 @@ class Strategist(Protocol):
         ...
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
-        """Look at a plan; another strategy to go on with, or None.
+        """Take in a plan; return another strategy to go on with, or None.
 
         Raises:
             CostError: A cost failed while the plan was made, and nothing is left to be tried.
@@ -105,7 +105,7 @@ class Strategist(Protocol):
         ...
 
     def on_cost_error(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
-        """A cost could not be evaluated and no plan was made; another strategy to go on with, or None to give up.
+        """Handle a cost that could not be evaluated; return another strategy to go on with, or None to give up.
 
         Args:
             error: Why, with the line.
@@ -115,12 +115,12 @@ class Strategist(Protocol):
         ...
 
     def on_end(self, reason: str) -> None:
-        """The episode is over; "success" or why not."""
+        """Handle the end of the episode: "success", or why not."""
         ...
 
 
 class FixedStrategist:
-    """A strategy that was written beforehand and stays.
+    """Follows one strategy, written beforehand, to the end.
 
     Args:
         strategy: The strategy.
@@ -139,7 +139,7 @@ class FixedStrategist:
         """See `Strategist.attach_camera`."""
 
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
-        """See `Strategist.guess_poses`; what was written beforehand knows no poses."""
+        """See `Strategist.guess_poses`; a fixed strategy knows no poses."""
         return {}
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:

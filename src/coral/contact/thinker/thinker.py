@@ -1,4 +1,4 @@
-"""CoRAL's mind: beliefs, a plan from memory or from the advisor, regions, and refinement when stuck (Fig. 2)."""
+"""CoRAL's outer loop: beliefs, a plan from memory or from the advisor, regions, refinement when stuck (Fig. 2)."""
 
 from __future__ import annotations
 
@@ -37,11 +37,15 @@ from coral.errors import RunError
 
 
 class Thinker:
-    """Decides by asking, remembers what succeeded, corrects what fails.
+    """The strategist of the paper: decides by asking an advisor.
+
+    Solves what the inner loop cannot: it minimises a cost over controls for given stages, masses and frictions, and
+    this chooses them. It begins with a remembered plan that fits, or asks for one; when the cost falls no further, it
+    fits masses and frictions to what was felt and asks for another plan.
 
     Args:
         asker: The advisor.
-        cfg: What is on.
+        cfg: Which parts are enabled.
         rng: Draws samples for checks and fits.
         fallback: Rules that take over where the advisor gives no answer, by kind of question.
         memory: Of successes; None for none.
@@ -142,7 +146,7 @@ class Thinker:
         return self._strategy("asked")
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
-        """Watch the progress; think again when there is none, or when a cost failed and the last good one took over.
+        """Take in a plan; ask again without progress, or after a cost failed and the last good one took over.
 
         Raises:
             CostError: See `Strategist.on_plan`.
@@ -281,7 +285,7 @@ class Thinker:
             self._regions = self._questions.ask_regions(self._plan)
 
     def _refine(self, report: PlanReport) -> Strategy | None:
-        """The outer loop: what went wrong, a better world model, a better plan."""
+        """Diagnose, correct the world model, ask for a better plan."""
         monitor, now = self._monitor, report.now
         name = most_informative_object(monitor.steps) or next(iter(self._questions.sizes))
         kind = diagnose(monitor.steps, name, monitor.returns, monitor.surprise_m.get(name, 0.0))
@@ -322,7 +326,7 @@ class Thinker:
         )
 
     def _correct_if_due(self, last: bool = False) -> None:
-        """Correct by what was touched, stuck or not; plan and stage go on."""
+        """Correct the world model if it is time to, stuck or not; plan and stage go on."""
         name = self._correction_schedule.due(self._history, last)
         if name is not None:
             self._correct(name, self._now)

@@ -64,7 +64,7 @@ def ask_unified(
     scenery: Scenery,
     history: Mapping[str, Any] | None = None,
 ) -> Outcome[UnifiedAnswer]:
-    """Put the one question. While an answer is checked, the planning world believes what it says.
+    """Ask the one question. While an answer is checked, the planning world believes what it says.
 
     Args:
         asker: The advisor.

@@ -158,13 +158,13 @@ def solve_balance(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[Physi
 
 
 def balance_error(found: Balance, beliefs: Sequence[PhysicalParameters], cfg: BalanceCfg) -> Array:
-    """Mean of log(1 + r^2) over the stretches, r what is left over in its deviation, Shape=(beliefs,)."""
+    """Mean of log(1 + r^2) over the stretches, r the residual in units of its deviation, Shape=(beliefs,)."""
     theta = np.log([[one.mass_kg, one.friction] for one in beliefs])
     return np.asarray(np.log1p(np.square(_residuals(theta, found, cfg))).mean(axis=1))
 
 
 def _residuals(theta: Array, found: Balance, cfg: BalanceCfg) -> Array:
-    """What is left over of each balance, in its deviation, Shape=(beliefs, stretches)."""
+    """Residual of each balance in units of its deviation, Shape=(beliefs, stretches)."""
     mass, friction = (np.exp(theta[:, k, None]) for k in (0, 1))
     push, press, gain = found.dragged.T
     weight, pull = found.held.T
