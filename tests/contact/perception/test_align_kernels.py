@@ -2,34 +2,16 @@
 
 import numpy as np
 import pytest
+from drawn_object import BOARD, BOX, CAN, LENS, picture, tilted
 
 from coral.contact.perception import align_kernels as kernels
 from coral.contact.perception.agreement_kernels import RESIDUAL
-from coral.contact.perception.camera import RgbdCameraCfg
-from coral.contact.perception.image_patch import OCCLUDED_RIM, ROBOT, crop_patch
-from coral.contact.perception.object_model import from_mesh, from_primitives
+from coral.contact.perception.image_patch import crop_patch
+from coral.contact.perception.object_model import from_mesh
 from coral.contact.perception.pose_fit import align_pose, count_agreement, shift_onto_mask
-from coral.contact.perception.ray_solids import SolidPart
-from coral.contact.perception.raycast_kernels import render
-from coral.contact.perception.registration import RegistrationCfg, misfit, orientations
-from coral.contact.scene.geometry import rotation_about, rotation_from_vector, spread_rotations
-from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
-
-LENS = RgbdCameraCfg(width=160, height=120).lens
-BOX = from_primitives("box", [SolidPart("box", (0.06, 0.04, 0.03))])
-BOARD = from_primitives(
-    "board", [SolidPart("box", (0.15, 0.1, 0.006)), SolidPart("box", (0.05, 0.045, 0.006), (0.2, 0, 0))]
-)
-CAN = from_primitives("can", [SolidPart("cylinder", (0.033, 0.06))])
-
-
-def picture(model, T, background=1.5):
-    """Depth and mask of a model alone before a wall, and the drawing's own depth."""
-    depth, solid, face = np.empty((120, 160)), np.empty((120, 160), np.int64), np.empty((120, 160), np.int64)
-    back = inverse_transform(T)
-    eye, turn = back[:3, 3].copy(), np.ascontiguousarray(back[:3, :3])
-    render(turn, eye, LENS, 0.02, 20.0, model.solids, depth, solid, face)
-    return np.where(solid >= 0, depth, background).astype(np.float32), solid >= 0
+from coral.contact.perception.registration import misfit
+from coral.contact.scene.geometry import rotation_about
+from coral.contact.scene.rigid_transform import pose_matrix
 
 
 def slope(model, T):
@@ -59,10 +41,6 @@ def patch(model, T, robot=None, pixels=10**6):
         mask &= ~robot
     none = np.zeros_like(mask)
     return crop_patch(depth, mask, none if robot is None else robot, LENS, (0, 160, 0, 120), pixels)
-
-
-def tilted(turn=(0.7, 0.4, 0.2), at=(0.02, -0.01, 0.7)):
-    return pose_matrix(rotation_from_vector(np.array(turn)), np.array(at))
 
 
 @pytest.mark.parametrize("model", [BOX, BOARD, CAN], ids=["box", "board", "can"])
@@ -137,30 +115,7 @@ def test_the_tally_against_numpy():
     assert misfit(count_agreement(seen, BOX, truth, 0.012)) < misfit(tally)
 
 
-def test_the_field_is_the_distance_to_the_mask():
-    mask = np.zeros((20, 30), bool)
-    mask[5:12, 8:20] = True
-    robot = np.zeros_like(mask)
-    robot[5:12, 20:24] = True
-    v = crop_patch(np.ones((20, 30), np.float32), mask, robot, LENS, (0, 30, 0, 20), 10**6)
-    assert v.mask_distance[8, 5] == pytest.approx(3.0, abs=0.1)
-    assert v.mask_distance[8, 8] == 0.0
-    assert v.mask_distance[8, 11] == pytest.approx(-3.0, abs=0.1)
-    assert (v.occlusion[5:12, 20:24] == ROBOT).all()
-    assert v.occlusion[8, 19] == OCCLUDED_RIM
-    assert v.occlusion[8, 8] == 0
-
-
-def test_a_coarse_cut_out_has_its_own_lens():
-    mask = np.zeros((120, 160), bool)
-    mask[40:80, 40:120] = True
-    v = crop_patch(np.ones((120, 160), np.float32), mask, ~mask, LENS, (30, 130, 30, 90), 1500)
-    assert v.mask.size <= 1500
-    step = LENS[0] / v.lens[0]
-    assert v.lens[2] * step + 30 == pytest.approx(LENS[2])
-
-
-def test_place_brings_the_drawing_over_the_mask():
+def test_a_shift_onto_the_mask_brings_the_drawing_over_the_mask():
     truth = tilted()
     far = truth.copy()
     far[:3, 3] += [0.15, 0.1, 0.2]
@@ -178,15 +133,3 @@ def test_the_solver_against_numpy():
     assert kernels._solve(h.copy(), x)
     np.testing.assert_allclose(x, np.linalg.solve(damped, b), rtol=1e-8)
     assert not kernels._solve(np.zeros((6, 6)), np.zeros(6))
-
-
-def test_orientations_cover_what_the_symmetry_leaves():
-    for model, limit in ((CAN, 40), (BOX, 140), (BOARD, 260)):
-        turns = orientations(model, RegistrationCfg())
-        assert 8 <= len(turns) <= limit
-        group = model.symmetry.members(36)[:, :3, :3]
-        farthest = max(
-            min(np.arccos(np.clip((np.einsum("gij,ij->g", t @ group, r) - 1) / 2, -1, 1)).min() for t in turns)
-            for r in spread_rotations(60)
-        )
-        assert np.degrees(farthest) < 40

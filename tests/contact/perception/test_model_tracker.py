@@ -158,7 +158,7 @@ def test_objects_tracked_together_have_the_velocities_of_their_motions(trial, at
             assert not estimate.lost
             if name not in filters:
                 filters[name] = MotionFilter(MotionFilterCfg(), estimate.T_world_object, time_s)
-            filters[name].measure(estimate.T_world_object, time_s)
+            filters[name].update(estimate.T_world_object, time_s)
     np.testing.assert_allclose(filters["box"].velocity, [0.1, 0, 0], atol=0.02)
     np.testing.assert_allclose(filters["box"].spin, [0, 0, 0.5], atol=0.08)
     assert filters["can"].resting

@@ -1,4 +1,4 @@
-"""What a fixed camera shows an advisor: an RGB-D picture of the scene, when it is asked (section 4). No OpenGL."""
+"""The advisor's camera: an RGB-D picture of the scene at each question (section 4). No OpenGL."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ class AdvisorCameraCfg:
 def make_advisor_camera(
     world: EvaluationWorld, trial: Trial, tracked: TrackedCfg, cfg: AdvisorCameraCfg, rng: np.random.Generator
 ) -> Look:
-    """The advisor's camera. It is made with the first picture: many episodes take none.
+    """Make the advisor's camera. It is built with the first picture: many episodes take none.
 
     Args:
-        world: A world that is simulated by MuJoCo has pictures, another has none.
+        world: Without a simulation there are no pictures.
         trial: The trial.
-        tracked: Where the camera stands, and how its depth is measured.
-        cfg: Its pictures.
-        rng: Of the depth's noise; its own, so that looking changes nothing else.
+        tracked: Viewpoint and depth noise.
+        cfg: Size of its pictures.
+        rng: For the noise of depth; separate, so that taking pictures changes nothing else.
     """
     simulation = world.simulation
     camera: list[RayCamera] = []
@@ -76,7 +76,7 @@ def make_advisor_camera(
 
 
 def to_picture(frame: RgbdFrame) -> Picture:
-    """The colours of a frame as they go with a question."""
+    """Encode the colours of a frame as a picture for a question."""
     assert frame.rgb is not None
     done, data = cv2.imencode(".png", frame.rgb[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 6])
     assert done

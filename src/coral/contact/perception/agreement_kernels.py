@@ -1,4 +1,4 @@
-"""How well an object, drawn at a pose, agrees with a picture; and a first shift that brings it over its mask."""
+"""Agreement of an object, drawn at a pose, with a picture; and a first shift that moves the drawing onto the mask."""
 
 from __future__ import annotations
 
@@ -24,18 +24,19 @@ def count_agreement(
     margin: float,
     tally: NDArray[np.float64],
 ) -> None:
-    """How well the object at a pose explains a picture.
+    """Count the pixels that the object at a pose explains, and those that it does not.
 
     Args:
         turn: Shape=(3, 3), object to camera.
         shift: Shape=(3,) m, likewise.
         solids: The object's, in its own frame.
         patch: What the camera measured.
-        margin: Distance (m) along the normal by which measured and drawn may differ and still agree; along the optical
-            axis it may be four times that, since depth is noisier the more a surface is slanted.
-        tally: Shape=(7,), written: pixels where depths agree, where they do not, where the mask is not covered, where
-            the object stands in free space, where something nearer hides it, where it is drawn; sum of |difference| /
-            margin over those that agree. A pixel on either side of an outline counts as neither uncovered nor free.
+        margin: Measured and drawn surface agree within this distance (m) along the normal. Along the optical axis it
+            may be four times as much: depth is noisier on slanted surfaces.
+        tally: Shape=(7,), written: pixels where depths agree, where they do not, where the drawing does not cover the
+            mask, where it covers free space, where something nearer occludes it, where it is drawn; and the sum of
+            |difference| / margin over the pixels that agree. Pixels next to an outline count as neither uncovered nor
+            free.
     """
     measured, mask, field, occlusion, lens = patch.depth, patch.mask, patch.mask_distance, patch.occlusion, patch.lens
     height, width = measured.shape
@@ -90,7 +91,7 @@ def shift_onto_mask(
     patch: ImagePatch,
     rounds: int,
 ) -> None:
-    """Shift an object until the centre and the mean depth of its drawing are those of the mask; `shift` is changed.
+    """Shift an object until its drawing has the centre and the mean depth of the mask; `shift` is changed in place.
 
     Args:
         turn: Shape=(3, 3), object to camera.

@@ -1,12 +1,12 @@
 """Alignment of a rendered object with what a camera measured.
 
-The object is drawn at the present guess by the ray caster of the camera, so that only the surfaces that face the camera
-and that no other part hides take part. Two residuals are minimised by Gauss-Newton steps:
+The object is drawn at the present guess by the camera's ray caster, so that only its visible surfaces count. Two
+residuals are minimised by Gauss-Newton steps:
 
 * depth: measured minus drawn point along the drawn normal (point-to-plane, projective association; Chen & Medioni
   1992, Newcombe et al. 2011), where both the object's mask and its drawing are;
-* outline: signed distance (pixels, times depth over focal length) from a drawn outline to the mask, which draws
-  outlines in from free space and out to uncovered mask; an outline behind the robot or anything nearer does not count.
+* outline: signed distance (pixels, times depth over focal length) from a drawn outline to the mask, which pulls the
+  outline in from free space and out to uncovered mask; an outline behind the robot or anything nearer does not count.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from coral.contact.perception.raycast_kernels import render
 from coral.contact.perception.solids import Solids
 
 _LEVER = 0.03
-"""A turn by 1 rad weighs as a shift by this (m): about the arm at which a small object's points turn."""
+"""A turn by 1 rad weighs as much as a shift by this (m), about the lever arm of a small object's points."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -44,14 +44,14 @@ def align(
     Args:
         turn: Shape=(3, 3), object to camera; changed in place.
         shift: Shape=(3,) m, likewise.
-        pivot: Shape=(3,) m, point of the object that steps turn about.
+        pivot: Shape=(3,) m, the point of the object about which steps turn it.
         solids: The object's, in its own frame.
         patch: What the camera measured.
         iterations: Largest number of steps.
         wide: Depth residuals beyond this (m) do not count in the first step.
         tight: Nor beyond this in the last one.
         outline: Weight of an outline residual against a depth residual.
-        hold: Weight of the first guess, as so many depth residuals along every direction.
+        hold: Weight of the first guess, in depth residuals along every direction.
     """
     height, width = patch.depth.shape
     depth = np.empty((height, width))
@@ -128,9 +128,9 @@ def _accumulate(
                 continue
             away = field[v, u]
             if away > 0.0 and (occlusion[v, u] == ROBOT or 0.0 < seen < z - NEARER):
-                continue  # behind something nearer
+                continue  # occluded
             if away <= 0.0 and occlusion[v, u] == OCCLUDED_RIM:
-                continue  # the mask would go on if that were not there
+                continue  # the mask ends here only because of the occluder
             gu, gv = 0.5 * (field[v, u + 1] - field[v, u - 1]), 0.5 * (field[v + 1, u] - field[v - 1, u])
             weight = outline / max(1.0, abs(away) / 4.0)
             # The residual is what the outline's point must move along the gradient, in metres at its depth.
@@ -166,7 +166,7 @@ def _add(
 def _solve(h: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
     """Solve h x = b into `b` by Cholesky; False where nothing was measured.
 
-    The damping leaves a direction that nothing observes, as the spin of a can, where it is.
+    The damping leaves unobserved directions, such as the spin of a can, unchanged.
     """
     total = h[3, 3] + h[4, 4] + h[5, 5]
     if total < 1.0:

@@ -1,6 +1,6 @@
-"""What a tracker must follow: objects moved as the six tasks move them, with a two-finger hand in the way.
+"""Motions to measure a tracker by: objects moved as in the six tasks, with a two-finger hand in the way.
 
-The motions are kinematic: nothing is simulated, so that a motion is the same on every machine. Frames: world, metres, z
+The motions are kinematic, not simulated, so that they are the same on every machine. Frames: world, metres, z
 up; the tool frame has z out of the palm and y along the opening.
 """
 
@@ -26,12 +26,12 @@ _DOWN = np.diag([-1.0, 1.0, -1.0])
 
 @dataclass(frozen=True)
 class MotionSample:
-    """Where everything is at one time.
+    """The poses of everything at one time.
 
     Args:
         objects: T_world_object by name, Shape=(4, 4).
         tool: T_world_tool, Shape=(4, 4).
-        opening_m: Between the fingers.
+        opening_m: Distance of the fingers.
     """
 
     objects: dict[str, Array]
@@ -40,22 +40,22 @@ class MotionSample:
 
 
 Phase = tuple[float, Callable[[float], MotionSample]]
-"""How long (s), and where everything is as the share of it that has passed goes from 0 to 1."""
+"""Duration (s), and the poses as a function of the elapsed share, 0 to 1."""
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Phases, one after the other, each begun and ended at rest."""
+    """Phases one after the other, each starting and ending at rest."""
 
     phases: tuple[Phase, ...]
 
     @property
     def duration_s(self) -> float:
-        """How long all phases take."""
+        """Duration of all phases."""
         return sum(duration for duration, _ in self.phases)
 
     def at(self, time_s: float) -> MotionSample:
-        """Where everything is; before the beginning and after the end, where it is then."""
+        """The poses at a time, clamped to the start and the end of the motion."""
         for duration, place in self.phases:
             if time_s <= duration:
                 share = min(1.0, max(0.0, time_s / duration))
@@ -65,7 +65,7 @@ class Motion:
 
 
 def motion_of(trial: Trial, kind: str | None = None) -> Motion:
-    """The motion of a trial's first object; the others stand where they stand.
+    """Make the motion of a trial's first object; the others stay where they are.
 
     Args:
         trial: The trial.
@@ -77,11 +77,11 @@ def motion_of(trial: Trial, kind: str | None = None) -> Motion:
     name = kind or (trial.task.name if trial.task.name in MOTIONS else "pick-box")
     if name not in MOTIONS:
         raise InputError("motion", "", name, f"one of {', '.join(MOTIONS)}{nearest(name, MOTIONS)}")
-    return Motion(tuple(MOTIONS[name](_Scene(trial))))
+    return Motion(tuple(MOTIONS[name](_HeadedTrial(trial))))
 
 
-class _Scene:
-    """A trial in the heading of its first object: the heading nearest the world's among those of the object's sides."""
+class _HeadedTrial:
+    """A trial seen in the heading of its first object's side that is nearest to the world's x axis."""
 
     def __init__(self, trial: Trial) -> None:
         self.main = trial.task.objects[0].name
@@ -156,7 +156,7 @@ class _Scene:
         return (seconds, place), moved(1.0)
 
 
-def _push(scene: _Scene) -> list[Phase]:
+def _push(scene: _HeadedTrial) -> list[Phase]:
     """Pushed from behind with closed fingers: 20 cm ahead and a turn left, then another way with a turn right."""
     tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.0]))
     first, moved = scene.carry(tool, 0.0, 2.5, 0.12 * scene.turn[:, 0], ((_Z, 0.35, scene.middle),))
@@ -165,7 +165,7 @@ def _push(scene: _Scene) -> list[Phase]:
     return [scene.approach(tool, 0.0), first, second]
 
 
-def _pick(scene: _Scene) -> list[Phase]:
+def _pick(scene: _HeadedTrial) -> list[Phase]:
     """Grasped from above, lifted, carried with a turn, put down, let go."""
     tool = scene.tool(np.array([0.0, 0.0, max(0.0, scene.extent[2] / 2 - 0.03)]))
     width = min(0.08, float(scene.extent[1]))
@@ -182,7 +182,7 @@ def _pick(scene: _Scene) -> list[Phase]:
     return [scene.approach(tool, 0.08), up, across, down, (1.0, leave)]
 
 
-def _pick_clutter(scene: _Scene) -> list[Phase]:
+def _pick_clutter(scene: _HeadedTrial) -> list[Phase]:
     """Lifted out from among the others, and held aslant."""
     tool = scene.tool(np.array([0.0, 0.0, max(0.0, scene.extent[2] / 2 - 0.03)]))
     width = min(0.08, float(scene.extent[1]))
@@ -192,7 +192,7 @@ def _pick_clutter(scene: _Scene) -> list[Phase]:
     return [scene.approach(tool, 0.08), up, aslant]
 
 
-def _push_pick(scene: _Scene) -> list[Phase]:
+def _push_pick(scene: _HeadedTrial) -> list[Phase]:
     """Slid under closed fingers that press from above, then gripped at its far end and lifted aslant."""
     press = scene.tool(np.array([-0.2 * scene.extent[0], 0.0, scene.extent[2] / 2]))
     ahead = 0.18 * scene.turn[:, 0]
@@ -216,7 +216,7 @@ def _push_pick(scene: _Scene) -> list[Phase]:
     return [scene.approach(press, 0.0), slide, (1.5, regrasp), lift]
 
 
-def _flip(scene: _Scene) -> list[Phase]:
+def _flip(scene: _HeadedTrial) -> list[Phase]:
     """Tilted over its far lower edge by a hand that pushes high up, until it lies on its far side."""
     tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.3 * scene.extent[2]]))
     edge = scene.middle + scene.turn @ np.array([scene.extent[0] / 2, 0.0, -scene.extent[2] / 2])
@@ -224,7 +224,7 @@ def _flip(scene: _Scene) -> list[Phase]:
     return [scene.approach(tool, 0.0), over, (0.5, lambda share: over[1](1.0))]
 
 
-def _flip_wall(scene: _Scene) -> list[Phase]:
+def _flip_wall(scene: _HeadedTrial) -> list[Phase]:
     """Pushed to the wall and then, from below its near edge, turned up against it."""
     tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.0]))
     walls = [f.position[0] - f.size[0] / 2 for f in scene.fixtures if f.position[0] > scene.middle[0]]
@@ -239,7 +239,7 @@ def _flip_wall(scene: _Scene) -> list[Phase]:
     return [scene.approach(tool, 0.0), slide, up, (0.5, lambda share: up[1](1.0))]
 
 
-MOTIONS: dict[str, Callable[[_Scene], list[Phase]]] = {
+MOTIONS: dict[str, Callable[[_HeadedTrial], list[Phase]]] = {
     "push-pick-board": _push_pick,
     "pick-box": _pick,
     "pick-clutter": _pick_clutter,

@@ -1,4 +1,4 @@
-"""A camera that looks at a MuJoCo scene by ray casting: depth, and the thing seen in every pixel. No OpenGL."""
+"""A simulated RGB-D camera that casts rays into a MuJoCo scene: depth and the object of every pixel. No OpenGL."""
 
 from __future__ import annotations
 
@@ -25,17 +25,20 @@ Colours = Literal["none", "shaded", "opengl", "best"]
 
 @dataclass(frozen=True, kw_only=True)
 class RgbdCameraCfg:
-    """Pinhole camera with square pixels; integer (u, v) are pixel centres; x right, y down, z forward."""
+    """Pinhole camera with square pixels; integer (u, v) are pixel centres; x right, y down, z forward.
+
+    Args:
+        width, height: Pixels. The paper gives none; at 0.9 m a pixel is 3 mm wide, and the tracker then needs a third
+            of its 36 ms.
+        vfov_deg: Between the outer edges of the first and last row; close to that of depth cameras used above tables.
+        near_m, far_m: Only surfaces between these depths along the optical axis are seen.
+    """
 
     width: int = 320
     height: int = 240
-    """Pixels. The paper gives none; at 0.9 m a pixel is 3 mm wide, and the tracker then needs a third of its 36 ms."""
     vfov_deg: float = 45.0
-    """Between the outer edges of the first and last row; near that of the depth cameras used above tables."""
     near_m: float = 0.1
-    """Surfaces nearer than this along the optical axis are not seen."""
     far_m: float = 5.0
-    """Surfaces farther away than this along the optical axis are not seen."""
 
     def __post_init__(self) -> None:
         def demand(field: str, holds: bool, expected: str) -> None:
@@ -81,7 +84,7 @@ class RgbdFrame:
         """Shape=(H, W): where `name` is seen.
 
         Raises:
-            KeyError: The camera knows no such thing.
+            KeyError: No thing of this name is in the camera's list.
         """
         if name not in self.names:
             raise KeyError(name)
@@ -99,7 +102,7 @@ def look_at(eye: Iterable[float], target: Iterable[float]) -> Array:
 
     Args:
         eye: Shape=(3,) m, where it is.
-        target: Shape=(3,) m, what its optical axis goes through; not straight above or below it.
+        target: Shape=(3,) m, a point on its optical axis; not straight above or below the camera.
     """
     position = np.array([*eye], float)
     forward = np.array([*target], float) - position
@@ -112,18 +115,18 @@ def look_at(eye: Iterable[float], target: Iterable[float]) -> Array:
 
 
 class RayCamera:
-    """Takes pictures of one model. Exact: what it draws is what one ray per pixel hits.
+    """Takes pictures of one MuJoCo model, with one exact ray per pixel.
 
     Args:
         model: The scene.
         cfg: The camera.
         T_world_camera: Shape=(4, 4), camera optical frame to world; `look_at` makes one.
-        instances: Name of the thing that a geom belongs to, by geom id; the others are seen without a name.
+        instances: Name of the thing that a geom belongs to, by geom id; other geoms are seen without a name.
         groups: Geom groups that are drawn (MuJoCo draws 0 to 2 by default).
-        noise: Of the depth and of the outlines; None takes perfect pictures.
+        noise: Added to depth and outlines; None takes perfect pictures.
         colours: Where an RGB picture comes from: "none", "shaded" by the rays, "opengl" by MuJoCo's renderer, or
             "best": the renderer where it works, rays elsewhere.
-        hidden: Geoms that rays go through; OpenGL shows them.
+        hidden: Geoms that rays pass through; OpenGL still shows them.
 
     Raises:
         InputError: The scene holds what rays cannot draw, or OpenGL is asked for and does not work.
@@ -168,11 +171,11 @@ class RayCamera:
         self._depth, self._solid, self._face = np.empty(shape), np.empty(shape, np.int64), np.empty(shape, np.int64)
 
     def take(self, data: mujoco.MjData, rng: np.random.Generator | None = None) -> RgbdFrame:
-        """A picture of the scene as it stands; MuJoCo's kinematics must be up to date.
+        """Take a picture of the present state; MuJoCo's kinematics must be up to date.
 
         Args:
             data: The scene's state.
-            rng: Of the noise; it may only be None where there is none.
+            rng: For the noise; may be None only without noise.
         """
         cfg, lens = self.cfg, self.cfg.lens
         turn, eye = np.ascontiguousarray(self.T_world_camera[:3, :3]), self.T_world_camera[:3, 3].copy()

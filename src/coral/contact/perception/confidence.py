@@ -1,4 +1,4 @@
-"""Whether a pose can be relied on: how well it explains the picture it was taken from."""
+"""Confidence in a pose: how well it explains the picture that it was estimated from."""
 
 from __future__ import annotations
 
@@ -19,23 +19,27 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class ConfidenceCfg:
-    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md)."""
+    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md).
+
+    Args:
+        min_pixels: With fewer pixels of depth in its mask an object is not seen.
+        min_visible: Share of the object's drawing below which it is covered. Confidence falls off from twice this
+            share: with less than a fifth visible, one pose in ten is more than a centimetre off.
+        lost_below: Confidence below which a tracked object counts as lost; half covered, a pose 4 cm off still reaches
+            0.5.
+        found_above: Confidence above which a lost object counts as found; a box explains a can of its size by 0.87.
+        found_visible: Share of the drawing that must be visible for that: a smaller part fits in many places.
+        margin_m: Depths agree that differ by less: five standard deviations at 1 m.
+        robot: Name of the robot in pictures whose camera labels it: what it hides is then known to be hidden.
+    """
 
     min_pixels: Count = 30
-    """With fewer pixels of depth in its mask an object is not seen."""
     min_visible: Fraction = 0.1
-    """Share of the object's drawing below which it is covered; confidence falls off from twice this
-    share: with less than a fifth to see, one pose in ten is more than a centimetre off."""
     lost_below: Fraction = 0.6
-    """Confidence below which an object counts as lost: half covered by a pose 4 cm off still reaches 0.5."""
     found_above: Fraction = 0.9
-    """Confidence above which it counts as found: a box explains a can of its size by 0.87."""
     found_visible: Fraction = 0.25
-    """Share that must be seen for that: from less of it, an object fits in many places."""
     margin_m: Positive = 0.012
-    """Depths that differ by less agree: five standard deviations at 1 m."""
     robot: str = "robot"
-    """Name of the robot in pictures, where the camera tells it apart: what it hides is then known to be hidden."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +69,7 @@ def is_unseen(frame: RgbdFrame, mask: NDArray[np.bool_], cfg: ConfidenceCfg) -> 
 
 
 def robot_mask(frame: RgbdFrame, cfg: ConfidenceCfg) -> NDArray[np.bool_]:
-    """Where the robot is seen, Shape=(H, W); nowhere, if the camera does not tell."""
+    """Where the robot is seen, Shape=(H, W); nowhere if the camera does not label it."""
     return frame.mask(cfg.robot) if cfg.robot in frame.names else np.zeros(frame.depth.shape, bool)
 
 

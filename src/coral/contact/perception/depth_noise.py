@@ -1,4 +1,4 @@
-"""What a real depth camera adds: axial noise, uneven depth, jagged and wavy outlines, disparity steps and holes."""
+"""The noise of a real depth camera: axial noise, uneven depth, jagged and wavy outlines, disparity steps, holes."""
 
 from __future__ import annotations
 
@@ -21,34 +21,39 @@ class DepthNoiseCfg:
 
     Axial and lateral noise: Nguyen, Izadi, Lovell, "Modeling Kinect sensor noise for improved 3D reconstruction and
     tracking" (3DIMPVT 2012), Eqs. 1-3; they hold for 640 columns.
+
+    Args:
+        axial_m: Standard deviation at 0.4 m, straight on.
+        axial_growth: Its growth with (z - 0.4 m)^2, per metre.
+        uneven_m: Standard deviation at 1 m of an error that neighbouring pixels share, so that averaging does not
+            remove it.
+        lateral_px: Standard deviation of where an outline is seen, in pixels of a picture 640 columns wide.
+        wavy_px: Likewise, of the part that neighbouring pixels share: masks bulge and recede.
+        disparity_step_px: Depth is quantised in disparity, usually to a sixteenth of a pixel by stereo matchers; 0 for
+            no quantisation.
+        baseline_m: Between the two lenses; with 0.05 m the steps at 1 m are 2 mm.
+        grazing_deg: Surfaces whose normal is farther than this from the ray return nothing: the paper's formula
+            diverges there.
+        edge_hole: Share of pixels at jumps of depth that return nothing.
+        hole: Share of all other pixels that return nothing.
+        jump_m: Difference of depth between neighbours that counts as a jump.
     """
 
     axial_m: NonNegative = 0.0012
-    """Standard deviation at 0.4 m, straight on."""
     axial_growth: NonNegative = 0.0019
-    """Its growth with (z - 0.4 m)^2, per metre."""
     uneven_m: NonNegative = 0.001
-    """Standard deviation at 1 m of an error that neighbouring pixels share and that averaging does not remove."""
     lateral_px: NonNegative = 0.8
-    """Standard deviation of where an outline is seen, in pixels of a picture 640 columns wide."""
     wavy_px: NonNegative = 0.8
-    """Likewise, of a part that neighbouring pixels share: masks bulge and recede."""
     disparity_step_px: NonNegative = 0.0625
-    """Depth comes in steps of disparity: a sixteenth of a pixel, usual for stereo matchers; 0 for none."""
     baseline_m: NonNegative = 0.05
-    """Between the two eyes; with 0.05 m the steps at 1 m are 2 mm."""
     grazing_deg: NonNegative = 82.0
-    """Surfaces seen at a steeper slant from their normal return nothing: beyond it the paper's formula diverges."""
     edge_hole: Fraction = 0.3
-    """Share of pixels at jumps of depth that return nothing."""
     hole: Fraction = 0.002
-    """Share of all other pixels that return nothing."""
     jump_m: NonNegative = 0.03
-    """What counts as a jump of depth between neighbours."""
 
 
 class DepthNoise:
-    """Makes a perfect picture a measured one."""
+    """Turns a perfect picture into a measured one."""
 
     def __init__(self, cfg: DepthNoiseCfg | None = None) -> None:
         self.cfg = cfg or DepthNoiseCfg()
@@ -61,14 +66,14 @@ class DepthNoise:
         lens: Array,
         rng: np.random.Generator,
     ) -> tuple[Array, NDArray[np.uint8]]:
-        """Depth (m, inf where nothing is measured) and instances with noise.
+        """Add noise to depth (m, inf where nothing is measured) and instances.
 
         Args:
             depth: Shape=(H, W) m, inf where nothing is seen.
             normal: Shape=(H, W, 3), unit normals in the camera frame.
             instance: Shape=(H, W).
             lens: Shape=(4,): fx, fy, cx, cy in pixels.
-            rng: Where the noise comes from.
+            rng: Source of the noise.
         """
         cfg = self.cfg
         height, width = depth.shape

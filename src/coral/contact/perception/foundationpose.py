@@ -27,11 +27,11 @@ class FoundationPoseCfg:
     """Steps are those of FoundationPose's own demo.
 
     Args:
-        url: Of the server, as http://127.0.0.1:5070; there is none by default, and a tracker's word may have it.
+        url: Of the server, as http://127.0.0.1:5070; empty where `--tracker` gives it.
         register_steps, track_steps: Refinements of a pose.
         connect_s: To connect.
         timeout_s: For one answer, from its first byte to its last.
-        confidence: When an object is held to be lost.
+        confidence: When an object counts as lost.
     """
 
     url: str = ""
@@ -43,7 +43,7 @@ class FoundationPoseCfg:
 
 
 class FoundationPoseTracker:
-    """Tracks one object by a server; whether its poses can be relied on is judged here, since it does not say.
+    """Tracks one object through a server; whether its poses can be relied on is assessed here, as it does not say.
 
     Args:
         model: The object; its triangles go to the server.
@@ -51,7 +51,7 @@ class FoundationPoseTracker:
         expected: T_world_object, Shape=(4, 4), as in `ModelTracker`.
 
     Raises:
-        InputError: The address is none of an HTTP server.
+        InputError: It is not the address of an HTTP server.
         TrackerFailed: The server does not answer, or refuses the object.
     """
 
@@ -84,9 +84,9 @@ class FoundationPoseTracker:
             TrackerFailed: The server fails.
         """
         if is_unseen(frame, mask, self.cfg.confidence):  # the network would return the identity without a word
-            return self._give_up("not seen")
+            return self._report_lost("not seen")
         request = self._picture(frame) | {"mask": mask, "iterations": np.array(self.cfg.register_steps)}
-        return self._judge(frame, mask, self._pose("register", request), registered=True)
+        return self._assess(frame, mask, self._pose("register", request), registered=True)
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
         """See `PoseTracker`. FoundationPose follows from its own last pose, and takes no hint and no mask.
@@ -100,9 +100,9 @@ class FoundationPoseTracker:
         if not self._found or self._lost:
             return self.register(frame, mask)
         if is_unseen(frame, mask, self.cfg.confidence):
-            return self._give_up("not seen")
+            return self._report_lost("not seen")
         request = self._picture(frame) | {"iterations": np.array(self.cfg.track_steps)}
-        return self._judge(frame, mask, self._pose("track", request))
+        return self._assess(frame, mask, self._pose("track", request))
 
     def close(self) -> None:
         """See `PoseTracker`; the server forgets the object."""
@@ -130,7 +130,7 @@ class FoundationPoseTracker:
             raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to {verb} is no pose")
         return pose.astype(float)
 
-    def _judge(self, frame: RgbdFrame, mask: NDArray[np.bool_], pose: Array, registered: bool = False) -> PoseEstimate:
+    def _assess(self, frame: RgbdFrame, mask: NDArray[np.bool_], pose: Array, registered: bool = False) -> PoseEstimate:
         cfg = self.cfg.confidence
         patch = patch_around(
             frame, mask, self.model, [pose, inverse_transform(frame.T_world_camera) @ self._reference], cfg, 12000
@@ -138,12 +138,12 @@ class FoundationPoseTracker:
         following = self._found and not self._lost
         assessment = assess_pose(self.model, patch, pose, cfg, following)
         if assessment.reason:
-            return self._give_up(assessment.reason, assessment.visible)
+            return self._report_lost(assessment.reason, assessment.visible)
         self._reference = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
         self._found, self._lost = True, False
         return PoseEstimate(self._reference, assessment.confidence, False, assessment.visible, "", registered)
 
-    def _give_up(self, reason: str, visible: float = 0.0) -> PoseEstimate:
+    def _report_lost(self, reason: str, visible: float = 0.0) -> PoseEstimate:
         self._lost = True
         return PoseEstimate(self._reference, 0.0, True, visible, reason)
 

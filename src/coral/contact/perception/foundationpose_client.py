@@ -17,15 +17,15 @@ from coral.errors import InputError
 
 
 class OutOfReach(TrackerFailed):
-    """Nobody answers."""
+    """The server does not answer."""
 
 
 def reach(url: str, connect_s: float) -> None:
-    """Make sure that somebody listens; nothing is asked.
+    """Check that a server listens, without a question.
 
     Raises:
-        InputError: The address is none of an HTTP server.
-        OutOfReach: Nobody does.
+        InputError: It is not the address of an HTTP server.
+        OutOfReach: None does.
     """
     address = parse_url(url)
     try:
@@ -35,10 +35,10 @@ def reach(url: str, connect_s: float) -> None:
 
 
 def parse_url(url: str, where: str = "foundationpose", field: str = "url") -> tuple[str, int]:
-    """Host and port.
+    """Read host and port of an address.
 
     Raises:
-        InputError: The address is none of an HTTP server; `where` and `field` are named as the place that holds it.
+        InputError: It is not the address of an HTTP server; `where` and `field` are named as the place that holds it.
     """
     try:
         parts = urlsplit(url)
@@ -102,7 +102,7 @@ def exchange(url: str, verb: str, question: bytes, connect_s: float, timeout_s: 
 
 @contextlib.contextmanager
 def _patience(line: socket.socket, seconds: float, late: threading.Event) -> Iterator[None]:
-    """Hang up after a while: the socket's own timeout begins anew with every byte that comes."""
+    """Hang up after a while: the socket's own timeout restarts with every byte that arrives."""
 
     def hang_up() -> None:
         late.set()

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class GlColours:
-    """Draws one model from any pose of a camera.
+    """Renders one model from any pose of a camera.
 
     Args:
         model: The scene; its offscreen buffer is made large enough.
@@ -25,7 +25,7 @@ class GlColours:
         groups: Geom groups that are drawn.
 
     Raises:
-        InputError: OpenGL does not work here.
+        InputError: OpenGL does not work on this machine.
     """
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int, groups: Iterable[int]) -> None:

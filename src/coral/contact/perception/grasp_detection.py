@@ -1,4 +1,4 @@
-"""Whether an object is held between the fingers, by what the hand itself feels and where the object is held to be."""
+"""Detects whether the fingers hold an object, from the fingers' distance and the object's believed pose."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from coral.contact.scene.observation import Array
 
 @dataclass(frozen=True, kw_only=True)
 class GraspDetectionCfg:
-    """When a grip is believed.
+    """When a grasp is believed.
 
     Args:
-        squeeze_m: The fingers are told to be closer by so much than they are.
-        slack_m: The object's width between the fingers may differ from their distance by so much.
-        keep: Factor on the slack, and part of the squeeze, that keep a grip believed once it is.
+        squeeze_m: The commanded distance of the fingers is at least this much smaller than the measured one.
+        slack_m: Each side of the object may be this far from its finger.
+        keep: Hysteresis: for a grasp that is believed already, the slack is multiplied by this and the squeeze divided
+            by it.
     """
 
     squeeze_m: NonNegative = 0.004
@@ -27,20 +28,20 @@ class GraspDetectionCfg:
 
 
 _PAD_X, _PAD_LOW, _PAD_HIGH = 0.01, -0.044, 0.008
-"""m, the pads in the tool's frame: half their breadth, and their ends along the fingers."""
+"""The pads in the tool's frame (m): half their width, and their ends along the fingers."""
 
 
 def is_grasped(
     shape: ObjectModel, T_tool_object: Array, opening_m: float, wanted_m: float, before: bool, cfg: GraspDetectionCfg
 ) -> bool:
-    """Whether the fingers, told to close further than they can, have the object between them.
+    """Decide whether the fingers, commanded to close further than they can, have the object between them.
 
     Args:
         shape: The object.
-        T_tool_object: Shape=(4, 4), where it is held to be.
+        T_tool_object: Shape=(4, 4), its believed pose.
         opening_m: Measured distance between the pads.
-        wanted_m: Commanded.
-        before: Whether it was so before.
+        wanted_m: Commanded distance.
+        before: Whether a grasp was believed before.
         cfg: The thresholds.
     """
     ease = cfg.keep if before else 1.0

@@ -1,4 +1,4 @@
-"""An evaluation world whose objects are held to be where somebody guessed at first, and never looked for again."""
+"""An evaluation world in which object poses are guessed once at the start and never updated."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from coral.errors import InputError
 
 
 class GuessedWorld:
-    """Another world without its tracker (paper, Table 1, last row).
+    """Wraps a world and leaves out the tracker (paper, Table 1, last row).
 
     Args:
-        world: Where things happen; simulated by MuJoCo, so that there is a picture to guess by.
-        trial: The trial; its shapes and symmetries are used, for comparing with the truth.
+        world: The world itself; it must have a simulation, for a picture to guess from.
+        trial: Its shapes and symmetries are used to compare with the truth.
 
     Raises:
         InputError: There are no pictures of the world.
@@ -39,12 +39,12 @@ class GuessedWorld:
         return self._world.simulation
 
     def reset(self) -> Observation:
-        """See `EvaluationWorld.reset`; without any object until `settle`."""
+        """See `EvaluationWorld.reset`; the observation has no objects until `settle`."""
         self._guessed = {}
         return self._seen(self._world.reset())
 
     def settle(self, guessed: Mapping[str, BodyState], now: Observation) -> Observation:
-        """Take the poses that were guessed; the observation with them."""
+        """Set the guessed poses and return the observation with them."""
         self._guessed = dict(guessed)
         return self._seen(now)
 
@@ -61,7 +61,7 @@ class GuessedWorld:
         self._world.close()
 
     def compare(self, now: Observation, truth: Truth) -> dict[str, PoseDifference]:
-        """How far the guesses are from the truth; for the record."""
+        """Measure how far the guesses are from the truth; for the record only."""
         return {
             name: compare_poses(self._shapes[name].symmetry, now.objects[name], truth.objects[name], lost=False)
             for name in now.objects

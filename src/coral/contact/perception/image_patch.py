@@ -1,4 +1,4 @@
-"""The part of a picture in which an object is looked for: depth, mask, distance to the mask, at a chosen coarseness."""
+"""The patch of a picture in which an object is searched for: depth, mask and distance to the mask, at a chosen size."""
 
 from __future__ import annotations
 
@@ -16,18 +16,21 @@ NEARER = 0.012
 
 
 class ImagePatch(NamedTuple):
-    """A crop of a picture of Shape=(H, W), possibly coarser, as the alignment kernels take it."""
+    """A crop of a picture, possibly coarser, as the alignment kernels take it.
+
+    Args:
+        depth: Shape=(H, W) m, 0 where nothing was measured.
+        mask: Shape=(H, W), where the object is seen.
+        mask_distance: Shape=(H, W) pixels, signed distance to the mask: 0 on its rim, negative further inside.
+        occlusion: Shape=(H, W): `ROBOT` outside the mask, `OCCLUDED_RIM` inside it, else 0.
+        lens: Shape=(4,): fx, fy, cx, cy of the patch in its own pixels.
+    """
 
     depth: NDArray[np.float32]
-    """Shape=(H, W) m, 0 where nothing was measured."""
     mask: NDArray[np.bool_]
-    """Shape=(H, W), where the object is seen."""
     mask_distance: NDArray[np.float32]
-    """Shape=(H, W) pixels, signed distance to the mask: 0 on its rim, negative further inside."""
     occlusion: NDArray[np.uint8]
-    """Shape=(H, W): `ROBOT` outside the mask, `OCCLUDED_RIM` inside it, else 0."""
     lens: Array
-    """Shape=(4,): fx, fy, cx, cy of the patch in its own pixels."""
 
 
 def crop_patch(
@@ -60,7 +63,7 @@ def crop_patch(
     if not part.all():
         within, nearest = cv2.distanceTransformWithLabels(inside, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
         field = np.where(part, 1.0 - within, field)
-        # Every pixel of the mask gets the one outside that is nearest: the robot, or something well before the object?
+        # Each pixel of the mask looks at the nearest one outside: is that the robot, or something well in front?
         bound = np.zeros(int(nearest.max()) + 1, np.float32)
         bound[nearest[~part]] = np.where(occlusion > 0, NEARER, np.where(seen > 0, seen, np.inf))[~part]
         hidden = bound[nearest] < seen - NEARER

@@ -1,4 +1,4 @@
-"""The embedded pose tracker: registration, then alignment from picture to picture, with a confidence of its own."""
+"""The embedded pose tracker: registration first, then alignment from picture to picture."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from coral.contact.perception.confidence import ConfidenceCfg, assess_pose, is_u
 from coral.contact.perception.image_patch import ImagePatch
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.pose_fit import align_pose, count_agreement, shift_onto_mask
-from coral.contact.perception.registration import RegistrationCfg, misfit, orientations, register
+from coral.contact.perception.registration import RegistrationCfg, misfit, register, start_orientations
 from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.scene.geometry import rotation_about, rotation_angle, rotation_from_vector, rotation_vector
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
@@ -23,35 +23,45 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class TrackerCfg:
-    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md)."""
+    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md).
+
+    Args:
+        pixels: Size of the patch that is aligned: all of an object at 320 x 240.
+        steps: Gauss-Newton steps.
+        wide_m: Depth residuals larger than this do not count in the first step.
+        tight_m: Likewise in the last step: four standard deviations at 1 m.
+        outline: Weight of an outline pixel relative to a depth pixel.
+        hold: Weight of the predicted pose, in pixels: it decides what a small visible part leaves open.
+        search_above: Poses nearby are tried too where `misfit` is above this.
+        reluctance: Added there to the misfit for each object diameter, or radian, away from the guesses.
+        search_rad: How far those poses are turned: half of what the alignment corrects by itself.
+        confidence: When the object counts as lost.
+        registration: How it is found without a previous pose.
+    """
 
     pixels: Count = 12000
-    """Of the cut-out that is aligned: all of an object at 320 x 240."""
     steps: Count = 8
     wide_m: Positive = 0.025
-    """Depth residuals beyond this do not count in the first step."""
     tight_m: Positive = 0.008
-    """Nor beyond this in the last one: four standard deviations at 1 m."""
     outline: NonNegative = 2.0
-    """Weight of an outline pixel against a depth pixel."""
     hold: NonNegative = 3.0
-    """Weight of the predicted pose, as so many pixels: it settles what a small rest of an object leaves open."""
     search_above: NonNegative = 0.35
-    """Share of the picture that a pose leaves unexplained above which other poses nearby are tried too."""
     reluctance: NonNegative = 0.3
-    """What it costs there to be away from the guesses by the object's size or a radian, in the same share."""
     search_rad: Positive = 0.25
-    """How far they are turned: half of what the alignment corrects by itself."""
     confidence: ConfidenceCfg = field(default_factory=ConfidenceCfg)
     registration: RegistrationCfg = field(default_factory=RegistrationCfg)
 
 
 class ModelTracker:
-    """Tracks one object whose shape is known.
+    """Tracks one object of known shape: minimises over T sum w_d(r) r^2 + sum w_o o^2 + hold |T - T_guess|^2.
+
+    r is the depth residual along the drawn normal, o the distance of the drawn outline from the mask (`align_kernels`).
+    Each picture is aligned from the best of several guesses: the last pose, the extrapolated one, and a hint. Where the
+    fit is poor, poses nearby are tried; where it stays poor, the object is registered anew.
 
     Args:
         model: The object.
-        cfg: How.
+        cfg: Weights and thresholds.
         expected: T_world_object, Shape=(4, 4): of the poses that its symmetry makes equal, the first one reported is
             the nearest to this; the object's axes along the world's by default.
     """
@@ -61,16 +71,16 @@ class ModelTracker:
 
     def __init__(self, model: ObjectModel, cfg: TrackerCfg | None = None, expected: Array | None = None) -> None:
         self.model, self.cfg = model, cfg or TrackerCfg()
-        self._turns = orientations(model, self.cfg.registration)
+        self._turns = start_orientations(model, self.cfg.registration)
         self._reference = np.eye(4) if expected is None else expected
         self._last: Array | None = None
         self._before: Array | None = None
         self._lost = False
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
-        """Find the object without knowing where it was; see `PoseTracker`."""
+        """Find the object without a previous pose; see `PoseTracker`."""
         if is_unseen(frame, mask, self.cfg.confidence):
-            return self._give_up("not seen")
+            return self._report_lost("not seen")
         pose = register(
             self.model,
             self._turns,
@@ -81,18 +91,18 @@ class ModelTracker:
             robot_mask(frame, self.cfg.confidence),
             self.cfg.registration,
         )
-        return self._judge(frame, self._patch(frame, mask, [pose]), pose, registered=True)
+        return self._assess(frame, self._patch(frame, mask, [pose]), pose, registered=True)
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
-        """Follow the object; where it was lost, find it again. The hint is one more start. See `PoseTracker`."""
+        """Track the object, or find it again after a loss; the hint is one more guess. See `PoseTracker`."""
         if self._last is None:
             return self.register(frame, mask)
         if is_unseen(frame, mask, self.cfg.confidence):
-            return self._give_up("not seen")
+            return self._report_lost("not seen")
         camera = inverse_transform(frame.T_world_camera)
         starts = [camera @ self._last]
         if self._before is not None:
-            starts.append(camera @ _ahead(self._last, self._before))
+            starts.append(camera @ _extrapolate(self._last, self._before))
         if guess is not None:
             starts.append(camera @ guess)
         patch = self._patch(frame, mask, starts)
@@ -103,13 +113,13 @@ class ModelTracker:
         )
         if self._misfit(patch, pose) > self.cfg.search_above:
             pose = self._search(patch, [*starts, pose])
-        estimate = self._judge(frame, patch, pose)
+        estimate = self._assess(frame, patch, pose)
         if estimate.reason == "does not fit":
             estimate = self.register(frame, mask)
         return estimate
 
     def close(self) -> None:
-        """See `PoseTracker`; nothing is held elsewhere."""
+        """See `PoseTracker`; there is nothing to release."""
 
     def _patch(self, frame: RgbdFrame, mask: NDArray[np.bool_], poses: list[Array]) -> ImagePatch:
         return patch_around(frame, mask, self.model, poses, self.cfg.confidence, self.cfg.pixels)
@@ -122,7 +132,7 @@ class ModelTracker:
         return misfit(count_agreement(patch, self.model, pose, self.cfg.confidence.margin_m))
 
     def _search(self, patch: ImagePatch, poses: list[Array]) -> Array:
-        """The best fit from several guesses, and from the first of them turned a little every way."""
+        """Align from several guesses, and from the first turned a little about every axis; return the best fit."""
         guesses = list(poses)
         middle = poses[0][:3, :3] @ self.model.pivot + poses[0][:3, 3]
         for axis in np.eye(3):
@@ -133,7 +143,7 @@ class ModelTracker:
         return min(found, key=lambda pose: self._misfit(patch, pose) + self.cfg.reluctance * self._effort(pose, poses))
 
     def _effort(self, pose: Array, guesses: list[Array]) -> float:
-        """How far a pose is from the nearest guess: in parts of the object's size, and turns of a radian."""
+        """Distance of a pose from the nearest guess: in diameters of the object, plus radians."""
         pivot = self.model.pivot
         return min(
             float(np.linalg.norm((pose[:3, :3] - g[:3, :3]) @ pivot + pose[:3, 3] - g[:3, 3])) / self.model.diameter
@@ -141,26 +151,26 @@ class ModelTracker:
             for g in guesses
         )
 
-    def _judge(self, frame: RgbdFrame, patch: ImagePatch, pose: Array, *, registered: bool = False) -> PoseEstimate:
-        """What to think of a pose (T_camera_object); it is kept if it is good enough."""
+    def _assess(self, frame: RgbdFrame, patch: ImagePatch, pose: Array, *, registered: bool = False) -> PoseEstimate:
+        """Assess a pose (T_camera_object), and keep it if it can be relied on."""
         cfg = self.cfg.confidence
         following = self._last is not None and not self._lost
         assessment = assess_pose(self.model, patch, pose, cfg, following)
         if assessment.reason:
-            return self._give_up(assessment.reason, assessment.visible)
+            return self._report_lost(assessment.reason, assessment.visible)
         world = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
         self._before = None if registered or self._lost else self._last
         self._last = self._reference = world
         self._lost = False
         return PoseEstimate(world, assessment.confidence, False, assessment.visible, "", registered)
 
-    def _give_up(self, reason: str, visible: float = 0.0) -> PoseEstimate:
+    def _report_lost(self, reason: str, visible: float = 0.0) -> PoseEstimate:
         """Report the object as lost."""
         self._lost, self._before = True, None
         return PoseEstimate(self._reference, 0.0, True, visible, reason)
 
 
-def _ahead(last: Array, before: Array) -> Array:
-    """Where the object is now if it goes on as it did between the last two pictures. T_world_object."""
+def _extrapolate(last: Array, before: Array) -> Array:
+    """T_world_object now, if the motion between the last two pictures continues."""
     turn = rotation_from_vector(rotation_vector(last[:3, :3] @ before[:3, :3].T))
     return pose_matrix(turn @ last[:3, :3], 2 * last[:3, 3] - before[:3, 3])

@@ -1,4 +1,4 @@
-"""What is known of an object's motion between pictures and ahead of them: at rest, or at an even velocity."""
+"""The motion of an object between pictures and ahead of them: at rest, or at a constant velocity."""
 
 from __future__ import annotations
 
@@ -17,28 +17,36 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class MotionFilterCfg:
-    """Chosen by measurement on the six tasks' episodes (docs/contact-perception.md)."""
+    """Chosen by measurement on the six tasks' episodes (docs/contact-perception.md).
+
+    Args:
+        pictures: An object is at rest once this many pictures in a row agree; its pose is then their mean.
+        still_m, still_rad: Pictures agree that lie no farther from their mean: the tracker's scatter with most of the
+            object in view.
+        position_gain: alpha of the filter.
+        velocity_gain: beta of the filter; Kalata (1984): near alpha^2 / (2 - alpha).
+        longest_s: How far ahead of the last picture a motion is extrapolated; contacts change faster than that.
+    """
 
     pictures: Count = 5
-    """So many pictures in a row that agree show an object at rest; their mean is where it is."""
     still_m: NonNegative = 0.002
     still_rad: NonNegative = 0.035
-    """How far from their mean they may lie for that: what the tracker scatters with most of the object in view."""
     position_gain: Fraction = 0.7
     velocity_gain: Fraction = 0.25
-    """Shares of a picture's surprise that go into the pose and the velocity of something that moves (an alpha-beta
-    filter; Kalata 1984: the second is near the square of the first over 2 - first)."""
     longest_s: NonNegative = 0.12
-    """A motion is carried on for so long without a picture: contacts change faster than that."""
 
 
 class MotionFilter:
-    """Follows one rigid body in one frame, whichever that is.
+    """Estimates pose x and velocity v of one rigid body from noisy poses z: an alpha-beta filter with a state of rest.
+
+        x_pred = x + v dt,    x <- x_pred + alpha (z - x_pred),    v <- v + beta (z - x_pred) / dt
+
+    with rotations as rotation vectors. Once the last few z agree, the body is at rest: x <- their mean, v <- 0.
 
     Args:
-        cfg: How.
-        T: Shape=(4, 4), where it is at first; it is held to be at rest.
-        time_s: When.
+        cfg: Gains and thresholds.
+        T: Shape=(4, 4), the first pose, in whichever frame the later ones are; the body starts at rest.
+        time_s: When it was taken.
     """
 
     def __init__(self, cfg: MotionFilterCfg, T: Array, time_s: float) -> None:
@@ -49,11 +57,11 @@ class MotionFilter:
 
     @property
     def resting(self) -> bool:
-        """Whether it is held to be at rest."""
+        """Whether the body is believed to be at rest."""
         return not (self.velocity.any() or self.spin.any())
 
-    def measure(self, T: Array, time_s: float) -> None:
-        """Take in where a picture shows it, Shape=(4, 4), and when that was taken."""
+    def update(self, T: Array, time_s: float) -> None:
+        """Update with a pose that was measured, Shape=(4, 4), and the time of its picture."""
         cfg = self._cfg
         self._recent.append(T)
         mean = self._mean()
@@ -66,25 +74,25 @@ class MotionFilter:
             self.stop()
             return
         step = time_s - self._time_s
-        ahead = self.at(time_s)
+        ahead = self.predict(time_s)
         shift, turn = T[:3, 3] - ahead[:3, 3], rotation_vector(T[:3, :3] @ ahead[:3, :3].T)
         self._T = pose_matrix(
             rotation_from_vector(cfg.position_gain * turn) @ ahead[:3, :3], ahead[:3, 3] + cfg.position_gain * shift
         )
-        if step > 1e-6:  # a picture from before this motion began says nothing of its speed
+        if step > 1e-6:  # a picture from before this motion began says nothing about its speed
             self.velocity = self.velocity + cfg.velocity_gain * shift / step
             self.spin = self.spin + cfg.velocity_gain * turn / step
             self._time_s = time_s
 
-    def at(self, time_s: float) -> Array:
-        """Where it is at a time, Shape=(4, 4), if it goes on as it does."""
+    def predict(self, time_s: float) -> Array:
+        """The pose at a time, at the present velocity. Shape=(4, 4)."""
         since = min(max(time_s - self._time_s, 0.0), self._cfg.longest_s)
         return pose_matrix(
             rotation_from_vector(since * self.spin) @ self._T[:3, :3], self._T[:3, 3] + since * self.velocity
         )
 
     def stop(self) -> None:
-        """Hold it to be at rest where it is."""
+        """Set the velocity to zero."""
         self.velocity, self.spin = np.zeros(3), np.zeros(3)
 
     def _mean(self) -> Array:

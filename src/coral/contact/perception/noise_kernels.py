@@ -1,4 +1,4 @@
-"""Depth and instances as a real camera sees them, from perfect ones and drawn random numbers."""
+"""Depth and instances as a real camera measures them, from perfect ones and given random numbers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def disturb(
     measured: NDArray[np.float64],
     labels: NDArray[np.uint8],
 ) -> None:
-    """Write what is measured.
+    """Disturb a picture.
 
     Args:
         depth: Shape=(H, W) m, inf where nothing is seen.

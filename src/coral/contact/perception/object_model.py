@@ -1,4 +1,4 @@
-"""What the tracker knows of an object: its solids, points on its surface, its size and its symmetry."""
+"""The model of an object that a tracker uses: solids, surface points, size and symmetry."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from coral.errors import InputError
 
 Array = NDArray[np.float64]
 _POINTS = 1500
-"""Surface points: 5 mm apart on the board, so that ADD-S between equal poses stays below 3 mm."""
+"""Number of surface points: 5 mm apart on the board, so that ADD-S between equal poses stays below 3 mm."""
 _SIDES = 48
-"""Of the prism that stands for a round part where triangles are needed; its flats lie 0.2 % of the radius too deep."""
+"""Sides of the prism that replaces a round part where triangles are needed; its flats are 0.2 % of the radius deep."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class ObjectModel:
         triangles: Shape=(m, 3, 3) m, its surface; round parts as prisms.
         points: Shape=(n, 3) m, spread evenly over the surface.
         normals: Shape=(n, 3), outward unit normals there.
-        symmetry: Motions that leave it as it is.
+        symmetry: Rotations that map it onto itself.
         diameter: Largest distance (m) between two of its points.
         pivot: Shape=(3,) m, the middle of its bounding box.
     """
@@ -55,18 +55,18 @@ class ObjectModel:
 
 
 def from_primitives(name: str, parts: Sequence[SolidPart], symmetry: Symmetry | None = None) -> ObjectModel:
-    """An object of primitive parts; its symmetry is found where none is declared."""
+    """Model an object of primitive parts; its symmetry is found where none is declared."""
     return _model(name, from_parts(parts), symmetry)
 
 
 def from_mesh(name: str, path: Path, *, scale: float = 1.0, symmetry: Symmetry | None = None) -> ObjectModel:
-    """An object from an STL or OBJ file; its symmetry is found where none is declared.
+    """Model an object from an STL or OBJ file; its symmetry is found where none is declared.
 
     Args:
         name: What it is called in pictures.
         path: The file.
         scale: Metres per unit of the file.
-        symmetry: Motions that leave it as it is.
+        symmetry: Rotations that map it onto itself.
 
     Raises:
         InputError: The file cannot be read, or the object is not between 5 mm and 5 m wide.
@@ -85,7 +85,7 @@ def from_body(
     symmetry: Symmetry | None = None,
     groups: Sequence[int] = (0, 1, 2),
 ) -> ObjectModel:
-    """An object from the drawn geoms of one body of a MuJoCo scene, in the frame of that body.
+    """Model an object from the drawn geoms of one body of a MuJoCo scene, in the frame of that body.
 
     Raises:
         InputError: There is no such body, or nothing of it is drawn.
@@ -104,9 +104,9 @@ def from_body(
 
 
 def from_trial(model: mujoco.MjModel, trial: Trial, name: str) -> ObjectModel:
-    """What a tracker may know of one object of a trial: its exact shape, and its symmetry.
+    """Model one object of a trial, with its exact shape.
 
-    The symmetry is the declared one, or that of the shape where this is larger: pictures of depth show nothing else.
+    The symmetry is the declared one, or the shape's where that is larger: depth shows nothing but shape.
     """
     found = from_body(model, name)
     kind = trial.task.object(name).symmetry
@@ -123,7 +123,7 @@ def _model(name: str, solids: Solids, symmetry: Symmetry | None) -> ObjectModel:
     corners = triangles.reshape(-1, 3)
     if symmetry is None:
         few = points[:: max(1, len(points) // 300)]
-        # A prism lies inside its round part: twice its sagitta more is no asymmetry.
+        # A prism lies inside its round part: deviations up to twice its sagitta are no asymmetry.
         slack = 2 * (1 - math.cos(math.pi / _SIDES)) * float(np.abs(corners).max())
         symmetry = of_shape(few, lambda p: distance(np.ascontiguousarray(p), triangles), 0.001 + slack)
     low, high = corners.min(0), corners.max(0)
@@ -148,7 +148,7 @@ def _surface(solids: Solids, i: int) -> Array:
 
 
 def _grid_surface(outline: Array, half: Array) -> Array:
-    """A prism over an outline that turns left, Shape=(n, 2)."""
+    """Triangles of a prism over a counter-clockwise outline, Shape=(n, 2)."""
     n = len(outline)
     low, high = (np.column_stack([outline, np.full(n, side)]) * half for side in (-1.0, 1.0))
     faces = []
@@ -161,7 +161,7 @@ def _grid_surface(outline: Array, half: Array) -> Array:
 
 
 def _round_surface(kind: int, size: Array) -> Array:
-    """A ball, an ellipsoid or a capsule as rings."""
+    """Triangles of a sphere, an ellipsoid or a capsule, ring by ring."""
     scale = size if kind == kinds.ELLIPSOID else np.full(3, size[0])
     rise = size[1] if kind == kinds.CAPSULE else 0.0
     latitudes = np.linspace(-math.pi / 2, math.pi / 2, _SIDES // 2 + 1)
@@ -185,7 +185,7 @@ def _round_surface(kind: int, size: Array) -> Array:
 
 
 def _sample(solids: Solids, parts: list[Array]) -> tuple[Array, Array]:
-    """Points and normals spread by area with the R2 sequence, without those inside another primitive part."""
+    """Sample points and normals evenly by area (R2 sequence), without those inside another primitive part."""
     owner = np.repeat(np.arange(len(parts)), [len(p) for p in parts])
     triangles = np.concatenate(parts)
     cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])

@@ -1,4 +1,4 @@
-"""A trial's objects and a hand, put where one wants them and looked at by a camera."""
+"""A trial's scene with objects and hand set to given poses, seen by a camera."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from coral.contact.scene.trial import Trial
 
 Array = NDArray[np.float64]
 MOTIONS_EYE, MOTIONS_TARGET = (-0.35, -0.75, 0.6), (0.05, 0.0, 0.05)
-"""Beside the robot, looking down across the table: where prescribed motions are looked at from. Episodes have a
-viewpoint of their own, `tracked_cfg.EYE`, which the whole arm hides less from."""
+"""Viewpoint for prescribed motions: beside the robot, looking down across the table. Episodes use `tracked_cfg.EYE`,
+from which the whole arm hides less."""
 
 
 class PosedScene:
-    """A scene that is posed, not simulated.
+    """A scene whose poses are set, not simulated.
 
     Args:
         trial: The trial.
@@ -53,7 +53,7 @@ class PosedScene:
         )
 
     def take(self, moment: MotionSample, rng: np.random.Generator, time_s: float = 0.0) -> RgbdFrame:
-        """A picture of one moment."""
+        """Take a picture of one moment of a motion."""
         objects = {name: matrix_to_body(T) for name, T in moment.objects.items()}
         now = Observation(time_s, matrix_to_body(moment.tool), moment.opening_m, np.zeros(6), objects)
         put_state(self.model, self._data, now)

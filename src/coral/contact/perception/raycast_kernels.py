@@ -1,7 +1,7 @@
 """Exact ray casting of MuJoCo's primitive geoms and of triangle meshes into a z-buffer.
 
 A pixel's ray is eye + t * R (p, q, 1) with p = (u - cx) / fx and q = (v - cy) / fy, so t is the depth along the optical
-axis. Every solid is only tried at the pixels inside the projection of its bounding box.
+axis. Each solid is only tested at the pixels inside the projection of its bounding box.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def render(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _extent(kind: int, size: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Half the extents of the solid's own bounding box (m)."""
+    """Half extents (m) of the solid's bounding box, in its own frame."""
     if kind == SPHERE:
         return size[0], size[0], size[0]
     if kind == CAPSULE:
@@ -167,7 +167,7 @@ def _primitive(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _plane(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, sx: float, sy: float) -> float:
-    """The upper side of z = 0, as large as its size says; a size of 0 has no end."""
+    """The upper side of z = 0, with half extents sx and sy; 0 means infinite."""
     if oz <= 0.0 or dz >= 0.0:
         return _NONE
     t = -oz / dz

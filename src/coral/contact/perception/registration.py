@@ -1,4 +1,8 @@
-"""Finding an object without knowing where it was: many orientations, aligned coarsely, the best of them finely."""
+"""Registration: finding the pose of an object without a previous one.
+
+It minimises `misfit` over T_camera_object: the share of the picture that the drawn object does not explain. Many
+orientations are aligned on a coarse patch of the picture, and the best of them on a fine one.
+"""
 
 from __future__ import annotations
 
@@ -20,29 +24,35 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class RegistrationCfg:
-    """Chosen by measurement on the six tasks' objects (docs/contact-perception.md); the paper uses a network."""
+    """Chosen by measurement on the six tasks' objects (docs/contact-perception.md); the paper uses a network.
+
+    Args:
+        orientations: Spread over all rotations; those that the symmetry makes equal are tried once. FoundationPose
+            starts from 252.
+        headings: Tried for each side that the object may rest on: objects on tables do, and they cost little.
+        coarse_pixels, coarse_steps: Size of the patch and Gauss-Newton steps with which every orientation is tried.
+        kept: Orientations that go on to the fine alignment.
+        fine_pixels, fine_steps: Size of the patch and Gauss-Newton steps there.
+        outline: Weight of an outline pixel relative to a depth pixel.
+        wide_m, tight_m: Depth residuals larger than this do not count, in the first step and in the last one.
+        margin_m: Depths agree that differ by less.
+    """
 
     orientations: Count = 240
-    """Spread over all; divided by the order of the symmetry group. FoundationPose starts from 252."""
     headings: Count = 12
-    """Of every side that the object may rest on; they cost little, and objects on tables do rest on their sides."""
     coarse_pixels: Count = 1600
-    """Of the cut-out in which all orientations are tried."""
     coarse_steps: Count = 8
     kept: Count = 16
-    """Orientations that are aligned finely."""
     fine_pixels: Count = 12000
     fine_steps: Count = 20
     outline: NonNegative = 2.0
-    """Weight of an outline pixel against a depth pixel."""
     wide_m: Positive = 0.04
     tight_m: Positive = 0.01
     margin_m: Positive = 0.012
-    """Depths that differ by less agree."""
 
 
-def orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
-    """Orientations in the world to try, without those that look like another. Shape=(n, 3, 3)."""
+def start_orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
+    """Choose the orientations in the world to try; of those that look alike, one. Shape=(n, 3, 3)."""
     symmetry = model.symmetry
     if symmetry.sphere:
         return np.eye(3)[None]
@@ -82,17 +92,17 @@ def register(
     robot: NDArray[np.bool_],
     cfg: RegistrationCfg,
 ) -> Array:
-    """T_camera_object of the best fit. Shape=(4, 4).
+    """Find T_camera_object, Shape=(4, 4), of the best fit.
 
     Args:
         model: The object.
-        turns: Shape=(n, 3, 3), orientations in the world to try, as from `orientations`.
+        turns: Shape=(n, 3, 3), orientations in the world to try, as from `start_orientations`.
         depth: Shape=(H, W) m, 0 where nothing was measured.
         mask: Shape=(H, W), where the object is seen; not empty, with some depth.
         lens: Shape=(4,).
         T_world_camera: Shape=(4, 4).
         robot: Shape=(H, W), where the robot is seen.
-        cfg: How.
+        cfg: Sizes, steps and thresholds.
     """
     size = box_of(mask, 0)
     extent = max(size[1] - size[0], size[3] - size[2])
@@ -120,9 +130,9 @@ def register(
 
 
 def misfit(tally: Array) -> float:
-    """Share of what is seen that a pose does not explain, from a tally of `agreement_kernels.count`; 0 is perfect.
+    """The share of the picture that a pose does not explain, from a tally of `count_agreement`; 0 is perfect.
 
-    What something nearer hides costs a little, lest the object hide behind the hand; so does depth that is off a bit.
+    Occluded parts cost a little, or the object could hide behind the hand; so do small errors of depth.
     """
     bad = tally[kernels.WRONG] + tally[kernels.UNCOVERED] + tally[kernels.FREE]
     total = tally[kernels.AGREE] + bad
@@ -132,7 +142,7 @@ def misfit(tally: Array) -> float:
 
 
 def _distinct(found: list[tuple[float, int, Array]], limit: int) -> list[tuple[float, int, Array]]:
-    """The best ones, leaving out those that came to the same pose as a better one."""
+    """Keep the best poses, without those that converged to the same pose as a better one."""
     kept: list[tuple[float, int, Array]] = []
     for item in found:
         if all(np.abs(item[2] - other[2]).max() > 0.03 for other in kept):
@@ -143,7 +153,7 @@ def _distinct(found: list[tuple[float, int, Array]], limit: int) -> list[tuple[f
 
 
 def _start(model: ObjectModel, patch: ImagePatch) -> Array:
-    """Where the middle of the object is about: behind the middle of the mask's surface by a third of its size."""
+    """A first guess of the object's centre, Shape=(3,) m: a sixth of its diameter behind the middle of its mask."""
     rows, columns = np.nonzero(patch.mask & (patch.depth > 0))
     z = float(np.median(patch.depth[rows, columns])) + model.diameter / 6
     pixel = np.array([columns.mean(), rows.mean()])

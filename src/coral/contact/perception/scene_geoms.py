@@ -8,16 +8,16 @@ from coral.contact.scene.trial import Trial
 
 
 def instance_names(model: mujoco.MjModel, trial: Trial) -> dict[int, str]:
-    """Which geoms are seen as which movable object; all that moves otherwise is the robot."""
+    """Map geoms to the movable object that they belong to; every other moving geom is the robot's."""
     bodies = {int(model.body(name).id): name for name in trial.objects}
     robot = {i: "robot" for i, b in enumerate(model.geom_bodyid) if int(b) not in bodies and int(model.body_weldid[b])}
     return robot | {i: bodies[int(b)] for i, b in enumerate(model.geom_bodyid) if int(b) in bodies}
 
 
 def hidden_geoms(model: mujoco.MjModel, trial: Trial) -> list[int]:
-    """Geoms that a picture to be looked at leaves out: collision shapes over pretty ones, and the room around."""
+    """List the geoms that a picture for people leaves out: collision shapes over visual ones, and the room."""
     ours = {"table", *(fixture.name for fixture in trial.task.fixtures)}
-    pretty = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
+    visual = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
     bodies = {model.body(name).id for name in trial.objects}
     return [
         k
@@ -25,6 +25,6 @@ def hidden_geoms(model: mujoco.MjModel, trial: Trial) -> list[int]:
         if model.geom(k).name not in ours
         and (
             int(model.geom_bodyid[k]) == 0
-            or (model.geom_group[k] == 0 and int(model.geom_bodyid[k]) in pretty - bodies)
+            or (model.geom_group[k] == 0 and int(model.geom_bodyid[k]) in visual - bodies)
         )
     ]

@@ -1,4 +1,4 @@
-"""Motions of an object that leave its shape as it is, and which of the equal poses to report."""
+"""The rotational symmetry of an object, and which of its equal poses to report."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Symmetry:
-    """A group of rotations about one point of the object, as BOP declares them (Hodan et al., 2018).
+    """The rotations about one point that map an object onto itself, declared as in BOP (Hodan et al., 2018).
 
     Args:
         rotations: Shape=(n, 3, 3), the finite ones, the identity first.
-        axis: Shape=(3,), unit axis of which every turn is one; None where there is none.
-        center: Shape=(3,) m, the point that all of them leave where it is.
-        sphere: Whether every rotation is one.
+        axis: Shape=(3,), unit axis of a continuous symmetry; None without one.
+        center: Shape=(3,) m, the fixed point.
+        sphere: Whether every rotation is a symmetry.
     """
 
     rotations: Array = field(default_factory=lambda: np.eye(3)[None])
@@ -39,7 +39,7 @@ class Symmetry:
             raise InputError("object", "symmetry", "a matrix that is no rotation", "rotation matrices")
 
     def members(self, steps: int = 36) -> Array:
-        """Transforms of the object onto itself, a continuous one in `steps` turns. Shape=(m, 4, 4)."""
+        """Transforms of the object onto itself, a continuous symmetry in `steps` steps. Shape=(m, 4, 4)."""
         turns = self.rotations
         if self.sphere:
             turns = spread_rotations(8 * steps)
@@ -52,7 +52,7 @@ class Symmetry:
         return transforms
 
     def nearest(self, pose: Array, reference: Array) -> Array:
-        """The pose among the equal ones whose orientation is nearest that of `reference`. Shape=(4, 4).
+        """Of the equal poses, the one whose orientation is nearest to that of `reference`. Shape=(4, 4).
 
         Args:
             pose: Shape=(4, 4), object to any frame.
@@ -94,7 +94,7 @@ def of_kind(kind: str, extents: Array, center: Array | None = None) -> Symmetry:
         kind: "none", "box" (half turns about all axes), "square-box" (quarter turns about the odd one), "cube",
             "cylinder" (about z, and end over end) or "sphere".
         extents: Shape=(3,) m; the odd axis of a square box is the one whose extent differs most.
-        center: Shape=(3,) m, the point that stays where it is; the origin by default.
+        center: Shape=(3,) m, the fixed point; the origin by default.
     """
     middle = np.zeros(3) if center is None else np.asarray(center, float)
     axes = np.eye(3)
@@ -128,7 +128,7 @@ def _generated(by: list[Array]) -> Array:
 
 
 def of_shape(points: Array, distance: Callable[[Array], Array], tolerance_m: float = 0.001) -> Symmetry:
-    """The symmetry of a shape about the centre of its bounding box, among those along its own axes.
+    """Find the symmetry of a shape about the centre of its bounding box, among those along its own axes.
 
     Args:
         points: Shape=(n, 3) m, on the surface.
@@ -141,7 +141,7 @@ def of_shape(points: Array, distance: Callable[[Array], Array], tolerance_m: flo
         return float(distance((points - center) @ turn.T + center).max()) < tolerance_m
 
     axes = np.eye(3)
-    # Turns that no finite group of these axes holds: one that keeps the shape means that all do.
+    # No finite group of these axes contains these angles: a shape that they keep is kept by every turn.
     free = [a for a in axes if keeps(rotation_about(a, 1.0)) and keeps(rotation_about(a, 2.4))]
     if len(free) > 1:
         return Symmetry(center=center, sphere=True)

@@ -1,4 +1,4 @@
-"""The camera that watches a task, where it stands, and what is made of its pictures."""
+"""Configuration of tracking: the camera and its place, the tracker, and how its poses are used."""
 
 from __future__ import annotations
 
@@ -25,33 +25,33 @@ EYE, TARGET = (0.05, -0.9, 0.35), (0.05, 0.0, 0.08)
 EYES: Mapping[str, tuple[Place, Place]] = {
     "push-pick-board": ((-0.35, 0.75, 0.6), (0.05, 0.0, 0.05)),  # the hand takes the board's right-hand side
 }
-"""Of the tasks that are seen better from elsewhere."""
+"""Viewpoints of the tasks that are seen better from elsewhere."""
 _DRAWN = (0,)
-"""The robot's collision shapes stand for its looks: a little fuller, and drawn in half the time."""
+"""Geom groups: the robot is drawn by its collision shapes, a little thicker than its visual ones and twice as fast."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrackedCfg(TrackerCfgs):
-    """The camera, and what is made of its pictures.
+    """The camera, the tracker, and how its poses are used.
 
     Args:
-        period_s: Between two pictures.
-        latency_s: From a picture to the poses in it; no more than `period_s`: one picture is worked on at a time.
-        camera: The lens.
+        period_s: Time between two pictures.
+        latency_s: Time from a picture to the poses in it; at most `period_s`, as one picture is processed at a time.
+        camera: Size, field of view and range.
         eye_m, target_m: Where the camera is and what it looks at; by default where the task's objects are seen best.
-        noise: Whether depth and outlines are as a camera measures them.
-        depth_noise: How.
+        noise: Whether depth and outlines are noisy, as a real camera's.
+        depth_noise: Amounts of that noise.
         by: The tracker, as `--tracker` takes it.
         colours: Where colours come from, for a tracker that wants them: "shaded" by rays, the same everywhere; "best":
-            OpenGL's where it works. No other has any.
-        motion: What is made of its poses.
-        grip: When an object is held to be between the fingers, and so to move with the hand.
+            OpenGL's where it works. Other trackers get no colours.
+        motion: The filter of each object's poses.
+        grip: When an object is believed to be between the fingers, and so to move with the hand.
         first_pictures: Taken before the clock starts, for a better first pose.
-        search_s: For so long objects are looked for at first.
-        blind_s: Without a picture for so long the camera is off.
-        retreat_after_s: An object lost for so long lets the hand retreat upwards; 0 for never.
-        retreat_s: For so long, at most; then the plan is followed again, as long as before.
-        retreat_m_s: So fast.
+        search_s: How long objects are searched for at the start.
+        blind_s: After this time without a picture the camera counts as off.
+        retreat_after_s: After an object has been lost for this time the hand retreats upwards; 0 for never.
+        retreat_s: How long it retreats at most; then the plan is followed for `retreat_after_s` again.
+        retreat_m_s: Speed of the retreat.
     """
 
     period_s: Positive = 0.04
@@ -87,7 +87,7 @@ class TrackedCfg(TrackerCfgs):
 
 
 def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:
-    """Where the camera is, and what it looks at.
+    """Choose where the camera is and what it looks at.
 
     Raises:
         InputError: It would look straight down.
@@ -100,7 +100,7 @@ def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:
 
 
 def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg) -> RayCamera:
-    """The camera of an episode, its noise and its colours as configured."""
+    """Make an episode's camera, with noise and colours as configured."""
     noise = DepthNoise(cfg.depth_noise) if cfg.noise else None
     return RayCamera(
         model,

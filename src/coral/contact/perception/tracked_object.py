@@ -15,30 +15,41 @@ _IN_HAND_GAIN = 0.3
 
 
 class TrackedObject:
-    """One object: its tracker, and its motion in the world or, held between the fingers, in the hand."""
+    """Tracks one object in the frame in which it rests: the world's, or the hand's while the fingers hold it.
+
+    Args:
+        tracker: Finds it in pictures.
+        cfg: Of the filter of its poses.
+    """
 
     def __init__(self, tracker: PoseTracker, cfg: MotionFilterCfg) -> None:
         self.tracker, self._cfg = tracker, cfg
-        # Squeezed between rubber pads it moves with them: what pictures say otherwise is mostly noise.
+        # Squeezed between rubber pads it moves with them; what pictures show beyond that is mostly noise.
         self.in_hand = replace(cfg, position_gain=_IN_HAND_GAIN, velocity_gain=0.0)
         self.held = False
         self.lost_since: float | None = None
         self.motion: MotionFilter | None = None
 
     def hold(self, held: bool, tool: Array, time_s: float) -> None:
-        """Whether it now moves with the hand."""
+        """Change to the frame of the hand (`held`) or back to the world's.
+
+        Args:
+            held: Whether the object now moves with the hand.
+            tool: T_world_tool, Shape=(4, 4).
+            time_s: Present time.
+        """
         if held != self.held:
             before, after = (np.eye(4), inverse_transform(tool)) if held else (tool, np.eye(4))
-            T = after @ before @ self.known.at(time_s)
+            T = after @ before @ self.known.predict(time_s)
             self.motion, self.held = MotionFilter(self.in_hand if held else self._cfg, T, time_s), held
 
     @property
     def known(self) -> MotionFilter:
-        """Its motion, once it has been found."""
+        """Its motion; only after it has been found."""
         assert self.motion is not None
         return self.motion
 
     def at(self, tool: Array, time_s: float) -> Array:
-        """T_world_object."""
-        found = self.known.at(time_s)
+        """T_world_object at a time, Shape=(4, 4), with the hand at T_world_tool."""
+        found = self.known.predict(time_s)
         return tool @ found if self.held else found

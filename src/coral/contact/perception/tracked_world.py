@@ -1,4 +1,4 @@
-"""An evaluation world whose objects are seen by a camera: what is known of them comes from pictures, late and noisy."""
+"""An evaluation world in which object poses come from a camera's pictures, late and noisy."""
 
 from __future__ import annotations
 
@@ -27,26 +27,26 @@ from coral.errors import InputError
 
 
 class PictureSource(Protocol):
-    """Whatever takes the pictures."""
+    """Takes the pictures of a simulated world."""
 
     def take(self, data: mujoco.MjData, rng: np.random.Generator) -> RgbdFrame | None:
-        """A picture of the world as it stands; None where none came."""
+        """Take a picture of the present state; None where the camera delivers none."""
         ...
 
 
 class TrackedWorld:
-    """Another world, seen by a camera. The robot's own sensors are passed on as they are.
+    """Wraps a world: object poses come from a tracker, the robot's own sensors are passed on unchanged.
 
     Args:
-        world: Where things happen; simulated by MuJoCo, with `model` and `data`.
-        trial: The trial; of it shapes, symmetries and the task's ranges are used, as they are known beforehand.
-        cfg: How.
-        rng: Of the pictures' noise.
+        world: The world itself; it must have a simulation, for the camera to draw.
+        trial: Used for what is known beforehand: shapes, symmetries and the task's ranges.
+        cfg: Camera, tracker and filter.
+        rng: For the noise of pictures.
         eye: Takes the pictures; a ray-casting camera by default.
 
     Raises:
         InputError: The world cannot be seen.
-        TrackerFailed: There is no tracker: nobody serves it.
+        TrackerFailed: The tracker's server does not answer.
     """
 
     poses = "tracked"
@@ -78,16 +78,16 @@ class TrackedWorld:
         return self._world.simulation
 
     def reset(self) -> Observation:
-        """See `EvaluationWorld.reset`; the hand waits until every object has been found.
+        """See `EvaluationWorld.reset`; the hand waits until every object is found.
 
         Raises:
             WorldError: An object was not found ("not-found"), there are no pictures ("camera-off"), or no poses
                 ("tracker-failed").
         """
         now = self._world.reset()
-        self._let_go()
+        self._close_trackers()
         for name, shape in self._shapes.items():
-            with _named():
+            with _as_world_error():
                 tracker = self._choice.make(shape, nominal_pose(self._trial, name))
             self._objects[name] = TrackedObject(tracker, self.cfg.motion)
         self._late: deque[tuple[float, Array, dict[str, PoseEstimate]]] = deque()
@@ -96,7 +96,7 @@ class TrackedWorld:
         rest = HandTarget(now.tool.position, now.tool.quaternion, now.opening_m, 600.0)
         taken = 0
         while True:
-            missing = self._first(now, self._take(now))
+            missing = self._find(now, self._take(now))
             taken += 1
             if taken < self.cfg.first_pictures:
                 continue
@@ -133,7 +133,7 @@ class TrackedWorld:
             self._due_s += self.cfg.period_s
             frame = self._take(now)
             if frame is not None:
-                with _named():
+                with _as_world_error():
                     self._late.append(
                         (
                             now.time_s,
@@ -154,18 +154,18 @@ class TrackedWorld:
 
     def close(self) -> None:
         """See `EvaluationWorld.close`."""
-        self._let_go()
+        self._close_trackers()
         self._world.close()
 
     def news(self) -> list[dict[str, Any]]:
-        """Objects lost and found since the last call: object, lost, why, and for how long it was lost."""
+        """The losses and recoveries of objects since the last call, as fields of events."""
         said, self._news = self._news, []
         return said
 
     def retreat(self, target: HandTarget, now: Observation) -> HandTarget:
-        """The target, or straight up from where the hand is while an object has been lost for too long.
+        """Replace the target by one straight above the hand while an object has been lost for too long.
 
-        A hand that covers an object from the camera would otherwise push on after the last pose it knows.
+        A hand that hides an object from the camera would otherwise push on towards its last known pose.
         """
         cfg = self.cfg
         lost = [one.lost_since for one in self._objects.values() if one.lost_since is not None and not one.held]
@@ -179,7 +179,7 @@ class TrackedWorld:
         return HandTarget(now.tool.position + lead, now.tool.quaternion, target.opening_m, target.stiffness)
 
     def compare(self, now: Observation, truth: Truth) -> dict[str, PoseDifference]:
-        """How far what is held of the objects is from the truth; for the record."""
+        """Measure how far the believed poses are from the true ones; for the record only."""
         return {
             name: compare_poses(
                 shape.symmetry, now.objects[name], truth.objects[name], self._objects[name].lost_since is not None
@@ -187,11 +187,11 @@ class TrackedWorld:
             for name, shape in self._shapes.items()
         }
 
-    def _first(self, now: Observation, frame: RgbdFrame | None) -> dict[str, str]:
-        """Look for what has not been found, look again at the rest; what was never found, and why not."""
+    def _find(self, now: Observation, frame: RgbdFrame | None) -> dict[str, str]:
+        """Update every object before the clock starts; return those not found yet, with reasons."""
         missing = {}
         for name, one in self._objects.items():
-            with _named():
+            with _as_world_error():
                 estimate = None if frame is None else one.tracker.track(frame, frame.mask(name))
             if estimate is None or estimate.lost:
                 if one.motion is None:
@@ -199,11 +199,11 @@ class TrackedWorld:
             elif one.motion is None or estimate.registered:
                 one.motion = MotionFilter(self.cfg.motion, estimate.T_world_object, now.time_s)
             else:
-                one.motion.measure(estimate.T_world_object, now.time_s)
+                one.motion.update(estimate.T_world_object, now.time_s)
         return missing
 
-    def _let_go(self) -> None:
-        """Take leave of the trackers."""
+    def _close_trackers(self) -> None:
+        """Close the trackers."""
         for one in self._objects.values():
             one.tracker.close()
         self._objects.clear()
@@ -218,7 +218,7 @@ class TrackedWorld:
         return None
 
     def _deliver(self, time_s: float) -> None:
-        """Take in the poses that are worked out by now."""
+        """Update the filters with the poses whose latency has passed."""
         while self._late and self._late[0][0] + self.cfg.latency_s <= time_s + 1e-9:
             taken_s, tool, estimates = self._late.popleft()
             for name, estimate in estimates.items():
@@ -238,7 +238,7 @@ class TrackedWorld:
             one.lost_since = None
             one.motion = MotionFilter(one.in_hand if one.held else self.cfg.motion, T, taken_s)
         else:
-            one.known.measure(T, taken_s)
+            one.known.update(T, taken_s)
 
     def _seen(self, now: Observation) -> Observation:
         tool = body_to_matrix(now.tool)
@@ -256,8 +256,8 @@ class TrackedWorld:
 
 
 @contextmanager
-def _named() -> Iterator[None]:
-    """A tracker's failure as one of the world."""
+def _as_world_error() -> Iterator[None]:
+    """Raise a tracker's failure as an error of the world."""
     try:
         yield
     except TrackerFailed as error:
@@ -265,7 +265,7 @@ def _named() -> Iterator[None]:
 
 
 def nominal_pose(trial: Trial, name: str) -> Array:
-    """T_world_object in the middle of the task file's ranges: of equal poses, the one nearest to it is reported."""
+    """T_world_object in the middle of the task file's ranges; of equal poses the tracker reports the nearest to it."""
     item = trial.task.object(name)
     turn = rotation_about(np.array([0.0, 0.0, 1.0]), float(np.radians(np.mean(item.yaw_deg))))
     return pose_matrix(

@@ -1,4 +1,4 @@
-"""What a pose tracker is: `register` finds an object, `track` follows it."""
+"""The interface of a pose tracker: `register` finds an object, `track` follows it."""
 
 from __future__ import annotations
 
@@ -16,16 +16,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PoseEstimate:
-    """Where an object is held to be.
+    """Where an object is believed to be.
 
     Args:
-        T_world_object: Shape=(4, 4). While it is lost, where it was last seen; before it was ever found, where it was
-            expected.
-        confidence: Of this pose, up to 1; 0 while the object is lost.
-        lost: Whether the pose is not to be relied on.
-        visible: Share of the object's drawing that is seen.
+        T_world_object: Shape=(4, 4). For a lost object, the last pose; before the first one, the expected pose.
+        confidence: In this pose, up to 1; 0 for a lost object.
+        lost: Whether the pose cannot be relied on.
+        visible: Share of the object's drawing that is visible.
         reason: Why it is lost: "not seen", "covered", "does not fit"; "" otherwise.
-        registered: Whether the pose was found anew instead of followed from the last one.
+        registered: Whether the pose comes from registration, not from tracking.
     """
 
     T_world_object: Array
@@ -37,7 +36,7 @@ class PoseEstimate:
 
 
 class TrackerFailed(RunError):
-    """A tracker cannot go on: its server is out of reach, say. That an object is lost is no such failure."""
+    """A tracker cannot go on, as when its server does not answer. A lost object is not a failure."""
 
 
 class PoseTracker(Protocol):
@@ -45,14 +44,14 @@ class PoseTracker(Protocol):
 
     Attributes:
         name: For records.
-        wants_colours: Whether its pictures must have colours; without, none are made.
+        wants_colours: Whether its pictures must have colours; otherwise none are drawn.
     """
 
     name: str
     wants_colours: bool
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
-        """Find the object without knowing where it was.
+        """Find the object without a previous pose.
 
         Args:
             frame: The picture.
@@ -64,13 +63,13 @@ class PoseTracker(Protocol):
         ...
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
-        """Follow the object into the next picture.
+        """Track the object into the next picture.
 
         Args:
             frame: The picture.
             mask: Shape=(H, W), where the object is seen in it.
-            guess: T_world_object, Shape=(4, 4), where the object may be: with the hand that holds it, say. A hint,
-                which a tracker may leave alone.
+            guess: T_world_object, Shape=(4, 4), where the object may be, as when the hand carries it. A tracker may
+                ignore this hint.
 
         Raises:
             TrackerFailed: The tracker cannot go on.
@@ -78,5 +77,5 @@ class PoseTracker(Protocol):
         ...
 
     def close(self) -> None:
-        """Give back what is held elsewhere, on a server say; never fails, and may be called again."""
+        """Release what is held elsewhere, as on a server; never fails, and may be called again."""
         ...

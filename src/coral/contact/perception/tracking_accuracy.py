@@ -1,4 +1,4 @@
-"""How well a tracker follows a motion: errors by the field's measures, times, and what it makes of fresh starts."""
+"""Measures how well a tracker follows a motion: pose errors, times, and registrations from scratch."""
 
 from __future__ import annotations
 
@@ -31,26 +31,31 @@ MakeTracker = Callable[[ObjectModel], PoseTracker]
 
 @dataclass(frozen=True, kw_only=True)
 class AccuracyCfg:
-    """One measurement."""
+    """How the accuracy is measured.
+
+    Args:
+        camera: Of the pictures.
+        noise: Of the depth; None for none.
+        colours: Whether pictures have colours: networks need them.
+        period_s: Between pictures: 10 Hz, the lower end of what closed loops need.
+        registrations: Registrations from scratch, spread evenly over the pictures that show enough.
+        enough: Share of the object that must be visible for one.
+        within_mm, within_deg: A registration with smaller errors than both counts as a success.
+    """
 
     camera: RgbdCameraCfg
     noise: DepthNoise | None
     colours: Colours = "none"
-    """Whether pictures have colours: networks need them."""
     period_s: TimeStep = 0.1
-    """Between pictures: 10 Hz, the lower end of what closed loops need."""
     registrations: Count = 8
-    """Fresh starts, spread evenly over the pictures that show enough."""
     enough: Fraction = 0.25
-    """Share of the object that must be seen for a fresh start."""
     within_mm: float = 5.0
     within_deg: float = 5.0
-    """A fresh start closer than both to the truth counts as a success."""
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Of one object in one motion. Errors are modulo the object's symmetry, but for ADD.
+    """The accuracy for one object in one motion. Errors are modulo the object's symmetry, except ADD.
 
     Args:
         task: Whose motion it is.
@@ -60,10 +65,10 @@ class Accuracy:
         mm_95, deg_95: What 95 % of the pictures stay below.
         add_mm, add_s_mm, mssd_mm: Medians.
         lost: Pictures that the tracker reported as lost.
-        least_visible: Smallest share of the object that was seen, at its true pose.
+        least_visible: Smallest visible share of the object, at its true pose.
         update_ms, update_ms_95: Time of one update.
-        registrations, registered: Fresh starts, and how many were within the limits.
-        registration_s: Median time of a fresh start.
+        registrations, registered: Registrations from scratch, and how many were within the limits.
+        registration_s: Median time of a registration.
     """
 
     task: str
@@ -86,7 +91,7 @@ class Accuracy:
 
 
 def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]:
-    """Follow every object of a trial through the motion of its task."""
+    """Track every object of a trial through the motion of its task."""
     motion = motion_of(trial)
     stage = PosedScene(trial, cfg.camera, cfg.noise, colours=cfg.colours)
     rng = np.random.default_rng([trial.seed, 1])
@@ -99,7 +104,7 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
         with closing(make(model)) as tracker:
             _warm(tracker, frames[0].mask(name), frames[0])
         visible = [
-            _seen(model, frame, frame.mask(name), truth.objects[name])
+            _visible_share(model, frame, frame.mask(name), truth.objects[name])
             for frame, truth in zip(frames, truths, strict=True)
         ]
         errors, spent, poses, lost = [], [], [], 0
@@ -150,13 +155,13 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
 
 
 def _warm(tracker: PoseTracker, mask: NDArray[np.bool_], frame: RgbdFrame) -> None:
-    """One start and one update that are not timed: the first ones compile."""
+    """Register and update once without timing: the first calls compile."""
     tracker.register(frame, mask)
     tracker.track(frame, mask)
 
 
-def _seen(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_], truth: Array) -> float:
-    """Share of the object at its true pose that is seen."""
+def _visible_share(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_], truth: Array) -> float:
+    """Share of the object, at its true pose, that is visible."""
     if not mask.any():
         return 0.0
     cfg = ConfidenceCfg()

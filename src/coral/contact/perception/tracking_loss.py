@@ -1,4 +1,4 @@
-"""What a tracker does when it loses its object: taken out of view for a second, or covered by the hand."""
+"""Measures how a tracker loses and finds an object that leaves the view for a second or is covered by the hand."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ _SECONDS = 1.0
 
 @dataclass(frozen=True)
 class TrackingLoss:
-    """One object, lost and found.
+    """The loss and recovery of one object.
 
     Args:
         task, object: Which.
         how: "out of view", taken away and put down 8 cm on and turned by 40 degrees; or "covered", moved on by 3 cm
             behind a hand held before the camera.
-        noticed_frames: Pictures until the tracker reported it lost, the first one without the object counting as 1;
-            0 when it never did.
+        noticed_frames: Pictures until the tracker reported the loss, counting the first one without the object as 1; 0
+            if it never did.
         reported: Share of the pictures without the object in which it was reported as lost.
         reason: What the tracker said.
-        recovered_frames: Pictures until a pose was given again, likewise; 0 when it never was.
+        recovered_frames: Likewise, until it reported a pose again.
         mm, deg: Error one second after, modulo symmetry.
         slowest_s: Longest update on the way.
     """
@@ -53,7 +53,7 @@ class TrackingLoss:
 
 
 def measure_loss(trial: Trial, make: MakeTracker, cfg: AccuracyCfg, how: How) -> TrackingLoss:
-    """Follow the first object of a trial for a second, take it away for one, and give it back for one."""
+    """Track the first object of a trial for a second, remove it for a second, and put it back for a second."""
     stage = PosedScene(trial, cfg.camera, cfg.noise, colours=cfg.colours)
     name = trial.task.objects[0].name
     model = from_trial(stage.model, trial, name)
@@ -91,7 +91,7 @@ def measure_loss(trial: Trial, make: MakeTracker, cfg: AccuracyCfg, how: How) ->
 
 
 def _gone(stage: PosedScene, aside: MotionSample, name: str, how: How) -> tuple[MotionSample, MotionSample]:
-    """The moments without the object, and after."""
+    """The poses while the object is gone, and after."""
     here = aside.objects[name]
     if how == "out of view":
         away = pose_matrix(here[:3, :3], here[:3, 3] + np.array([0.0, 0.0, -5.0]))

@@ -1,1 +1,1 @@
-"""Vision-language-action policies that a server elsewhere runs, on the same tasks, in the same worlds."""
+"""Vision-language-action policies that run on a server, on the same tasks and in the same worlds."""

@@ -1,4 +1,4 @@
-"""`[NAME=]ws://HOST:PORT` on the command line: where a policy is served, and what tables call it."""
+"""`[NAME=]ws://HOST:PORT` on the command line: the server of a policy, and its name in tables."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Address:
     """A served policy.
 
     Args:
-        name: For records; `openvla-oft` and `pi05` stand in the paper's rows of Table 1.
+        name: For records; `openvla-oft` and `pi05` are compared with the paper's rows of Table 1.
         url: Of its server.
     """
 
@@ -27,15 +27,15 @@ class Address:
 
 
 def parse_address(text: str, taken: Collection[str] = (), where: str = "--policy") -> Address:
-    """Read an address.
+    """Parse an address.
 
     Args:
         text: As on the command line.
-        taken: Names that mean something else.
+        taken: Names that are in use.
         where: The flag, for errors.
 
     Raises:
-        InputError: It is none.
+        InputError: It is not an address.
     """
     name, separator, url = text.partition("=")
     if not separator:

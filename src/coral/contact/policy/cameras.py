@@ -1,4 +1,4 @@
-"""What a policy is shown: LIBERO's two cameras, one across the table and one at the wrist, by ray casting."""
+"""The cameras of a policy: LIBERO's two, one across the table and one at the wrist, by ray casting."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ _HIDDEN = 5
 
 @dataclass(frozen=True, kw_only=True)
 class PolicyCamerasCfg:
-    """The cameras.
+    """Configuration of both cameras.
 
     Args:
         pixels: Width and height (openpi's LIBERO example sends 224).
         eye_m, target_m: Of the camera across the table: LIBERO's "agentview" in our frame.
         vfov_deg: Its field of view (MuJoCo's default, which LIBERO keeps).
-        wrist_m: The other camera in the tool's frame; it looks out of the palm, its top towards the hand's x.
+        wrist_m: Position of the wrist camera in the tool frame; it looks out of the palm, its top towards the hand's x.
         wrist_vfov_deg: Its field of view (robosuite's "eye_in_hand").
         mirrored: Left and right exchanged. LIBERO's pictures are: OpenGL's rows from bottom to top, turned by half.
-        colours: "shaded" by rays, the same everywhere; "best": OpenGL's where it works, nearer to what policies know.
+        colours: "shaded" by rays, the same everywhere; "best": OpenGL's where it works, closer to training pictures.
     """
 
     pixels: Annotated[int, Field(ge=16, le=1024)] = 224
@@ -46,7 +46,7 @@ class PolicyCamerasCfg:
 
 
 class PolicyCameras:
-    """Looks at a simulated world.
+    """Takes both pictures of a simulated world.
 
     Args:
         model: The world's model; it is not changed.
@@ -70,7 +70,7 @@ class PolicyCameras:
         self._wrist = camera(cfg.wrist_vfov_deg, 0.005, np.eye(4))
 
     def look(self, data: mujoco.MjData, tool: BodyState) -> tuple[Image, Image]:
-        """Pictures from across the table and from the wrist, each Shape=(H, W, 3), RGB.
+        """Take the pictures from across the table and from the wrist, each Shape=(H, W, 3), RGB.
 
         Args:
             data: The world's state, its kinematics up to date.
@@ -90,7 +90,7 @@ def wrist_pose(tool: BodyState, place_m: Array) -> Array:
 
     Args:
         tool: The tool frame.
-        place_m: Shape=(3,), where the camera is in it.
+        place_m: Shape=(3,), position of the camera in it.
     """
     turn, pose = rotation_of(tool.quaternion), np.eye(4)
     pose[:3, :3] = turn @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -99,9 +99,9 @@ def wrist_pose(tool: BodyState, place_m: Array) -> Array:
 
 
 def _uncovered(model: mujoco.MjModel) -> mujoco.MjModel:
-    """A copy in which a robot's collision shapes (group 0) do not cover its pretty ones (group 1)."""
+    """Copy a model so that the robot's collision shapes (group 0) do not cover its visual ones (group 1)."""
     shown = copy.copy(model)
-    pretty = set(model.geom_bodyid[model.geom_group == 1].tolist()) - {0}
+    visual = set(model.geom_bodyid[model.geom_group == 1].tolist()) - {0}
     plain = np.flatnonzero(model.geom_group == 0)
-    shown.geom_group[[geom for geom in plain if int(model.geom_bodyid[geom]) in pretty]] = _HIDDEN
+    shown.geom_group[[geom for geom in plain if int(model.geom_bodyid[geom]) in visual]] = _HIDDEN
     return shown

@@ -1,4 +1,4 @@
-"""Everything that defines how a served policy is run."""
+"""Configuration of episodes that a served policy drives."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from coral.contact.policy.libero_convention import LiberoCfg
 
 @dataclass(frozen=True, kw_only=True)
 class PolicyCfg:
-    """A served policy, in episodes that one drives.
+    """How a served policy is run.
 
     Args:
-        client: Patience with the server.
-        libero: What observations and actions mean.
+        client: Deadlines and limits.
+        libero: Meaning of observations and actions.
         eyes: The cameras.
     """
 

@@ -1,8 +1,8 @@
 """Asks a policy server for actions over a websocket: openpi's protocol, with deadlines and limits of its own.
 
-The server speaks first: its metadata. Then each observation is answered by one message. A text instead of bytes is the
-server's account of an error. Messages bear no number, so that an answer that is late must never be taken for the next
-one's: a connection that missed its deadline is dropped.
+The server first sends its metadata, then one message for each observation. A text message instead of bytes reports an
+error. Messages are not numbered, so a late answer could be taken for the next one's: a connection that missed its
+deadline is dropped.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ T = TypeVar("T")
 KEY_VARIABLE = "CORAL_POLICY_KEY"
 """Environment variable with the key of servers that ask for one (sent as openpi's client does)."""
 OUTAGES = ("unreachable", "silence", "closed")
-"""Failures of the line, not of the policy: worth another attempt."""
+"""Failures of the connection, not of the policy: worth another attempt."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ClientCfg:
-    """Patience with the server.
+    """Deadlines and limits.
 
     Args:
-        connect_s: To connect and hear the server's metadata.
-        answer_s: For one chunk of actions. A server that compiles at its first question may need a minute.
-        attempts: Times that a question is put, on a new connection each, while the line fails.
-        wait_s: Between them.
-        most_bytes: No message may be longer; a chunk of fifty actions has 3 kB.
+        connect_s: Time to connect and receive the server's metadata.
+        answer_s: Time for one chunk of actions. A server that compiles at its first question may need a minute.
+        attempts: How often a question is sent while the connection fails, each time on a new one.
+        wait_s: Between attempts.
+        most_bytes: Longest message; a chunk of fifty actions has 3 kB.
     """
 
     connect_s: Positive = 10.0
@@ -59,11 +59,11 @@ class PolicyError(RuntimeError):
 
 
 class PolicyClient:
-    """A connection to a policy server, made anew when it breaks.
+    """A connection to a policy server, renewed when it breaks.
 
     Args:
         url: ws://HOST:PORT or wss://HOST:PORT.
-        cfg: Patience.
+        cfg: Deadlines and limits.
     """
 
     def __init__(self, url: str, cfg: ClientCfg) -> None:
@@ -75,18 +75,18 @@ class PolicyClient:
         logging.getLogger("websockets.client").setLevel(logging.CRITICAL)  # what fails is told by PolicyError
 
     def connect(self) -> None:
-        """Connect, if that is not done; the server's metadata is in `metadata` then.
+        """Connect, unless connected; the server's metadata is then in `metadata`.
 
         Raises:
-            PolicyError: It does not answer, or not as a policy server.
+            PolicyError: The server does not answer, or not like a policy server.
         """
         self._run(self._connect())
 
     def infer(self, observation: Mapping[str, Any]) -> Mapping[Any, Any]:
-        """The server's answer to an observation.
+        """Ask for the actions of an observation.
 
         Raises:
-            PolicyError: There is none that can be used.
+            PolicyError: No usable answer came.
         """
         try:
             question = encode(observation)
@@ -95,7 +95,7 @@ class PolicyClient:
         return self._run(self._ask(question))
 
     def close(self) -> None:
-        """Leave the server."""
+        """Close the connection."""
         if self._line is not None:
             self._run(self._leave(self._line))
             self._line = None
@@ -176,7 +176,7 @@ class PolicyClient:
         return answer
 
     def _drop(self) -> None:
-        """Let go of the connection without a word: it may be the one that does not answer."""
+        """Drop the connection without a closing handshake: the server may not answer."""
         if self._line is not None:
             self._line.transport.abort()
             self._line = None
@@ -195,5 +195,5 @@ def _last_line(text: str) -> str:
 
 
 def printable(text: str, most: int = 200) -> str:
-    """A server's words on one short line, without control characters."""
+    """Shorten a server's text to one line without control characters."""
     return " ".join("".join(c if c.isprintable() else " " for c in text[: 4 * most]).split())[:most]

@@ -1,4 +1,4 @@
-"""The LIBERO convention of observations and actions, in which most published policies for a Panda are fine-tuned.
+"""The LIBERO convention of observations and actions, which most published policies for a Panda are fine-tuned on.
 
 Observation: two pictures, `state` = position of the tool (m), its orientation as axis times angle (rad), both finger
 joints (m), and the instruction. Action: seven numbers from -1 to 1, three of them a step of the position, three a turn,
@@ -25,7 +25,7 @@ MOST_ACTIONS = 1000
 
 @dataclass(frozen=True, kw_only=True)
 class LiberoCfg:
-    """How actions become motion.
+    """Scales and rates of the convention.
 
     Args:
         rate_hz: Actions per second (LIBERO's control frequency).
@@ -56,7 +56,7 @@ class LiberoCfg:
 
 
 def state(now: Observation, cfg: LiberoCfg) -> Array:
-    """What the robot feels of itself, Shape=(8,)."""
+    """The robot's own state, Shape=(8,)."""
     return np.concatenate(
         [now.tool.position + cfg.origin_m, axis_angle(now.tool.quaternion), [now.opening_m / 2, -now.opening_m / 2]]
     )
@@ -74,10 +74,10 @@ def axis_angle(quaternion: Array) -> Array:
 
 
 def actions_of(answer: Mapping[Any, Any]) -> Array:
-    """The actions in a server's answer, Shape=(n, 7).
+    """Read the actions in a server's answer, Shape=(n, 7).
 
     Raises:
-        PolicyError: There are none ("bad-actions"), or they hold something that is no number ("not-finite").
+        PolicyError: There are none ("bad-actions"), or they are not finite ("not-finite").
     """
     found = answer.get("actions", answer.get(b"actions"))
     if found is None:
@@ -96,12 +96,12 @@ def actions_of(answer: Mapping[Any, Any]) -> Array:
 
 
 def target(now: Observation, action: Array, cfg: LiberoCfg) -> HandTarget:
-    """Where an action pulls the hand, from where it is measured to be.
+    """Convert an action to a target of the hand, relative to its measured pose.
 
     Args:
-        now: At the beginning of the action; the target's opening is the present one.
-        action: Shape=(7,); beyond -1 and 1 it counts as -1 and 1.
-        cfg: What it means.
+        now: At the start of the action; the target's opening is the present one.
+        action: Shape=(7,); clipped to -1 and 1.
+        cfg: Scales.
     """
     step = np.clip(action, -1.0, 1.0)
     return HandTarget(
@@ -113,6 +113,6 @@ def target(now: Observation, action: Array, cfg: LiberoCfg) -> HandTarget:
 
 
 def opened(opening_m: float, action: Array, cfg: LiberoCfg) -> float:
-    """The commanded distance of the finger pads (m) a tick later; it moves by the sign of the action's last number."""
+    """The commanded distance of the finger pads (m) a tick later; the sign of the action's last number moves it."""
     closing = float(np.sign(action[6])) * (1.0 if cfg.gripper == "positive" else -1.0)
     return float(np.clip(opening_m - closing * cfg.opening_m_s * cfg.tick_s, SQUEEZE_M, MAX_OPENING_M))

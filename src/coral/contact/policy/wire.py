@@ -16,16 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 PLAIN = re.compile(r"[<>|=]?[biuf][1248]")
-"""The dtypes that are read: truth values, whole numbers and floats. All else, as objects, would be code or a guess."""
+"""The dtypes that are read: booleans, integers and floats. Others, such as objects, would be code or a guess."""
 MOST_AXES = 8
 
 
 class WireError(ValueError):
-    """A message that cannot be read, or would not be safe to."""
+    """A message that cannot be read, or not safely."""
 
 
 def encode(message: Mapping[str, Any]) -> bytes:
-    """A message as bytes.
+    """Encode a message as bytes.
 
     Args:
         message: Texts, numbers, maps, lists and arrays.
@@ -40,10 +40,10 @@ def encode(message: Mapping[str, Any]) -> bytes:
 
 
 def decode(data: bytes) -> Any:
-    """The message that bytes hold; its arrays are copies that may be written to.
+    """Decode a message; its arrays are writable copies.
 
     Raises:
-        WireError: It is no MessagePack, or holds an array that is not plain numbers of the size that it says.
+        WireError: It is not MessagePack, or holds an array that is not plain numbers of the stated size.
     """
     try:
         return _unpacked(msgspec.msgpack.decode(data))
@@ -85,15 +85,15 @@ def _unpacked(value: Any) -> Any:
 
 
 def marked(value: Mapping[Any, Any], mark: str) -> bool:
-    """Whether a map stands for something else; servers in other languages may send the mark as text."""
+    """Whether a map encodes an array or scalar; servers in other languages may send the mark as text."""
     return mark.encode() in value or mark in value
 
 
 def field(value: Mapping[Any, Any], name: str) -> Any:
-    """A field of such a map.
+    """Read a field of such a map.
 
     Raises:
-        WireError: There is none.
+        WireError: It is missing.
     """
     if not marked(value, name):
         raise WireError(f"an array without {name}")

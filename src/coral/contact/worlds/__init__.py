@@ -1,1 +1,1 @@
-"""Evaluation worlds: where a trial really takes place."""
+"""Evaluation worlds: where a trial runs."""

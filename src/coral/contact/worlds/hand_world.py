@@ -1,7 +1,7 @@
-"""The light evaluation world: the planner's free-flying hand in a finer, different simulation; no robosuite needed.
+"""The light evaluation world: a free-flying hand in a finer simulation than the planner's; it needs no robosuite.
 
-It differs from the planning world in what the planner cannot know (true masses and frictions) and in how it is
-computed: 2 ms steps, elliptic cones, contacts that resist twisting.
+It differs from the planning world in what the planner cannot know (true masses and frictions) and in the physics: 2 ms
+steps, elliptic cones, contacts that resist twisting.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from coral.contact.worlds.merged_contacts import merged_contacts
 
 @dataclass(frozen=True, kw_only=True)
 class HandWorldCfg:
-    """The light world.
+    """Configuration of the light evaluation world.
 
     Args:
         physics_dt_s: Step of the physics.
-        control_period_s: How long a target holds.
+        control_period_s: How long each target is applied.
         hand: The hand's dynamics.
-        start_m: Where the tool begins.
+        start_m: Start position of the tool.
     """
 
     physics_dt_s: TimeStep = 0.002
@@ -40,11 +40,11 @@ class HandWorldCfg:
 
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""The tool pointing down, its opening along the world's y."""
+"""Orientation of the tool: pointing down, opening along the world's y."""
 
 
 class HandWorld:
-    """A simulated trial with the free-flying hand."""
+    """Simulates a trial with the free-flying hand."""
 
     name = "hand"
 
@@ -109,7 +109,7 @@ class HandWorld:
             self._stiffness = target.stiffness
         data.mocap_pos[0], data.mocap_quat[0] = target.position, target.quaternion
         data.ctrl[:2] = target.opening_m / 2
-        # The impedance's own input is a displacement, in the target's axes.
+        # The hand's actuators take a displacement, in the target's axes.
         own = target.quaternion * np.array([1.0, -1, -1, -1])
         data.ctrl[2:5] = rotate(own, target.force) / target.stiffness
         data.ctrl[5:8] = rotate(own, target.torque) / (self.cfg.hand.lever_m2 * target.stiffness)
@@ -129,7 +129,7 @@ class HandWorld:
 
 
 def part_of(model: mujoco.MjModel, geom: int) -> str:
-    """Name by which a geom is known to the judge."""
+    """Name of a geom for the judge."""
     body = int(model.geom_bodyid[geom])
     return str(model.geom(geom).name if body == 0 else model.body(body).name)
 

@@ -13,7 +13,7 @@ from coral.contact.scene.observation import Contact
 def merged_contacts(
     model: mujoco.MjModel, data: mujoco.MjData, part_of: Callable[[mujoco.MjModel, int], str]
 ) -> tuple[Contact, ...]:
-    """Net force and mean point of every touching pair; touch between parts of the same name is left out."""
+    """Merge the contacts of each touching pair into net force and mean point; parts of one name do not count."""
     found: dict[tuple[str, str], list[np.ndarray]] = {}
     wrench = np.zeros(6)
     for k in range(data.ncon):

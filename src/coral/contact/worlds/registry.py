@@ -24,26 +24,26 @@ WORLDS: dict[str, Callable[[Trial, float], EvaluationWorld]] = {"panda": _panda,
 
 
 def make_world(name: str, trial: Trial, period_s: float) -> EvaluationWorld:
-    """An evaluation world.
+    """Make an evaluation world.
 
     Args:
         name: "panda": the robot in robosuite; "hand": the free-flying hand.
         trial: The trial.
-        period_s: Of the control.
+        period_s: Control period.
 
     Raises:
-        InputError: There is no such world.
-        RunError: What it needs is not installed.
+        InputError: No world has this name.
+        RunError: A package that it needs is not installed.
     """
     check_world(name)
     return WORLDS[name](trial, period_s)
 
 
 def check_world(name: str, where: str = "--world") -> None:
-    """See that a world exists.
+    """Check that a world of this name exists.
 
     Raises:
-        InputError: It does not.
+        InputError: None does.
     """
     if name not in WORLDS:
         raise InputError(where, "", repr(name), f"one of {', '.join(WORLDS)}{nearest(name, WORLDS)}")

@@ -1,7 +1,7 @@
-"""A Franka Panda from robosuite standing behind our table, stepped by robosuite's own loop.
+"""A robosuite environment: a Franka Panda behind our table, stepped by robosuite's own loop.
 
-robosuite composes the robot (arm, gripper, mount) and runs the physics; the scene is added to its XML by a processor,
-and the arm's torques come from whoever is called in `_pre_action`, at every physics step.
+robosuite composes the robot (arm, gripper, mount) and runs the physics. An XML processor adds the scene, and a callback
+in `_pre_action` sets the arm's torques at every physics step.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ MOUNT_HEIGHT_M = 0.912  # from the floor to the arm's foot, on robosuite's pedes
 
 @dataclass(frozen=True, kw_only=True)
 class RobotCfg:
-    """Where the robot stands and how it begins.
+    """Base and start posture of the robot.
 
     Args:
-        base: Foot of the arm (link 0), world frame, m. Chosen by a study of inverse kinematics (a test keeps it).
+        base: Foot of the arm (link 0), world frame, m. Chosen by a study of inverse kinematics that is kept as a test.
         joints: Shape=(7,) rad at reset: hand pointing down over the near half of the table, elbow up, mid-range.
-        motor_inertia: kg m^2 at each joint, of rotor and gear, instead of robosuite's 5 to 0.7.
-        link_inertia_factor: On robosuite's rotational inertias of links and hand, which are those of bodies three times
-            as long (0.3 kg m^2 for a link of 3 kg).
-        physics_step_s: 2 ms is robosuite's, and keeps a stiff grasp stable.
+        motor_inertia: Of rotor and gear at each joint, kg m^2; robosuite has 5 to 0.7.
+        link_inertia_factor: Scales robosuite's rotational inertias of links and hand, which would fit bodies three
+            times as long (0.3 kg m^2 for a link of 3 kg).
+        physics_step_s: robosuite's 2 ms keep a stiff grasp stable.
     """
 
     base: tuple[float, float, float] = (-0.5, 0.0, 0.0)
@@ -50,7 +50,7 @@ class RobotCfg:
 
 
 def _robosuite() -> Any:
-    logging.disable(logging.WARNING)  # it warns of macros, of models and of a controller that nobody asked for
+    logging.disable(logging.WARNING)  # it warns about macros, models and a controller that are not used
     try:
         import robosuite
         from robosuite.environments.manipulation.manipulation_env import ManipulationEnv
@@ -70,7 +70,7 @@ def make_environment(
     control_period_s: float,
     before_physics_step: Callable[[Any], None],
 ) -> Any:
-    """A robosuite environment holding the Panda and our scene.
+    """Make a robosuite environment with the Panda and our scene.
 
     Args:
         add_scene: Adds table, fixtures and objects to a model in world coordinates.
@@ -142,11 +142,11 @@ def _processor(add_scene: Callable[[mujoco.MjSpec], None], cfg: RobotCfg) -> Cal
         spec.option.timestep = cfg.physics_step_s
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         spec.option.impratio = 10
-        spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)  # a divergence must show
+        spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)  # a reset would hide a divergence
         for marker in ("left_eef_target", "right_eef_target"):
             spec.delete(spec.body(marker))
         for geom in spec.geoms:
-            if geom.name.startswith("wall_"):  # of the room; cameras would see them
+            if geom.name.startswith("wall_"):  # the room's walls; cameras would see them
                 spec.delete(geom)
         spec.geom("floor").name = FLOOR
         for name in JOINTS:

@@ -1,4 +1,4 @@
-"""When a simulated trial cannot go on: it diverged, an object went through the table, the arm cannot take the pose."""
+"""Detects that a simulated trial cannot go on: divergence, an object through the table, an unreachable pose."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class FailureMonitorCfg:
     """Limits.
 
     Args:
-        max_speed: m/s or rad/s of any joint or object; more is a simulation gone wrong.
-        sunk_m: How far below the table's top an object's centre of mass must go for it to have passed through.
+        max_speed: m/s or rad/s of any joint or object; beyond it the simulation has diverged.
+        sunk_m: An object whose centre of mass is farther below the table's top than this has passed through it.
         reach_error_m, reach_error_rad: A hand that rests this far from its target, touching nothing, for
             `reach_time_s`, cannot get there.
-        rest_m_s: A hand slower than this rests.
+        rest_m_s: A hand slower than this is at rest.
     """
 
     max_speed: float = 100.0
@@ -33,7 +33,7 @@ class FailureMonitorCfg:
 
 
 class FailureMonitor:
-    """Looks at the state after every control period.
+    """Checks the state after every control period.
 
     Args:
         model: The simulation.
@@ -50,17 +50,17 @@ class FailureMonitor:
         self._place = np.zeros(3)
 
     def reset(self, data: mujoco.MjData) -> None:
-        """Begin an episode."""
+        """Start an episode."""
         self._stuck_since = None
         self._above = {body: self._over_table(data, body) and not self._sunk(data, body) for body in self._objects}
 
     def check(self, data: mujoco.MjData, error: Array, target: HandTarget) -> None:
-        """After a control period.
+        """Check the state after a control period.
 
         Args:
             data: The state, positions up to date.
             error: Shape=(6,) from the tool to the target.
-            target: What the hand was pulled to.
+            target: The target of that period.
 
         Raises:
             WorldError: "diverged", "tunnelling" or "unreachable".

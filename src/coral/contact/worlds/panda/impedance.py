@@ -1,12 +1,12 @@
-"""Cartesian impedance of the hand: the arm behaves as a spring and damper between the tool and its target.
+"""Cartesian impedance control: the arm behaves like a spring and damper between the tool and its target.
 
     tau = J^T (K e - D v + f) + N tau_posture + c(q, qd) + g(q)              Hogan (1985), "Impedance control", part II
     N   = I - J^T Lambda J M^-1,  Lambda = (J M^-1 J^T)^-1                   Khatib (1987), operational space
     D   = zeta (sqrt(Lambda) sqrt(K) + sqrt(K) sqrt(Lambda))                 Albu-Schaeffer et al. (2003), translation
                                                                              and rotation each by itself
 
-No inertia is shaped (that would need the contact force), so what the surroundings feel at rest is K exactly, and in
-motion the arm's own effective mass on that spring.
+Inertia is not shaped, which would need the contact force. At rest the environment therefore feels exactly K, in motion
+the arm's own effective mass on that spring.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from coral.contact.worlds.panda.names import ARM_ACTUATORS, FINGER_ACTUATORS, JO
 
 @dataclass(frozen=True, kw_only=True)
 class ImpedanceCfg:
-    """Gains beside the commanded stiffness.
+    """Gains besides the commanded stiffness.
 
     Args:
-        lever_m2: Rotational stiffness in N m/rad for each N/m of translational stiffness, as the planner's hand has.
+        lever_m2: Rotational stiffness (N m/rad) per translational stiffness (N/m), as of the planner's hand.
         damping_ratio: 1 is critical.
-        max_force_n, max_torque_nm: The spring gives no more, however far the target.
+        max_force_n, max_torque_nm: Limits of the spring, however far the target.
         posture_stiffness: N m/rad towards the reset posture, in the nullspace.
-        limit_margin_rad, limit_stiffness: Nearer to a joint's limit than this, a spring (N m/rad) pushes back, in the
-            nullspace.
+        limit_margin_rad, limit_stiffness: Closer to a joint's limit than this, a spring (N m/rad) in the nullspace
+            pushes back.
         max_effective_mass: kg; bounds the damping near singular postures.
     """
 
@@ -45,12 +45,15 @@ class ImpedanceCfg:
 
 
 class Impedance:
-    """Torques of the arm and positions of the fingers, at every physics step.
+    """Computes torques that make the tool obey Lambda a = K e - D v + f + f_ext, and moves the fingers.
+
+    Lambda is the arm's effective mass at the hand, e the error to the target, f the commanded force and f_ext the
+    contact force. `aim` sets K and D for a control period, `act` writes the torques at every physics step.
 
     Args:
         model, data: The simulation; `data.ctrl` is written.
         cfg: Gains.
-        posture: Shape=(7,) rad, preferred where the task leaves a choice.
+        posture: Shape=(7,) rad, the posture that the nullspace is pulled towards.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, cfg: ImpedanceCfg, posture: Array) -> None:
@@ -74,7 +77,10 @@ class Impedance:
         self.effective_mass = np.zeros((3, 3))
 
     def aim(self, target: HandTarget) -> None:
-        """Begin a control period: gains for this target in the present posture (positions must be up to date)."""
+        """Start a control period: compute the gains for this target at the present posture.
+
+        Positions must be up to date.
+        """
         model, data, cfg = self._model, self._data, self.cfg
         self._target = target
         self._stiffness[:3], self._stiffness[3:] = target.stiffness, cfg.lever_m2 * target.stiffness
@@ -94,7 +100,7 @@ class Impedance:
         self._nullspace = np.eye(7) - jacobian.T @ weight @ mobility.T
 
     def act(self) -> None:
-        """Write the torques of this physics step; after `mj_step1`."""
+        """Write the torques of this physics step; call after `mj_step1`."""
         model, data, cfg, target = self._model, self._data, self.cfg, self._target
         if target is None:
             raise RuntimeError("aim before acting")
@@ -119,7 +125,7 @@ class Impedance:
         data.ctrl[self._fingers] = (half, -half)
 
     def error(self, target: HandTarget) -> Array:
-        """From the tool to its target: metres, and radians about world axes. Shape=(6,)."""
+        """Error from the tool to its target: metres, and radians about world axes. Shape=(6,)."""
         error = np.empty(6)
         error[:3] = target.position - self._data.site_xpos[self._site]
         tool = self._data.site_xmat[self._site].reshape(3, 3) @ TOOL_IN_SITE

@@ -1,4 +1,4 @@
-"""What robosuite calls the parts of its Panda, and where the tool frame lies on it."""
+"""robosuite's names for the parts of its Panda, and the tool frame on it."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ RIGHT_BODIES = ("gripper0_right_rightfinger", "gripper0_right_finger_joint2_tip"
 TOOL_IN_SITE = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 PAD_GEOMS = tuple(f"gripper0_right_finger{side}{part}_collision" for side in (1, 2) for part in ("", "_pad"))
-FLOOR = "the-floor"  # no name that a task file may give
+FLOOR = "the-floor"  # a task file cannot use this name
 ROBOT_PARTS = ("hand", "left", "right", "robot")
 PAD_OVERLAP_M = 0.001  # the pads' faces meet before the finger joints read zero
 
 
 def part_of(model: mujoco.MjModel, geom: int) -> str:
-    """Name by which a geom is known to the judge: "left", "right", "hand", "robot", an object or a fixture."""
+    """Name of a geom for the judge: "left", "right", "hand", "robot", an object or a fixture."""
     name: str = model.geom(geom).name
     if int(model.geom_bodyid[geom]) == 0:
         return "floor" if name == FLOOR else name

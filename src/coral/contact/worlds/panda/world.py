@@ -1,4 +1,4 @@
-"""The Panda world: an episode judged on a Franka Panda in robosuite, its hand a Cartesian impedance."""
+"""The Panda world: a Franka Panda in robosuite whose hand is under Cartesian impedance control."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from coral.contact.worlds.panda.environment import RobotCfg, make_environment
 from coral.contact.worlds.panda.failure_monitor import FailureMonitor, FailureMonitorCfg
 from coral.contact.worlds.panda.impedance import Impedance, ImpedanceCfg
 from coral.contact.worlds.panda.names import FINGER_JOINTS, JOINTS, PAD_OVERLAP_M, SITE, TOOL_IN_SITE, part_of
-from coral.contact.worlds.panda.wrist_wrench import Wrist
+from coral.contact.worlds.panda.wrist_wrench import WristWrench
 
 
 @dataclass(frozen=True, kw_only=True)
 class PandaWorldCfg:
-    """The Panda world.
+    """Configuration of the Panda world.
 
     Args:
-        control_period_s: How long a target holds; the planner's control step.
-        robot: Where it stands and how it begins.
+        control_period_s: How long each target is applied: the planner's control step.
+        robot: Base and start posture.
         impedance: The controller's gains.
-        watch: When an episode cannot go on.
+        watch: Limits beyond which an episode cannot go on.
         start_opening_m: Of the fingers at reset.
-        settle_s: The objects come to rest for so long before the clock starts.
-        settle_stiffness: N/m, of the hand meanwhile.
+        settle_s: Time for the objects to come to rest before the clock starts.
+        settle_stiffness: Stiffness of the hand during that time, N/m.
     """
 
     control_period_s: TimeStep = 0.02
@@ -45,7 +45,7 @@ class PandaWorldCfg:
 
 
 class PandaWorld:
-    """A simulated trial with the Panda.
+    """Simulates a trial with the Panda.
 
     Args:
         trial: The trial.
@@ -73,7 +73,7 @@ class PandaWorld:
         self._objects = {name: model.body(name).id for name in trial.objects}
         self._place_robot()
         self._impedance = Impedance(model, self.data, cfg.impedance, np.array(cfg.robot.joints))
-        self._wrist = Wrist(model, self.data)
+        self._wrist = WristWrench(model, self.data)
         self._watch = FailureMonitor(model, cfg.watch, tuple(self._objects.values()))
         self._start = self._settle()
 
@@ -95,7 +95,7 @@ class PandaWorld:
         """See `EvaluationWorld.step`.
 
         Raises:
-            ValueError: The target holds something that is no number, or a stiffness that is not positive.
+            ValueError: The target is not finite, or its stiffness is not positive.
         """
         numbers = (*target.position, *target.quaternion, *target.force, target.opening_m, target.stiffness)
         if not np.isfinite(numbers).all() or target.stiffness <= 0:
@@ -120,7 +120,7 @@ class PandaWorld:
 
     @property
     def effective_mass(self) -> Array:
-        """Shape=(3, 3) kg: what the hand's spring pulls at the present posture."""
+        """Effective mass of the hand at the present posture, Shape=(3, 3) kg."""
         return self._impedance.effective_mass
 
     def _place_robot(self) -> None:

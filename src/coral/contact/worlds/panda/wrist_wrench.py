@@ -1,7 +1,7 @@
-"""What the surroundings exert on the hand, from the force/torque sensor at the wrist.
+"""The contact wrench on the hand, from the force/torque sensor at the wrist.
 
-The sensor feels the hand's weight and inertia too; both are taken out as for a rigid body of known mass (Newton-Euler),
-averaged over a control period, over which the acceleration is exactly the change of velocity.
+The sensor also measures the hand's weight and inertia; both are subtracted as for a rigid body of known mass
+(Newton-Euler), averaged over a control period, over which the acceleration is exactly the change of velocity.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from coral.contact.scene.observation import Array
 from coral.contact.worlds.panda.names import FORCE_SENSOR, HAND_BODY, SITE, TORQUE_SENSOR, WRIST_SITE
 
 
-class Wrist:
-    """Averages the sensor over each control period.
+class WristWrench:
+    """Averages the contact wrench over each control period.
 
     Args:
         model, data: The simulation; the hand's mass, centre and inertia are read from the state at construction.
@@ -42,19 +42,19 @@ class Wrist:
         self._before = np.zeros(6)
 
     def begin(self) -> None:
-        """Start a control period: forget the sums, keep the velocity."""
+        """Start a control period: reset the sums, keep the velocity."""
         self._sum[:], self._count = 0.0, 0
         self._before = self._velocity()
 
     def add(self) -> None:
-        """Take in the sensor's reading of the physics step just done."""
+        """Add the sensor's reading of the last physics step."""
         rotation = self._data.site_xmat[self._site].reshape(3, 3)
         self._sum[:3] += rotation @ self._data.sensordata[self._force]
         self._sum[3:] += rotation @ self._data.sensordata[self._torque]
         self._count += 1
 
     def wrench(self) -> Array:
-        """Mean force (N) and torque (N m) of the surroundings on the hand since `begin`. Shape=(6,).
+        """Mean contact force (N) and torque (N m) on the hand since `begin`. Shape=(6,).
 
         At the tool, in world axes. Positions and velocities must be up to date.
         """

@@ -1,0 +1,31 @@
+"""Pictures of one object before a wall, drawn by the ray caster."""
+
+import numpy as np
+
+from coral.contact.perception.camera import RgbdCameraCfg
+from coral.contact.perception.object_model import from_primitives
+from coral.contact.perception.ray_solids import SolidPart
+from coral.contact.perception.raycast_kernels import render
+from coral.contact.scene.geometry import rotation_from_vector
+from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
+
+LENS = RgbdCameraCfg(width=160, height=120).lens
+BOX = from_primitives("box", [SolidPart("box", (0.06, 0.04, 0.03))])
+BOARD = from_primitives(
+    "board", [SolidPart("box", (0.15, 0.1, 0.006)), SolidPart("box", (0.05, 0.045, 0.006), (0.2, 0, 0))]
+)
+CAN = from_primitives("can", [SolidPart("cylinder", (0.033, 0.06))])
+
+
+def picture(model, T, background=1.5):
+    """Depth and mask of a model alone before a wall, and the drawing's own depth."""
+    depth, solid, face = np.empty((120, 160)), np.empty((120, 160), np.int64), np.empty((120, 160), np.int64)
+    back = inverse_transform(T)
+    eye, turn = back[:3, 3].copy(), np.ascontiguousarray(back[:3, :3])
+    render(turn, eye, LENS, 0.02, 20.0, model.solids, depth, solid, face)
+    return np.where(solid >= 0, depth, background).astype(np.float32), solid >= 0
+
+
+def tilted(turn=(0.7, 0.4, 0.2), at=(0.02, -0.01, 0.7)):
+    """A pose in front of the camera."""
+    return pose_matrix(rotation_from_vector(np.array(turn)), np.array(at))
