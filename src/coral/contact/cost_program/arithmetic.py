@@ -11,6 +11,7 @@ import numpy as np
 
 from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.sharing import LAZY, memory
+from coral.contact.cost_program.texts import joined_text
 from coral.contact.cost_program.values import (
     NUMBER,
     ContactList,
@@ -167,6 +168,8 @@ def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
         return elementwise(meter, lambda x, y: binary(meter, symbol, x, y), a, b)
     if isinstance(a, Seq) or isinstance(b, Seq):
         raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}; use np.array")
+    if symbol == "+" and isinstance(a, str) and isinstance(b, str):
+        return joined_text(meter, [a, b])
     if symbol in ("==", "!=") and (a is None or b is None or (isinstance(a, str) and isinstance(b, str))):
         return (a == b) == (symbol == "==")
     if isinstance(a, ContactList) or isinstance(b, ContactList):
