@@ -37,7 +37,7 @@ def _variance(meter: Meter, items: tuple[Value, ...], ddof: int) -> Value:
 
 def deviation(meter: Meter, a: Value, axis: Value = None, ddof: Value = 0, keepdims: Value = False) -> Value:
     """Standard deviation."""
-    return each(meter, lambda item: cast(Number, root(meter, item)), variance(meter, a, axis, ddof, keepdims))
+    return each(meter, lambda item: root(meter, item), variance(meter, a, axis, ddof, keepdims))
 
 
 def average(meter: Meter, a: Value, axis: Value = None, weights: Value = None) -> Value:
