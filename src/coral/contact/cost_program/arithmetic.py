@@ -41,6 +41,7 @@ OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "==": operator.eq,
     "!=": operator.ne,
 }
+UNLIKE_BOOL = ("+", "-", "//", "%", "**")
 COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
@@ -113,6 +114,8 @@ def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
     Raises:
         CostError: One is no number, or both are constants and the result does not exist.
     """
+    if symbol in UNLIKE_BOOL and _is_truth(a) and _is_truth(b) and not (isinstance(a, bool) and isinstance(b, bool)):
+        raise meter.fault("wrong_type", f"NumPy's {symbol} of two truth values is no sum of numbers; write float(a)")
     a, b = number(meter, a), number(meter, b)
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         meter.made()
