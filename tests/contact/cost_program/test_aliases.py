@@ -240,7 +240,11 @@ def outcome(source, schema, state):
 
 
 @settings(
-    max_examples=EXAMPLES, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), database=None
+    max_examples=EXAMPLES,
+    deadline=None,
+    derandomize="CORAL_FUZZ" not in os.environ,
+    suppress_health_check=list(HealthCheck),
+    database=None,
 )
 @given(st.lists(STATEMENT, min_size=1, max_size=6).map("\n".join))
 def check_against_numpy(schema, states, plainly, middle):

@@ -48,6 +48,18 @@ REFUSED = {
     "ctypes of an array": body("return self.time.ctypes.data"),
     "frame of a generator": body("g = (x for x in [1])\nreturn g.gi_frame.f_back.f_globals"),
     "traceback": body("try:\n    1 / 0\nexcept Exception as e:\n    return e.__traceback__.tb_frame"),
+    "handler that runs": body(
+        "try:\n    x = 1.0 / (self.time * 0.0)\nexcept Exception:\n    x = 1.0\nreturn min(x, 2.0)"
+    ),
+    "type of an exception": body("try:\n    pass\nexcept (lambda: 1).__globals__['x'] as e:\n    pass\nreturn 1.0"),
+    "exception kept": body("try:\n    x = 1.0\nexcept Exception as e:\n    x = 2.0\nreturn e.args[0]"),
+    "attributes of a rotation": "from scipy.spatial.transform import Rotation as R\n"
+    + body("return R.from_quat([0, 0, 0, 1]).quat[0]"),
+    "more of scipy": "from scipy.spatial.transform import Slerp\n" + body("return 1.0"),
+    "scipy's files": "import scipy.io\n" + body("return scipy.io.loadmat('/etc/passwd')"),
+    "base class of a type": body("return float.__base__"),
+    "type of isinstance": body("return isinstance(self, np.ndarray.__class__)"),
+    "call of a type": body("return np.ndarray((1, 2))"),
     "except star": body("try:\n    pass\nexcept* Exception as e:\n    return e"),
     "match on a class": body("match self:\n    case object(__class__=c):\n        return c"),
     # files, processes, network
@@ -64,7 +76,10 @@ REFUSED = {
     "exec": body("exec('x = 1')\nreturn 1.0"),
     "compile": body("return compile('1', '', 'eval')"),
     "input": body("return input()"),
-    "print": body("print(self.time)\nreturn 1.0"),
+    "print kept": body("f = print\nf(self.time)\nreturn 1.0"),
+    "print as a value": body("return print(1.0)"),
+    "print into a file": body("def f():\n    return 1.0\nprint(f(), file=self)\nreturn 1.0"),
+    "walrus in a print": body("print(x := 5.0)\nreturn x"),
     "breakpoint": body("breakpoint()\nreturn 1.0"),
     "exit": body("exit()\nreturn 1.0"),
     "np.load": body("return np.load('/tmp/x.npy', allow_pickle=True)"),
@@ -86,10 +101,32 @@ REFUSED = {
     "percent format": body("return '%s' % self"),
     "f-string": body("return f'{self.__class__}'"),
     "f-string width": body("return len(f'{1:>1000000000}')"),
+    "f-string of the state": body("return {f'{self.time}': 1.0}"),
+    "f-string of self": body("return {f'{self}': 1.0}"),
+    "f-string of a function": body("return {f'{np.exp}': 1.0}"),
+    "f-string conversion": body("return {f'{1!r:>9}': 1.0}"),
+    "f-string doubling": body("x = 'aaaaaaaaaa'\nfor i in range(60):\n    x = f'{x}{x}'\nreturn len(x)"),
+    "text doubling": body("x = 'aaaaaaaaaa'\nfor i in range(60):\n    x = x + x\nreturn len(x)"),
     "bytes": body("return b'x' * 10 ** 9"),
     "text times number": body("return len('x' * 10 ** 9)"),
     # time
     "while true": body("while True:\n    pass\nreturn 1.0"),
+    "while counting": body("i = 0\nwhile i < 10 ** 9:\n    i += 1\nreturn i"),
+    "nested while": body(
+        "i = 0\nwhile i < 60:\n    j = 0\n    while j < 60:\n        k = 0\n        while k < 60:\n"
+        "            k += 1\n        j += 1\n    i += 1\nreturn i"
+    ),
+    "while on the state": body("x = self.time\nwhile x > 0.0:\n    x = x - 1e-9\nreturn x"),
+    "map of a map": body(
+        "f = lambda x: sum(map(lambda y: sum(map(lambda z: z, range(60))), range(60)))\nreturn sum(map(f, range(60)))"
+    ),
+    "map that recurs": body("f = lambda g: sum(map(g, [g]))\nreturn f(f)"),
+    "huge arange": body("return np.sum(np.arange(10 ** 9))"),
+    "tiny step of arange": body("return np.sum(np.arange(0.0, 1.0, 1e-12))"),
+    "huge linspace": body("return np.sum(np.linspace(0.0, 1.0, 10 ** 9))"),
+    "sorting much": body(
+        "xs = [self.time * i for i in range(60)]\nfor i in range(60):\n    xs = sorted(xs + xs)\nreturn xs[0]"
+    ),
     "huge range": body("return sum(i for i in range(10 ** 12))"),
     "nested loops": body(
         "s = 0.0\nfor i in range(60):\n    for j in range(60):\n        for k in range(60):\n"
@@ -186,6 +223,7 @@ REFUSED = {
     "nothing": "",
 }
 HARMLESS = {
+    "print": body("print('time', self.time, f'{self.time:.3f}')\nreturn self.time"),
     "rebinding max": body("max = min\nreturn max(self.time, 0.5)"),
     "rebinding np": body("np = 3.0\nreturn np + self.time"),
     "rebinding self": body("t = self.time\nself = 3.0\nreturn t * self"),

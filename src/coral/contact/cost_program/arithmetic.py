@@ -11,6 +11,7 @@ import numpy as np
 
 from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.sharing import LAZY, memory
+from coral.contact.cost_program.texts import joined_text
 from coral.contact.cost_program.values import (
     NUMBER,
     ContactList,
@@ -40,6 +41,7 @@ OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "==": operator.eq,
     "!=": operator.ne,
 }
+UNLIKE_BOOL = ("+", "-", "//", "%", "**")
 COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
@@ -112,6 +114,8 @@ def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
     Raises:
         CostError: One is no number, or both are constants and the result does not exist.
     """
+    if symbol in UNLIKE_BOOL and _is_truth(a) and _is_truth(b) and not (isinstance(a, bool) and isinstance(b, bool)):
+        raise meter.fault("wrong_type", f"NumPy's {symbol} of two truth values is no sum of numbers; write float(a)")
     a, b = number(meter, a), number(meter, b)
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         meter.made()
@@ -167,6 +171,8 @@ def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
         return elementwise(meter, lambda x, y: binary(meter, symbol, x, y), a, b)
     if isinstance(a, Seq) or isinstance(b, Seq):
         raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}; use np.array")
+    if symbol == "+" and isinstance(a, str) and isinstance(b, str):
+        return joined_text(meter, [a, b])
     if symbol in ("==", "!=") and (a is None or b is None or (isinstance(a, str) and isinstance(b, str))):
         return (a == b) == (symbol == "==")
     if isinstance(a, ContactList) or isinstance(b, ContactList):

@@ -9,7 +9,7 @@ import numpy as np
 
 from coral.contact.cost_program.arrays import copied, shape_of, transpose
 from coral.contact.cost_program.iterating import entries
-from coral.contact.cost_program.library import CONSTANTS, MODULES, VECTOR_METHODS
+from coral.contact.cost_program.library import CONSTANTS, MODULES, ROTATION_METHODS, VECTOR_METHODS
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import filled, merge
 from coral.contact.cost_program.sharing import marks_of
@@ -20,6 +20,7 @@ from coral.contact.cost_program.values import (
     Module,
     Partial,
     Poison,
+    Rotation,
     Scope,
     Seq,
     State,
@@ -46,10 +47,17 @@ def attribute(machine: Machine, base: Value, name: str) -> Value:
         return _member(machine, base, name)
     if isinstance(base, Vec) or (isinstance(base, float | np.ndarray) and name in VECTOR_METHODS):
         return _of_vector(machine, base, name)
+    if isinstance(base, Rotation) and name in ROTATION_METHODS:
+        return _bound(base, ROTATION_METHODS[name])
     if isinstance(base, DictValue) and name in TABLE_METHODS:
         method = TABLE_METHODS[name]
         return Builtin(name, lambda _, args, named: method(machine, base, [*args, *named.values()]), base)
-    raise _unknown(machine, base, name, list(TABLE_METHODS) if isinstance(base, DictValue) else [])
+    known = TABLE_METHODS if isinstance(base, DictValue) else ROTATION_METHODS if isinstance(base, Rotation) else {}
+    raise _unknown(machine, base, name, list(known))
+
+
+def _bound(base: Value, method: Builtin) -> Builtin:
+    return Builtin(method.name, lambda meter, args, named: method.call(meter, [base, *args], named), base)
 
 
 def _unknown(machine: Machine, base: Value, name: str, known: list[str]) -> Exception:
@@ -91,8 +99,7 @@ def _of_vector(machine: Machine, base: Value, name: str) -> Value:
         return int(np.prod([int(n) for n in sizes if isinstance(n, int)]))
     if name not in VECTOR_METHODS:
         raise _unknown(machine, base, name, sorted([*VECTOR_METHODS, "T", "shape"]))
-    method = VECTOR_METHODS[name]
-    return Builtin(name, lambda meter, args, named: method.call(meter, [base, *args], named), base)
+    return _bound(base, VECTOR_METHODS[name])
 
 
 def _get(machine: Machine, table: DictValue, args: list[Value]) -> Value:
@@ -160,6 +167,17 @@ def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
         machine.pending.append(named[keyword.arg])
     del machine.pending[waiting:]
     machine.meter.step(node.lineno)
+    if isinstance(function, Builtin) and function.name == "map":
+        return _map(machine, args, named, evaluate)
+    return apply(machine, function, args, named, evaluate)
+
+
+def apply(machine: Machine, function: Value, args: list[Value], named: dict[str, Value], evaluate: Evaluate) -> Value:
+    """What a function gives for arguments.
+
+    Raises:
+        CostError: It is no function, or does not take them.
+    """
     if isinstance(function, Function):
         for value in (*args, *named.values()):
             if isinstance(value, Seq) and value.kind == "generator":
@@ -174,6 +192,22 @@ def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
             )
         return bounded(machine.meter, function.call(machine.meter, args, named))
     raise machine.meter.fault("wrong_call", f"{kind(function)} cannot be called")
+
+
+def _map(machine: Machine, args: list[Value], named: dict[str, Value], evaluate: Evaluate) -> Value:
+    """map(f, xs, ...), which goes where a generator may go."""
+    if len(args) < 2 or named:
+        raise machine.meter.fault("wrong_call", "map takes a function and lists")
+    rows = list(zip(*(entries(machine.meter, xs) for xs in args[1:]), strict=False))
+    if len(rows) > machine.meter.cfg.loop:
+        raise machine.meter.fault("steps", f"a loop has at most {machine.meter.cfg.loop} turns")
+    machine.branching += 1
+    found: list[Value] = []
+    for row in rows:
+        machine.meter.step(machine.meter.line)
+        found.append(apply(machine, args[0], list(row), {}, evaluate))
+    machine.branching -= 1
+    return bounded(machine.meter, Seq(tuple(found), "generator"))
 
 
 def _gaps(value: Value) -> bool:

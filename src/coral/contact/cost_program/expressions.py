@@ -14,14 +14,17 @@ from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.limits import Mask
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import merge
+from coral.contact.cost_program.rotations import combined
 from coral.contact.cost_program.sharing import renewed
 from coral.contact.cost_program.subscripts import subscript
+from coral.contact.cost_program.texts import formatted, joined_text
 from coral.contact.cost_program.values import (
     NUMBER,
     DictValue,
     Function,
     Partial,
     Poison,
+    Rotation,
     Scope,
     Seq,
     Value,
@@ -55,9 +58,32 @@ def evaluate(machine: Machine, node: ast.expr) -> Value:
     """
     machine.meter.step(node.lineno)
     found = EVALUATORS[type(node)](machine, node)
+    if machine.guarded and isinstance(node, ast.BinOp | ast.Call):
+        guard(machine, found)
     if machine.meter.trace is not None and isinstance(node, ast.BinOp | ast.Call):
         _watch(machine, node, found)
     return found
+
+
+def guard(machine: Machine, value: Value) -> None:
+    """Refuse a value inside `try` for which Python might have gone to `except`.
+
+    Raises:
+        CostError: It is not finite in some state in which it counts.
+    """
+    for item in value.items if isinstance(value, Vec) else (value,):
+        if isinstance(item, Vec):
+            guard(machine, item)
+        elif isinstance(item, NUMBER):
+            lost = ~np.isfinite(item)
+            if machine.meter.mask is not None:
+                lost = np.logical_and(lost, machine.meter.mask)
+            if np.any(lost):
+                raise machine.meter.fault(
+                    "not_finite",
+                    "this is nan or infinite inside `try`, where Python may go to `except`; "
+                    "guard it with max, min or a small number instead",
+                )
 
 
 def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
@@ -76,7 +102,23 @@ def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
 
 
 def _constant(machine: Machine, node: Any) -> Value:
+    if node.value is ...:
+        raise machine.meter.fault("not_allowed", "`...` is an index only, as in a[..., 2]")
     return cast(Value, node.value)
+
+
+def _set(machine: Machine, node: Any) -> Value:
+    items = _items(machine, node.elts)
+    return Seq(tuple(dict.fromkeys(checked_key(machine, item) for item in items)), "set")
+
+
+def _text(machine: Machine, node: Any) -> Value:
+    return joined_text(machine.meter, [evaluate(machine, part) for part in node.values])
+
+
+def _formatted(machine: Machine, node: Any) -> Value:
+    spec = evaluate(machine, node.format_spec) if node.format_spec is not None else ""
+    return formatted(machine.meter, evaluate(machine, node.value), node.conversion, spec)
 
 
 def _name(machine: Machine, node: Any) -> Value:
@@ -124,7 +166,17 @@ def operate(machine: Machine, operator: ast.operator, left: Value, right: Value)
     Raises:
         CostError: It does not apply to them.
     """
+    if machine.guarded:
+        found = _operated(machine, operator, left, right)
+        guard(machine, found)
+        return found
+    return _operated(machine, operator, left, right)
+
+
+def _operated(machine: Machine, operator: ast.operator, left: Value, right: Value) -> Value:
     meter = machine.meter
+    if isinstance(operator, ast.Mult) and isinstance(left, Rotation) and isinstance(right, Rotation):
+        return combined(meter, left, right)
     if isinstance(operator, ast.MatMult):
         return dot(meter, left, right)
     if isinstance(operator, ast.BitAnd | ast.BitOr):
@@ -414,4 +466,7 @@ EVALUATORS: dict[type[ast.AST], Callable[[Machine, Any], Value]] = {
     ast.DictComp: _comprehension,
     ast.NamedExpr: _walrus,
     ast.Subscript: _subscript,
+    ast.Set: _set,
+    ast.JoinedStr: _text,
+    ast.FormattedValue: _formatted,
 }

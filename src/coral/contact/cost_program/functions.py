@@ -197,8 +197,12 @@ def largest(meter: Meter, items: tuple[Value, ...], symbol: str) -> Value:
     return found
 
 
-def linalg_norm(meter: Meter, x: Value, ord: Value = None, axis: Value = None) -> Value:
+def linalg_norm(meter: Meter, x: Value, ord: Value = None, axis: Value = None, keepdims: Value = False) -> Value:
     """np.linalg.norm of a vector; of a matrix the Frobenius norm, or that of every row (axis 1) or column (axis 0)."""
+    return with_kept_axes(meter, as_vector(meter, x), axis, keepdims, _norms(meter, x, ord, axis))
+
+
+def _norms(meter: Meter, x: Value, ord: Value, axis: Value) -> Value:
     vector = as_vector(meter, x)
     if isinstance(vector, NUMBER):
         return of_one("abs")(meter, vector)
@@ -206,7 +210,7 @@ def linalg_norm(meter: Meter, x: Value, ord: Value = None, axis: Value = None) -
         assert isinstance(vector, Vec)
         lines = along(meter, vector, axis)
         if lines is not None:
-            return Vec(tuple(linalg_norm(meter, line, ord) for line in lines))
+            return Vec(tuple(_norms(meter, line, ord, None) for line in lines))
         vector = Vec(tuple(item for row in vector.items for item in components(meter, row)))
     along(meter, vector, axis)
     if ord is None or ord == 2:
@@ -251,6 +255,20 @@ def flat(meter: Meter, value: Value) -> tuple[Value, ...]:
     return (number(meter, value),)
 
 
+def with_kept_axes(meter: Meter, value: Value, axis: Value, keepdims: Value, found: Value) -> Value:
+    """The result of a reduction, with axes of length 1 where keepdims asks for them."""
+    if not isinstance(keepdims, bool):
+        raise meter.fault("wrong_call", "keepdims is True or False")
+    if not keepdims or not isinstance(value, Vec):
+        return found
+    if not is_matrix(value):
+        return Vec((found,))
+    if axis is None:
+        return Vec((Vec((found,)),))
+    assert isinstance(found, Vec)
+    return Vec((found,)) if axis in (0, -2) else Vec(tuple(Vec((item,)) for item in found.items))
+
+
 def reduction(name: str) -> Call:
     """np.sum, np.mean, np.max, np.min, np.prod, np.any or np.all."""
 
@@ -274,12 +292,12 @@ def reduction(name: str) -> Call:
 
     def call(meter: Meter, a: Value, axis: Value = None, keepdims: Value = False) -> Value:
         value = as_vector(meter, a)
-        if keepdims is not False:
-            raise meter.fault("wrong_call", "keepdims is not available")
         lines = along(meter, value, axis)
-        if lines is not None:
-            return Vec(tuple(reduce(meter, flat(meter, line)) for line in lines))
-        return reduce(meter, flat(meter, value))
+        if lines is None:
+            found = reduce(meter, flat(meter, value))
+        else:
+            found = Vec(tuple(reduce(meter, flat(meter, line)) for line in lines))
+        return with_kept_axes(meter, value, axis, keepdims, found)
 
     return call
 

@@ -7,11 +7,14 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from coral.contact.cost_program import arrays, functions, orientations
+from coral.contact.cost_program import arrays, functions, orientations, statistics
 from coral.contact.cost_program.arithmetic import dot, number, truth
 from coral.contact.cost_program.functions import of_one, of_two
 from coral.contact.cost_program.iterating import entries, iterator
 from coral.contact.cost_program.limits import Meter
+from coral.contact.cost_program.rotations import MAKERS, OF_ROTATION
+from coral.contact.cost_program.texts import formatted
+from coral.contact.cost_program.types_of import is_instance
 from coral.contact.cost_program.values import Builtin, DictValue, Seq, Value, Vec, bounded
 
 SILENT = ("dtype", "copy")  # keywords that change nothing here: every number is a float64
@@ -126,6 +129,17 @@ def _scalar_math(name: str) -> Callable[..., Value]:
     return call
 
 
+def _text_of(meter: Meter, value: Value = "") -> Value:
+    return formatted(meter, value, -1, "")
+
+
+def _no_function(name: str) -> Callable[..., Value]:
+    def call(meter: Meter, *values: Value) -> Value:
+        raise meter.fault("wrong_call", f"{name} is a type to ask for with isinstance; use np.array to make arrays")
+
+    return call
+
+
 DICT = builtin("dict", _dict)
 OURS: dict[str, Callable[..., Value]] = {
     "norm": functions.linalg_norm,
@@ -170,6 +184,12 @@ PYTHON: dict[str, Callable[..., Value]] = {
     "reversed": _reversed,
     "pow": functions.power,
 }
+MORE_PYTHON: dict[str, Callable[..., Value]] = {
+    "sorted": statistics.sorted_list,
+    "isinstance": is_instance,
+    "str": _text_of,
+    "map": _no_function("map"),
+}
 ARRAY: dict[str, Callable[..., Value]] = {
     **{name: of_one(name) for name in functions.UNARY},
     **{name: of_two(name) for name in functions.BINARY},
@@ -211,7 +231,17 @@ ARRAY: dict[str, Callable[..., Value]] = {
     "around": functions.round_to,
     "sum": functions.reduction("sum"),
     "mean": functions.reduction("mean"),
-    "average": functions.reduction("mean"),
+    "average": statistics.average,
+    "std": statistics.deviation,
+    "var": statistics.variance,
+    "median": statistics.median,
+    "sort": statistics.sort,
+    "cumsum": statistics.cumulated,
+    "diff": statistics.differences,
+    "interp": statistics.interpolated,
+    "select": statistics.chosen,
+    "arange": statistics.arange,
+    "linspace": statistics.linspace,
     "max": functions.reduction("max"),
     "min": functions.reduction("min"),
     "amax": functions.reduction("max"),
@@ -235,6 +265,7 @@ ARRAY: dict[str, Callable[..., Value]] = {
     "float32": arrays.to_float,
     "float_": arrays.to_float,
     "bool_": _bool,
+    **{name: _no_function(f"np.{name}") for name in ("ndarray", "floating", "number")},
     "linalg.norm": functions.linalg_norm,
 }
 MATH: dict[str, Callable[..., Value]] = {
@@ -270,7 +301,7 @@ MATH: dict[str, Callable[..., Value]] = {
     "radians": _scalar_math("deg2rad"),
     "degrees": _scalar_math("rad2deg"),
     "pow": functions.power,
-    "hypot": of_two("hypot"),
+    "hypot": statistics.hypotenuse,
     "fmod": of_two("fmod"),
     "copysign": of_two("copysign"),
     "dist": functions.dist,
@@ -278,7 +309,7 @@ MATH: dict[str, Callable[..., Value]] = {
     "fsum": functions.add_up,
     "prod": functions.reduction("prod"),
 }
-CONSTANTS: dict[str, float] = {"pi": math.pi, "e": math.e, "inf": math.inf, "tau": math.tau}
+CONSTANTS: dict[str, float | None] = {"newaxis": None, "pi": math.pi, "e": math.e, "inf": math.inf, "tau": math.tau}
 
 METHODS: dict[str, Callable[..., Value]] = {
     "copy": arrays.copied,
@@ -290,6 +321,8 @@ METHODS: dict[str, Callable[..., Value]] = {
     "any": functions.reduction("any"),
     "all": functions.reduction("all"),
     "prod": functions.reduction("prod"),
+    "std": statistics.deviation,
+    "var": statistics.variance,
     "astype": arrays.as_type,
     "reshape": arrays.reshape,
     "flatten": arrays.flatten,
@@ -307,8 +340,18 @@ def _named(prefix: str, table: dict[str, Any]) -> dict[str, Builtin]:
     return {name: builtin(prefix + name, function) for name, function in table.items()}
 
 
-BUILTINS: dict[str, Builtin] = {**_named("", OURS), **_named("", PYTHON), "dict": Builtin("dict", _dict_call)}
-MODULES: dict[str, dict[str, Builtin]] = {"np": _named("np.", ARRAY), "math": _named("math.", MATH)}
+BUILTINS: dict[str, Builtin] = {
+    **_named("", OURS),
+    **_named("", PYTHON),
+    **_named("", MORE_PYTHON),
+    "dict": Builtin("dict", _dict_call),
+}
+MODULES: dict[str, dict[str, Builtin]] = {
+    "np": _named("np.", ARRAY),
+    "math": _named("math.", MATH),
+    "Rotation": _named("Rotation.", MAKERS),
+}
 VECTOR_METHODS: dict[str, Builtin] = _named("", METHODS)
-IMPORTABLE = {"numpy": "np", "np": "np", "math": "math", "pybullet": "p", "p": "p"}
+ROTATION_METHODS: dict[str, Builtin] = _named("", OF_ROTATION)
+IMPORTABLE = {"scipy.spatial.transform": "scipy", "numpy": "np", "np": "np", "math": "math", "pybullet": "p", "p": "p"}
 MODULE_NAMES = {"np": "np", "numpy": "np", "math": "math", "p": "p", "pybullet": "p", "pb": "p"}

@@ -56,6 +56,7 @@ class Machine:
         running: Loops of all running functions.
         pending: Containers that an expression which is still being evaluated holds.
         exited: How often some states have left a block so far.
+        guarded: Depth of `try` blocks that are being run.
         branching: Depth of expressions that count for some states only.
     """
 
@@ -71,6 +72,7 @@ class Machine:
     running: list[Loop] = field(default_factory=list)
     pending: list[Value] = field(default_factory=list)
     exited: int = 0
+    guarded: int = 0
     branching: int = 0
 
     @property

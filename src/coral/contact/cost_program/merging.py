@@ -7,7 +7,18 @@ import numpy as np
 from coral.contact.cost_program.arithmetic import where
 from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.sharing import marks_of
-from coral.contact.cost_program.values import NUMBER, ContactList, DictValue, Partial, Poison, Seq, Value, Vec, kind
+from coral.contact.cost_program.values import (
+    NUMBER,
+    ContactList,
+    DictValue,
+    Partial,
+    Poison,
+    Rotation,
+    Seq,
+    Value,
+    Vec,
+    kind,
+)
 
 MISSING = object()
 
@@ -41,6 +52,8 @@ def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
     if isinstance(a, ContactList) and isinstance(b, ContactList):
         meter.made()
         return ContactList(np.where(condition, a.touching, b.touching))
+    if isinstance(a, Rotation) and isinstance(b, Rotation):
+        return Rotation(_merge_items(meter, condition, a.quat, b.quat))
     if isinstance(a, Poison):
         return a
     if isinstance(b, Poison):

@@ -21,6 +21,9 @@ ALLOWED: tuple[type[ast.AST], ...] = (
     ast.AugAssign,
     ast.AnnAssign,
     ast.For,
+    ast.While,
+    ast.Try,
+    ast.ExceptHandler,
     ast.If,
     ast.Expr,
     ast.Pass,
@@ -50,6 +53,9 @@ ALLOWED: tuple[type[ast.AST], ...] = (
     ast.List,
     ast.Tuple,
     ast.Slice,
+    ast.Set,
+    ast.JoinedStr,
+    ast.FormattedValue,
     ast.NamedExpr,
     ast.Load,
     ast.Store,
@@ -81,23 +87,20 @@ ALLOWED: tuple[type[ast.AST], ...] = (
     ast.NotIn,
 )
 WORDS: dict[type[ast.AST], str] = {
-    ast.While: "while loops (use for over a range)",
-    ast.Try: "try",
-    ast.With: "with",
-    ast.ClassDef: "classes",
-    ast.Global: "global",
+    ast.With: "with (leave it out)",
+    ast.ClassDef: "classes (write functions)",
+    ast.Global: "global (return the value instead)",
     ast.Nonlocal: "nonlocal (return the value instead)",
-    ast.Raise: "raise",
-    ast.Delete: "del",
-    ast.Assert: "assert",
-    ast.JoinedStr: "f-strings",
-    ast.Yield: "yield",
-    ast.YieldFrom: "yield",
+    ast.Raise: "raise (return a large cost instead)",
+    ast.Delete: "del (leave it out)",
+    ast.Assert: "assert (leave it out)",
+    ast.Yield: "yield (return a list)",
+    ast.YieldFrom: "yield (return a list)",
     ast.Await: "await",
     ast.AsyncFunctionDef: "async (write def without it)",
-    ast.Match: "match",
-    ast.SetComp: "sets",
-    ast.Set: "sets",
+    ast.Match: "match (write if and elif)",
+    ast.TryStar: "except* (write max, min or np.where around what may fail)",
+    ast.SetComp: "sets of a comprehension (write a list)",
 }
 BRACKETS = 60
 
@@ -217,8 +220,8 @@ def _check_node(node: ast.AST, line: int) -> None:
         _check_import(node, line)
     elif isinstance(node, ast.comprehension) and node.is_async:
         raise CostError("not_allowed", "a cost has no async", line)
-    elif isinstance(node, ast.For) and node.orelse:
-        raise CostError("not_allowed", "a cost has no else after a loop", line)
+    elif isinstance(node, ast.For | ast.While) and node.orelse:
+        raise CostError("not_allowed", "a cost has no else after a loop; set a variable in it", line)
 
 
 def _names(node: ast.AST) -> list[str]:
@@ -228,18 +231,18 @@ def _names(node: ast.AST) -> list[str]:
 
 def _check_function(node: ast.FunctionDef, line: int) -> None:
     if node.decorator_list:
-        raise CostError("not_allowed", "a cost has no decorators", line)
+        raise CostError("not_allowed", "a cost has no decorators; leave them out", line)
     _check_arguments(node.args, line)
 
 
 def _check_arguments(arguments: ast.arguments, line: int) -> None:
     if arguments.vararg or arguments.kwarg:
-        raise CostError("not_allowed", "a cost has no *args and **kwargs in definitions", line)
+        raise CostError("not_allowed", "a cost has no *args and **kwargs in definitions; name the arguments", line)
 
 
 def _check_constant(node: ast.Constant, line: int) -> None:
     value = node.value
-    if not (value is None or isinstance(value, bool | int | float | str)):
+    if not (value is None or value is ... or isinstance(value, bool | int | float | str)):
         raise CostError("not_allowed", f"a cost has no {type(value).__name__} constants", line)
     if isinstance(value, int) and abs(value) > 2**53:
         raise CostError("too_large_number", "whole numbers reach to 2**53", line)

@@ -95,6 +95,13 @@ class BodyHandle:
 
 
 @dataclass(frozen=True, eq=False)
+class Rotation:
+    """A rotation of SciPy's, as a unit quaternion of four numbers (w, x, y, z)."""
+
+    quat: tuple[Value, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class ContactList:
     """A list of contact points of which only its being empty or not is known."""
 
@@ -185,6 +192,7 @@ def kind(value: Value) -> str:
         Module: "a module",
         State: "self",
         BodyHandle: "a body id",
+        Rotation: "a Rotation",
         ContactList: "a list of contact points",
         type(None): "None",
         Partial: "a value that is not set in every state",

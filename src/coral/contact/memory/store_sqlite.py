@@ -11,6 +11,7 @@ import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -18,6 +19,10 @@ from coral.contact.memory.embedding import Vector
 from coral.contact.memory.row import BUSY_S, Row
 from coral.errors import InputError
 
+LONGEST_S = 30.0
+"""Longest work of one call; a file of somebody else's could ask for endless work in a trigger or view."""
+COLUMNS = ("id", "created", "record", "embedder", "vector", "used", "helped")
+Columns = tuple[int, str, str, str, bytes, int, int]
 TABLE = """CREATE TABLE IF NOT EXISTS experience (
     id INTEGER PRIMARY KEY AUTOINCREMENT, created TEXT NOT NULL, record TEXT NOT NULL, embedder TEXT NOT NULL,
     vector BLOB NOT NULL, used INTEGER NOT NULL DEFAULT 0, helped INTEGER NOT NULL DEFAULT 0)"""
@@ -54,10 +59,20 @@ class SqliteStore:
             found = base.execute(
                 "SELECT id, created, record, embedder, vector, used, helped FROM experience ORDER BY id"
             ).fetchall()
-        return [
-            Row(number, created, record, embedder, _vector(blob), used, helped)
-            for number, created, record, embedder, blob, used, helped in found
-        ]
+        return [self._row(values) for values in found]
+
+    def _row(self, values: tuple[object, ...]) -> Row:
+        """A row whose columns hold what this package writes into them.
+
+        Raises:
+            InputError: One does not.
+        """
+        for column, kind, value in zip(COLUMNS, (int, str, str, str, bytes, int, int), values, strict=True):
+            if not isinstance(value, kind):
+                shown = "nothing" if value is None else type(value).__name__
+                raise InputError(self.name, f"experience {values[0]}.{column}", shown, f"{kind.__name__} in every row")
+        number, created, record, embedder, blob, used, helped = cast(Columns, values)
+        return Row(number, created, record, embedder, _vector(blob), used, helped)
 
     def delete(self, number: int) -> None:
         """See `ExperienceStore.delete`."""
@@ -77,10 +92,15 @@ class SqliteStore:
             if write:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
             with closing(sqlite3.connect(self.path, timeout=BUSY_S)) as base:
+                until = time.monotonic() + LONGEST_S
+                base.set_progress_handler(lambda: time.monotonic() > until, 1_000_000)
                 if write:
                     _ahead(base)
                 if write or not base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
                     base.execute(TABLE)  # not when reading what is somebody else's
+                found = base.execute("SELECT type FROM sqlite_master WHERE name = 'experience'").fetchone()
+                if found is not None and found[0] != "table":
+                    raise InputError(self.name, "experience", f"a {found[0]}", "a table")
                 with base:
                     yield base
         except (sqlite3.Error, OSError) as error:
