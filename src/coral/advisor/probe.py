@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -12,6 +11,7 @@ import cv2
 import numpy as np
 from pydantic import BaseModel, Field
 
+from coral.advisor.inner_loop import run_alone
 from coral.advisor.model_cfg import ModelCfg, OutputMode
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question
@@ -82,7 +82,7 @@ def probe(spec: str, cfg: ModelCfg | None = None, where: str = "MODEL") -> Probe
     advisor = make_advisor(spec, rules={}, rng=np.random.default_rng(0), cfg=base, where=where)
     if not isinstance(advisor, ModelAdvisor):
         raise InputError(where, "", repr(spec), "a real model: PROVIDER:MODEL or local:URL#MODEL")
-    return asyncio.run(_probe(advisor, base))
+    return run_alone(_probe(advisor, base))
 
 
 async def _probe(advisor: ModelAdvisor, base: ModelCfg) -> ProbeReport:

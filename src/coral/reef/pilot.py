@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
+from coral.advisor.inner_loop import run_alone
 from coral.advisor.question import Advisor, Question, Rejection
 from coral.reef.belief import Belief
 from coral.reef.controller import Plan
@@ -243,7 +244,7 @@ class Pilot:
             question = self.planner.observe(rejections)
             if question is None:
                 return
-            answer = asyncio.run(self.fallback.answer(question, rejections)).value
+            answer = run_alone(self.fallback.answer(question, rejections)).value
             refusal = self.planner.verify(question, answer)
             if refusal is None:
                 self._adopt(self.planner.locate(question, answer), "fallback", getattr(answer, "reason", ""))
