@@ -24,6 +24,19 @@ FORMS = (
     "replay:FILE",
     "fallible:P:INNER",
 )
+OTHER_NAMES = {
+    "gemini": "google",
+    "claude": "anthropic",
+    "gpt": "openai",
+    "chatgpt": "openai",
+    "ollama": "local:URL#MODEL",
+    "vllm": "local:URL#MODEL",
+    "llama": "local:URL#MODEL",
+    "human": "desk",
+    "operator": "desk",
+    "rules": "heuristic",
+}
+"""What people write for a provider or an advisor, as its beginning."""
 NAMES = ("heuristic", *KEYS, "local", "desk", "replay", "fallible")
 
 
@@ -109,4 +122,20 @@ def make_advisor(
         from coral.advisor.models import ModelAdvisor
 
         return ModelAdvisor.provider(name, rest, cfg or ModelCfg(), where=where)
-    raise InputError(where, "", repr(spec), f"one of {', '.join(FORMS)}{nearest(name, NAMES)}")
+    raise InputError(where, "", repr(spec), _expected(spec))
+
+
+def _expected(spec: str) -> str:
+    """What might have been meant by a string that names no advisor."""
+    name, colon, rest = spec.partition(":")
+    whole = {form.partition(":")[0]: form for form in FORMS if ":" in form and " " not in form}
+    whole |= {provider: f"{provider}:MODEL" for provider in KEYS}
+    if name in whole and not rest:
+        return f"all of {whole[name]}"
+    known = next((provider for start, provider in OTHER_NAMES.items() if name.lower().startswith(start)), "")
+    if known in KEYS:
+        model = rest if colon else spec
+        return f"one of {', '.join(FORMS)} (did you mean '{known}:{model or 'MODEL'}'?)"
+    if known:
+        return f"one of {', '.join(FORMS)} (did you mean {known!r}?)"
+    return f"one of {', '.join(FORMS)}{nearest(name, NAMES, 0.7)}"
