@@ -7,7 +7,6 @@ import importlib
 import io
 import json
 import os
-import re
 import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
@@ -18,6 +17,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from coral.errors import NO_ROOM, InputError, RunError, nearest
 from coral.odd_text import encodable, printable
 from coral.termination import orderly_termination
+from coral.usage import usage_error
 
 COMMANDS = {
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
@@ -73,6 +73,8 @@ def _run(words: Sequence[str]) -> int:
         if not words or words[0] in ("-h", "--help"):
             print(_overview(""))
             return 0
+        if words[0] in ("-V", "--version"):
+            words = ["version", *words[1:]]
         name = _command(words)
         if name is None:
             print(_overview(" ".join(w for w in words if not w.startswith("-"))))
@@ -134,8 +136,7 @@ def _parse(name: str, words: Sequence[str]) -> Command:
     except SystemExit as end:
         if end.code in (0, None):
             raise
-        text = re.sub(r"[╭╮╰╯│─]+", " ", complaint.getvalue())
-        raise InputError(f"coral {name}", "", " ".join(text.split()), f"flags as in: coral {name} --help") from None
+        raise usage_error(name, complaint.getvalue()) from None
     return parsed
 
 

@@ -48,7 +48,7 @@ def first_line(error: BaseException) -> str:
     return next(iter(str(error).splitlines()), type(error).__name__)
 
 
-def nearest(word: str, known: Iterable[str]) -> str:
-    """Suggestion for a mistyped name: " (did you mean 'x'?)", or "" when nothing is near."""
-    close = difflib.get_close_matches(word, list(known), n=1, cutoff=0.5)
+def nearest(word: str, known: Iterable[str], likeness: float = 0.5) -> str:
+    """Suggestion for a mistyped name: " (did you mean 'x'?)", or "" when none is as like it as `likeness`, 0 to 1."""
+    close = difflib.get_close_matches(word, list(known), n=1, cutoff=likeness)
     return f" (did you mean {close[0]!r}?)" if close else ""

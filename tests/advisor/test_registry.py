@@ -93,7 +93,7 @@ def test_providers_connect_without_sending(monkeypatch, spec):
         ("openai:gpt-x", "OPENAI_API_KEY"),
         ("anthropic:x", "ANTHROPIC_API_KEY"),
         ("google:x", "GOOGLE_API_KEY or GEMINI_API_KEY"),
-        ("openai:", "one of heuristic"),
+        ("openai:", "all of openai:MODEL"),
         ("local:8080#m", "local:URL#MODEL"),
         ("local:http://h/v1", "local:URL#MODEL"),
         ("fallible:0.3", "fallible:P:INNER"),
@@ -185,3 +185,33 @@ def test_the_tables_of_the_documentation_list_every_advisor(page):
 )
 def test_who_answers_in_the_end_is_known_from_the_string(spec, rules, person):
     assert (rules_alone(spec), asks_person(spec)) == (rules, person)
+
+
+@pytest.mark.parametrize(
+    ("spec", "expected"),
+    [
+        ("openai", "expected all of openai:MODEL"),
+        ("google:", "expected all of google:MODEL"),
+        ("replay", "expected all of replay:FILE"),
+        ("local:", "expected all of local:URL#MODEL"),
+        ("fallible", "expected all of fallible:P:INNER"),
+        ("gemini:gemini-3-pro", "did you mean 'google:gemini-3-pro'"),
+        ("gemini", "did you mean 'google:gemini'"),
+        ("claude-opus-4-5", "did you mean 'anthropic:claude-opus-4-5'"),
+        ("gpt-5", "did you mean 'openai:gpt-5'"),
+        ("ollama:llama3", "did you mean 'local:URL#MODEL'"),
+        ("opneai:gpt-5", "did you mean 'openai'"),
+        ("desk:inbox", "did you mean 'desk'"),
+        ("human", "did you mean 'desk'"),
+    ],
+)
+def test_what_was_meant_is_suggested(spec, expected):
+    with pytest.raises(InputError) as error:
+        make_advisor(spec, rules={}, rng=np.random.default_rng(0))
+    assert expected in str(error.value)
+
+
+def test_nothing_is_suggested_for_what_is_like_nothing():
+    with pytest.raises(InputError) as error:
+        make_advisor("mistral:large", rules={}, rng=np.random.default_rng(0))
+    assert "did you mean" not in str(error.value)

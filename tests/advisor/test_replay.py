@@ -1,6 +1,7 @@
 import asyncio
 import json
 import math
+import os
 
 import numpy as np
 import pytest
@@ -205,3 +206,45 @@ def test_log_line_is_strict_json_and_complete(recording):
     assert line["facts"] == {"bearing": 0.5, "path": None}
     assert line["usage"]["faults"] == ["http-429"]
     assert (recording / "pictures" / f"{line['pictures'][0]}.png").read_bytes() == b"png"
+
+
+ODD = ["x", 1, None, [1], {"a": 1}, [{}], 1e400, -1e300, 10**400, True, "\ud800", [[]]]
+
+
+def test_odd_values_in_a_recording_are_one_line_or_an_answer(tmp_path):
+    """Each field of a recorded attempt, each odd value in it: refused when it is read, or repeated without harm."""
+    recorder = AttemptRecorder(tmp_path / "run")
+    mission(Scripted(2), "fixed:1", recorder, ["one"])
+    recorder.close()
+    (line,) = (tmp_path / "run" / "attempts.jsonl").read_text().splitlines()
+    entry = json.loads(line)
+    spoilt = [{**entry, key: odd} for key in entry for odd in ODD]
+    spoilt += [{**entry, "usage": {**entry["usage"], key: odd}} for key in (*entry["usage"], "more") for odd in ODD]
+    spoilt += [{**entry, "verdict": verdict, "code": "x"} for verdict in ("malformed", "withdrawn", "unavailable", "?")]
+    refused = 0
+    for content in spoilt:
+        file = tmp_path / "odd.jsonl"
+        file.write_text(json.dumps(content) + "\n")
+        try:
+            advisor = ReplayAdvisor(file)
+        except InputError:
+            refused += 1
+            continue
+        try:
+            asyncio.run(advisor.answer(question("one"), ()))
+        except (AdvisorUnavailable, BadAnswer) as told:
+            assert told.latency_s is None or told.latency_s >= 0  # noqa: PT017
+    assert refused > 50
+
+
+@pytest.mark.parametrize("deep", ["[" * 100_000, '{"a":' * 100_000])
+def test_a_line_nested_without_end_is_no_attempt(tmp_path, deep):
+    (tmp_path / "deep.jsonl").write_text(f"{deep}\n{{}}\n")
+    with pytest.raises(InputError, match="line 1: found no JSON"):
+        ReplayAdvisor(tmp_path / "deep.jsonl")
+
+
+def test_a_pipe_is_no_recording(tmp_path):
+    os.mkfifo(tmp_path / "pipe.jsonl")
+    with pytest.raises(InputError, match="a named pipe"):
+        ReplayAdvisor(tmp_path / "pipe.jsonl")

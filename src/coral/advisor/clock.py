@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from coral.advisor.inner_loop import run_on
 from coral.advisor.latency import LatencyCfg, parse_latency
 from coral.advisor.question import AdvisorUnavailable, Withdrawn
 from coral.advisor.thread import AdvisorThread
@@ -198,15 +199,18 @@ class SimulatedClock:
         for task in self._tasks:
             task.cancel()
         if self._tasks:
-            self._loop.run_until_complete(asyncio.gather(*self._tasks, return_exceptions=True))
+            run_on(self._loop, self._ended())
         self._loop.close()
         if self._own_thread:
             self.thread.close()
 
+    async def _ended(self) -> None:
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
     def _settle(self) -> None:
         """Run the private loop until every coroutine has ended or waits for a reply that is not due."""
         while True:
-            self._loop.run_until_complete(self._until_parked())
+            run_on(self._loop, self._until_parked())
             if not any(self._deliver(request) for request in self._requests):
                 break
         ended = [task for task in self._tasks if task.done()]

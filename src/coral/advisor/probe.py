@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -11,6 +10,7 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, Field
 
+from coral.advisor.inner_loop import run_alone
 from coral.advisor.model_cfg import ModelCfg, OutputMode
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.preflight import patch
@@ -87,7 +87,7 @@ def probe(spec: str, cfg: ModelCfg | None = None, where: str = "MODEL") -> Probe
     advisor = make_advisor(spec, rules={}, rng=np.random.default_rng(0), cfg=base, where=where)
     if not isinstance(advisor, ModelAdvisor):
         raise InputError(where, "", repr(spec), "a real model: PROVIDER:MODEL or local:URL#MODEL")
-    return asyncio.run(_probe(advisor, base))
+    return run_alone(_probe(advisor, base))
 
 
 async def _probe(advisor: ModelAdvisor, base: ModelCfg) -> ProbeReport:

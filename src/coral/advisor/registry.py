@@ -83,6 +83,19 @@ ENTRIES = (
         wraps=True,
     ),
 )
+OTHER_NAMES = {
+    "gemini": "google",
+    "claude": "anthropic",
+    "gpt": "openai",
+    "chatgpt": "openai",
+    "ollama": "local:URL#MODEL",
+    "vllm": "local:URL#MODEL",
+    "llama": "local:URL#MODEL",
+    "human": "desk",
+    "operator": "desk",
+    "rules": "heuristic",
+}
+"""What people write for a provider or an advisor, as its beginning."""
 _BY_NAME = {entry.name: entry for entry in ENTRIES}
 
 
@@ -155,8 +168,7 @@ def make_advisor(
     spec = spec.strip()
     entry, rest = _split(spec)
     if entry is None:
-        name = spec.partition(":")[0]
-        raise InputError(where, "", repr(spec), f"one of {forms()}{nearest(name, _BY_NAME)}")
+        raise InputError(where, "", repr(spec), _expected(spec))
 
     def inner(text: str) -> Advisor:
         return make_advisor(
@@ -184,3 +196,18 @@ def _split(spec: str) -> tuple[AdvisorEntry | None, str]:
     entry = _BY_NAME.get(name.strip())
     fits = entry is not None and (bool(rest) if entry.takes else ":" not in spec)
     return (entry, rest) if fits else (None, "")
+
+
+def _expected(spec: str) -> str:
+    """What might have been meant by a string that names no advisor."""
+    name, colon, rest = spec.partition(":")
+    entry = _BY_NAME.get(name)
+    if entry is not None and entry.takes and not rest:
+        return f"all of {entry.form}"
+    known = next((other for start, other in OTHER_NAMES.items() if name.lower().startswith(start)), "")
+    if known in KEYS:
+        model = rest if colon else spec
+        return f"one of {forms()} (did you mean '{known}:{model or 'MODEL'}'?)"
+    if known:
+        return f"one of {forms()} (did you mean {known!r}?)"
+    return f"one of {forms()}{nearest(name, _BY_NAME, 0.7)}"

@@ -7,14 +7,16 @@ import math
 from collections import deque
 from collections.abc import Coroutine, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from coral.advisor.attribution import Source
 from coral.advisor.log import question_key
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
 from coral.errors import InputError
+from coral.validation_errors import shown
+from coral.yaml_file import regular_bytes
 
 if TYPE_CHECKING:
     from coral.advisor.setting import Setting
@@ -30,6 +32,52 @@ _PARTS = {
     "prompt_digest": "prompt",
 }
 """Parts of a question's key, the coarsest first, and how to call them."""
+
+
+MAX_BYTES = 1_000_000_000
+"""Of a recording; what comes after is not read."""
+
+Seconds = Annotated[float, Field(ge=0, le=1e9)]
+Tokens = Annotated[int, Field(ge=0, le=10**15)]
+
+
+class _Usage(BaseModel):
+    """What `Usage` is made of."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    input_tokens: Tokens = 0
+    output_tokens: Tokens = 0
+    cost_usd: Annotated[float, Field(ge=0, le=1e9)] | None = 0.0
+    requests: Tokens = 1
+    faults: list[str] = Field(default_factory=list)
+
+
+class _Entry(BaseModel):
+    """What has to be right of a recorded attempt before any of it is repeated."""
+
+    model_config = ConfigDict(strict=True)
+
+    kind: str
+    prompt_version: str
+    schema_digest: str = Field(alias="schema")
+    pictures: list[str]
+    facts_digest: str
+    prompt_digest: str
+    asked_at_s: Seconds
+    answered_at_s: Seconds
+    verdict: Literal["accepted", "rejected", "malformed", "unavailable", "withdrawn"]
+    code: str
+    reason: str
+    raw: str
+    usage: _Usage
+    final: bool
+
+    @model_validator(mode="after")
+    def _in_order(self) -> _Entry:
+        if self.answered_at_s < self.asked_at_s:
+            raise ValueError("an answer after its question")
+        return self
 
 
 class ReplayAdvisor:
@@ -131,7 +179,7 @@ class ReplayAdvisor:
 
 def _read(file: Path, where: str) -> list[dict[str, Any]]:
     try:
-        lines = file.read_text(encoding="utf-8").splitlines()
+        lines = regular_bytes(file, MAX_BYTES)[:MAX_BYTES].decode().splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             where,
@@ -144,13 +192,20 @@ def _read(file: Path, where: str) -> list[dict[str, Any]]:
     for number, line in enumerate(lines, start=1):
         try:
             entry = json.loads(line)
-        except ValueError:
+        except (ValueError, RecursionError):
             if number == len(lines):
                 break  # The run was killed while it wrote this line.
             raise InputError(str(file), f"line {number}", "no JSON", "one attempt per line") from None
         missing = wanted - set(entry) if isinstance(entry, dict) else wanted
         if missing:
             raise InputError(str(file), f"line {number}", f"no {', '.join(sorted(missing))}", "an attempt")
+        try:
+            _Entry.model_validate(entry)
+        except ValidationError as error:
+            fault = error.errors()[0]
+            field = ".".join(map(str, fault["loc"]))
+            expected = fault["msg"].removeprefix("Input should be ")
+            raise InputError(str(file), f"line {number}: {field}", shown(fault["input"]), expected) from None
         entries.append(entry)
     return entries
 

@@ -17,6 +17,7 @@ from coral.advisor.attribution import Source, source_of, spent
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
 from coral.advisor.fallback import FOR_RUNS, Fallback, failed
+from coral.advisor.inner_loop import run_alone
 from coral.advisor.question import Advisor, Question, Rejection
 from coral.reef.belief import Belief
 from coral.reef.controller import Plan
@@ -249,7 +250,7 @@ class Pilot:
             question = self.planner.observe(rejections)
             if question is None:
                 return
-            answer = asyncio.run(self.fallback.answer(question, rejections)).value
+            answer = run_alone(self.fallback.answer(question, rejections)).value
             refusal = self.planner.verify(question, answer)
             if refusal is None:
                 self._adopt(self.planner.locate(question, answer), "fallback", getattr(answer, "reason", ""))

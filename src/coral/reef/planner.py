@@ -36,7 +36,7 @@ class PlannerCfg:
     step_m: Count = 6
     """Longest waypoint step per axis (paper III-C.2: whole metres, 0 to 6)."""
     separation_m: float = 1.0
-    """Delta d_min: a new goal lies at least this far from the previous one (paper IV-F)."""
+    """Delta d_min (paper IV-F, there from the previous goal): a new goal lies at least this far from the robot."""
     centroid_selection: bool = True
     """False is the ablation "w/o centroid selection": the chain is shown, but only waypoints are asked for."""
     survey: SurveyCfg = field(default_factory=SurveyCfg)

@@ -27,8 +27,6 @@ class TriggerCfg:
     cooldown_s: float = 5.0
     """T_cooldown. The paper says 50 s, but its 54.7 calls per 321 s environment are one per 5.9 s; 50 control ticks
     of 0.1 s fit both, so 5 s is the default."""
-    separation_m: float = 1.0
-    """Delta d_min: a new waypoint lies at least this far from the previous one and from the robot."""
     always: bool = False
     """Ask at every cooldown, whatever Eq. 12 says (ablation "w/o smart trigger")."""
 

@@ -12,14 +12,19 @@ from typing import Any, cast
 
 import cv2
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.odd_text import encodable_values
 from coral.runs import trajectory_name
+from coral.view.records import figures, histogram, is_extent, is_number, shallow, sound
+from coral.words import many
+from coral.yaml_file import load_mapping, regular_bytes
 
 Record = Mapping[str, Any]
+MAX_BYTES = 1_000_000_000
+"""Of one file; what comes after is not read."""
+MAX_VALUES = 500_000
 _MARKS = ("events.jsonl", "trajectory.csv", "config.yaml", "metrics.json")
 
 
@@ -106,20 +111,21 @@ class RunFolder:
         tables: list[Mapping[str, NDArray[np.float64]]] = []
         while (more := folder / trajectory_name(len(tables) + 1)).is_file():
             tables.append(_table(more, notes))
-        whole = tuple(event for event in events if isinstance(event.get("event"), str) and _is_number(event.get("t")))
-        if len(whole) < len(events):
-            notes.append(f"events.jsonl: {len(events) - len(whole)} lines have no name or time and were left out.")
+        named = tuple(event for event in events if isinstance(event.get("event"), str) and is_number(event.get("t")))
+        if len(named) < len(events):
+            notes.append(f"events.jsonl: {len(events) - len(named)} lines have no name or time and were left out.")
+        whole = _sound("events.jsonl", named, notes)
         return cls(
             path=folder,
             events=whole,
             trajectory=_table(folder / "trajectory.csv", notes),
             attempts=()
             if task and not (folder / "attempts.jsonl").is_file()
-            else _lines(folder / "attempts.jsonl", notes),
-            metrics=_document(folder / "metrics.json", json.loads, notes),
-            timing=_document(folder / "timing.json", json.loads, notes),
+            else _sound("attempts.jsonl", _lines(folder / "attempts.jsonl", notes), notes),
+            metrics=figures(_document(folder / "metrics.json", json.loads, notes)),
+            timing=histogram(_document(folder / "timing.json", json.loads, notes)),
             config=_document(folder / "config.yaml", _yaml, notes),
-            world=_document(folder / ("task.yaml" if task else "world.yaml"), _yaml, notes),
+            world=_world(folder / ("task.yaml" if task else "world.yaml"), notes),
             frame_steps=tuple(
                 sorted(
                     int(file.name[:-8]) for file in (folder / "frames").glob("*_map.png") if file.name[:-8].isdigit()
@@ -142,20 +148,33 @@ def _yaml(text: str) -> Any:
             return json.loads(text)
         except ValueError:
             pass
-    return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    return load_mapping(text, "", MAX_VALUES)
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+def _world(path: Path, notes: list[str]) -> Record:
+    """The reef or the task; without its extent where that is none."""
+    world = _document(path, _yaml, notes)
+    if "size_m" in world and not is_extent(world["size_m"]):
+        notes.append(f"{path.name}: size_m is no width and height and was left out.")
+        return {key: value for key, value in world.items() if key != "size_m"}
+    return world
+
+
+def _sound(name: str, records: tuple[Record, ...], notes: list[str]) -> tuple[Record, ...]:
+    """The records that can be drawn."""
+    kept = tuple(record for record in records if sound(record))
+    if len(kept) < len(records):
+        notes.append(f"{name}: {many(len(records) - len(kept), 'line')} with text where a number belongs left out.")
+    return kept
 
 
 def _text(path: Path, notes: list[str]) -> str:
     try:
-        return path.read_text(encoding="utf-8", errors="replace")
+        return regular_bytes(path, MAX_BYTES)[:MAX_BYTES].decode("utf-8", "replace")
     except FileNotFoundError:
         notes.append(f"{path.name} is missing.")
     except OSError as error:
-        notes.append(f"{path.name} cannot be read: {error.strerror}.")
+        notes.append(f"{path.name} cannot be read: {error.strerror or error}.")
     return ""
 
 
@@ -168,9 +187,9 @@ def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
             continue
         try:
             record = json.loads(line)
-        except ValueError:
+        except (ValueError, RecursionError):
             record = None
-        if isinstance(record, dict):
+        if isinstance(record, dict) and shallow(record):
             records.append(encodable_values(record) if "\\ud" in line.lower() else record)
         else:
             cut = "was cut off while it was written" if number == len(lines) else "is not a JSON object"
@@ -181,7 +200,11 @@ def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
 def _table(path: Path, notes: list[str]) -> dict[str, NDArray[np.float64]]:
     """Columns of a CSV file of numbers with a header line."""
     text = _text(path, notes)
-    rows = list(csv.reader(io.StringIO(text)))
+    try:
+        rows = list(csv.reader(io.StringIO(text)))
+    except csv.Error as error:
+        notes.append(f"{path.name} is no table and was left out: {error}.")
+        return {}
     if not rows:
         return {}
     header, body = rows[0], rows[1:]
@@ -213,9 +236,9 @@ def _document(path: Path, parse: Callable[[str], Any], notes: list[str]) -> Reco
         return {}
     try:
         document = parse(text)
-    except (ValueError, yaml.YAMLError):
+    except (ValueError, RecursionError):
         document = None
-    if isinstance(document, dict):
+    if isinstance(document, dict) and shallow(document):
         return cast(Record, encodable_values(document) if "\\ud" in text.lower() else document)
     notes.append(f"{path.name} is incomplete and was left out.")
     return {}

@@ -1,0 +1,51 @@
+"""Running a coroutine to its end where an event loop may be running already, as in a notebook's cell."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Coroutine, Iterator
+from typing import Any, TypeVar
+
+R = TypeVar("R")
+
+
+def run_on(loop: asyncio.AbstractEventLoop, awaitable: Awaitable[R]) -> R:
+    """`loop.run_until_complete(awaitable)`, also while another loop runs in this thread; that one stands still.
+
+    Everything stays in the caller's thread: what the coroutine calls may use what belongs to it.
+
+    Raises:
+        RuntimeError: `loop` itself is running.
+    """
+    with _outer_loop_aside():
+        return loop.run_until_complete(awaitable)
+
+
+def run_alone(coroutine: Coroutine[Any, Any, R]) -> R:
+    """`asyncio.run(coroutine)`, on the same terms: on a loop of its own, which lives no longer than the call."""
+    with _outer_loop_aside(), asyncio.Runner(loop_factory=asyncio.new_event_loop) as runner:
+        return runner.run(coroutine)
+
+
+@contextlib.contextmanager
+def _outer_loop_aside() -> Iterator[None]:
+    """Take the running loop and its task from the thread for a while.
+
+    Python refuses to run a second loop in a thread only because the first one is noted there; asyncio offers these
+    functions to those who write event loops.
+    """
+    outer = asyncio._get_running_loop()
+    if outer is None:
+        yield
+        return
+    task = asyncio.current_task(outer)
+    if task is not None:
+        asyncio.tasks._leave_task(outer, task)
+    asyncio._set_running_loop(None)
+    try:
+        yield
+    finally:
+        asyncio._set_running_loop(outer)
+        if task is not None:
+            asyncio.tasks._enter_task(outer, task)

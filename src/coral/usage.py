@@ -1,0 +1,44 @@
+"""What the command-line parser complains about, in one line as all other bad input."""
+
+from __future__ import annotations
+
+import re
+
+from coral.errors import InputError
+
+NUMBERS = {"INT": "a whole number", "FLOAT": "a number"}
+
+
+def usage_error(command: str, complaint: str) -> InputError:
+    """Tyro's complaint, a page in a box, as one error that names the flag, what was found and what was expected.
+
+    Args:
+        command: The words that picked the command, such as "reef run".
+        complaint: What tyro printed.
+    """
+    where, flags = f"coral {command}", f"flags as in: coral {command} --help"
+    text = " ".join(re.sub(r"[╭╮╰╯│─]+", " ", complaint).split())
+    text = re.split(r" For full helptext,", text)[0]
+    if match := re.search(r"Unrecognized options: (\S+?),?(?: |$)", text):
+        found = f"an unknown flag {match[1]}" if match[1].startswith("-") else f"a word too many, {match[1]!r}"
+        meant = re.search(r"Perhaps you meant: (--\S+)", text)
+        return InputError(where, "", found, f"{flags}{f' (did you mean {meant[1]!r}?)' if meant else ''}")
+    if match := re.search(r"Missing value for argument '([^']+)'", text):
+        return InputError(where, _named(match[1]), "nothing", f"a value: {flags}")
+    if match := re.search(r"Missing from [^:]+: (\S+) (.*?)(?: \(required\)|$)", text):
+        return InputError(where, match[1], "nothing", match[2].rstrip("."))
+    if match := re.search(r"invalid choice (.+?) for argument '([^']+)'\. Expected one of \((.*?),?\)", text):
+        options = sorted(re.findall(r"'([^']*)'", match[3]))  # tyro has them in any order
+        return InputError(where, _named(match[2]), match[1], f"one of {', '.join(o for o in options if o != 'None')}")
+    if match := re.search(r"Error parsing (\S+): (.*?)(?: Argument helptext: (\S+) (\S+)|$)", text):
+        values = re.findall(r"'([^']*)'", match[2])
+        kind = next((kind for kind in NUMBERS if kind in f"{match[2]} {match[4]}".split("|")[-1]), "")
+        kind = kind or next((kind for kind in NUMBERS if kind.lower() in match[2]), "")
+        found = repr(values[-1]) if values else match[2]
+        return InputError(where, _named(match[1]), found, NUMBERS.get(kind, f"a value: {flags}"))
+    return InputError(where, "", re.sub(r"^(.+?) \1", r"\1", text), flags)
+
+
+def _named(argument: str) -> str:
+    """An argument as `--help` shows it: positional ones in capitals."""
+    return argument if argument.startswith("-") else argument.upper()

@@ -1,0 +1,126 @@
+"""What a run folder's records must hold before anything is drawn from them: numbers where numbers belong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+LONGEST_S = 1e7
+"""Latest time that is believed (s): four months."""
+LARGEST = 1e9
+"""Largest number that is believed elsewhere."""
+DEEPEST = 60
+"""Deepest nesting that is walked through."""
+
+NUMBERS = frozenset(
+    [
+        "t",
+        "step",
+        "decision",
+        "attempt",
+        "index",
+        "robot",
+        "asked_at",
+        "asked_at_s",
+        "answered_at_s",
+        "x",
+        "y",
+        "fraction",
+        "deviation_m",
+        "obstacle",
+        "robots",
+        "clusters_total",
+        "hull_radius_m",
+        "force_n",
+        "newtons",
+        "begun_s",
+        "ended_s",
+        "peak_n",
+        "mean_n",
+        "attempts",
+    ]
+)
+"""Fields that hold a number, or null where nothing was to tell."""
+LISTS = frozenset(("pictures", "centroids", "captions"))
+NEEDED = {
+    "goal": ("x", "y"),
+    "collision": ("x", "y"),
+    "robot_collision": ("x", "y"),
+    "stage": ("stage",),
+    "contact": ("first", "second", "force_n"),
+    "contact_end": ("first", "second", "begun_s", "ended_s"),
+}
+"""Fields that an event of a kind cannot do without."""
+FIGURES = frozenset(
+    [
+        "coverage",
+        "clusters_covered",
+        "clusters_total",
+        "collisions",
+        "advisor_calls",
+        "requeries",
+        "deviations",
+        "steps",
+        "sim_time_s",
+        "distance_m",
+        "robots",
+    ]
+)
+"""Metrics that the headline and the tiles count with."""
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a number that can be drawn: finite and of a believable size."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST
+
+
+def sound(record: Mapping[str, Any]) -> bool:
+    """Whether every field of an event or an attempt holds what it should."""
+    if any(record.get(name) is None for name in NEEDED.get(str(record.get("event")), ())):
+        return False
+    for name, value in record.items():
+        if value is None and name != "t":
+            continue
+        if name in NUMBERS and not is_number(value):
+            return False
+        if name in LISTS and not isinstance(value, list):
+            return False
+    if not 0 <= record.get("t", 0.0) <= LONGEST_S:
+        return False
+    return all(map(_is_caption, record.get("captions") or ())) and all(map(_is_spot, record.get("centroids") or ()))
+
+
+def figures(metrics: Mapping[str, Any]) -> dict[str, Any]:
+    """The metrics without those that should be numbers and are not."""
+    return {key: value for key, value in metrics.items() if key not in FIGURES or is_number(value)}
+
+
+def histogram(timing: Mapping[str, Any]) -> dict[str, Any]:
+    """The timing without a histogram that cannot be drawn."""
+    found = timing.get("control_ms_histogram")
+    counts, edges = (found.get(key) if isinstance(found, dict) else None for key in ("counts", "edges"))
+    lists = isinstance(counts, list) and isinstance(edges, list) and len(edges) == len(counts) + 1 > 1
+    whole = lists and all(map(is_number, (*counts, *edges)))  # type: ignore[misc]
+    return {key: value for key, value in timing.items() if key != "control_ms_histogram" or whole}
+
+
+def is_extent(size: object) -> bool:
+    """Whether a value is a map's width and height (m)."""
+    return isinstance(size, list | tuple) and len(size) == 2 and all(is_number(s) and 0 < s <= 10_000 for s in size)
+
+
+def shallow(value: Any) -> bool:
+    """Whether a value can be walked through: it is nested no deeper than `DEEPEST`."""
+    level = [value]
+    for _ in range(DEEPEST):
+        nodes = [list(node.values()) if isinstance(node, dict) else node for node in level]
+        level = [child for node in nodes if isinstance(node, list) for child in node if isinstance(child, dict | list)]
+    return not level
+
+
+def _is_caption(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(part, str) for part in value)
+
+
+def _is_spot(value: object) -> bool:
+    return isinstance(value, dict) and all(is_number(value[key]) for key in ("index", "x", "y") if key in value)
