@@ -101,7 +101,7 @@ def test_providers_connect_without_sending(monkeypatch, spec):
         ("fallible:x:heuristic", "probability from 0 to 1"),
         ("fallible:0.3:nobody", "one of heuristic"),
         ("replay:/no/such/file", "No such file"),
-        ("sloppy", "one of heuristic"),
+        ("sloppy", "all of sloppy:ERRORS:INNER"),
         ("sloppy:0.3", "sloppy:P:INNER"),
         ("sloppy:1.3:heuristic", "probabilities from 0 to 1"),
         ("sloppy:lw=0.3:heuristic", "did you mean 'low'"),
