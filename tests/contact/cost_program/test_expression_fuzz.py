@@ -16,7 +16,8 @@ from coral.contact.cost_program.errors import CODES
 EXAMPLES = int(os.environ.get("CORAL_FUZZ", "80"))
 LEAVES = st.sampled_from(
     ["self.time", "0.5", "2", "-1.5", "self.ee_pos", "self.box_pos", "np.array([1, 2, 3])", "np.eye(3)",
-     "np.stack([self.ee_pos, self.box_pos])", "self.box_quat[:3]", "np.zeros((2, 3))", "self.box_hand_contact", "[0.1, 0.2, 0.3]",
+     "np.stack([self.ee_pos, self.box_pos])", "self.box_quat[:3]", "np.zeros((2, 3))", "self.box_hand_contact",
+     "[0.1, 0.2, 0.3]",
      "(self.time > 0.5)", "np.ones(1)", "(self.ee_pos > 0.0)", "True"]
 )  # fmt: skip
 ONE = [
