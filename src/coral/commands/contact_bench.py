@@ -344,7 +344,7 @@ def read_memory(where: str | Path) -> dict[str, Any]:
         return Memory(file).export()
     try:
         content = json_text.loads(head)
-    except ValueError:
+    except (ValueError, RecursionError):
         content = None
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise InputError("--memory", "", str(file), "a memory, or an export of one")

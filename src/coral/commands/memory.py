@@ -162,7 +162,7 @@ class MemoryImport:
         """Read it."""
         try:
             content = json_text.loads(self.source.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise InputError(str(self.source), "", error, "a JSON file that coral memory export has written") from None
         if not isinstance(content, dict):
             raise InputError(str(self.source), "", type(content).__name__, "an object")

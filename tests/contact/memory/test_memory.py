@@ -8,6 +8,7 @@ import pytest
 
 from coral.cli import main
 from coral.commands.contact_bench import read_memory
+from coral.commands.memory import MemoryImport
 from coral.contact.memory.adaptation import adapt, renamed
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import FORMAT, Experience, Memory, scene_numbers
@@ -288,3 +289,15 @@ def test_commands(scene, memory, place, tmp_path, capsys):
     assert "found no such" in capsys.readouterr().err
     with pytest.raises(InputError, match="a memory, or an export"):
         read_memory(place("none"))
+
+
+@pytest.mark.parametrize("depth", [900, 200_000])
+def test_deeply_nested_experiences_are_one_line(depth, scene, tmp_path):
+    one = (
+        experience(scene("pick-box"), deep=0)
+        .model_dump_json()
+        .replace('"deep":0', f'"deep":{"[" * depth + "]" * depth}')
+    )
+    (tmp_path / "deep.json").write_text(f'{{"format": "coral-memory/1", "experiences": [{one}]}}')
+    with pytest.raises(InputError, match=r"deep\.json"):
+        MemoryImport(source=tmp_path / "deep.json", file=str(tmp_path / "m.sqlite"))()

@@ -241,6 +241,8 @@ def as_vector(meter: Meter, value: Value) -> Value:
     for item in items:
         if not isinstance(item, Vec):
             number(meter, item)
+        elif is_matrix(item):
+            raise meter.fault("wrong_size", "an array has one or two axes; keep several matrices in a list")
     return bounded(meter, Vec(items))
 
 

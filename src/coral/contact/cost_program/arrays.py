@@ -21,6 +21,7 @@ from coral.contact.cost_program.values import (
     Vec,
     bounded,
     is_matrix,
+    is_one_of,
     kind,
 )
 
@@ -141,7 +142,7 @@ def eye(meter: Meter, n: Value, dtype: Value = None) -> Value:
 
 def concatenate(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
     """Vectors one after the other."""
-    if axis not in (0, -1) or not isinstance(arrays, Seq | Vec):
+    if not is_one_of(axis, (0, -1)) or not isinstance(arrays, Seq | Vec):
         raise meter.fault("wrong_call", "concatenate takes a list of vectors and axis 0")
     parts = [asarray(meter, part) for part in arrays.items]
     found: tuple[Value, ...] = ()
@@ -156,7 +157,7 @@ def stack(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
     if not isinstance(arrays, Seq | Vec):
         raise meter.fault("wrong_call", "stack takes a list of vectors")
     found = as_vector(meter, Seq(tuple(arrays.items)))
-    if not isinstance(found, Vec) or axis not in (0, 1, -1):
+    if not isinstance(found, Vec) or not is_one_of(axis, (0, 1, -1)):
         raise meter.fault("wrong_call", "stack takes a list of vectors and axis 0 or 1")
     return renewed(transposed(meter, found) if axis != 0 else found)
 

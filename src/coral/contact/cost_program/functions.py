@@ -38,6 +38,7 @@ from coral.contact.cost_program.values import (
     Value,
     Vec,
     is_matrix,
+    is_one_of,
     kind,
 )
 
@@ -203,6 +204,8 @@ def linalg_norm(meter: Meter, x: Value, ord: Value = None, axis: Value = None, k
 
 
 def _norms(meter: Meter, x: Value, ord: Value, axis: Value) -> Value:
+    if not is_one_of(ord, (None, 1, 2, math.inf)):
+        raise meter.fault("wrong_call", "norm takes ord 1, 2 or np.inf")
     vector = as_vector(meter, x)
     if isinstance(vector, NUMBER):
         return of_one("abs")(meter, vector)
@@ -218,9 +221,7 @@ def _norms(meter: Meter, x: Value, ord: Value, axis: Value) -> Value:
     sizes = components(meter, of_one("abs")(meter, vector))
     if ord == 1:
         return total(meter, sizes)
-    if ord == math.inf:
-        return largest(meter, sizes, ">")
-    raise meter.fault("wrong_call", "norm takes ord 1, 2 or np.inf")
+    return largest(meter, sizes, ">")
 
 
 def along(meter: Meter, value: Value, axis: Value) -> tuple[Value, ...] | None:
@@ -231,7 +232,7 @@ def along(meter: Meter, value: Value, axis: Value) -> tuple[Value, ...] | None:
     """
     if axis is None:
         return None
-    depth = 2 if is_matrix(value) else 1
+    depth = (2 if is_matrix(value) else 1) if isinstance(value, Vec) else 0
     if not isinstance(axis, int) or not -depth <= axis < depth:
         raise meter.fault("wrong_size", f"{kind(value)} has no axis {axis}")
     if depth == 1 or not isinstance(value, Vec):

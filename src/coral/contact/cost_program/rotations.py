@@ -19,7 +19,7 @@ from coral.contact.cost_program.quaternions import (
     rotate,
     write_quat,
 )
-from coral.contact.cost_program.values import NUMBER, Rotation, Value, Vec, is_matrix, kind
+from coral.contact.cost_program.values import NUMBER, Rotation, Value, Vec, is_matrix, is_one_of, kind
 
 SMALL = 1e-3
 AXES = {"x": 0, "y": 1, "z": 2, "X": 0, "Y": 1, "Z": 2}
@@ -60,7 +60,7 @@ def from_angles(meter: Meter, seq: Value, angles: Value, degrees: Value = False)
 
 
 def _check_sequence(meter: Meter, seq: Value) -> None:
-    if seq not in ("xyz", "ZYX"):
+    if not is_one_of(seq, ("xyz", "ZYX")):
         raise meter.fault("wrong_call", "Euler angles are of 'xyz' or 'ZYX' here; quat_axis gives single directions")
 
 

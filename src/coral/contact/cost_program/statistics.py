@@ -11,7 +11,7 @@ from coral.contact.cost_program.arithmetic import as_vector, binary, components,
 from coral.contact.cost_program.functions import along, flat, select, with_kept_axes
 from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.limits import Meter
-from coral.contact.cost_program.values import Number, Seq, Value, Vec, is_matrix, kind
+from coral.contact.cost_program.values import Number, Seq, Value, Vec, is_matrix, is_one_of, kind
 
 
 def variance(meter: Meter, a: Value, axis: Value = None, ddof: Value = 0, keepdims: Value = False) -> Value:
@@ -43,7 +43,7 @@ def deviation(meter: Meter, a: Value, axis: Value = None, ddof: Value = 0, keepd
 def average(meter: Meter, a: Value, axis: Value = None, weights: Value = None) -> Value:
     """Mean of a vector, weighted or not."""
     items = flat(meter, a)
-    if axis not in (None, 0, -1) or is_matrix(as_vector(meter, a)):
+    if not is_one_of(axis, (None, 0, -1)) or is_matrix(as_vector(meter, a)):
         raise meter.fault("wrong_call", "average takes a vector; use mean along an axis")
     if weights is None:
         weights = Seq((1.0,) * len(items))

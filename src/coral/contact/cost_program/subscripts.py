@@ -28,8 +28,8 @@ def subscript(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate)
             raise machine.meter.fault("wrong_size", f"the dict has no {key!r}; it has {known or 'nothing'}")
         return machine.usable(base.items[key], str(key))
     if not isinstance(base, Vec):
-        if not isinstance(base, Seq) or isinstance(node, ast.Tuple):
-            raise machine.meter.fault("wrong_type", f"{kind(base)} has no such entries; several axes are for np.array")
+        if not isinstance(base, Seq):
+            raise machine.meter.fault("wrong_type", f"{kind(base)} has no entries to index")
         return _picked(machine, base, index(machine, base, node, evaluate))
     parts = indices(machine, base, node, evaluate)
     axes: list[Index] = [part for part in parts if part is not None]

@@ -201,6 +201,11 @@ def kind(value: Value) -> str:
     return words.get(type(value), "such a value")
 
 
+def is_one_of(value: Value, options: tuple[Value, ...]) -> bool:
+    """Whether a constant is one of some; a number of the state is none of them."""
+    return (value is None or isinstance(value, int | float | str)) and value in options
+
+
 def is_matrix(value: Value) -> bool:
     """Whether it is a vector of vectors."""
     return isinstance(value, Vec) and bool(value.items) and isinstance(value.items[0], Vec)

@@ -244,13 +244,15 @@ class Memory:
         for index, item in enumerate(content["experiences"]):
             try:
                 one = Experience.model_validate({key: value for key, value in dict(item).items() if key != "created"})
-            except (ValidationError, TypeError, ValueError) as error:
+                text = one.model_dump_json()
+                Experience.model_validate_json(text)  # what cannot be read again is not stored
+            except (ValidationError, TypeError, ValueError, RecursionError) as error:
                 path, why = f"experiences[{index}]", str(error)
                 if isinstance(error, ValidationError):
                     first = error.errors(include_url=False)[0]
                     path, why = ".".join([path, *map(str, first["loc"])]), first["msg"]
                 raise InputError(where, path, why, "an exported experience") from None
-            if (text := one.model_dump_json()) not in known:
+            if text not in known:
                 self.add(one)
                 known.add(text)
                 count += 1
