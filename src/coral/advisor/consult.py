@@ -10,11 +10,16 @@ from typing import Any, Generic, Literal, Protocol, TypeVar
 from pydantic import BaseModel
 
 from coral.advisor.question import Advisor, AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage, Withdrawn
+from coral.config import Positive
 
 A = TypeVar("A", bound=BaseModel)
 T = TypeVar("T")
 
 Verdict = Literal["accepted", "rejected", "malformed", "unavailable", "withdrawn"]
+
+
+DEADLINE_S = 60.0
+"""Of a decision during a mission."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,8 +28,13 @@ class BudgetCfg:
 
     max_requeries: int = 3
     """Further attempts after the first; a rejected or malformed answer uses one up."""
-    deadline_s: float = 60.0
-    """Longest time for the whole decision, all attempts together, on the clock of the world (s)."""
+    deadline_s: Positive | None = None
+    """Longest time for the whole decision, all attempts together, on the clock of the world (s); None: as long as the
+    application gives, by what is asked and whether a person answers."""
+
+    def within(self, deadline_s: float) -> BudgetCfg:
+        """The same, with a deadline where none is set."""
+        return self if self.deadline_s is not None else replace(self, deadline_s=deadline_s)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +109,8 @@ async def consult(
         decision: Number of this decision, for the log.
     """
     rejections: list[Rejection] = []
-    end = clock.now() + budget.deadline_s
+    deadline_s = DEADLINE_S if budget.deadline_s is None else budget.deadline_s
+    end = clock.now() + deadline_s
     question: Question[A] | None = None
     for attempt in range(budget.max_requeries + 1):
         question = observe(rejections)
@@ -131,7 +142,7 @@ async def consult(
         try:
             reply: Reply[A] = await clock.reply(partial(advisor.answer, question, reasons), end - asked_at)
         except TimeoutError:
-            silence = Rejection(code="deadline", reason=f"no answer within {budget.deadline_s:g} s")
+            silence = Rejection(code="deadline", reason=f"no answer within {deadline_s:g} s")
             record("unavailable", rejection=silence)
             return Outcome(
                 answer=None,

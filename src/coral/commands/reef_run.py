@@ -14,7 +14,7 @@ import numpy as np
 import tyro
 
 from coral.advisor.attribution import who_decided
-from coral.advisor.consult import BudgetCfg
+from coral.advisor.consult import DEADLINE_S
 from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
@@ -103,9 +103,8 @@ class ReefRun:
         cfg = checked(apply_variant(self.variant, cfg), "--cfg")
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         asks_people = asks_person(self.advisor)
-        if asks_people and cfg.pilot.budget == BudgetCfg():
-            patient = dataclasses.replace(cfg.pilot, budget=BudgetCfg(deadline_s=PERSON_DEADLINE_S))
-            cfg = dataclasses.replace(cfg, pilot=patient)
+        budget = cfg.pilot.budget.within(PERSON_DEADLINE_S if asks_people else DEADLINE_S)
+        cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
         folder = self.out or new_run_folder(Path("runs"), world.name)
         rng = np.random.default_rng([self.seed, 7])
         inbox = self.inbox or folder / "inbox"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 import time
@@ -14,6 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from coral.advisor.clock import SimulatedClock
+from coral.advisor.consult import DEADLINE_S
 from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
 from coral.advisor.log import AttemptRecorder
 from coral.advisor.prompt import render as render_prompt
@@ -103,6 +105,8 @@ class Mission:
         variant: str = "full",
         draw: Callable[[Belief], tuple[Picture, ...]] | None = None,
     ) -> None:
+        budget = cfg.pilot.budget.within(DEADLINE_S)
+        cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
         # Three streams a robot: those of the first are the same however many follow.
         streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3 * cfg.robots)]
         if cfg.decider != "advisor":

@@ -2,12 +2,13 @@ import dataclasses
 
 import pytest
 
+from coral.advisor.consult import BudgetCfg
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.registry import rules_alone
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.tasks import load_task
-from coral.contact.thinker.think_cfg import DESK_S, DecisionCfg
+from coral.contact.thinker.think_cfg import DESK_S
 from coral.contact.thinker.thinker import Thinker
 
 SERVER = "local:http://127.0.0.1:1/v1#m"
@@ -56,6 +57,6 @@ def test_a_model_has_time_and_room_to_write_and_mend_a_program():
 def test_a_person_has_a_day_unless_told_otherwise(tmp_path):
     asking = AdvisorSetup(advisor="desk", inbox=tmp_path)
     assert thinker(asking).asker.budget.deadline_s == DESK_S
-    budget = DecisionCfg(deadline_s=30.0)
+    budget = BudgetCfg(deadline_s=30.0)
     asking = dataclasses.replace(asking, think=dataclasses.replace(asking.think, budget=budget))
     assert thinker(asking).asker.budget.deadline_s == 30.0

@@ -2,9 +2,10 @@ import dataclasses
 
 import pytest
 
+from coral.advisor.consult import BudgetCfg
 from coral.contact.control.controller import ControllerCfg
 from coral.contact.plan.contact_regions import RegionCfg
-from coral.contact.thinker.think_cfg import DESK_S, MODEL_S, DecisionCfg, ThinkCfg, decision_budget, resolved
+from coral.contact.thinker.think_cfg import DESK_S, MODEL_S, ThinkCfg, decision_budget, resolved
 
 WIDE = ControllerCfg(workspace_high_m=(0.8, 0.8, 0.6))
 
@@ -24,9 +25,9 @@ def test_bounds_that_were_set_for_regions_stay_though_they_are_the_defaults_of_a
     ("advisor", "unset_s"), [("heuristic", MODEL_S), ("desk", DESK_S), ("fallible:0.1:desk", DESK_S)]
 )
 def test_a_deadline_that_was_set_stays_though_it_is_that_of_a_model(advisor, unset_s):
-    assert decision_budget(DecisionCfg(), advisor).deadline_s == unset_s
-    assert decision_budget(DecisionCfg(max_requeries=1), advisor).deadline_s == unset_s
-    assert decision_budget(DecisionCfg(deadline_s=MODEL_S), advisor).deadline_s == MODEL_S
+    assert decision_budget(BudgetCfg(), advisor).deadline_s == unset_s
+    assert decision_budget(BudgetCfg(max_requeries=1), advisor).deadline_s == unset_s
+    assert decision_budget(BudgetCfg(deadline_s=MODEL_S), advisor).deadline_s == MODEL_S
 
 
 def test_what_was_resolved_is_resolved():

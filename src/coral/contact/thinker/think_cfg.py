@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from coral.advisor.consult import BudgetCfg
-from coral.config import Count, NonNegative, Positive
+from coral.advisor.registry import asks_person
+from coral.config import Count, NonNegative
 from coral.contact.control.controller import ControllerCfg
 from coral.contact.plan.contact_regions import RegionCfg, reach_box
 from coral.contact.thinker.progress_monitor import OuterCfg
@@ -16,19 +17,6 @@ MODEL_S = 600.0
 """A model takes minutes to write and mend a program."""
 DESK_S = 86_400.0
 """A person at the desk may take a day."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class DecisionCfg:
-    """How long one decision may take.
-
-    Args:
-        max_requeries: Further attempts after the first; a refused or malformed answer uses one up.
-        deadline_s: Longest wall time for all attempts together; None for 600 s, and for a day where a person answers.
-    """
-
-    max_requeries: int = 3
-    deadline_s: Positive | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,23 +49,21 @@ class ThinkCfg:
     least_gain: float = 0.05
     correct_every_s: NonNegative = 0.0
     corrections: Count = 5
-    budget: DecisionCfg = field(default_factory=DecisionCfg)
+    budget: BudgetCfg = field(default_factory=BudgetCfg)
     belief: ParameterBoundsCfg = field(default_factory=ParameterBoundsCfg)
     region: RegionCfg = field(default_factory=RegionCfg)
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
     outer: OuterCfg = field(default_factory=OuterCfg)
 
 
-def decision_budget(cfg: DecisionCfg, advisor: str) -> BudgetCfg:
+def decision_budget(cfg: BudgetCfg, advisor: str) -> BudgetCfg:
     """Attempts and time of one decision.
 
     Args:
         cfg: What was set.
         advisor: As on the command line.
     """
-    unset_s = DESK_S if advisor.rsplit(":", 1)[-1] == "desk" else MODEL_S
-    deadline_s = unset_s if cfg.deadline_s is None else cfg.deadline_s
-    return BudgetCfg(max_requeries=cfg.max_requeries, deadline_s=deadline_s)
+    return cfg.within(DESK_S if asks_person(advisor) else MODEL_S)
 
 
 def resolved(think: ThinkCfg, controller: ControllerCfg, advisor: str) -> ThinkCfg:
@@ -92,5 +78,5 @@ def resolved(think: ThinkCfg, controller: ControllerCfg, advisor: str) -> ThinkC
     return replace(
         think,
         region=replace(think.region, reach_low_m=low, reach_high_m=high),
-        budget=replace(think.budget, deadline_s=decision_budget(think.budget, advisor).deadline_s),
+        budget=decision_budget(think.budget, advisor),
     )
