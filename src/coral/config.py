@@ -12,6 +12,7 @@ from typing import Annotated, Any, TypeVar, cast, get_origin, get_type_hints
 from pydantic import Field, TypeAdapter, ValidationError
 
 from coral.errors import InputError, nearest
+from coral.faults import shown
 from coral.yaml_file import load_mapping, read_regular
 
 C = TypeVar("C")
@@ -89,7 +90,7 @@ def checked(cfg: C, where: str) -> C:
         raise InputError(
             where,
             ".".join(str(part) for part in first["loc"]),
-            repr(first["input"]),
+            shown(first["input"]),
             first["msg"].replace("Input should be ", ""),
         ) from None
     _refuse_odd_numbers(cfg, where, "")
@@ -131,13 +132,13 @@ def _replace(default: Any, changes: Mapping[str, Any], where: str, prefix: str) 
         old = getattr(default, key)
         if dataclasses.is_dataclass(old):
             if not isinstance(value, Mapping):
-                raise InputError(where, name, repr(value), "a mapping")
+                raise InputError(where, name, shown(value), "a mapping")
             values[key] = _replace(old, value, where, f"{name}.")
             continue
         try:
             values[key] = TypeAdapter(hints[key]).validate_python(value)
         except ValidationError as error:
             raise InputError(
-                where, name, repr(value), error.errors()[0]["msg"].replace("Input should be ", "")
+                where, name, shown(value), error.errors()[0]["msg"].replace("Input should be ", "")
             ) from None
     return dataclasses.replace(default, **values)

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 
 from coral.advisor.clock import WallClock
 from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
+from coral.advisor.inner_loop import run_on
 from coral.advisor.prompt import render
 from coral.advisor.question import Advisor, Picture, Question, Rejection
 
@@ -80,7 +81,8 @@ class Asker:
         decision, self._decisions = self._decisions, self._decisions + 1
         # One loop for all questions: a model's connections live in the loop that opened them.
         self._loop = self._loop or asyncio.new_event_loop()
-        return self._loop.run_until_complete(
+        return run_on(
+            self._loop,
             consult(
                 self.advisor,
                 observe,
@@ -89,7 +91,7 @@ class Asker:
                 WallClock(),
                 count,
                 decision,
-            )
+            ),
         )
 
     def close(self) -> None:
@@ -97,6 +99,6 @@ class Asker:
         if self._loop is None:
             return
         if (aclose := getattr(self.advisor, "aclose", None)) is not None:
-            self._loop.run_until_complete(aclose())
+            run_on(self._loop, aclose())
         self._loop.close()
         self._loop = None
