@@ -114,9 +114,10 @@ def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
     Raises:
         CostError: One is no number, or both are constants and the result does not exist.
     """
-    if symbol in UNLIKE_BOOL and _is_truth(a) and _is_truth(b) and not (isinstance(a, bool) and isinstance(b, bool)):
+    x, y = a, b
+    a, b = number(meter, x), number(meter, y)
+    if a is not x and b is not y and symbol in UNLIKE_BOOL and _unlike_numbers(x, y):
         raise meter.fault("wrong_type", f"NumPy's {symbol} of two truth values is no sum of numbers; write float(a)")
-    a, b = number(meter, a), number(meter, b)
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         meter.made()
         if symbol == "**":
@@ -131,6 +132,11 @@ def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
     except OverflowError:
         raise meter.fault("too_large_number", "the result is too large") from None
     return checked(meter, cast(Number, found))
+
+
+def _unlike_numbers(a: Value, b: Value) -> bool:
+    """Whether both are truth values, one of them of the state: NumPy computes with those unlike Python."""
+    return _is_truth(a) and _is_truth(b) and not (isinstance(a, bool) and isinstance(b, bool))
 
 
 def checked(meter: Meter, value: Number) -> Number:

@@ -166,14 +166,6 @@ def operate(machine: Machine, operator: ast.operator, left: Value, right: Value)
     Raises:
         CostError: It does not apply to them.
     """
-    if machine.guarded:
-        found = _operated(machine, operator, left, right)
-        guard(machine, found)
-        return found
-    return _operated(machine, operator, left, right)
-
-
-def _operated(machine: Machine, operator: ast.operator, left: Value, right: Value) -> Value:
     meter = machine.meter
     if isinstance(operator, ast.Mult) and isinstance(left, Rotation) and isinstance(right, Rotation):
         return combined(meter, left, right)
@@ -184,7 +176,10 @@ def _operated(machine: Machine, operator: ast.operator, left: Value, right: Valu
             if not (isinstance(value, bool) or (isinstance(value, np.ndarray) and value.dtype == np.bool_)):
                 raise meter.fault("wrong_type", f"& and | join truth values, not {kind(value)}; use and, or")
         return (both if isinstance(operator, ast.BitAnd) else either)(meter, cast(Mask, left), cast(Mask, right))
-    return binary(meter, SYMBOLS[type(operator)], left, right)
+    found = binary(meter, SYMBOLS[type(operator)], left, right)
+    if machine.guarded:
+        guard(machine, found)
+    return found
 
 
 def _unary(machine: Machine, node: Any) -> Value:
