@@ -18,8 +18,7 @@ SHARES = (0.5, 0.8, 0.9, 1.0)
 HORIZON_S = 600.0
 """The area under a curve is its mean over so much time, its last value held: one number for missions of any length."""
 IDLE_M_S = 0.05
-"""Below this speed over ground the vehicle stands still: a twelfth of its cruise speed. It holds a place to
-about 0.01 m/s, and turns on the spot below 0.05 m/s."""
+"""Below this speed over ground the vehicle stands still, turning or not: a twelfth of its cruise speed."""
 OFF_ROUTE_M = 3.0
 """Farther from the reef than this the path has left it: d_lat, the largest offset of Eq. 7's reference."""
 BACK_ON_M = 2.5
@@ -43,7 +42,7 @@ DEFINITIONS = {
     "imaged_auc": "The same of `imaged`.",
     "oracle_ratio_90": "time_to_90_s over that of an oracle, which knows the reef and drives a short tour past all of "
     "it at cruise speed. The tour is a heuristic, not a proven optimum; none where 90 % was not inspected.",
-    "idle_fraction": "Share of the time that the vehicle stood still: less than 0.05 m/s over ground.",
+    "idle_fraction": "Share of the time that the vehicle stood still: less than 0.05 m/s over ground, turning or not.",
     "path_deviations": "Deviations of the path that was driven, whatever was adopted: times that it went farther than "
     "3 m from the reef, and stretches of 2 m or more driven back along itself.",
     "off_route_fraction": "Share of the way driven farther than 3 m from the reef.",
