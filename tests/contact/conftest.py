@@ -8,7 +8,8 @@ import pytest
 
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.plan.rehearsal import sample_states
-from coral.contact.scene.trial import prior_beliefs, sample_trial
+from coral.contact.scene.prior_beliefs import stated_beliefs
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
@@ -23,7 +24,7 @@ class Scene:
         self.trial = sample_trial(load_task(task) if isinstance(task, str) else task, seed)
         self.real = HandWorld(self.trial, HandWorldCfg())
         self.now = self.real.reset()
-        self.beliefs = prior_beliefs(self.trial)
+        self.beliefs = stated_beliefs(self.trial)
         self.world = PlanningWorld(self.trial, self.beliefs, self.now, PlanningCfg(threads=1))
         self.facts = scene_facts(self.trial, self.now, self.beliefs)
         self.sizes = {name: self.trial.size(name) for name in self.trial.objects}

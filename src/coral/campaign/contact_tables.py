@@ -11,9 +11,12 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
-from coral.campaign.measures import Row, number
+from coral.campaign.decided import decided_table, mark_notes, marked, share
+from coral.campaign.measures import Row, mean_text, number
 from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.table import Table
+
+SHARES = (share("advisor"), share("fallback"))
 
 
 @cache
@@ -40,7 +43,7 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
             failed = [row for row in here if row["status"] == "failed"]
             source = _source(chosen, failed, about, command)
             caption = f"World: {place}. Advisor: {called(advisor)}."
-            tables += [make(chosen, caption, source) for make in (_success, _times, _each)]
+            tables += [make(chosen, caption, source) for make in (_success, _times, _each, _decided)]
     return tables
 
 
@@ -68,7 +71,7 @@ def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Tabl
     tasks, variants = _tasks(rows), _variants(rows)
     lines = []
     for variant in variants:
-        line = [_name(variant)]
+        line = [_marked(variant, rows)]
         for task in tasks:
             own = _of(rows, variant, task)
             printed = _printed(variant, task)
@@ -89,7 +92,7 @@ def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     tasks, variants = _tasks(rows), _variants(rows)
     lines = []
     for variant in variants:
-        line = [_name(variant)]
+        line = [_marked(variant, rows)]
         for task in tasks:
             won = [row for row in _of(rows, variant, task) if _won(row)]
             simulated, wall = (_mean([row[key] for row in won]) for key in ("sim_time_s", "wall_time_s"))
@@ -120,14 +123,16 @@ def _each(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
             ends = Counter(str(row["end_reason"]) for row in own if not _won(row))
             lines.append(
                 (
-                    f"{_name(variant)}, {Path(task).stem}",
+                    marked(f"{_name(variant)}, {Path(task).stem}", own),
                     f"{len(won)}/{len(own)}",
                     f"{number(100 * low, 0)}–{number(100 * high, 0)}",
                     _mean([row["sim_time_s"] for row in won]),
+                    _mean([row.get("time_with_thinking_s") or row["sim_time_s"] for row in won]),
                     _mean([row["wall_time_s"] for row in won]),
                     _mean([row["path_length_m"] for row in own], 2),
                     _mean([row["peak_hand_force_n"] for row in own]),
                     number(median(float(row["plan_ms_median"]) for row in own), 0),
+                    *(mean_text(own, measure) for measure in SHARES),
                     ", ".join(f"{reason} {count}" for reason, count in ends.most_common()) or "–",
                 )
             )
@@ -139,10 +144,12 @@ def _each(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
             "success",
             "95 % interval (%)",
             "time (s)",
+            "with thinking (s)",
             "wall time (s)",
             "path (m)",
             "peak force (N)",
             "ms a plan",
+            *(measure.label for measure in SHARES),
             "otherwise ended by",
         ),
         tuple(lines),
@@ -151,6 +158,16 @@ def _each(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
             *source,
         ),
     )
+
+
+def _decided(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
+    """Who decided, for each variant; who asks nobody has no decision in it."""
+    groups = {
+        _name(variant): [row for row in rows if row["variant"] == variant]
+        for variant in dict.fromkeys(str(row["variant"]) for row in rows)
+    }
+    note = "Experts and served policies ask nobody: no decision is an advisor’s there."
+    return decided_table(groups, caption, (note, *source), runs="trials")
 
 
 def wilson(won: int, trials: int, z: float = 1.96) -> tuple[float, float]:
@@ -199,6 +216,11 @@ def _name(variant: str) -> str:
     return str(paper()["names"].get(variant, variant))
 
 
+def _marked(variant: str, rows: Sequence[Row]) -> str:
+    """The name of a variant, marked where a fallback decided in one of its trials."""
+    return marked(_name(variant), [row for row in rows if row["variant"] == variant])
+
+
 def _mean(values: Sequence[float], digits: int = 1) -> str:
     return number(fmean(float(value) for value in values), digits) if values else "–"
 
@@ -220,6 +242,7 @@ def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, An
             f"Experiences in memory at the start of every trial: {', '.join(map(str, known))} (0: nothing can "
             f"be recalled); used in {used} of {len(remembering)} trials."
         )
+    parts += mark_notes(chosen)
     if len(versions) > 1:
         parts.append("Mixed: these trials ran on different versions of the code.")
     if failed:

@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import tyro
 
+from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
@@ -35,7 +36,7 @@ from coral.commands.campaigns import (
     write_tables,
 )
 from coral.commands.config_flag import config_words, configured
-from coral.commands.contact_run import TRACKER_HELP, with_poses, with_samples, with_tracker
+from coral.commands.contact_run import TRACKER_HELP, with_fallback, with_poses, with_samples, with_tracker
 from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.contact.episode.campaign_trial import run_trial
@@ -46,10 +47,12 @@ from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import FORMAT, Memory
 from coral.contact.perception.tracker_registry import drop_addresses
 from coral.contact.policy.address import Address, parse_address
+from coral.contact.rules.mistakes import CONTACT_MISTAKES
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
+from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
 from coral.runs import provenance
@@ -85,6 +88,11 @@ class ContactEpisode:
         )
 
 
+def episode_alone() -> EpisodeCfg:
+    """The episode of a campaign, in which the advisor stands alone."""
+    return with_fallback(EpisodeCfg(), FOR_BENCHES)
+
+
 @dataclass(frozen=True, kw_only=True)
 class ContactBench(CampaignFlags):
     """Compare variants of the contact pipeline over tasks, evaluation worlds and seeds.
@@ -113,23 +121,28 @@ class ContactBench(CampaignFlags):
     (also the memory.json of a campaign). Every trial has a copy to itself. Without it they begin with nothing."""
     samples: int | None = None
     """Rehearsals of each plan, instead of the configuration's."""
+    fallback: Fallback | None = None
+    """What happens where an advisor does not decide: hold (the default: it stands alone, and the episode ends), fail,
+    or rules, whose rows are marked."""
     out: Path = Path("runs/contact-bench")
     """Folder of the campaign."""
     config: Path | None = None
     """YAML file with configuration values; flags override it."""
     model: ModelCfg = field(default_factory=contact_model)
     """How a real model is called, and what each episode may spend."""
-    cfg: EpisodeCfg = field(default_factory=EpisodeCfg)
+    cfg: EpisodeCfg = field(default_factory=episode_alone)
     """The episode."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactBench | None:
         """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
-        cfg = configured(words, EpisodeCfg())
+        cfg = configured(words, episode_alone())
         return None if cfg is None else cls(cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Run what is missing, then make the tables."""
+        if self.fallback is not None:
+            return dataclasses.replace(self, cfg=with_fallback(self.cfg, self.fallback), fallback=None)()
         store = Store(self.out)
         if self.collect:
             store.manifest()
@@ -163,7 +176,9 @@ class ContactBench(CampaignFlags):
     def _advisor(self, name: str) -> Advisor:
         """The advisor of a row, as far as it can be checked here."""
         model = checked(self.model, "--model")
-        return make_advisor(name, rules={}, rng=np.random.default_rng(0), cfg=model, where="--advisors")
+        return make_advisor(
+            name, rules={}, rng=np.random.default_rng(0), cfg=model, where="--advisors", mistakes=CONTACT_MISTAKES
+        )
 
     def _specs(self, tasks: Mapping[str, Task]) -> tuple[Spec, ...]:
         worlds = parse_names(self.worlds, "--worlds")
@@ -183,7 +198,7 @@ class ContactBench(CampaignFlags):
         for advisor in advisors:
             if asks_person(advisor):
                 raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
-            self._advisor(advisor)
+            thinking_latency(self.cfg.think.latency, self._advisor(advisor), advisor)
         return grid(
             "contact",
             variants=(*variants, *policies),
@@ -309,7 +324,7 @@ class ContactBench(CampaignFlags):
         words += ["--tracker", self.tracker] if self.tracker is not None else []
         words += ["--memory", self.memory] if self.memory is not None else []
         words += ["--samples", str(self.samples)] if self.samples is not None else []
-        words += config_words(self.cfg, EpisodeCfg(), self.config)
+        words += config_words(self.cfg, episode_alone(), self.config)
         words += config_words(self.model, contact_model(), None, "model")
         return shlex.join(words)
 

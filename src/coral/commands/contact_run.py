@@ -11,6 +11,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import tyro
 
+from coral.advisor.attribution import who_decided
+from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, make_advisor
@@ -33,9 +35,11 @@ from coral.contact.episode.variants import (
 )
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.contact.policy.address import parse_address
+from coral.contact.rules.mistakes import CONTACT_MISTAKES
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.think_cfg import resolved
+from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
@@ -58,6 +62,9 @@ class ContactRun:
     """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, unguided, no-regions and
     no-tracking are it without a part, unified asks everything at once. expert and expert-fsm follow hand-written costs
     and ask nobody."""
+    fallback: Fallback | None = None
+    """What happens where the advisor does not decide: rules (the default) stand in for it; hold and fail end the
+    episode."""
     preflight: bool = True
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
@@ -110,7 +117,9 @@ class ContactRun:
             )
         check_world(self.world)
         model = checked(self.model, "--model")
-        advisor = make_advisor(self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=model)
+        advisor = make_advisor(
+            self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=model, mistakes=CONTACT_MISTAKES
+        )
         if self.advisor != type(self).advisor and (self.policy is not None or self.variant in ALONE):
             which = "--policy" if self.policy else f"--variant {self.variant}"
             raise InputError(
@@ -136,7 +145,8 @@ class ContactRun:
                 f"a variant that remembers, such as full ({', '.join(REMEMBERING)})",
             )
         cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
-        cfg = checked(cfg, "--cfg")
+        cfg = checked(with_fallback(cfg, self.fallback), "--cfg")
+        thinking_latency(cfg.think.latency, advisor, self.advisor)
         if self.tracker is not None and (self.policy is not None or self.variant == "no-tracking"):
             raise InputError(
                 "--tracker",
@@ -173,7 +183,8 @@ class ContactRun:
             result = episode.run([progress])
         finally:
             progress.close()
-        return {**result, "run": str(folder), **render(folder, cfg)}
+        decided = who_decided(result, things="decisions", fallback=cfg.think.fallback)
+        return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 
     def _driven(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """An episode that a served policy drives."""
@@ -192,14 +203,17 @@ class ContactRun:
         """The outcome in a few lines, and where to look."""
         reason = str(result["end_reason"])
         why = "" if result["success"] else f" ({END_REASONS.get(reason.partition(':')[0], '')})"
+        whole_s = result["time_with_thinking_s"]
+        thinking = f" ({whole_s:.1f} s with thinking)" if whole_s > result["sim_time_s"] else ""
         lines = [
-            f"{self.task}: {reason}{why} after {result['sim_time_s']:.1f} s simulated in "
+            f"{self.task}: {reason}{why} after {result['sim_time_s']:.1f} s simulated{thinking} in "
             f"{result['wall_time_s']:.0f} s; {_count(result)} of {result['plan_ms_median']:.0f} ms, "
             f"{result['path_length_m']:.2f} m of path, "
             f"at most {result['peak_hand_force_n']:.0f} N on an object",
             f"run folder: {result['run']}",
         ]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
+        lines += [str(result["decided"])] if result.get("decided") else []
         return "\n".join(lines)
 
 
@@ -219,6 +233,13 @@ def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
         raise InputError("--samples", "", samples, "a number from 1 on")
     mppi = dataclasses.replace(cfg.controller.mppi, samples=samples)
     return dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, mppi=mppi))
+
+
+def with_fallback(cfg: EpisodeCfg, fallback: Fallback | None) -> EpisodeCfg:
+    """The configuration with another fallback; None leaves it as configured."""
+    if fallback is None:
+        return cfg
+    return dataclasses.replace(cfg, think=dataclasses.replace(cfg.think, fallback=fallback))
 
 
 def with_poses(cfg: EpisodeCfg, poses: Literal["tracked", "ground-truth"] | None) -> EpisodeCfg:

@@ -11,7 +11,7 @@ from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.cost.stages import Guide, Progress, Stage, Strategy
 from coral.contact.scene.geometry import angle_between
-from coral.contact.scene.trial import prior_beliefs
+from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.mppi.knots import KnotMppiCfg
 
 GOAL = np.array([0.1, 0.1, 0.2])
@@ -21,7 +21,7 @@ REACH = Stage("reach", lambda state: {"reach": np.linalg.norm(state.ee_pos - GOA
 
 def controller(cfg=CFG, seed=0, beliefs=None):
     trial = make_trial()
-    world = PlanningWorld(trial, beliefs or prior_beliefs(trial), seen(trial), PlanningCfg(threads=1))
+    world = PlanningWorld(trial, beliefs or stated_beliefs(trial), seen(trial), PlanningCfg(threads=1))
     return Controller(world, cfg, np.random.default_rng(seed)), seen(trial)
 
 
@@ -145,7 +145,7 @@ def test_guided_samples_head_for_their_point():
 
 def test_plans_over_several_beliefs():
     trial = make_trial()
-    planner, now = controller(beliefs=[prior_beliefs(trial), prior_beliefs(trial)])
+    planner, now = controller(beliefs=[stated_beliefs(trial), stated_beliefs(trial)])
     alone, _ = controller()
     assert planner.plan(now, REACH, 0).update.costs == pytest.approx(alone.plan(now, REACH, 0).update.costs)
 

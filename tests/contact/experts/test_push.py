@@ -11,7 +11,8 @@ from coral.contact.experts.abreast import DOWN
 from coral.contact.experts.push import SOFT_N_M, ahead_of, behind, fsm, recent
 from coral.contact.scene.geometry import angle_between
 from coral.contact.scene.observation import BodyState, Observation
-from coral.contact.scene.trial import prior_beliefs, sample_trial
+from coral.contact.scene.prior_beliefs import stated_beliefs
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.mppi.knots import KnotMppiCfg
@@ -24,7 +25,7 @@ def at_the_block(seed):
     """A trial, and what is seen with the hand behind the block, touching nothing."""
     trial = sample_trial(TASK, seed)
     start = HandWorld(trial, HandWorldCfg()).reset()
-    world = PlanningWorld(trial, prior_beliefs(trial), start, PlanningCfg(threads=1))
+    world = PlanningWorld(trial, stated_beliefs(trial), start, PlanningCfg(threads=1))
     place = behind(world.present(start), "block", 0.005)[0, 0]
     tool = BodyState(place, DOWN, np.zeros(3), np.zeros(3))
     return world, Observation(0.0, tool, 0.03, np.zeros(6), start.objects)

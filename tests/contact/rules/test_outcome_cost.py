@@ -9,8 +9,9 @@ from coral.contact.plan.rehearsal import sample_states
 from coral.contact.rules.answers import RULES
 from coral.contact.rules.outcome_cost import outcome_plan
 from coral.contact.scene.geometry import from_rotvec, multiply
+from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import prior_beliefs, sample_trial
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
@@ -19,10 +20,10 @@ from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 def scene(name):
     trial = sample_trial(load_task(name), 0)
     first = HandWorld(trial, HandWorldCfg()).reset()
-    world = PlanningWorld(trial, prior_beliefs(trial), first, PlanningCfg(threads=1))
+    world = PlanningWorld(trial, stated_beliefs(trial), first, PlanningCfg(threads=1))
     sizes = {thing: trial.size(thing) for thing in trial.objects}
     return (
-        scene_facts(trial, first, prior_beliefs(trial)),
+        scene_facts(trial, first, stated_beliefs(trial)),
         world,
         sample_states(world, first, sizes, np.random.default_rng(0)),
     )

@@ -10,7 +10,8 @@ from coral.contact.control.planning_model import build_model
 from coral.contact.scene.geometry import from_rotvec
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import HandTarget
-from coral.contact.scene.trial import PhysicalParameters, prior_beliefs, with_beliefs
+from coral.contact.scene.prior_beliefs import stated_beliefs
+from coral.contact.scene.trial import PhysicalParameters, with_beliefs
 from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
@@ -62,7 +63,7 @@ def test_between_pad_and_object_the_pads_friction_holds():
 
 def test_prior_is_the_middle_and_belief_leaves_the_truth_alone():
     trial = make_trial(objects=[plain()["objects"][0] | {"mass_kg": [0.1, 0.5], "friction": [0.2, 0.4]}])
-    assert prior_beliefs(trial)["box"] == PhysicalParameters(pytest.approx(0.3), pytest.approx(0.3))
+    assert stated_beliefs(trial)["box"] == PhysicalParameters(pytest.approx(0.3), pytest.approx(0.3))
     believed = with_beliefs(trial, {"box": PhysicalParameters(9, 1)})
     assert believed.objects["box"].physical.mass_kg == 9
     assert believed.objects["box"].pose is trial.objects["box"].pose

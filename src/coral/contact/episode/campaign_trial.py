@@ -48,7 +48,8 @@ def run_trial(
         model: How a real model is called.
 
     Returns:
-        Metrics and timing, with `evaluation_world`, and `memory_known`, the number of experiences at the start.
+        Metrics and timing, with `evaluation_world`, `fallback` (the policy), and `memory_known`, the number of
+        experiences at the start.
 
     Raises:
         RunError: The episode was interrupted, or its tracker failed: that says nothing of the variant.
@@ -78,7 +79,8 @@ def run_trial(
         raise RunError(result["end_reason"])
     if result["end_reason"] == "tracker-failed":
         raise RunError(f"tracker-failed: {episode.detail}")
-    return {**result, "evaluation_world": world, "memory_known": None if own is None else known}
+    known_at_first = None if own is None else known
+    return {**result, "evaluation_world": world, "fallback": cfg.think.fallback, "memory_known": known_at_first}
 
 
 def _keep_new(own: Memory, known: int, folder: Path) -> None:

@@ -13,10 +13,12 @@ END_REASONS = {
     "tracker-failed": "what follows the objects in the pictures does not answer, or with no poses",
     "not-found": "an object could not be found in the first pictures",
     "no-strategy": "nobody found a way to what is asked",
+    "no-decision": "the advisor did not decide, and nobody stands in for it",
+    "advisor failed": "the advisor did not decide, and the run was to end then",
     "cost-error": "the strategy's cost could not be evaluated",
     "no-plan": "no rehearsal could be used for many plans in a row, or the plan was no motion",
     "policy": "a served policy gave no actions that could be taken",
     "stopped by the operator": "interrupted",
     "failed": "an error in the program",
 }
-"""Why an episode ends; after a colon may follow which object."""
+"""Why an episode ends; after a colon may follow which object, or what was not decided."""

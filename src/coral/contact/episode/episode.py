@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -25,7 +26,10 @@ from coral.contact.perception.pose_difference import PoseDifference
 from coral.contact.perception.tracked_world import TrackedWorld
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import HandTarget, Observation, Transition, Truth
-from coral.contact.scene.trial import PhysicalParameters, Trial, prior_beliefs, with_beliefs
+from coral.contact.scene.prior_beliefs import prior_beliefs
+from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
+from coral.contact.thinker.asker import EpisodeOver
+from coral.contact.thinker.stand_in import NoDecision
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
 from coral.contact.thinker.think_cfg import resolved
 from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
@@ -99,6 +103,8 @@ class Episode:
         self._taken: list[Transition] = []
         self._wall = 0.0
         self._late: InputError | RunError | None = None
+        self._before_s, self._thought_s = 0.0, 0.0
+        self._begun = self._thinking = False
         self.now: Observation
         self.planner: PlanningWorld
         self.controller: Controller
@@ -124,6 +130,8 @@ class Episode:
                 self.end_reason, self.detail = fault.code, str(fault)
             except NoStrategy as none:
                 self.end_reason, self.detail = "no-strategy", str(none)
+            except NoDecision as none:
+                self.end_reason, self.detail = none.end_reason, str(none)
             except CostError as error:  # of a process that died though its programs had been checked
                 self.end_reason, self.detail = "cost-error", str(error)
             while not self.end_reason:
@@ -144,10 +152,18 @@ class Episode:
     def advance(self) -> None:
         """Plan once, and take the plan's first steps."""
         plan = self._plan()
-        if plan is None:
-            return
+        if plan is not None:
+            self._take(plan, self.cfg.replan_steps)
+
+    def _take(self, plan: HandPlan, most: int) -> None:
+        """Take a plan's first steps.
+
+        Args:
+            plan: The plan.
+            most: At most so many of the configured number.
+        """
         taken = 0
-        for k in range(min(self.cfg.replan_steps, len(plan.targets))):
+        for k in range(min(self.cfg.replan_steps, most, len(plan.targets))):
             if not self._act(plan, k):
                 break
             taken = k + 1
@@ -159,19 +175,87 @@ class Episode:
         """Append an event at the present step."""
         self.writer.event(self.step, self.t, event, **fields)
 
+    @property
+    def clock_s(self) -> float:
+        """Simulated time (s), with the thinking before the first plan."""
+        return self._before_s + self.t
+
+    def go_on(self, seconds: float) -> bool:
+        """Let the world go on while an advisor thinks; false where the episode ended meanwhile.
+
+        Before there is a strategy nothing moves, and the time is only counted.
+
+        Args:
+            seconds: Simulated time, rounded up to whole control steps once the world goes on.
+        """
+        if not self._begun:
+            self._before_s += seconds
+            self.emit("thinking", seconds=round(seconds, 6), meanwhile="before")
+            return True
+        if self.end_reason:
+            return True
+        began, going = self.t, self.cfg.think.meanwhile == "go-on"
+        self._thinking = True
+        while self.t < began + seconds - 1e-9 and not self.end_reason:
+            try:
+                plan = self._rehearse() if going else None
+            except CostError:  # what is being repaired
+                plan, going = None, False
+            if plan is not None:
+                self._take(plan, math.ceil((began + seconds - self.t) / self.cfg.planning.step_s - 1e-6))
+            elif not self.end_reason:
+                self._hold_still()
+        self._thinking = False
+        self._thought_s += self.t - began
+        self.emit("thinking", seconds=round(self.t - began, 6), meanwhile="the last plan" if going else "holding still")
+        return not self.end_reason
+
     def _plan(self) -> HandPlan | None:
+        """Plan, and let the strategist look at the plan; None where there is nothing to act on."""
+        stage, step = self.progress.stage, self.step
+        try:
+            plan = self._rehearse()
+        except CostError as error:
+            failed = error
+            other = self._asked(lambda: self.strategist.on_cost_error(failed, stage.name, self.now))
+            if other is not None:
+                self._follow(other)
+            elif not self.end_reason:
+                self._cost_error(error, stage.name)
+            return None
+        if plan is None:
+            return None
+        taken, self._taken = tuple(self._taken), []
+        try:
+            report = PlanReport(self.step, self.now, plan, stage.name, taken)
+            other = self._asked(lambda: self.strategist.on_plan(report))
+        except CostError as error:
+            self._cost_error(error, stage.name)
+            return None
+        if other is not None:
+            self._follow(other)
+        return plan if self.step == step and not self.end_reason else None
+
+    def _asked(self, ask: Callable[[], Strategy | None]) -> Strategy | None:
+        """What the strategist says; None where the episode ended meanwhile, or for want of a decision."""
+        try:
+            return ask()
+        except EpisodeOver:
+            return None
+        except NoDecision as none:
+            self.end_reason, self.detail = none.end_reason, str(none)
+            return None
+
+    def _rehearse(self) -> HandPlan | None:
+        """Plan in the active stage; None where the episode ends for want of a plan.
+
+        Raises:
+            CostError: The stage's cost could not be evaluated.
+        """
         stage = self.progress.stage
         begun = time.perf_counter()
-        try:
-            plan = self.controller.plan(self.now, stage, self.step)
-            changed = self.progress.update(plan.now)
-        except CostError as error:
-            other = self.strategist.on_cost_error(error, stage.name, self.now)
-            if other is None:
-                self._cost_error(error, stage.name)
-            else:
-                self._follow(other)
-            return None
+        plan = self.controller.plan(self.now, stage, self.step)
+        changed = self.progress.update(plan.now)
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
         self.emit(
             "plan",
@@ -196,36 +280,19 @@ class Episode:
             return None
         if changed:
             self.emit("stage", before=stage.name, stage=self.stage, index=self.progress.index)
-        try:
-            other = self.strategist.on_plan(PlanReport(self.step, self.now, plan, stage.name, tuple(self._taken)))
-        except CostError as error:
-            self._cost_error(error, stage.name)
-            return None
-        self._taken.clear()
-        if other is not None:
-            self._follow(other)
         return plan
 
     def _cost_error(self, error: CostError, stage: str) -> None:
         self.end_reason, self.detail = "cost-error", f"stage {stage!r}: {error}"
 
     def _act(self, plan: HandPlan, k: int) -> bool:
-        """One control step; false when the world could not take it."""
-        before = self.now
-        target = planned = plan.targets[k]
+        """One control step of a plan; false when the world could not take it."""
+        target = self._still = plan.targets[k]
         if self.tracked is not None:
-            target = self.tracked.retreat(planned, before)
-        command = self.reactive.command(target, before)
-        try:
-            self.now = self.world.step(command)
-            truth = self.world.truth()
-        except WorldError as fault:
-            self.end_reason, self.detail = fault.code, str(fault)
+            target = self.tracked.retreat(target, self.now)
+        if not self._step(target):
             return False
-        self._taken.append(Transition(before, command, self.now))
-        self.step += 1
-        self.t = self.now.time_s
-        if target is planned:
+        if target is plan.targets[k]:
             self.reactive.observe(
                 plan.expected_position[k],
                 plan.expected_force[k],
@@ -236,6 +303,26 @@ class Episode:
             )
         else:
             self.reactive.reset()  # the plan expected something else of this step
+        return True
+
+    def _hold_still(self) -> None:
+        """One control step towards where the hand was last told to be."""
+        self.reactive.reset()
+        self._step(self._still)
+
+    def _step(self, target: HandTarget) -> bool:
+        """One control step; false when the world could not take it."""
+        before = self.now
+        command = self.reactive.command(target, before)
+        try:
+            self.now = self.world.step(command)
+            truth = self.world.truth()
+        except WorldError as fault:
+            self.end_reason, self.detail = fault.code, str(fault)
+            return False
+        self._taken.append(Transition(before, command, self.now))
+        self.step += 1
+        self.t = self.now.time_s
         self._tell_tracks()
         self.recorder.row(self.step, self.now, truth, command, self.progress.index, self._off(truth))
         self.recorder.state(self.step, self.t, self.world)
@@ -245,7 +332,7 @@ class Episode:
             self.end_reason = lost
         elif done:
             self.end_reason = "success"
-        elif self.t >= self.time_limit_s - 1e-9:
+        elif not self._thinking and self.t - self._thought_s >= self.time_limit_s - 1e-9:
             self.end_reason = "timeout"
         return True
 
@@ -255,6 +342,7 @@ class Episode:
         self._say_start()
         self.strategist.attach_log(self.emit)
         self.strategist.attach_camera(self.look)
+        self.strategist.attach_episode(self)
         self.now = self.world.reset()
         self.t = self.now.time_s
         if self.guessed is not None:
@@ -270,7 +358,7 @@ class Episode:
             np.asarray(cfg.controller.workspace_low_m),
             np.asarray(cfg.controller.workspace_high_m),
         )
-        first = HandTarget(
+        first = self._still = HandTarget(
             self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, cfg.planning.hand.stiffness_n_m
         )
         truth = self.world.truth()
@@ -278,6 +366,7 @@ class Episode:
         self.recorder.state(0, self.t, self.world)
         self.recorder.contacts(0, truth)
         self._follow(self.strategist.begin(as_perceived(self.trial, self.now), self.now, self.planner))
+        self._begun = True
 
     def _write_head(self) -> None:
         self.writer.yaml("task.yaml", self.trial.task.model_dump(mode="json"))

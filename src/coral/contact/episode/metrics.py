@@ -10,6 +10,8 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
+from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
+from coral.contact.episode.attribution import attribution_of
 from coral.errors import InputError
 
 HAND = {"hand", "left", "right"}
@@ -17,13 +19,16 @@ HAND = {"hand", "left", "right"}
 DEFINITIONS = {
     "success": "Whether all of the task's conditions held, without a break, for its `hold_s` (paper, section 4).",
     "end_reason": "Why the episode ended: success, timeout, or the name of a failure.",
-    "sim_time_s": "Simulated time (s) at the end; of a success the paper's completion time.",
+    "sim_time_s": "Simulated time (s) at the end, without that in which an advisor was thinking; of a success the "
+    "paper's completion time.",
+    "time_with_thinking_s": "The same with that time, before the first plan and later.",
     "steps": "Control steps.",
     "plans": "Times the controller planned (MPPI updates).",
     "policy_calls": "Chunks of actions that a served policy was asked for.",
     "stages": "Changes from one stage of the strategy to another.",
     "strategy": "Name of the strategy that was followed last.",
     "advisor_calls": "Times a question was put to the advisor, again after a refusal included.",
+    **ATTRIBUTION,
     "repairs": "Times the strategy or the beliefs were changed during the episode.",
     "memory_hit": "Whether the episode began with something remembered.",
     "path_length_m": "Length of the tool's path (m).",
@@ -64,6 +69,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     start: Mapping[str, Any] = {}
     end: Mapping[str, Any] = {}
     objects: set[str] = set()
+    before = within = 0.0
+    events = list(events)
     plans = asked = stages = contacts = diverged = 0
     lost = recovered = 0
     effective, strategy = 0.0, ""
@@ -88,6 +95,10 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
                 planned = stage, cost
         elif kind == "policy":
             asked += 1
+        elif kind == "thinking" and event["meanwhile"] == "before":
+            before += float(event["seconds"])
+        elif kind == "thinking":
+            within += float(event["seconds"])
         elif kind == "stage":
             stages += event.get("before") is not None
         elif kind == "strategy":
@@ -100,31 +111,33 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
             if touched is None and len(pair & HAND) == 1 and pair & objects:
                 touched = float(event["t"])
     poses = str(start.get("poses", ""))
-    path, last, step, t, before = 0.0, None, 0, 0.0, 0.0
+    path, last, step, t, earlier = 0.0, None, 0, 0.0, 0.0
     peak = impulse = touching = missed = 0.0
     off_m: list[float] = []
     off_rad: list[float] = []
     for row in rows:
         here = (float(row["x"]), float(row["y"]), float(row["z"]))
         path += math.dist(last, here) if last else 0.0
-        last, step, before, t = here, int(float(row["step"])), t, float(row["t"])
+        last, step, earlier, t = here, int(float(row["step"])), t, float(row["t"])
         force = max((float(row[name]) for name in row if name.endswith("_hand_force")), default=0.0)
         peak = max(peak, force)
         off_m += _tracked(row, "_off_m")
         off_rad += _tracked(row, "_off_rad")
-        missed += t - before if any(_tracked(row, "_lost")) else 0.0
+        missed += t - earlier if any(_tracked(row, "_lost")) else 0.0
         if force > 0:
-            impulse, touching = impulse + force * (t - before), touching + t - before
+            impulse, touching = impulse + force * (t - earlier), touching + t - earlier
     return {
         "success": end.get("reason") == "success",
         "end_reason": str(end.get("reason", "killed")),
-        "sim_time_s": round(t, 3),
+        "sim_time_s": round(t - within, 3),
+        "time_with_thinking_s": round(t + before, 3),
         "steps": step,
         "plans": plans,
         "policy_calls": asked,
         "stages": stages,
         "strategy": strategy,
         "advisor_calls": int(end.get("advisor_calls", 0)),
+        **attribution_of(events).to_json(),
         "repairs": int(end.get("repairs", 0)),
         "memory_hit": bool(end.get("memory_hit", False)),
         "path_length_m": round(path, 4),

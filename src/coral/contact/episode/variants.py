@@ -18,6 +18,7 @@ from coral.contact.experts import expert
 from coral.contact.memory.memory import Memory
 from coral.contact.plan.cost_plan import in_process
 from coral.contact.rules.answers import RULES
+from coral.contact.rules.mistakes import CONTACT_MISTAKES
 from coral.contact.rules.spoilt_answers import SPOILT
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters
@@ -25,6 +26,7 @@ from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.strategist import FixedStrategist, Strategist
 from coral.contact.thinker.think_cfg import ThinkCfg, decision_budget
 from coral.contact.thinker.thinker import Thinker
+from coral.contact.thinker.thinking_clock import ThinkingClock, thinking_latency
 from coral.errors import InputError, nearest
 
 
@@ -92,13 +94,16 @@ def _thinking(
             inbox=asking.inbox,
             cfg=asking.model,
             spoil=SPOILT,
+            mistakes=CONTACT_MISTAKES,
         )
+        latency = thinking_latency(think.latency, advisor, asking.advisor)
+        clock = ThinkingClock(latency, np.random.default_rng([asking.seed, 7]))
         # What rules compose needs no confinement; what a model writes gets it, and so does what is remembered.
         worker = CostWorker()
         load = in_process if rules_alone(asking.advisor) else worker.load
         budget = decision_budget(asking.think.budget, asking.advisor)
         return Thinker(
-            Asker(advisor, budget, _logging(asking.folder)),
+            Asker(advisor, budget, _logging(asking.folder), clock=clock),
             think,
             np.random.default_rng([asking.seed, 3]),
             RULES,

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from coral.advisor.question import Rejection
 from coral.contact.scene.facts import SceneFacts
+from coral.contact.scene.prior_beliefs import DENSITY_KG_M3, FRICTION
 from coral.contact.world_model.parameter_estimates import ParameterEstimate, ParameterEstimates
 
 # Mean density of a thing called so, air inside counted (kg/m3), and friction on a table. Handbook orders of magnitude.
@@ -41,24 +42,16 @@ MATERIALS: Mapping[str, tuple[float, float]] = {
 }
 
 
-UNKNOWN = (500.0, 0.5)
+UNKNOWN = (DENSITY_KG_M3, FRICTION)
 
 
 def estimate_parameters(facts: SceneFacts, rejections: Sequence[Rejection] = ()) -> ParameterEstimates:
-    """The heuristic's answer: volume times the density of what the label names, within what the task file states.
-
-    Refused estimates are drawn to the middle of what the task file states.
-    """
+    """The heuristic's answer: volume times the density of what the label names; of what is unknown once refused."""
     found = {}
     for name, item in facts["objects"].items():
         words = f"{item.get('label', '')} {name}".lower().replace("-", " ").split()
-        density, friction = next((MATERIALS[word] for word in words if word in MATERIALS), UNKNOWN)
+        named = () if rejections else words
+        density, friction = next((MATERIALS[word] for word in named if word in MATERIALS), UNKNOWN)
         mass = density * math.prod(item["size_m"]) * item.get("solid_share", 1.0)
-        ranges = item.get("stated_mass_kg", (mass, mass)), item.get("stated_friction", (friction, friction))
-        if rejections:
-            mass, friction = (sum(ends) / 2 for ends in ranges)
-        mass, friction = (
-            min(max(value, low), high) for value, (low, high) in zip((mass, friction), ranges, strict=True)
-        )
         found[name] = ParameterEstimate(mass_kg=mass, friction_coeff=friction)
     return ParameterEstimates(found)

@@ -33,7 +33,6 @@ class ObjectFacts(TypedDict):
         solid_share: Volume of the parts as a share of the box's.
         parts: Those that are neither meshes nor turned.
         points: Named points in its frame.
-        stated_mass_kg, stated_friction: Least and most that the task file states.
         middle_m: Centre of its box in its frame; missing where it is the origin.
         mass_kg, friction: As believed; missing until something is believed.
     """
@@ -45,8 +44,6 @@ class ObjectFacts(TypedDict):
     solid_share: float
     parts: list[PartFacts]
     points: dict[str, list[float]]
-    stated_mass_kg: list[float]
-    stated_friction: list[float]
     middle_m: NotRequired[list[float]]
     mass_kg: NotRequired[float]
     friction: NotRequired[float]

@@ -195,11 +195,3 @@ def with_beliefs(trial: Trial, beliefs: Mapping[str, PhysicalParameters]) -> Tri
     """The trial with believed masses and frictions in place of the true ones."""
     objects = {name: replace(item, physical=beliefs[name]) for name, item in trial.objects.items()}
     return replace(trial, objects=objects)
-
-
-def prior_beliefs(trial: Trial) -> dict[str, PhysicalParameters]:
-    """The middle of the task file's ranges: masses and frictions believed before anything is asked or measured."""
-    return {
-        item.name: PhysicalParameters(mass_kg=float(np.mean(item.mass_kg)), friction=float(np.mean(item.friction)))
-        for item in trial.task.objects
-    }

@@ -3,30 +3,40 @@
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
+import numpy as np
 from pydantic import BaseModel
 
-from coral.advisor.clock import WallClock
-from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
+from coral.advisor.attribution import Source, source_of, spent
+from coral.advisor.consult import DEADLINE_S, Attempt, BudgetCfg, Outcome, consult
 from coral.advisor.inner_loop import run_on
+from coral.advisor.latency import LatencyCfg
 from coral.advisor.prompt import render
 from coral.advisor.question import Advisor, Picture, Question, Rejection
+from coral.contact.thinker.thinking_clock import ThinkingClock
 
 A = TypeVar("A", bound=BaseModel)
 
 
-class Asker:
-    """One advisor, one event loop, one count of questions. The robot stands still while it waits.
+class EpisodeOver(RuntimeError):
+    """The episode ended while an advisor was thinking: no decision is needed any more."""
 
-    Simulated time does not pass meanwhile: the advisor is asked before the task begins, or while the hand holds still.
+
+class Asker:
+    """One advisor, one event loop, one count of questions.
 
     Args:
         advisor: Who is asked.
         budget: Attempts and time for each decision; time is wall time.
         log: Receives every attempt.
         pictures: What the robot's camera sees now, for advisors with eyes.
+        clock: Simulated time goes on while the advisor thinks; by default it stands still.
+
+    Attributes:
+        emit: Where every attempt is reported, as the event `verdict`.
     """
 
     def __init__(
@@ -35,12 +45,21 @@ class Asker:
         budget: BudgetCfg | None = None,
         log: Callable[[Attempt], None] | None = None,
         pictures: Callable[[], tuple[Picture, ...]] | None = None,
+        clock: ThinkingClock | None = None,
     ) -> None:
-        self.advisor, self.budget = advisor, budget or BudgetCfg()
+        self.advisor, self.budget = advisor, (budget or BudgetCfg()).within(DEADLINE_S)
+        still = LatencyCfg(kind="fixed", median_s=0.0)
+        self.clock = clock or ThinkingClock(still, np.random.default_rng(0))
+        self.emit: Callable[..., None] = lambda event, **fields: None
         self.log, self.pictures = log, pictures
         self.calls = 0
         self._decisions = 0
         self._loop: asyncio.AbstractEventLoop | None = None
+
+    @property
+    def source(self) -> Source:
+        """To whom its accepted answers belong."""
+        return source_of(self.advisor)
 
     def ask(
         self,
@@ -62,6 +81,9 @@ class Asker:
             verify: Why an answer is refused, or None.
             with_picture: Whether a picture taken now goes with it.
             pictures: Taken before, that go with it too.
+
+        Raises:
+            EpisodeOver: The episode ended while the advisor was thinking.
         """
         text, version = render(kind, prompt)
         if with_picture and self.pictures is not None:
@@ -75,23 +97,45 @@ class Asker:
 
         def count(attempt: Attempt) -> None:
             self.calls += 1
+            self._report(attempt)
             if self.log is not None:
                 self.log(attempt)
 
         decision, self._decisions = self._decisions, self._decisions + 1
         # One loop for all questions: a model's connections live in the loop that opened them.
         self._loop = self._loop or asyncio.new_event_loop()
-        return run_on(
+        assert self.budget.deadline_s is not None
+        self.clock.begin(kind, self.budget.deadline_s)
+        outcome = run_on(
             self._loop,
             consult(
                 self.advisor,
                 observe,
                 lambda _, answer: verify(answer),
                 self.budget,
-                WallClock(),
+                self.clock,
                 count,
                 decision,
             ),
+        )
+        if self.clock.fault is not None:
+            raise self.clock.fault
+        if outcome.failure == "withdrawn":
+            raise EpisodeOver(kind)
+        return outcome
+
+    def _report(self, attempt: Attempt) -> None:
+        refusal, faults = attempt.rejection, attempt.usage.faults
+        self.emit(
+            "verdict",
+            kind=attempt.question.kind,
+            decision=attempt.decision,
+            attempt=attempt.attempt,
+            verdict=attempt.verdict,
+            code="" if refusal is None else refusal.code,
+            thinking_s=round(attempt.answered_at_s - attempt.asked_at_s, 6),
+            **dataclasses.asdict(spent(attempt)),
+            **({"faults": list(faults)} if faults else {}),
         )
 
     def close(self) -> None:

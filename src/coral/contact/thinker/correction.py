@@ -128,6 +128,7 @@ def correct_beliefs(
         object=name,
         accepted=outcome.answer is not None,
         text=fit.words(cfg.identify.known),
+        **({} if outcome.answer is None else {"decided": "correction", "source": asker.source}),
         failure=outcome.failure,
         errors=[round(error, 4) for error in tried],
         before=[believed[name].mass_kg, believed[name].friction],

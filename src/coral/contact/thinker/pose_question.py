@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, RootModel
 
+from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.advisor.question import Rejection
 from coral.advisor.rules import Rule
 from coral.contact.perception.advisor_camera import to_picture
@@ -24,6 +25,7 @@ from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.question_facts import PoseFacts, UnposedObjectFacts
 from coral.contact.thinker.scene_facts import pose
+from coral.contact.thinker.stand_in import fall_back
 
 LEAST_PIXELS = 20
 """Fewer measured pixels than these tell nothing of an object's place."""
@@ -149,7 +151,13 @@ def pose_prompt(facts: PoseFacts) -> dict[str, Any]:
 
 
 def ask_poses(
-    asker: Asker, trial: Trial, first: Observation, frame: RgbdFrame, fallback: Rule, emit: Callable[..., None]
+    asker: Asker,
+    trial: Trial,
+    first: Observation,
+    frame: RgbdFrame,
+    fallback: Rule,
+    emit: Callable[..., None],
+    policy: Fallback = FOR_RUNS,
 ) -> dict[str, BodyState]:
     """Where the objects are, by an advisor or, where none answers, by the rule.
 
@@ -160,6 +168,10 @@ def ask_poses(
         frame: Likewise.
         fallback: The rule that answers where the advisor does not.
         emit: Where to report.
+        policy: What decides where the advisor does not.
+
+    Raises:
+        NoDecision: Nobody does.
     """
     facts = pose_facts(trial, first, frame)
     outcome = asker.ask(
@@ -170,6 +182,8 @@ def ask_poses(
         lambda answer: verify_poses(answer, facts),
         pictures=(to_picture(frame),),
     )
+    if outcome.answer is None:
+        fall_back(emit, policy, "poses", outcome.failure, "heuristic")
     answer = outcome.answer or fallback(facts, ())
     assert isinstance(answer, PosesAnswer)
     found = answer.bodies(facts)
@@ -178,10 +192,9 @@ def ask_poses(
         failure=outcome.failure,
         attempts=outcome.attempts,
         refused=[rejection.reason for rejection in outcome.rejections],
+        **({} if outcome.answer is None else {"decided": "poses", "source": asker.source}),
         **{name: pose(body) for name, body in found.items()},
     )
-    if outcome.answer is None:
-        emit("fallback", what="poses", by="heuristic", because=outcome.failure)
     return found
 
 

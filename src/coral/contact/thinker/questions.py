@@ -18,11 +18,12 @@ from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.rehearsal import sample_states
 from coral.contact.plan.touchable_points import Scenery, candidates_of
 from coral.contact.scene.observation import Observation
-from coral.contact.scene.trial import PhysicalParameters, Trial, prior_beliefs
+from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import Diagnosis
 from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
 from coral.contact.thinker.scene_facts import interface_text, scene_facts
+from coral.contact.thinker.stand_in import fall_back
 from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.unified_question import ask_unified
@@ -51,6 +52,7 @@ class Questions:
         sizes: Of the objects, metres.
         scenery: Their true shapes.
         diagnoses: What went wrong so far; questions about the plan carry it.
+        stood_in: What the advisor did not decide of what holds now: parameters, plan, regions.
     """
 
     def __init__(
@@ -68,6 +70,7 @@ class Questions:
         self.sizes = {name: trial.size(name) for name in trial.objects}
         self.scenery = Scenery.of(trial)
         self.diagnoses: list[Diagnosis] = []
+        self.stood_in: set[str] = set()
         self._asker, self._trial, self._world, self._cfg = asker, trial, world, cfg
         self._rng, self.load, self._fallback, self._emit = rng, load, fallback, emit
         self._unanswered = ""
@@ -85,7 +88,7 @@ class Questions:
         """Ask for masses and frictions and believe them; those that are given take precedence."""
         if set(given) >= set(self.sizes):
             self._world.believe(given)
-            self._emit("beliefs", source="given", attempts=0, refused=[], **_rounded(given))
+            self._emit("beliefs", source="given", failure="", attempts=0, refused=[], **_rounded(given))
             return
         outcome = self._asker.ask(
             "physical-parameters",
@@ -97,12 +100,20 @@ class Questions:
             ),
             with_picture=True,
         )
-        beliefs = {**(prior_beliefs(self._trial) if outcome.answer is None else outcome.answer.physical()), **given}
-        self._world.believe(beliefs)
-        source = "given" if given else outcome.failure or "advisor"
-        self._emit("beliefs", source=source, attempts=outcome.attempts, refused=_reasons(outcome), **_rounded(beliefs))
         if outcome.answer is None:
-            self._emit("fallback", what="beliefs", by="task", because=outcome.failure)
+            self._fall_back("parameters", outcome.failure)
+        answer = outcome.answer or self._fallback["physical-parameters"](self.facts, ())
+        assert isinstance(answer, ParameterEstimates)
+        beliefs = {**answer.physical(), **given}
+        self._world.believe(beliefs)
+        self._emit(
+            "beliefs",
+            failure=outcome.failure,
+            attempts=outcome.attempts,
+            refused=_reasons(outcome),
+            **self._decided("parameters", outcome),
+            **_rounded(beliefs),
+        )
 
     def ask_plan(self, now: Observation) -> PlanAnswer | None:
         """Ask for a plan; None without an answer."""
@@ -115,22 +126,38 @@ class Questions:
         return self._ask_for_plan("cost-repair", now, {"world": self._prompt_objects(), **history})
 
     def plan_by_rules(self) -> PlanAnswer:
-        """Let the rules make the plan where the advisor has none; the record says so.
+        """Let the rules make the plan, where they stand in for the advisor.
 
         Raises:
             NoStrategy: The rules have none either.
+            NoDecision: They do not stand in.
         """
+        if self._cfg.fallback != "rules":
+            self._fall_back("plan", self._unanswered)
         try:
             rule = self._fallback["cost-function"](self._plan_facts(), ())
         except AdvisorUnavailable as none:
             raise NoStrategy(none.reason) from None
         assert isinstance(rule, PlanAnswer)
         self.facts["refused"] = 0  # its regions are to fit it, not the answers that were refused
-        self._emit("fallback", what="plan", by="heuristic", because=self._unanswered)
+        self._fall_back("plan", self._unanswered)
         return rule
 
+    def keep_plan(self, plan: PlanAnswer) -> PlanAnswer:
+        """The plan stays where the advisor gives no repair.
+
+        Raises:
+            NoDecision: Nobody stands in for the advisor.
+        """
+        fall_back(self._emit, self._cfg.fallback, "repair", self._unanswered, "the plan before")
+        return plan
+
     def ask_regions(self, plan: PlanAnswer) -> RegionsAnswer:
-        """Ask where a plan's stages touch; no regions without an answer."""
+        """Ask where a plan's stages touch: the advisor, or else the rules; nowhere in particular without either.
+
+        Raises:
+            NoDecision: The advisor gives nothing, and nobody stands in for it.
+        """
         if not self._cfg.regions:
             return RegionsAnswer({})
         asked: RegionFacts = {**self._plan_facts(), "stages": plan.names}
@@ -142,15 +169,27 @@ class Questions:
             lambda answer: self.check_regions(answer, plan),
             with_picture=True,
         )
-        found = outcome.answer or RegionsAnswer({})
+        if outcome.answer is None:
+            self._fall_back("regions", outcome.failure)
+        found = outcome.answer or self._regions_by_rules(asked, plan)
         self._emit(
             "regions",
             failure=outcome.failure,
             attempts=outcome.attempts,
             refused=_reasons(outcome),
+            **self._decided("regions", outcome),
             regions=found.model_dump(mode="json"),
         )
         return found
+
+    def _regions_by_rules(self, facts: RegionFacts, plan: PlanAnswer) -> RegionsAnswer:
+        """The rules' regions; nothing where they have none, or none that passes."""
+        try:
+            rule = self._fallback["contact-regions"](facts, ())
+        except AdvisorUnavailable:
+            return RegionsAnswer({})
+        assert isinstance(rule, RegionsAnswer)
+        return rule if self.check_regions(rule, plan) is None else RegionsAnswer({})
 
     def check_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
         """Why a plan's regions cannot be used in the scene as it was last looked at; None if they can."""
@@ -178,7 +217,7 @@ class Questions:
             self._plan_facts(),
             self._prompt_objects(),
             self._world,
-            lambda answer: self.check_plan(answer, now),
+            lambda answer: self.check_plan(answer, self.present(now)),
             self._cfg,
             self.scenery,
             history,
@@ -186,10 +225,10 @@ class Questions:
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
             self._world.believe(before)
-        self.update_facts(now)
+        self.update_facts(self.present(now))
         self.facts["refused"] = len(outcome.rejections)
-        self._emit("beliefs", source=outcome.failure or "advisor", attempts=outcome.attempts, **_rounded(self.beliefs))
-        self._emit_plan("unified", outcome)
+        self._emit("beliefs", failure=outcome.failure, attempts=outcome.attempts, **_rounded(self.beliefs))
+        self._emit_plan("unified", outcome, "plan" if history is None else "repair")
         return None if found is None else (found.plan, found.places)
 
     def check_plan(self, plan: PlanAnswer, now: Observation, load: Loader | None = None) -> Rejection | None:
@@ -210,20 +249,42 @@ class Questions:
             "contact_strategy": self._cfg.strategy,
             **about,
         }
-        outcome = self._asker.ask(kind, PlanAnswer, self._plan_facts(), prompt, lambda plan: self.check_plan(plan, now))
+        outcome = self._asker.ask(
+            kind, PlanAnswer, self._plan_facts(), prompt, lambda plan: self.check_plan(plan, self.present(now))
+        )
+        if self.present(now) is not now:  # the world went on while the advisor was thinking
+            self.update_facts(self.present(now))
         self.facts["refused"] = len(outcome.rejections)
-        self._emit_plan(kind, outcome)
+        self._emit_plan(kind, outcome, "plan" if kind == "cost-function" else "repair")
         self._unanswered = outcome.failure
         return outcome.answer
 
-    def _emit_plan(self, kind: str, outcome: Outcome[Any]) -> None:
+    def present(self, before: Observation) -> Observation:
+        """What the sensors say now: something else than before if an advisor has been thinking meanwhile."""
+        return getattr(self._asker.clock.thinking, "now", before)
+
+    def _fall_back(self, what: str, failure: str) -> None:
+        self.stood_in.add(what)
+        fall_back(self._emit, self._cfg.fallback, what, failure, "heuristic")
+
+    def _decided(self, what: str, outcome: Outcome[Any]) -> dict[str, str]:
+        """Who decided, for the event of a decision; nothing where the advisor did not."""
+        if outcome.answer is None:
+            return {}
+        self.stood_in.discard(what)
+        return {"decided": what, "source": self._asker.source}
+
+    def _emit_plan(self, kind: str, outcome: Outcome[Any], what: str) -> None:
         plan: PlanAnswer | None = outcome.answer
+        if plan is not None:
+            self.stood_in.discard("plan")
         self._emit(
             "plan_answer",
             kind=kind,
             failure=outcome.failure,
             attempts=outcome.attempts,
             refused=_reasons(outcome),
+            **self._decided(what, outcome),
             explanation="" if plan is None else plan.explanation,
             code="" if plan is None else plan.text(),
         )
@@ -234,7 +295,7 @@ class Questions:
 
     def _prompt_objects(self) -> dict[str, Any]:
         """The objects as prompts show them: nothing that only the default advisor needs."""
-        hidden = ("stated_mass_kg", "stated_friction", "solid_share", "parts")
+        hidden = ("solid_share", "parts")
         return {
             name: {key: value for key, value in item.items() if key not in hidden}
             for name, item in self.facts["objects"].items()

@@ -45,8 +45,6 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
                 if part.shape != "mesh" and not any(part.rpy_deg)
             ],
             "points": {point: _round(np.asarray(at) * factors) for point, at in item.points.items()},
-            "stated_mass_kg": list(item.mass_kg),
-            "stated_friction": list(item.friction),
         }
         corners = trial.corners(name)
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2

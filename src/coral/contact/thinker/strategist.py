@@ -12,7 +12,9 @@ from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.perception.advisor_camera import Look
 from coral.contact.scene.observation import BodyState, Observation, Transition
+from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.trial import Trial
+from coral.contact.thinker.thinking_clock import Thinking
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,10 @@ class Strategist(Protocol):
         """Take the camera for pictures that go with questions."""
         ...
 
+    def attach_episode(self, thinking: Thinking) -> None:
+        """Be given the episode, which goes on while an advisor thinks."""
+        ...
+
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Give the strategy to begin with; may set the planning world's beliefs.
 
@@ -93,6 +99,8 @@ class Strategist(Protocol):
 
         Raises:
             NoStrategy: There is none.
+            NoDecision: The advisor did not decide, and nobody stands in for it; so in whatever asks.
+            EpisodeOver: The episode ended while an advisor was thinking; likewise.
         """
         ...
 
@@ -120,7 +128,7 @@ class Strategist(Protocol):
 
 
 class FixedStrategist:
-    """Follows one strategy, written beforehand, to the end.
+    """Follows one strategy, written beforehand, to the end, with what its author knew of masses and frictions.
 
     Args:
         strategy: The strategy.
@@ -138,12 +146,16 @@ class FixedStrategist:
     def attach_camera(self, look: Look) -> None:
         """See `Strategist.attach_camera`."""
 
+    def attach_episode(self, thinking: Thinking) -> None:
+        """See `Strategist.attach_episode`; nobody thinks."""
+
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
         """See `Strategist.guess_poses`; a fixed strategy knows no poses."""
         return {}
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """See `Strategist.begin`."""
+        world.believe(stated_beliefs(trial))
         return self._strategy
 
     def on_plan(self, report: PlanReport) -> Strategy | None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 from coral.advisor.consult import BudgetCfg
+from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.advisor.registry import asks_person
 from coral.config import Count, NonNegative
 from coral.contact.control.controller import ControllerCfg
@@ -34,7 +36,13 @@ class ThinkCfg:
         correct_every_s: Simulated time after which the world model is corrected by what was felt, stuck or not;
             0 for only when stuck.
         corrections: Most of these in an episode; the last is kept for its end.
-        budget: Attempts and wall time for one decision; simulated time stands still meanwhile.
+        budget: Attempts and wall time for one decision.
+        fallback: What happens where the advisor does not decide: `rules` stand in for it, or the episode ends (`hold`,
+            and `fail`, whose end reason names the failure).
+        latency: Simulated time of an answer: 0, SECONDS, fixed:SECONDS, lognormal:MEDIAN:SIGMA, measured, recorded;
+            paper for 2.3 s (questions with a picture), 1.5 s (a plan) and 3 s (a repair); auto for 0 of rules and
+            persons, measured of models, recorded of recordings.
+        meanwhile: What the hand does in that time, once there is a plan: go on with it, or hold still.
         belief: Bounds of what may be believed.
         region: Bounds of what regions may be.
         identify: The fit of corrections.
@@ -50,6 +58,9 @@ class ThinkCfg:
     correct_every_s: NonNegative = 0.0
     corrections: Count = 5
     budget: BudgetCfg = field(default_factory=BudgetCfg)
+    fallback: Fallback = FOR_RUNS
+    latency: str = "auto"
+    meanwhile: Literal["go-on", "hold"] = "go-on"
     belief: ParameterBoundsCfg = field(default_factory=ParameterBoundsCfg)
     region: RegionCfg = field(default_factory=RegionCfg)
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)

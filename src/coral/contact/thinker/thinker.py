@@ -32,6 +32,7 @@ from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, StrategistCounts
 from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.thinker.thinking_clock import Thinking
 from coral.contact.world_model.history import most_informative_object
 from coral.errors import RunError
 
@@ -98,7 +99,11 @@ class Thinker:
 
     def attach_log(self, emit: Callable[..., None]) -> None:
         """See `Strategist.attach_log`."""
-        self._emit = emit
+        self._emit = self.asker.emit = emit
+
+    def attach_episode(self, thinking: Thinking) -> None:
+        """See `Strategist.attach_episode`."""
+        self.asker.clock.thinking = thinking
 
     @property
     def guesses_poses(self) -> bool:
@@ -115,7 +120,7 @@ class Thinker:
         frame = self._camera()
         if frame is None:
             raise RunError("poses cannot be guessed in a world without pictures")
-        return ask_poses(self.asker, trial, first, frame, self._fallback["object-poses"], self._emit)
+        return ask_poses(self.asker, trial, first, frame, self._fallback["object-poses"], self._emit, self.cfg.fallback)
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Perceive, recall or ask, check, and make the strategy."""
@@ -197,8 +202,8 @@ class Thinker:
         followed = self._match is not None and self._plan is self._recalled
         if self._match is not None:
             self.memory.used(self._match.stored.id, success and followed)
-        # Without regions a plan is no help to whom it would guide.
-        if success and not followed and self.cfg.regions:
+        # Without regions a plan is no help to whom it would guide; what others decided is none of the advisor's.
+        if success and not followed and self.cfg.regions and not self._questions.stood_in:
             number = self.memory.add(self._experience())
             self._emit("remembered", id=number, file=Path(self.memory.where).name)
 
@@ -231,6 +236,7 @@ class Thinker:
                 embedder=self.memory.embedder.name,
                 gain=round(gain, 4),
                 refused="" if refusal is None else refusal.reason,
+                **({"decided": "plan", "source": "memory"} if refusal is None else {}),
             )
             if refusal is None:
                 self._match, self._recalled = match, plan
@@ -301,13 +307,14 @@ class Thinker:
             history=recent(monitor.steps, monitor.costs, name),
         )
         corrected = not self.cfg.unified and self._correct(name, now)
+        now = self._questions.present(now)  # later, if the advisor took its time
         self._questions.update_facts(now)
         if corrected and kind == "moved-otherwise":
             # The plan was right and the world model was not: the stage goes on, rehearsed in the corrected one.
             self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
             return None
         self._questions.diagnoses.append(kind)
-        self._replan(now, lambda: self._plan)
+        self._replan(now, lambda: self._questions.keep_plan(self._plan))
         return self._repaired()
 
     def _correct(self, name: str, now: Observation) -> bool:

@@ -13,6 +13,8 @@ import jinja2
 import yaml
 from markupsafe import Markup
 
+from coral.advisor.attribution import who_decided
+from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.contact.episode.metrics import DEFINITIONS, metrics_of
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError, RunError
@@ -48,6 +50,8 @@ ENDED = {
     "not-found": "failed: an object was not found",
     "cost-error": "failed: the cost could not be evaluated",
     "no-strategy": "failed: nobody found a way",
+    "no-decision": "failed: the advisor did not decide, and nobody stood in for it",
+    "advisor failed": "ended: the advisor did not decide",
     "no-plan": "failed: no usable rehearsal",
     "policy": "failed: the served policy gave no actions",
     "failed": "ended by an error in the program",
@@ -102,7 +106,7 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
     return page.render(
         title=str(run.world.get("title") or start.get("task") or run.path.name),
         instruction=str(run.world.get("instruction", "")),
-        headline=_headline(run, metrics),
+        headline=" ".join(filter(None, (_headline(run, metrics), _deciding(run, metrics)))),
         complete=run.complete,
         duration=run.duration_s,
         tiles=_tiles(run, metrics),
@@ -174,6 +178,16 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     )
 
 
+def _deciding(run: RunFolder, metrics: Mapping[str, Any]) -> str:
+    """Who decided, if not the advisor alone."""
+    try:
+        policy: Fallback = run.config["episode"]["think"]["fallback"]
+    except (KeyError, TypeError):
+        policy = FOR_RUNS
+    said = who_decided(metrics, things="decisions", fallback=policy, advisor="The advisor")
+    return f"{said}." if said else ""
+
+
 def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     """(Value, remark, name, state) of the key numbers."""
     if not metrics:
@@ -182,6 +196,8 @@ def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, s
     median = run.timing.get("plan_ms_median")
     mean = metrics.get("mean_hand_force_n")
     wall = run.timing.get("wall_time_s")
+    whole = float(metrics.get("time_with_thinking_s", 0.0))
+    thinking = f", {whole:.1f} s with thinking" if whole > float(metrics.get("sim_time_s", 0.0)) else ""
     return [
         (
             "yes" if success else "no",
@@ -191,7 +207,7 @@ def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, s
         ),
         (
             f"{float(metrics.get('sim_time_s', 0)):.1f} s",
-            f"simulated; {wall:.0f} s on this machine" if wall else "simulated",
+            f"simulated{thinking}; {wall:.0f} s on this machine" if wall else f"simulated{thinking}",
             "time",
             "",
         ),

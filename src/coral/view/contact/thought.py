@@ -105,9 +105,9 @@ def answers(run: RunFolder) -> list[Answer]:
     found = []
     for entry in run.attempts:
         spoilt = [
-            str(fault).removeprefix("spoilt-").replace("-", " ")
+            str(fault).removeprefix("spoilt-").removeprefix("sloppy-").replace("-", " ")
             for fault in entry.get("usage", {}).get("faults", ())
-            if str(fault).startswith("spoilt-")
+            if str(fault).startswith(("spoilt-", "sloppy-"))
         ]
         verdict = str(entry.get("verdict", ""))
         code = str(entry.get("code", ""))
@@ -171,16 +171,17 @@ def _beliefs(event: Record) -> ThoughtPart:
         if isinstance(value, list) and len(value) == 2 and all(isinstance(one, int | float) for one in value)
     }
     chips = tuple(f"{name}: {mass:.3g} kg, friction {friction:.2g}" for name, (mass, friction) in named.items())
-    source = str(event.get("source", "advisor"))
-    if source != "advisor":
+    failure = str(event.get("failure", ""))
+    if failure:
         return ThoughtPart(
             title="Masses and frictions",
             state="bad",
             chips=chips,
-            text=f"The middle of what the task states, because {_failed(source)}.",
+            text=f"Not the advisor’s, because {_failed(failure)}.",
             refused=_refused(event),
         )
-    return ThoughtPart(title="Masses and frictions", chips=chips, refused=_refused(event), text=_tries(event))
+    given = "Given on the command line." if event.get("source") == "given" else _tries(event)
+    return ThoughtPart(title="Masses and frictions", chips=chips, refused=_refused(event), text=given)
 
 
 def _poses(event: Record) -> ThoughtPart:
@@ -236,7 +237,7 @@ def _regions(event: Record) -> ThoughtPart:
         state="bad" if failure else "",
         chips=chips,
         refused=_refused(event),
-        text=f"Nowhere in particular: {_failed(failure)}." if failure else "",
+        text=f"Not the advisor’s, because {_failed(failure)}." if failure else "",
     )
 
 
@@ -314,12 +315,10 @@ def _cost_error(event: Record) -> ThoughtPart:
 
 def _fallback(event: Record) -> ThoughtPart:
     why = f"because {_failed(str(event.get('because')))}."
-    if event.get("what") == "beliefs":
-        return ThoughtPart(
-            title="Masses and frictions are those of the task", state="bad", text=f"The middle of its ranges, {why}"
-        )
+    titles = {"nobody": "The advisor did not decide, and nobody stood in for it", "the plan before": "The plan stays"}
+    by = str(event.get("by"))
     return ThoughtPart(
-        title=f"The rules of {event.get('by')} took over", state="bad", text=f"For the {event.get('what')}, {why}"
+        title=titles.get(by, f"The rules of {by} took over"), state="bad", text=f"For the {event.get('what')}, {why}"
     )
 
 
