@@ -28,7 +28,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.control.controller import Controller, ControllerCfg
+from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_model import reduced
 from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
 from coral.contact.cost.stages import Stage

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.cost.stages import Stage, Strategy
 from coral.contact.episode.cfg import EpisodeCfg

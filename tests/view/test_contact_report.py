@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coral.cli import main
-from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.episode.cfg import EpisodeCfg

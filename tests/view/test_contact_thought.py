@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode

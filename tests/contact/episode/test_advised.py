@@ -10,7 +10,7 @@ import yaml
 from episodes import SLIDE
 
 from coral.advisor.question import Picture
-from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.contact.control.controller import Controller, ControllerCfg
+from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.experts.abreast import DOWN
 from coral.contact.experts.push import SOFT_N_M, ahead_of, behind, fsm, recent

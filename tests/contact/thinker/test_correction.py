@@ -16,7 +16,7 @@ from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.identification import Fit
-from coral.contact.world_model.parameter_answer import ObjectParameters, ParametersAnswer
+from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer
 
 FITTED = PhysicalParameters(0.4, 0.3)
 

@@ -3,7 +3,7 @@ import dataclasses
 import pytest
 
 from coral.advisor.consult import BudgetCfg
-from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.plan.contact_regions import RegionCfg
 from coral.contact.thinker.think_cfg import DESK_S, MODEL_S, ThinkCfg, decision_budget, resolved
 

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from coral.advisor.question import AdvisorUnavailable, Reply
 from coral.advisor.rules import RuleAdvisor
-from coral.contact.control.controller import HandPlan
+from coral.contact.control.mppi_controller import HandPlan
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress
 from coral.contact.cost_program import CostError, CostWorker

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from coral.config import Count
-from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.control.reactive import ReactiveCfg
 from coral.contact.episode.recorder import EpisodeRecordCfg

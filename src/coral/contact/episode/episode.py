@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from coral.config import to_mapping, whole_steps
-from coral.contact.control.controller import Controller, HandPlan
+from coral.contact.control.mppi_controller import Controller, HandPlan
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.reactive import Reactive
 from coral.contact.cost.stages import Progress, Strategy

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field, RootModel
 
 from coral.config import Fraction, Positive, Signed
-from coral.contact.control.controller import ControllerCfg
 from coral.contact.control.hand_model import MAX_OPENING_M
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Guide
 from coral.contact.scene.geometry import quaternion_of, rotate, rotation_of

@@ -21,7 +21,7 @@ from coral.contact.scene.facts import ObjectFacts
 from coral.contact.thinker.diagnosis import TEXTS
 from coral.contact.thinker.question_facts import CorrectionFacts, PlanFacts, RegionFacts
 from coral.contact.thinker.unified_question import UnifiedAnswer
-from coral.contact.world_model.parameter_answer import ObjectParameters, ParametersAnswer
+from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
 
 F = TypeVar("F")

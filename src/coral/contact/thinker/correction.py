@@ -20,7 +20,7 @@ from coral.contact.world_model.force_balance import balances
 from coral.contact.world_model.history import windows
 from coral.contact.world_model.history_replay import HistoryReplay
 from coral.contact.world_model.identification import fit_by_balance, fit_by_replay, replay_errors
-from coral.contact.world_model.parameter_answer import ParametersAnswer, verify_parameters
+from coral.contact.world_model.parameter_correction import ParametersAnswer, verify_parameters
 
 
 @dataclass(frozen=True)

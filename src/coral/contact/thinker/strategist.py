@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from coral.contact.control.controller import HandPlan
+from coral.contact.control.mppi_controller import HandPlan
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program.errors import CostError

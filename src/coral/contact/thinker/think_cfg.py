@@ -9,7 +9,7 @@ from coral.advisor.consult import BudgetCfg
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.advisor.registry import asks_person
 from coral.config import Count, NonNegative
-from coral.contact.control.controller import ControllerCfg
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.plan.contact_regions import RegionCfg, reach_box
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.world_model.identification import IdentifyCfg

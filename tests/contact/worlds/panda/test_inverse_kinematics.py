@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from inverse_kinematics import Reach, ReachCfg, rotation_vector, tool_rotation
 
-from coral.contact.control.controller import ControllerCfg
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.scene.geometry import from_rotvec, multiply, rotation_of
 
 DOWN = (0.0, 0.0, -1.0)

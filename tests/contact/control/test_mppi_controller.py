@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from contact_bench import make_trial, seen
 
-from coral.contact.control.controller import Controller, ControllerCfg
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M
+from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.cost.stages import Guide, Progress, Stage, Strategy
 from coral.contact.scene.geometry import angle_between
