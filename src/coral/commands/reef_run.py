@@ -26,10 +26,11 @@ from coral.desk.notice import mission_notice
 from coral.errors import InputError
 from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg, MissionObserver
+from coral.reef.mission import Mission, MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
 from coral.reef.variants import apply_variant
 from coral.reef.world import load_world
+from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
 from coral.words import many
@@ -92,7 +93,7 @@ class ReefRun:
         with self._page() as watching:
             return self._survey(watching)
 
-    def _survey(self, watching: Callable[[Mission], list[MissionObserver]]) -> Mapping[str, Any]:
+    def _survey(self, watching: Callable[[Mission], list[Observer[Mission]]]) -> Mapping[str, Any]:
         world = load_world(self.world)
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
@@ -146,7 +147,7 @@ class ReefRun:
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 
     @contextmanager
-    def _page(self) -> Iterator[Callable[[Mission], list[MissionObserver]]]:
+    def _page(self) -> Iterator[Callable[[Mission], list[Observer[Mission]]]]:
         """What makes the observers that show a mission in a browser; none without `--live`."""
         if not self.live:
             yield lambda mission: []
@@ -161,7 +162,7 @@ class ReefRun:
         pace = Pace(self.live_speed)
         with LivePage(self.live_port, MissionControls(pace), label="CORAL mission", flag="--live-port") as page:
 
-            def watched(mission: Mission) -> list[MissionObserver]:
+            def watched(mission: Mission) -> list[Observer[Mission]]:
                 print(f"watch the mission at {page.url}", file=sys.stderr, flush=True)
                 return [LiveMission(mission, page, pace)]
 

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal, Protocol
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -42,6 +42,7 @@ from coral.reef.starts import starts_beside
 from coral.reef.tour import TourPilot
 from coral.reef.tours import planned
 from coral.reef.world import ReefWorld, save_world
+from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter, provenance
 
 PAPER_LATENCY = "fixed:10"
@@ -77,18 +78,6 @@ class MissionCfg:
     pilot: PilotCfg = field(default_factory=PilotCfg)
     controller: MppiCfg = field(default_factory=MppiCfg)
     record: RecordCfg = field(default_factory=RecordCfg)
-
-
-class MissionObserver(Protocol):
-    """Anything that watches a mission: a progress bar, a live view."""
-
-    def tick(self, mission: Mission) -> None:
-        """Called after every control tick."""
-        ...
-
-    def stop_requested(self) -> str:
-        """Reason to stop now, or ""."""
-        ...
 
 
 class Mission:
@@ -206,18 +195,13 @@ class Mission:
         for robot in self.robots:
             robot.clock.stood_still(seconds)
 
-    def run(self, observers: Sequence[MissionObserver] = ()) -> dict[str, Any]:
+    def run(self, observers: Sequence[Observer[Mission]] = ()) -> dict[str, Any]:
         """Run to the end; returns metrics and timing together."""
         started = time.perf_counter()
         try:
-            self._begin()
-            while not self.end_reason:
-                self.advance()
-                for observer in observers:
-                    observer.tick(self)
-                    self.end_reason = self.end_reason or observer.stop_requested()
-        except KeyboardInterrupt as stop:  # one that is a signal says so
-            self.end_reason = str(stop) or "stopped by the operator"
+            with stoppable(self):
+                self._begin()
+                run_to_end(self, observers)
         finally:
             try:
                 for robot in self.robots:
@@ -354,15 +338,7 @@ class Mission:
 
     def _finish(self) -> dict[str, Any]:
         control = np.array(self.control_ms) if self.control_ms else np.zeros(1)
-        ticks = np.array(self.tick_ms) if self.tick_ms else np.zeros(1)
-        timing = {
-            "wall_time_s": round(self._wall, 3),
-            "realtime_factor": round(self.t / self._wall, 2) if self._wall else 0.0,
-            "control_ms_median": round(float(np.median(control)), 3),
-            "control_ms_p99": round(float(np.percentile(control, 99)), 3),
-            "tick_ms_median": round(float(np.median(ticks)), 3),
-            "tick_ms_p99": round(float(np.percentile(ticks, 99)), 3),
-        }
+        timing: dict[str, Any] = timing_of(self._wall, self.t, control_ms=self.control_ms, tick_ms=self.tick_ms)
         metrics = compute_metrics(self.writer.folder)
         self.writer.json("metrics.json", metrics)
         histogram, edges = np.histogram(control, bins=np.linspace(0.0, max(10.0, math.ceil(control.max())), 41))

@@ -7,7 +7,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from coral.contact.cost_program.errors import CostError
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
+from coral.contact.episode.trial_log import end_reason, parameter_fields, start_fields, write_head
 from coral.contact.perception.advisor_camera import make_advisor_camera
 from coral.contact.perception.guessed_world import GuessedWorld
 from coral.contact.perception.pose_difference import PoseDifference
@@ -27,7 +28,7 @@ from coral.contact.perception.tracked_world import TrackedWorld
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import HandTarget, Observation, Transition, Truth
 from coral.contact.scene.prior_beliefs import prior_beliefs
-from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
+from coral.contact.scene.trial import Trial, with_beliefs
 from coral.contact.thinker.asker import EpisodeOver
 from coral.contact.thinker.stand_in import NoDecision
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
@@ -35,19 +36,8 @@ from coral.contact.thinker.think_cfg import resolved
 from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError, RunError
-from coral.runs import RunWriter, provenance
-
-
-class EpisodeObserver(Protocol):
-    """Anything that watches an episode: a progress bar, a live view."""
-
-    def tick(self, episode: Episode) -> None:
-        """Called after every plan and the control steps taken from it."""
-        ...
-
-    def stop_requested(self) -> str:
-        """Reason to stop now, or ""."""
-        ...
+from coral.run_loop import Observer, run_to_end, stoppable, timing_of
+from coral.runs import RunWriter
 
 
 class Episode:
@@ -116,7 +106,7 @@ class Episode:
         """Name of the active stage."""
         return self.progress.stage.name
 
-    def run(self, observers: Sequence[EpisodeObserver] = ()) -> dict[str, Any]:
+    def run(self, observers: Sequence[Observer[Episode]] = ()) -> dict[str, Any]:
         """Run to the end; returns metrics and timing together.
 
         Raises:
@@ -124,6 +114,17 @@ class Episode:
         """
         started = time.perf_counter()
         try:
+            self._run(observers)
+        finally:
+            self._end()
+            self._wall = time.perf_counter() - started
+        made = self._finish()
+        if self._late is not None:
+            raise self._late
+        return made
+
+    def _run(self, observers: Sequence[Observer[Episode]]) -> None:
+        with stoppable(self):
             try:
                 self._begin()
             except WorldError as fault:
@@ -134,20 +135,7 @@ class Episode:
                 self.end_reason, self.detail = none.end_reason, str(none)
             except CostError as error:  # of a process that died though its programs had been checked
                 self.end_reason, self.detail = "cost-error", str(error)
-            while not self.end_reason:
-                self.advance()
-                for observer in observers:
-                    observer.tick(self)
-                    self.end_reason = self.end_reason or observer.stop_requested()
-        except KeyboardInterrupt:
-            self.end_reason = "stopped by the operator"
-        finally:
-            self._end()
-            self._wall = time.perf_counter() - started
-        made = self._finish()
-        if self._late is not None:
-            raise self._late
-        return made
+            run_to_end(self, observers)
 
     def advance(self) -> None:
         """Plan once, and take the plan's first steps."""
@@ -327,19 +315,14 @@ class Episode:
         self.recorder.row(self.step, self.now, truth, command, self.progress.index, self._off(truth))
         self.recorder.state(self.step, self.t, self.world)
         self.recorder.contacts(self.step, truth)
-        done, lost = self.judge.success(truth), self.judge.failure(truth)
-        if lost is not None:
-            self.end_reason = lost
-        elif done:
-            self.end_reason = "success"
-        elif not self._thinking and self.t - self._thought_s >= self.time_limit_s - 1e-9:
-            self.end_reason = "timeout"
+        time_left = self._thinking or self.t - self._thought_s < self.time_limit_s - 1e-9
+        self.end_reason = end_reason(self.judge, truth, time_left)
         return True
 
     def _begin(self) -> None:
         cfg = self.cfg
         self._write_head()
-        self._say_start()
+        self._emit_start()
         self.strategist.attach_log(self.emit)
         self.strategist.attach_camera(self.look)
         self.strategist.attach_episode(self)
@@ -369,39 +352,14 @@ class Episode:
         self._begun = True
 
     def _write_head(self) -> None:
-        self.writer.yaml("task.yaml", self.trial.task.model_dump(mode="json"))
-        self.writer.yaml(
-            "config.yaml",
-            {
-                "system": "contact",
-                "task": self.trial.task.name,
-                "world": self.world.name,
-                "advisor": self.advisor,
-                "variant": self.variant,
-                "seed": self.trial.seed,
-                "episode": to_mapping(self.cfg),
-                "provenance": provenance(),
-            },
-        )
+        about = {"world": self.world.name, "advisor": self.advisor, "variant": self.variant, "seed": self.trial.seed}
+        write_head(self.writer, self.trial, about, to_mapping(self.cfg))
 
-    def _say_start(self) -> None:
-        task = self.trial.task
-        self.emit(
-            "start",
-            task=task.name,
-            instruction=task.instruction,
-            world=self.world.name,
-            variant=self.variant,
-            advisor=self.advisor,
-            seed=self.trial.seed,
-            poses=self.cfg.poses if self.guessed is None else "guessed",
-            **({} if self.tracked is None else {"tracker": self.tracked.tracker}),
-            time_limit_s=task.time_limit_s,
-            trial={
-                name: {**_physical(item.physical), "size_m": numbers(self.trial.size(name), 4)}
-                for name, item in self.trial.objects.items()
-            },
-        )
+    def _emit_start(self) -> None:
+        about = {"world": self.world.name, "variant": self.variant, "advisor": self.advisor, "seed": self.trial.seed}
+        poses = self.cfg.poses if self.guessed is None else "guessed"
+        tracker = {} if self.tracked is None else {"tracker": self.tracked.tracker}
+        self.emit("start", **start_fields(self.trial, **about, poses=poses, **tracker))
 
     def _tell_tracks(self) -> None:
         """Emit events for objects that the tracker lost or found again."""
@@ -421,7 +379,7 @@ class Episode:
             "strategy",
             name=strategy.name,
             stages=[stage.name for stage in strategy.stages],
-            beliefs=[{name: _physical(held) for name, held in one.items()} for one in self.planner.beliefs],
+            beliefs=[{name: parameter_fields(held) for name, held in one.items()} for one in self.planner.beliefs],
         )
         self.emit("stage", before=None, stage=self.stage, index=0)
 
@@ -448,13 +406,7 @@ class Episode:
             self.planner.close()
 
     def _finish(self) -> dict[str, Any]:
-        plans = np.array(self.plan_ms) if self.plan_ms else np.zeros(1)
-        timing = {
-            "wall_time_s": round(self._wall, 3),
-            "realtime_factor": round(self.t / self._wall, 3) if self._wall else 0.0,
-            "plan_ms_median": round(float(np.median(plans)), 3),
-            "plan_ms_p99": round(float(np.percentile(plans, 99)), 3),
-        }
+        timing = timing_of(self._wall, self.t, plan_ms=self.plan_ms)
         metrics = compute_metrics(self.writer.folder)
         self.writer.json("metrics.json", metrics)
         self.writer.json("timing.json", timing)
@@ -472,7 +424,3 @@ def as_perceived(trial: Trial, now: Observation) -> Trial:
 def _number(value: float) -> float | None:
     """A number for JSON; None where it is not finite."""
     return round(value, 5) if np.isfinite(value) else None
-
-
-def _physical(held: PhysicalParameters) -> dict[str, float]:
-    return {"mass_kg": round(held.mass_kg, 5), "friction": round(held.friction, 4)}

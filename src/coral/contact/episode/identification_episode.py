@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.episode import Episode, EpisodeObserver
+from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
 from coral.contact.thinker.think_cfg import resolved
+from coral.run_loop import Observer
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,7 +43,7 @@ def probe_episode(
     cfg: EpisodeCfg,
     folder: Path,
     world: str = "panda",
-    observer: EpisodeObserver | None = None,
+    observer: Observer[Episode] | None = None,
 ) -> Found:
     """Run a task and correct the belief meanwhile.
 

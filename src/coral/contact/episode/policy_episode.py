@@ -16,6 +16,7 @@ from coral.contact.control.reactive import Reactive
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
+from coral.contact.episode.trial_log import end_reason, start_fields, write_head
 from coral.contact.policy import libero_convention as libero
 from coral.contact.policy.address import Address
 from coral.contact.policy.cameras import PolicyCameras
@@ -27,7 +28,8 @@ from coral.contact.thinker.think_cfg import resolved
 from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
-from coral.runs import RunWriter, provenance
+from coral.run_loop import Observer, run_to_end, stoppable, timing_of
+from coral.runs import RunWriter
 
 
 class Policy(Protocol):
@@ -41,18 +43,6 @@ class Policy(Protocol):
         Raises:
             PolicyError: There is none.
         """
-        ...
-
-
-class PolicyObserver(Protocol):
-    """Anything that watches; see `coral.contact.episode.episode.EpisodeObserver`."""
-
-    def tick(self, episode: PolicyEpisode) -> None:
-        """Called after every chunk."""
-        ...
-
-    def stop_requested(self) -> str:
-        """Reason to stop now, or ""."""
         ...
 
 
@@ -103,22 +93,17 @@ class PolicyEpisode:
         self._look_ms: list[float] = []
         self._ask_ms: list[float] = []
 
-    def run(self, observers: Sequence[PolicyObserver] = ()) -> dict[str, Any]:
+    def run(self, observers: Sequence[Observer[PolicyEpisode]] = ()) -> dict[str, Any]:
         """Run to the end; returns metrics and timing together."""
         started = time.perf_counter()
         try:
-            self._begin()
-            while not self.end_reason:
-                self.advance()
-                for observer in observers:
-                    observer.tick(self)
-                    self.end_reason = self.end_reason or observer.stop_requested()
+            with stoppable(self):
+                self._begin()
+                run_to_end(self, observers)
         except WorldError as fault:
             self.end_reason, self.detail = fault.code, str(fault)
         except PolicyError as error:
             self.end_reason, self.detail = f"policy: {error.code}", str(error)
-        except KeyboardInterrupt:
-            self.end_reason = "stopped by the operator"
         finally:
             self._end()
         return self._finish(time.perf_counter() - started)
@@ -180,53 +165,16 @@ class PolicyEpisode:
         self.recorder.row(self.step, self.now, truth, command, 0)
         self.recorder.state(self.step, self.t, self.world)
         self.recorder.contacts(self.step, truth)
-        done, lost = self.judge.success(truth), self.judge.failure(truth)
-        if lost is not None:
-            self.end_reason = lost
-        elif done:
-            self.end_reason = "success"
-        elif self.t >= self.time_limit_s - 1e-9:
-            self.end_reason = "timeout"
+        self.end_reason = end_reason(self.judge, truth, self.t < self.time_limit_s - 1e-9)
 
     def _begin(self) -> None:
-        task = self.trial.task
         self.now = self.world.reset()
         self.t, self._opening = self.now.time_s, self.now.opening_m
-        self.writer.yaml("task.yaml", task.model_dump(mode="json"))
-        self.writer.yaml(
-            "config.yaml",
-            {
-                "system": "contact",
-                "task": task.name,
-                "world": self.world.name,
-                "advisor": "none",
-                "variant": self.address.name,
-                "seed": self.trial.seed,
-                "policy": self.address.url,
-                "server": printable(repr(self.policy.metadata), 2000),
-                "episode": to_mapping(self.cfg),
-                "provenance": provenance(),
-            },
-        )
-        self.emit(
-            "start",
-            task=task.name,
-            instruction=task.instruction,
-            world=self.world.name,
-            variant=self.address.name,
-            advisor="none",
-            seed=self.trial.seed,
-            poses="pictures",
-            time_limit_s=task.time_limit_s,
-            trial={
-                name: {
-                    "mass_kg": round(item.physical.mass_kg, 5),
-                    "friction": round(item.physical.friction, 4),
-                    "size_m": numbers(self.trial.size(name), 4),
-                }
-                for name, item in self.trial.objects.items()
-            },
-        )
+        about = {"world": self.world.name, "advisor": "none", "variant": self.address.name, "seed": self.trial.seed}
+        server = {"policy": self.address.url, "server": printable(repr(self.policy.metadata), 2000)}
+        write_head(self.writer, self.trial, {**about, **server}, to_mapping(self.cfg))
+        about = {"world": self.world.name, "variant": self.address.name, "advisor": "none", "seed": self.trial.seed}
+        self.emit("start", **start_fields(self.trial, **about, poses="pictures"))
         self.emit("strategy", name=self.address.name, stages=[self.stage], beliefs=[])
         self.emit("stage", before=None, stage=self.stage, index=0)
         truth = self.world.truth()
@@ -245,15 +193,7 @@ class PolicyEpisode:
         self.world.close()
 
     def _finish(self, wall_s: float) -> dict[str, Any]:
-        asked = np.array(self._ask_ms) if self._ask_ms else np.zeros(1)
-        looked = np.array(self._look_ms) if self._look_ms else np.zeros(1)
-        timing = {
-            "wall_time_s": round(wall_s, 3),
-            "realtime_factor": round(self.t / wall_s, 3) if wall_s else 0.0,
-            "plan_ms_median": round(float(np.median(asked)), 3),
-            "plan_ms_p99": round(float(np.percentile(asked, 99)), 3),
-            "pictures_ms_median": round(float(np.median(looked)), 3),
-        }
+        timing = timing_of(wall_s, self.t, plan_ms=self._ask_ms, pictures_ms=self._look_ms)
         metrics = compute_metrics(self.writer.folder)
         self.writer.json("metrics.json", metrics)
         self.writer.json("timing.json", timing)

@@ -1,0 +1,61 @@
+"""What every episode records of its trial, whoever acts: the task, the configuration, the start, and how it ended."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from coral.contact.episode.recorder import numbers
+from coral.contact.scene.judge import Judge
+from coral.contact.scene.observation import Truth
+from coral.contact.scene.trial import PhysicalParameters, Trial
+from coral.runs import RunWriter, provenance
+
+
+def write_head(writer: RunWriter, trial: Trial, about: dict[str, Any], cfg: dict[str, Any]) -> None:
+    """Write task.yaml and config.yaml.
+
+    Args:
+        writer: Of the run folder.
+        trial: The trial.
+        about: World, advisor, variant, and whatever else names who acts.
+        cfg: The episode's configuration as a mapping.
+    """
+    writer.yaml("task.yaml", trial.task.model_dump(mode="json"))
+    head = {"system": "contact", "task": trial.task.name, **about}
+    writer.yaml("config.yaml", {**head, "episode": cfg, "provenance": provenance()})
+
+
+def start_fields(trial: Trial, **about: Any) -> dict[str, Any]:
+    """Fields of the event `start`: what is asked, by whom, and the true parameters for the record."""
+    task = trial.task
+    return {
+        "task": task.name,
+        "instruction": task.instruction,
+        **about,
+        "time_limit_s": task.time_limit_s,
+        "trial": {
+            name: {**parameter_fields(item.physical), "size_m": numbers(trial.size(name), 4)}
+            for name, item in trial.objects.items()
+        },
+    }
+
+
+def parameter_fields(physical: PhysicalParameters) -> dict[str, float]:
+    """Mass and friction as events hold them."""
+    return {"mass_kg": round(physical.mass_kg, 5), "friction": round(physical.friction, 4)}
+
+
+def end_reason(judge: Judge, truth: Truth, time_left: bool) -> str:
+    """Why the episode ends after a control step; "" while it goes on. Call it at every control step.
+
+    Args:
+        judge: Of the trial.
+        truth: The true state after the step.
+        time_left: Whether the time limit is not reached yet.
+    """
+    done, lost = judge.success(truth), judge.failure(truth)
+    if lost is not None:
+        return lost
+    if done:
+        return "success"
+    return "" if time_left else "timeout"

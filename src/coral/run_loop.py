@@ -1,0 +1,69 @@
+"""Advances a run to its end while observers watch, and sums up how long it took."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+
+class Run(Protocol):
+    """A mission or an episode: it advances until it has an end reason."""
+
+    end_reason: str
+
+    def advance(self) -> None:
+        """Take the next control steps."""
+        ...
+
+
+R_contra = TypeVar("R_contra", contravariant=True)
+R = TypeVar("R", bound=Run)
+
+
+class Observer(Protocol[R_contra]):
+    """Anything that watches a run: a progress bar, a live view."""
+
+    def tick(self, run: R_contra, /) -> None:
+        """Called after every `advance`."""
+        ...
+
+    def stop_requested(self) -> str:
+        """Reason to stop now, or ""."""
+        ...
+
+
+def run_to_end(run: R, observers: Sequence[Observer[R]]) -> None:
+    """Advance a run until it ends or an observer stops it."""
+    while not run.end_reason:
+        run.advance()
+        for observer in observers:
+            observer.tick(run)
+            run.end_reason = run.end_reason or observer.stop_requested()
+
+
+@contextmanager
+def stoppable(run: Run) -> Iterator[None]:
+    """Turn an interrupt into an end reason: the signal where the interrupt names one, else the operator."""
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        run.end_reason = str(stop) or "stopped by the operator"
+
+
+def timing_of(wall_s: float, sim_s: float, **samples_ms: Sequence[float]) -> dict[str, float]:
+    """Content of timing.json.
+
+    Args:
+        wall_s: Wall time of the run.
+        sim_s: Simulated time of the run.
+        **samples_ms: Durations by name, such as `plan_ms`; each gives a median and a 99th percentile.
+    """
+    found = {"wall_time_s": round(wall_s, 3), "realtime_factor": round(sim_s / wall_s, 3) if wall_s else 0.0}
+    for name, samples in samples_ms.items():
+        values = np.array(samples) if samples else np.zeros(1)
+        found[f"{name}_median"] = round(float(np.median(values)), 3)
+        found[f"{name}_p99"] = round(float(np.percentile(values, 99)), 3)
+    return found
