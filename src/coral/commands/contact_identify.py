@@ -10,8 +10,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from coral.commands.contact_progress import EpisodeProgress
 from coral.commands.contact_run import with_poses, with_samples
+from coral.commands.progress import EpisodeProgress
 from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.identification_episode import probe_episode

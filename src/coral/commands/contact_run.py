@@ -17,7 +17,7 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, make_advisor
 from coral.commands.config_flag import configured
-from coral.commands.contact_progress import EpisodeProgress
+from coral.commands.progress import EpisodeProgress
 from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.end_reasons import END_REASONS

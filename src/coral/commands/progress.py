@@ -1,23 +1,26 @@
-"""The progress bar of a reef mission, on standard error."""
+"""Progress bars of missions and episodes, on standard error."""
 
 from __future__ import annotations
 
 import time
+from typing import Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
+from coral.contact.scene.judge import Judge
+from coral.contact.scene.trial import Trial
 from coral.odd_text import printable
 from coral.reef.mission import Mission
 
 
-class MissionProgress:
-    """Shows simulated time, coverage, collisions, advisor calls and speed relative to real time."""
+class RunBar:
+    """A bar of simulated time with a status line and the speed relative to real time."""
 
     def __init__(self, *, quiet: bool = False) -> None:
         self._bar = Progress(
             TextColumn("{task.description}", style="bold", markup=False),
-            BarColumn(bar_width=24),
+            BarColumn(bar_width=16),
             TextColumn("{task.fields[status]}", markup=False),
             console=Console(stderr=True),
             transient=False,
@@ -28,24 +31,64 @@ class MissionProgress:
         self._started = time.monotonic()
         self._bar.start()
 
-    def tick(self, mission: Mission) -> None:
-        """Bring the bar up to date, ten times a simulated second at most."""
-        if mission.step % 10 and not mission.end_reason:
-            return
-        factor = mission.t / max(time.monotonic() - self._started, 1e-3)
+    def show(self, name: str, t: float, time_limit_s: float, status: str) -> None:
+        """Bring the bar up to date.
+
+        Args:
+            name: Of the world or the task.
+            t: Simulated time (s).
+            time_limit_s: Where the bar is full.
+            status: What else to tell.
+        """
+        factor = t / max(time.monotonic() - self._started, 1e-3)
+        speed = f"{factor:.0f}x" if factor >= 10 else f"{factor:.2g}x"
         self._bar.update(
             self._task,
-            description=printable(mission.world.name),
-            completed=mission.t,
-            total=mission.cfg.time_limit_s,
-            status=f"{mission.t:5.0f} s simulated · coverage {100 * mission.coverage:3.0f} % · "
-            f"{mission.collisions} collisions · {mission.calls} advisor calls · {factor:.0f}x real time",
+            description=printable(name),
+            completed=t,
+            total=time_limit_s,
+            status=f"{t:.0f} s · {status} · {speed}",
         )
 
     def stop_requested(self) -> str:
-        """A progress bar never stops a mission."""
+        """A progress bar never stops a run."""
         return ""
 
     def close(self) -> None:
         """Leave the last state on the screen."""
         self._bar.stop()
+
+
+class MissionProgress(RunBar):
+    """The bar of a mission: coverage, collisions, advisor calls."""
+
+    def tick(self, mission: Mission) -> None:
+        """Bring the bar up to date, once a simulated second at most."""
+        if mission.step % 10 and not mission.end_reason:
+            return
+        status = f"{100 * mission.coverage:.0f} % covered · {mission.collisions} collisions · {mission.calls} calls"
+        self.show(mission.world.name, mission.t, mission.cfg.time_limit_s, status)
+
+
+class RunningEpisode(Protocol):
+    """An episode, driven by a planner or by a served policy, as far as the bar looks at it."""
+
+    t: float
+    time_limit_s: float
+    trial: Trial
+    judge: Judge
+
+    @property
+    def stage(self) -> str:
+        """Name of the active stage."""
+        ...
+
+
+class EpisodeProgress(RunBar):
+    """The bar of a contact episode: its stage, and how many conditions hold."""
+
+    def tick(self, episode: RunningEpisode) -> None:
+        """Bring the bar up to date."""
+        holding = episode.judge.holding
+        status = f"{printable(episode.stage, 30)} · {sum(holding)} of {len(holding)} conditions"
+        self.show(episode.trial.task.name, episode.t, episode.time_limit_s, status)
