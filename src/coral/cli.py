@@ -39,6 +39,8 @@ COMMANDS = {
     "desk": ("coral.commands.desk:Desk", "answer a mission's questions in a browser"),
     "advisor show": ("coral.commands.advisor_show:AdvisorShow", "print a prompt and write its pictures"),
     "advisor probe": ("coral.commands.advisor_probe:AdvisorProbe", "find out what a model's endpoint can do"),
+    "advisor bench": ("coral.commands.advisor_bench:AdvisorBench", "find out whether a model is good enough"),
+    "advisor questions": ("coral.commands.advisor_questions:AdvisorQuestions", "make a set of questions for it"),
     "doctor": ("coral.commands.doctor:Doctor", "check this installation"),
     "version": ("coral.commands.version:Version", "print the version"),
 }

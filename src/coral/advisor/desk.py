@@ -87,28 +87,7 @@ class DeskAdvisor:
         name = f"{number:06d}-{question.kind}"
         # A level below, where the pattern */question.json of a program that watches the inbox does not find it.
         aside = self._inbox / WRITING / f"{name}.{os.getpid()}.{secrets.token_hex(4)}"
-        aside.mkdir(parents=True)
-        for picture in question.pictures:
-            (aside / f"{picture.name}.png").write_bytes(picture.png)
-        content = {
-            "id": name,
-            "kind": question.kind,
-            "prompt": question.prompt,
-            "prompt_version": question.prompt_version,
-            "answer_schema": question.answer_type.model_json_schema(),
-            "images": [f"{picture.name}.png" for picture in question.pictures],
-            "captions": [picture.caption for picture in question.pictures],
-            "picture_frames": {
-                f"{picture.name}.png": {"pixel_from_world": picture.pixel_from_world}
-                for picture in question.pictures
-                if picture.pixel_from_world is not None
-            },
-            "facts": question.facts,
-            "asked_at": round(time.time(), 3),
-            "asker": {"host": socket.gethostname(), "pid": os.getpid()},
-            "rejections": [dataclasses.asdict(r) for r in rejections],
-        }
-        (aside / "question.json").write_text(plain_json(content, indent=2), encoding="utf-8")
+        content = question_folder(aside, question, name, rejections)
         while True:
             try:
                 # A rename onto a folder that holds files fails: two missions may share an inbox.
@@ -121,6 +100,50 @@ class DeskAdvisor:
                 name = f"{number:06d}-{question.kind}"
                 content["id"] = name
                 (aside / "question.json").write_text(plain_json(content, indent=2), encoding="utf-8")
+
+
+def question_folder(
+    folder: Path,
+    question: Question[Any],
+    name: str = "",
+    rejections: Sequence[Rejection] = (),
+    waiting: bool = True,
+) -> dict[str, Any]:
+    """Write a question and its PNGs into a new folder.
+
+    Args:
+        folder: To be made, with its parents.
+        question: The question.
+        name: Its id; by default the folder's name.
+        rejections: Why earlier answers were refused.
+        waiting: Whether this process waits for the answer; a question that nobody waits for stays open.
+
+    Returns:
+        What `question.json` holds.
+    """
+    folder.mkdir(parents=True)
+    for picture in question.pictures:
+        (folder / f"{picture.name}.png").write_bytes(picture.png)
+    content = {
+        "id": name or folder.name,
+        "kind": question.kind,
+        "prompt": question.prompt,
+        "prompt_version": question.prompt_version,
+        "answer_schema": question.answer_type.model_json_schema(),
+        "images": [f"{picture.name}.png" for picture in question.pictures],
+        "captions": [picture.caption for picture in question.pictures],
+        "picture_frames": {
+            f"{picture.name}.png": {"pixel_from_world": picture.pixel_from_world}
+            for picture in question.pictures
+            if picture.pixel_from_world is not None
+        },
+        "facts": question.facts,
+        "asked_at": round(time.time(), 3),
+        **({"asker": {"host": socket.gethostname(), "pid": os.getpid()}} if waiting else {}),
+        "rejections": [dataclasses.asdict(r) for r in rejections],
+    }
+    (folder / "question.json").write_text(plain_json(content, indent=2), encoding="utf-8")
+    return content
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -1,0 +1,167 @@
+"""`coral advisor bench`: is this model good enough?"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import tyro
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.preflight import preflight
+from coral.advisor.question import Advisor
+from coral.advisor.registry import advisor_help, make_advisor
+from coral.config import checked
+from coral.contact.episode.variants import contact_model
+from coral.contact.rules.answers import RULES
+from coral.contact.rules.spoilt_answers import SPOILT
+from coral.errors import InputError
+from coral.exam.controls import CONTROLS, control
+from coral.exam.grading import Grader
+from coral.exam.item import ExamItem
+from coral.exam.paper_inbox import answers, export
+from coral.exam.question_set import load_set
+from coral.exam.report import write_report
+from coral.exam.result import Result
+from coral.exam.sitting import sit
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.mistakes import REEF_MISTAKES
+
+HELP = advisor_help("Who is asked, separated by commas: random, constant (controls that know nothing)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdvisorBench:
+    """Put frozen questions with scored answers to advisors, each question once, with no simulation in the loop."""
+
+    advisors: Annotated[str, tyro.conf.arg(help=HELP)] = "random,heuristic"
+    sets: str = "public"
+    """Sets of questions, separated by commas: public, or files of `coral advisor questions`."""
+    only: str = ""
+    """Kinds of question, separated by commas; all by default."""
+    limit: int | None = None
+    """So many questions of each kind."""
+    out: Path | None = None
+    """Folder for report.html, results.json and answers.jsonl."""
+    export: Path | None = None
+    """Ask nobody: lay the questions out as a desk inbox in this folder."""
+    answers: Path | None = None
+    """Ask nobody: score what lies in this inbox, which --export wrote."""
+    name: str = "inbox"
+    """Whose answers they are."""
+    seed: int = 0
+    """Of advisors that draw or err on purpose."""
+    at_once: int = 1
+    """Questions that a model is asked at a time."""
+    jobs: int = 1
+    """Processes for the episodes in which plans are tried."""
+    preflight: bool = True
+    """Ask each model one small question first, and refuse to begin if it cannot be used."""
+    model: ModelCfg = field(default_factory=contact_model)
+    """How a real model is called, and what may be spent."""
+    quiet: bool = False
+    """No progress on standard error."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Ask and score."""
+        for flag, value in (("--at-once", self.at_once), ("--jobs", self.jobs), ("--limit", self.limit or 1)):
+            if value < 1:
+                raise InputError(flag, "", value, "a number from 1 on")
+        items, about = self._items()
+        if self.export is not None:
+            return {"exported": export(items, self.export, about), "inbox": str(self.export)}
+        if self.out is not None and self.out.exists() and any(self.out.iterdir()):
+            raise InputError("--out", str(self.out), "a folder that holds something", "a new or empty folder")
+        grader = Grader(self.jobs)
+        if self.answers is not None:
+            results = [Result(name=self.name, graded=tuple(grader.grade(answers(items, self.answers))))]
+        else:
+            results = self._ask(items, grader)
+        rows = [result.row() for result in results]
+        made = {} if self.out is None else self._write(results, rows, about)
+        return {"sets": about, "questions": len(items), "rows": rows, **made}
+
+    def _items(self) -> tuple[list[ExamItem], str]:
+        only = tuple(kind.strip() for kind in self.only.split(",") if kind.strip())
+        sets = [load_set(name.strip(), only, self.limit) for name in self.sets.split(",")]
+        if len({one.name for one in sets}) < len(sets):
+            raise InputError("--sets", "", repr(self.sets), "each set once")
+        return [item for one in sets for item in one.items], ",".join(one.name for one in sets)
+
+    def _ask(self, items: list[ExamItem], grader: Grader) -> list[Result]:
+        names = [name.strip() for name in self.advisors.split(",") if name.strip()]
+        made = [self._advisor(name) for name in names]
+        for advisor in made if self.preflight else ():
+            preflight(advisor, pictures=any(i.pictures for i in items), where="--advisors", quiet=self.quiet)
+        results = []
+        for name, advisor in zip(names, made, strict=True):
+            sheets = sit(advisor, items, self.at_once)
+            if not self.quiet:
+                print(f"{name}: {len(sheets)} questions asked", file=sys.stderr, flush=True)
+            results.append(Result(name=name, graded=tuple(grader.grade(sheets))))
+        return results
+
+    def _advisor(self, name: str) -> Advisor:
+        rng = np.random.default_rng([self.seed, 7])
+        if name in CONTROLS:
+            return control(name, rng)
+        return make_advisor(
+            name,
+            rules={**REEF_RULES, **RULES},
+            rng=rng,
+            inbox=None if self.out is None else self.out / "inbox",
+            cfg=checked(self.model, "--model"),
+            where="--advisors",
+            spoil=SPOILT,
+            mistakes=REEF_MISTAKES,
+        )
+
+    def _write(self, results: list[Result], rows: list[dict[str, Any]], about: str) -> dict[str, str]:
+        folder = self.out
+        assert folder is not None
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / "results.json").write_text(json.dumps({"sets": about, "rows": rows}, indent=1), encoding="utf-8")
+            with open(folder / "answers.jsonl", "w", encoding="utf-8") as file:
+                for result in results:
+                    for one in result.graded:
+                        file.write(json.dumps(_line(result.name, one)) + "\n")
+        except OSError as error:
+            raise InputError("--out", str(folder), error.strerror or error, "a folder that can be written") from None
+        return {"report": str(write_report(folder / "report.html", results, rows, about))}
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """A line for each advisor, the best kind of answer last."""
+        if "exported" in result:
+            return f"{result['exported']} questions lie in {result['inbox']}; `coral desk {result['inbox']}` shows them"
+        kinds = list(result["rows"][0]["by_kind"])
+        width = max(len("advisor"), *(len(row["name"]) for row in result["rows"]))
+        lines = [f"{'advisor':<{width}}  score   95 % interval   " + "  ".join(kinds)]
+        for row in result["rows"]:
+            each = "  ".join(f"{row['by_kind'][kind]['score']:>{len(kind)}.2f}" for kind in kinds)
+            lines.append(
+                f"{row['name']:<{width}}   {row['score']:.2f}   {row['low']:.2f} to {row['high']:.2f}    {each}"
+            )
+        return "\n".join([*lines, *([f"report: {result['report']}"] if "report" in result else [])])
+
+
+def _line(name: str, one: Any) -> dict[str, Any]:
+    sheet = one.sheet
+    return {
+        "advisor": name,
+        "id": sheet.item.id,
+        "kind": sheet.item.kind,
+        "score": round(one.worth.score, 4),
+        "why": one.worth.why,
+        "answer": None if sheet.answer is None else sheet.answer.model_dump(mode="json"),
+        "raw": sheet.raw[:20_000],
+        "seconds": sheet.seconds,
+        "faults": list(sheet.usage.faults),
+    }

@@ -1,0 +1,129 @@
+"""What comes of a plan: one short episode with a free-flying hand, the true world and what was believed."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.cost.stages import Strategy
+from coral.contact.cost_program import CostError, CostWorker
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.episode import Episode
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy, verify_plan
+from coral.contact.plan.rehearsal import sample_states
+from coral.contact.scene.observation import Observation, Transition
+from coral.contact.scene.trial import PhysicalParameters, Trial
+from coral.contact.thinker.strategist import FixedStrategist, NoStrategy, PlanReport
+from coral.contact.thinker.unified_question import UnifiedAnswer
+from coral.exam.contact_scenes import trial_from_json
+from coral.exam.contact_score import score_estimates, score_regions
+from coral.exam.worth import Worth
+
+LIMIT_S = 12.0
+"""Simulated time in which a plan has to succeed; the rules need 2 to 9 s for these tasks."""
+SAMPLES = 16
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A plan, what is believed while it is followed, and where it touches."""
+
+    answer: PlanAnswer
+    beliefs: Mapping[str, PhysicalParameters]
+    regions: RegionsAnswer
+
+
+class PlanFollower(FixedStrategist):
+    """Checks one plan and follows it; nobody thinks again. Keeps what was felt.
+
+    Args:
+        plan: The plan.
+        load: How its programs are made.
+    """
+
+    def __init__(self, plan: Plan, load: Loader) -> None:
+        self._plan, self._load = plan, load
+        self.taken: list[Transition] = []
+        self.costs: list[tuple[float, float]] = []
+
+    def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
+        """Believe what is believed; the plan as a strategy.
+
+        Raises:
+            NoStrategy: It is refused; the text is the code of refusal.
+        """
+        plan, sizes = self._plan, {name: trial.size(name) for name in trial.objects}
+        world.believe(plan.beliefs)
+        samples = sample_states(world, first, sizes, np.random.default_rng([trial.seed, 3]))
+        refusal = verify_plan(plan.answer, world.schema, samples, self._load)
+        if refusal is not None:
+            raise NoStrategy(refusal.code)
+        return make_strategy("answer", plan.answer, plan.regions, world.schema, sizes, self._load)
+
+    def on_plan(self, report: PlanReport) -> Strategy | None:
+        """Keep what was felt."""
+        self.taken += report.taken
+        self.costs.append((report.now.time_s, report.plan.cost))
+        return None
+
+
+def episode_cfg() -> EpisodeCfg:
+    """Of short episodes: poses from the simulator, few samples, nothing drawn."""
+    cfg = EpisodeCfg(poses="ground-truth")
+    controller = replace(cfg.controller, mppi=replace(cfg.controller.mppi, samples=SAMPLES))
+    return replace(cfg, controller=controller, record=replace(cfg.record, states=False, report=False))
+
+
+def follow(trial: Trial, plan: Plan, load: Loader = in_process, observers: Sequence[Any] = ()) -> dict[str, Any]:
+    """Follow a plan to its end; the metrics of the episode, and `detail`, why it ended."""
+    short = trial.task.model_copy(update={"time_limit_s": LIMIT_S})
+    with tempfile.TemporaryDirectory() as folder:
+        strategist = PlanFollower(plan, load)
+        trial = replace(trial, task=short)
+        episode = Episode(trial, "hand", strategist, episode_cfg(), Path(folder) / "run", variant="exam")
+        return {**episode.run(observers), "detail": episode.detail}
+
+
+def score_plan(key: Mapping[str, Any], facts: Mapping[str, Any], answer: PlanAnswer) -> Worth:
+    """A plan: 1 where it succeeds in time, 0 where it does not or is refused."""
+    regions = RegionsAnswer.model_validate(key["regions"])
+    # The stages are the answer's own: a place is good for all of them.
+    held = {
+        name: one.model_copy(update={"regions": [r.model_copy(update={"stage": ""}) for r in one.regions]})
+        for name, one in regions.root.items()
+    }
+    return _outcome(key, Plan(answer, _physical(key["beliefs"]), RegionsAnswer(held)))
+
+
+def score_unified(key: Mapping[str, Any], facts: Mapping[str, Any], answer: UnifiedAnswer) -> Worth:
+    """Half for what comes of its plan with its own beliefs and places, and a quarter each for these two."""
+    scene = {**facts, "stages": answer.plan.names}
+    parts = [score_estimates(key, facts, answer.estimates), score_regions(key, scene, answer.places)]
+    if any(part.why.startswith("refused") for part in parts):
+        return Worth(0.0, "; ".join(part.why for part in parts))
+    outcome = _outcome(key, Plan(answer.plan, answer.estimates.physical(), answer.places))
+    why = "; ".join([outcome.why, *(part.why for part in parts)])
+    return Worth(0.5 * outcome.score + 0.25 * (parts[0].score + parts[1].score), why)
+
+
+def _outcome(key: Mapping[str, Any], plan: Plan) -> Worth:
+    with CostWorker() as worker:
+        try:
+            metrics = follow(trial_from_json(key["trial"]), plan, worker.load)
+        except CostError as error:
+            return Worth(0.0, f"refused: {error.code}")
+    if metrics["success"]:
+        return Worth(1.0, f"success after {metrics['sim_time_s']:.1f} s")
+    refused = metrics["end_reason"] == "no-strategy"
+    return Worth(0.0, f"refused: {metrics['detail']}" if refused else f"no success: {metrics['end_reason']}")
+
+
+def _physical(beliefs: Mapping[str, Mapping[str, float]]) -> dict[str, PhysicalParameters]:
+    return {name: PhysicalParameters(one["mass_kg"], one["friction"]) for name, one in beliefs.items()}

@@ -1,0 +1,355 @@
+"""The contact questions of a set: scenes of many tasks, their prompts as in an episode, and the truth as their key."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from coral.advisor.consult import Outcome
+from coral.advisor.prompt import render
+from coral.advisor.question import Picture
+from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.episode.episode import Episode
+from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advisor_camera, to_picture
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.tracked_cfg import TrackedCfg
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_plan import PlanAnswer, in_process
+from coral.contact.rules.answers import RULES
+from coral.contact.scene.geometry import rotate
+from coral.contact.scene.observation import Observation
+from coral.contact.scene.trial import PhysicalParameters, Trial, sample_trial
+from coral.contact.tasks import load_task
+from coral.contact.thinker.correction import TouchHistory, correct_beliefs
+from coral.contact.thinker.diagnosis import diagnose, recent
+from coral.contact.thinker.pose_question import pose_facts, pose_prompt
+from coral.contact.thinker.scene_facts import interface_text, scene_facts
+from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt
+from coral.contact.worlds.registry import make_world
+from coral.exam.contact_outcome import Plan, PlanFollower, episode_cfg
+from coral.exam.contact_scenes import made_of, trial_to_json
+from coral.exam.contact_touch import touches
+from coral.exam.item import ExamItem
+
+TASKS = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
+SHORT = ("flip-box", "pick-box", "push-force")
+"""Tasks that a plan finishes in a few seconds: the outcome of plans is tried in these."""
+HIDDEN = ("stated_mass_kg", "stated_friction", "solid_share", "parts")
+"""What prompts of episodes leave out of objects: facts of the default advisor alone."""
+BAD_S, PUSHED_S = 2.0, 4.0
+"""Simulated time after which a bad plan is asked about, and after which a wrong belief is."""
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """The first look at a trial: what the sensors say, the picture, and the scene as facts.
+
+    Args:
+        beliefs: By the rules, from the facts; they are what later questions state.
+    """
+
+    trial: Trial
+    now: Observation
+    frame: RgbdFrame
+    facts: dict[str, Any]
+    beliefs: dict[str, PhysicalParameters]
+
+    @property
+    def pictures(self) -> tuple[Picture, ...]:
+        """What the camera shows."""
+        return (to_picture(self.frame),)
+
+    @property
+    def believed(self) -> dict[str, Any]:
+        """The facts with what is believed."""
+        return dict(scene_facts(self.trial, self.now, self.beliefs))
+
+
+def contact_items(seed: int, counts: Mapping[str, int], say: Say = lambda text: None) -> list[ExamItem]:
+    """Questions of all kinds.
+
+    Args:
+        seed: Of trials and of what goes wrong in them.
+        counts: How many of each kind.
+        say: Told of each step.
+    """
+    makers = {
+        "physical-parameters": _parameters,
+        "contact-regions": _regions,
+        "object-poses": _poses,
+        "parameter-repair": _correction,
+        "cost-function": _plan,
+        "cost-repair": _repair,
+        "unified": _unified,
+    }
+    found = []
+    for kind, count in counts.items():
+        tasks = SHORT if kind in ("cost-function", "cost-repair", "unified") else TASKS
+        if kind == "parameter-repair":
+            tasks = ("push-force", "flip-wall", "push-pick-board")
+        tried = made = 0
+        while made < count and tried < 4 * count:
+            name, number = tasks[tried % len(tasks)], tried // len(tasks)
+            item = makers[kind](name, 100 * seed + number)
+            tried += 1
+            if item is None:
+                continue
+            found.append(replace(item, id=f"{kind}-{made:03d}", kind=kind, group=f"{name}-{number}"))
+            made += 1
+        say(f"{made} {kind} questions")
+    return found
+
+
+def _see(trial: Trial) -> Seen:
+    world = make_world("hand", trial, PlanningCfg().step_s)
+    try:
+        now = world.reset()
+        look = make_advisor_camera(
+            world, trial, TrackedCfg(), AdvisorCameraCfg(), np.random.default_rng([trial.seed, 5])
+        )
+        frame = look()
+    finally:
+        world.close()
+    assert frame is not None
+    facts = dict(scene_facts(trial, now))
+    estimates = RULES["physical-parameters"](facts, ())
+    assert isinstance(estimates, ParameterEstimates)
+    return Seen(trial, now, frame, facts, estimates.physical())
+
+
+def _item(
+    kind: str, prompt: Mapping[str, Any], facts: Mapping[str, Any], key: Mapping[str, Any], *pictures: Picture
+) -> ExamItem:
+    text, version = render(kind, prompt)
+    return ExamItem(
+        id="", kind=kind, group="", prompt=text, prompt_version=version, facts=facts, pictures=pictures, key=key
+    )
+
+
+def _truth(trial: Trial) -> dict[str, Any]:
+    return {
+        name: {"mass_kg": item.physical.mass_kg, "friction": item.physical.friction}
+        for name, item in trial.objects.items()
+    }
+
+
+def _parameters(task: str, seed: int) -> ExamItem:
+    seen = _see(made_of(load_task(task), seed))
+    prompt = belief_prompt(cast(Any, seen.facts))
+    return _item("physical-parameters", prompt, seen.facts, {"parameters": _truth(seen.trial)}, *seen.pictures)
+
+
+def _poses(task: str, seed: int) -> ExamItem:
+    seen = _see(made_of(load_task(task), seed))
+    facts = pose_facts(seen.trial, seen.now, seen.frame)
+    poses = {}
+    for name, item in seen.trial.objects.items():
+        middle = np.array(facts["objects"][name]["middle_m"])
+        poses[name] = {
+            "position": [float(v) for v in item.pose.position + rotate(item.pose.quaternion, middle)],
+            "quaternion": [float(v) for v in item.pose.quaternion],
+            "symmetry": str(seen.trial.task.object(name).symmetry or ""),
+        }
+    return _item("object-poses", pose_prompt(facts), facts, {"poses": poses}, *seen.pictures)
+
+
+def _regions(task: str, seed: int) -> ExamItem:
+    seen = _see(made_of(load_task(task), seed))
+    facts = _plan_facts(seen)
+    facts["stages"] = _by_rules(facts)[0].names
+    prompt = {"task": facts["instruction"], "objects": _shown(facts), "stages": facts["stages"]}
+    return _item("contact-regions", prompt, facts, {"touches": touches(seen.trial)}, *seen.pictures)
+
+
+def _plan(task: str, seed: int) -> ExamItem:
+    seen = _see(sample_trial(load_task(task), seed))
+    facts = _plan_facts(seen)
+    poses = {name: item["pose"] for name, item in facts["objects"].items()} | {"hand": facts["hand"]["pose"]}
+    prompt = {**_about(seen, facts), "poses": poses, "parameters": _shown(facts)}
+    return _item("cost-function", prompt, facts, _plan_key(seen.trial, seen, _by_rules(facts)[1]))
+
+
+def _unified(task: str, seed: int) -> ExamItem:
+    seen = _see(sample_trial(load_task(task), seed + 50))
+    facts = {**seen.facts, "diagnoses": [], "contact_strategy": True}
+    prompt = {
+        **_about(seen, facts),
+        "objects": {name: {"mass_kg": None, "friction": None, **item} for name, item in _shown(facts).items()},
+        "hand": facts["hand"],
+        "places": True,
+        "code": "",
+        "error": "",
+    }
+    key = {"trial": trial_to_json(seen.trial), "parameters": _truth(seen.trial), "touches": touches(seen.trial)}
+    return _item("unified", prompt, facts, key, *seen.pictures)
+
+
+def _repair(task: str, seed: int) -> ExamItem | None:
+    """A plan with one thing wrong in it was followed for a while."""
+    seen = _see(sample_trial(load_task(task), seed + 70))
+    plan, regions = _by_rules(_plan_facts(seen))
+    bad = _spoilt(plan, seed)
+    felt = _felt(seen.trial, Plan(bad, seen.beliefs, regions), BAD_S)
+    if felt is None or not felt.follower.taken:
+        return None
+    name = next(iter(seen.trial.objects))
+    steps, now = felt.follower.taken, felt.now
+    later = replace(
+        seen.trial,
+        objects={key: replace(item, pose=now.objects[key]) for key, item in seen.trial.objects.items()},
+    )
+    after = replace(seen, trial=later, now=now)
+    facts = {**_plan_facts(after), "diagnoses": [diagnose(steps, name, 0, 0.0)]}
+    prompt = {
+        **_about(after, facts),
+        "world": _shown(facts),
+        "attempts": 15,
+        "history": recent(steps, felt.follower.costs, name),
+        "code": bad.text(),
+        "error": "",
+    }
+    return _item("cost-repair", prompt, facts, _plan_key(later, after, regions))
+
+
+def _correction(task: str, seed: int) -> ExamItem | None:
+    """What was believed was wrong by a factor, and the object was pushed."""
+    seen = _see(sample_trial(load_task(task), seed + 30))
+    rng = np.random.default_rng([seed, 43])
+    name = next(iter(seen.trial.objects))
+    true = seen.trial.objects[name].physical
+    wrong = PhysicalParameters(
+        float(np.clip(true.mass_kg * math.exp(rng.choice([-1, 1]) * rng.uniform(0.7, 1.6)), 0.01, 15.0)),
+        float(np.clip(true.friction * math.exp(rng.choice([-1, 1]) * rng.uniform(0.4, 0.9)), 0.05, 1.6)),
+    )
+    plan, regions = _by_rules(_plan_facts(seen))
+    beliefs = {**seen.beliefs, name: wrong}
+    capture = _Capture()
+    felt = _felt(seen.trial, Plan(plan, beliefs, regions), PUSHED_S, _corrector(capture, name, seen))
+    if felt is None or capture.asked is None:
+        return None
+    facts, prompt = capture.asked
+    key = {"object": name, "parameters": _truth(seen.trial)[name]}
+    return _item("parameter-repair", prompt, facts, key)
+
+
+def _about(seen: Seen, facts: Mapping[str, Any]) -> dict[str, Any]:
+    """What every prompt about a plan says."""
+    world = PlanningWorld(seen.trial, seen.beliefs, seen.now, PlanningCfg(), np.random.default_rng(0))
+    try:
+        interface = interface_text(world.schema)
+    finally:
+        world.close()
+    return {"task": facts["instruction"], "interface": interface, "contact_strategy": True}
+
+
+def _plan_facts(seen: Seen) -> dict[str, Any]:
+    return {**seen.believed, "diagnoses": [], "contact_strategy": True}
+
+
+def _by_rules(facts: Mapping[str, Any]) -> tuple[PlanAnswer, RegionsAnswer]:
+    plan = RULES["cost-function"](facts, ())
+    assert isinstance(plan, PlanAnswer)
+    regions = RULES["contact-regions"]({**facts, "stages": plan.names}, ())
+    assert isinstance(regions, RegionsAnswer)
+    return plan, regions
+
+
+def _shown(facts: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        name: {key: value for key, value in item.items() if key not in HIDDEN}
+        for name, item in facts["objects"].items()
+    }
+
+
+def _plan_key(trial: Trial, seen: Seen, regions: RegionsAnswer) -> dict[str, Any]:
+    return {
+        "trial": trial_to_json(trial),
+        "beliefs": {k: {"mass_kg": one.mass_kg, "friction": one.friction} for k, one in seen.beliefs.items()},
+        "regions": regions.model_dump(mode="json"),
+    }
+
+
+def _spoilt(plan: PlanAnswer, seed: int) -> PlanAnswer:
+    """A plan that passes the checks and does not get on: its first stage never ends, or aims beside the object."""
+    first = plan.stages[0]
+    if seed % 2:
+        first = first.model_copy(update={"done": "self.time > 900.0"})
+    else:
+        aside = "self.ee_pos + np.array([0.0, 0.12, 0.0])"
+        first = first.model_copy(update={"code": first.code.replace("self.ee_pos", f"({aside})")})
+    return plan.model_copy(update={"stages": [first, *plan.stages[1:]]})
+
+
+@dataclass
+class _Felt:
+    """How far an episode got."""
+
+    follower: PlanFollower
+    now: Observation
+
+
+class _Capture:
+    """An asker that asks nobody and keeps the question."""
+
+    asked: tuple[Mapping[str, Any], Mapping[str, Any]] | None = None
+
+    def ask(
+        self, kind: str, answer_type: type[Any], facts: Mapping[str, Any], prompt: Mapping[str, Any], verify: Any
+    ) -> Outcome[Any]:
+        """Keep it."""
+        self.asked = facts, prompt
+        return Outcome(answer=None, question=None, attempts=0, failure="kept")
+
+
+def _corrector(capture: _Capture, name: str, seen: Seen) -> Callable[[Episode, PlanFollower], None]:
+    def correct(episode: Episode, follower: PlanFollower) -> None:
+        planner = episode.planner
+        facts = scene_facts(episode.trial, episode.now, dict(planner.beliefs[0]))
+        past = TouchHistory(tuple(follower.taken), recent(follower.taken, follower.costs, name))
+        correct_beliefs(
+            cast(Any, capture),
+            name,
+            episode.now,
+            past,
+            episode.trial,
+            planner,
+            cast(Any, facts),
+            ThinkCfg(),
+            np.random.default_rng([episode.trial.seed, 3]),
+            lambda event, **fields: None,
+        )
+
+    return correct
+
+
+def _felt(
+    trial: Trial, plan: Plan, seconds: float, then: Callable[[Episode, PlanFollower], None] | None = None
+) -> _Felt | None:
+    """Follow a plan for a while; None where it ends before, or is refused."""
+    follower = PlanFollower(plan, in_process)
+
+    class Stop:
+        reached = False
+
+        def tick(self, episode: Episode) -> None:
+            if not self.reached and episode.t >= seconds:
+                self.reached = True
+                if then is not None:
+                    then(episode, follower)
+
+        def stop_requested(self) -> str:
+            return "stopped by the exam" if self.reached else ""
+
+    stop = Stop()
+    with tempfile.TemporaryDirectory() as folder:
+        episode = Episode(trial, "hand", follower, episode_cfg(), Path(folder) / "run", variant="exam")
+        episode.run([stop])
+    return _Felt(follower, episode.now) if stop.reached else None

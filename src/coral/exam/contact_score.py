@@ -1,0 +1,122 @@
+"""Answers about a contact scene against its truth: parameters, poses, places to touch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.region_validation import verify_regions
+from coral.contact.scene.facts import SceneFacts
+from coral.contact.scene.geometry import conjugate, multiply, rotation_of
+from coral.contact.thinker.pose_question import PosesAnswer
+from coral.contact.world_model.parameter_answer import ParametersAnswer, verify_parameters
+from coral.contact.world_model.parameter_estimates import ParameterEstimates, verify_estimates
+from coral.exam.contact_touch import fits
+from coral.exam.worth import Worth, share_left
+
+Facts = Mapping[str, Any]
+MASS_FACTOR, FRICTION_FACTOR = 4.0, 2.0
+"""An estimate that is off by so much is worthless: materials differ by more, and the ranges of the tasks by less."""
+MASS_SHARE = 0.75
+"""Of the mass in the score: most things slide alike, so that friction is no great achievement."""
+PLACE_M, TURN_RAD = 0.03, math.radians(20.0)
+"""A pose that is off by so much is worthless: fingers miss by less."""
+
+_HALF = math.sqrt(0.5)
+_BOX = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+_SQUARE = (
+    *_BOX,
+    (_HALF, 0.0, 0.0, _HALF),
+    (_HALF, 0.0, 0.0, -_HALF),
+    (0.0, _HALF, _HALF, 0.0),
+    (0.0, _HALF, -_HALF, 0.0),
+)
+SPINS = {"box": _BOX, "square-box": _SQUARE, "cube": _SQUARE}
+"""Quaternions of the turns that leave an object looking the same; of a cube those about its vertical suffice here."""
+
+
+def score_estimates(key: Facts, facts: Facts, answer: ParameterEstimates) -> Worth:
+    """Masses and frictions by the logarithms of their errors."""
+    refusal = verify_estimates(answer, {name: item["size_m"] for name, item in facts["objects"].items()})
+    if refusal is not None:
+        return Worth(0.0, f"refused: {refusal.code}")
+    scores, words = [], []
+    for name, true in key["parameters"].items():
+        one = answer.root[name]
+        mass, friction = _off(one.mass_kg, true["mass_kg"]), _off(one.friction_coeff, true["friction"])
+        scores.append(
+            MASS_SHARE * share_left(mass, math.log(MASS_FACTOR))
+            + (1.0 - MASS_SHARE) * share_left(friction, math.log(FRICTION_FACTOR))
+        )
+        words.append(f"{name}: mass off by a factor of {math.exp(mass):.1f}, friction {math.exp(friction):.1f}")
+    return Worth(float(np.mean(scores)), "; ".join(words))
+
+
+def score_correction(key: Facts, facts: Facts, answer: ParametersAnswer) -> Worth:
+    """The share of the error in the belief that is gone; a belief that stays is worth nothing."""
+    believed = ParameterEstimates.model_validate(
+        {
+            name: {"mass_kg": item["mass_kg"], "friction_coeff": item["friction"]}
+            for name, item in facts["objects"].items()
+        }
+    ).physical()
+    refusal = verify_parameters(answer, believed)
+    if refusal is not None:
+        return Worth(0.0, f"refused: {refusal.code}")
+    name, true = key["object"], key["parameters"]
+    after, before = answer.physical(believed)[name], believed[name]
+    errors = [_off(one.mass_kg, true["mass_kg"]) + _off(one.friction, true["friction"]) for one in (before, after)]
+    return Worth(share_left(errors[1], errors[0]), f"error {errors[1]:.2f}, believed before {errors[0]:.2f}")
+
+
+def score_poses(key: Facts, facts: Facts, answer: PosesAnswer) -> Worth:
+    """Poses by distance and angle, the angle modulo the object's symmetry."""
+    scores, words = [], []
+    for name, true in key["poses"].items():
+        one = answer.root.get(name)
+        norm = 0.0 if one is None else float(np.linalg.norm(one.quaternion))
+        if one is None or not norm:
+            scores.append(0.0)
+            words.append(f"{name}: no pose")
+            continue
+        off = math.dist(one.position, true["position"])
+        angle = _angle(np.array(one.quaternion) / norm, np.array(true["quaternion"]), true["symmetry"])
+        scores.append(0.6 * share_left(off, PLACE_M) + 0.4 * share_left(angle, TURN_RAD) * (off < PLACE_M))
+        words.append(f"{name}: off by {100 * off:.1f} cm and {math.degrees(angle):.0f}°")
+    return Worth(float(np.mean(scores)), "; ".join(words))
+
+
+def score_regions(key: Facts, facts: Facts, answer: RegionsAnswer) -> Worth:
+    """Places by surface and reach, as the verifier has it, and by the side that the task wants."""
+    scene = cast(SceneFacts, facts)
+    refusal = verify_regions(answer, scene, facts["stages"])
+    if refusal is not None:
+        return Worth(0.0, f"refused: {refusal.code}")
+    right = [
+        any(
+            fits(region, name, touch, facts["objects"][name]["pose"], facts["objects"][name]["size_m"])
+            for touch in key["touches"]
+        )
+        for name, region in answer.each()
+    ]
+    return Worth(sum(right) / len(right), f"{sum(right)} of {len(right)} places on the right side")
+
+
+def _off(value: float, true: float) -> float:
+    return abs(math.log(value / true)) if value > 0.0 and math.isfinite(value) else math.inf
+
+
+def _angle(one: NDArray[np.float64], other: NDArray[np.float64], symmetry: str) -> float:
+    """Angle (rad) between two orientations, for the best of those that look alike."""
+    if symmetry == "sphere":
+        return 0.0
+    if symmetry == "cylinder":
+        return math.acos(min(1.0, abs(float(rotation_of(one)[:, 2] @ rotation_of(other)[:, 2]))))
+    turned = multiply(conjugate(other), one)
+    spins = np.array(SPINS[symmetry]) if symmetry in SPINS else np.array([[1.0, 0.0, 0.0, 0.0]])
+    return 2.0 * math.acos(min(1.0, float(np.abs(spins @ turned).max())))

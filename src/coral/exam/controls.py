@@ -1,0 +1,211 @@
+"""Advisors that know nothing, as a check of the scores: one draws valid answers by lot, one always says the same."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from coral.advisor.question import Rejection
+from coral.advisor.rules import Rule, RuleAdvisor
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_plan import PlanAnswer
+from coral.contact.thinker.pose_question import PosesAnswer
+from coral.contact.thinker.unified_question import UnifiedAnswer
+from coral.contact.world_model.parameter_answer import ParametersAnswer
+from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg, ParameterEstimates
+from coral.reef.answers import CentroidChoice, WaypointChoice
+
+Facts = Mapping[str, Any]
+STEP_M = 6
+
+
+class Lots:
+    """Every answer that has the right form, each as likely as the others; sizes and masses evenly in their logarithms.
+
+    Args:
+        rng: Draws.
+    """
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+
+    def centroid(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """Any dot on the map."""
+        return CentroidChoice(selected_centroid_index=self._one([c["index"] for c in facts["centroids"]]))
+
+    def waypoint(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """Any whole metres."""
+        forward, left = (int(v) for v in self._rng.integers(-STEP_M, STEP_M + 1, 2))
+        return WaypointChoice(forward_m=forward, left_m=left)
+
+    def estimates(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """Any mass and friction within the bounds."""
+        return ParameterEstimates.model_validate(
+            {
+                name: dict(zip(("mass_kg", "friction_coeff"), self._parameters(item), strict=True))
+                for name, item in facts["objects"].items()
+            }
+        )
+
+    def correction(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """The same for the object in question."""
+        name = facts["fitted"]["object"]
+        mass, friction = self._parameters(facts["objects"][name])
+        return ParametersAnswer.model_validate({"objects": [{"label": name, "mass": mass, "friction": friction}]})
+
+    def poses(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """Anywhere on the table, turned anyhow about the vertical."""
+        found = {}
+        for name, item in facts["objects"].items():
+            yaw = self._rng.uniform(-math.pi, math.pi)
+            x, y = (float(self._rng.uniform(*facts["table"][axis])) for axis in "xy")
+            turned = [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]
+            found[name] = {"position": [x, y, item["size_m"][2] / 2], "quaternion": turned}
+        return PosesAnswer.model_validate(found)
+
+    def regions(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """A place on any face of any object's box, touched in any way."""
+        name = self._one(sorted(facts["objects"]))
+        item = facts["objects"][name]
+        axis, sign = int(self._rng.integers(3)), float(self._rng.choice([-1.0, 1.0]))
+        half = np.asarray(item["size_m"]) / 2
+        center = self._rng.uniform(-half, half)
+        center[axis] = sign * half[axis]
+        center += np.asarray(item.get("middle_m", (0.0, 0.0, 0.0)))
+        normal = np.zeros(3)
+        normal[axis] = sign
+        how = self._one(["push", "press", "pinch"])
+        region = {
+            "center": center.tolist(),
+            "normal": normal.tolist(),
+            "extent": 0.01,
+            "num_samples": 8,
+            "approach": how,
+        }
+        return RegionsAnswer.model_validate({name: {"regions": [region]}})
+
+    def plan(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """A cost of one to three distances between any two places, of any weight and sign."""
+        places = ["ee_pos", *(f"{name}_pos" for name in facts["objects"]), *(f"{name}_pos" for name in facts["places"])]
+        terms = []
+        for _ in range(int(self._rng.integers(1, 4))):
+            a, b = self._rng.choice(len(places), 2, replace=False)
+            weight = round(float(self._rng.choice([-1, 1]) * math.exp(self._rng.uniform(-1.0, 3.0))), 3)
+            terms.append(f"{weight} * np.linalg.norm(self.{places[a]} - self.{places[b]})")
+        return PlanAnswer(code=f"def state_cost(self):\n    return {' + '.join(terms)}\n")
+
+    def unified(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """All of these at once."""
+        return _together(self.plan, self.estimates, self.regions, facts)
+
+    def _parameters(self, item: Facts) -> tuple[float, float]:
+        bounds, volume = ParameterBoundsCfg(), math.prod(item["size_m"])
+        low = max(bounds.mass_kg[0], bounds.density_kg_m3[0] * volume)
+        high = min(bounds.mass_kg[1], bounds.density_kg_m3[1] * volume)
+        mass, friction = (
+            math.exp(self._rng.uniform(math.log(a), math.log(b))) for a, b in ((low, high), bounds.friction)
+        )
+        return mass, friction
+
+    def _one(self, among: Sequence[Any]) -> Any:
+        return among[int(self._rng.integers(len(among)))]
+
+
+class Always:
+    """One answer to each kind of question, whatever is shown: the first dot, straight on, as dense as water."""
+
+    def centroid(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """The first dot."""
+        return CentroidChoice(selected_centroid_index=min(c["index"] for c in facts["centroids"]))
+
+    def waypoint(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """Straight on."""
+        return WaypointChoice(forward_m=5, left_m=0)
+
+    def estimates(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """As dense as water, sliding like most things."""
+        return ParameterEstimates.model_validate(
+            {
+                name: {"mass_kg": 1000.0 * math.prod(item["size_m"]), "friction_coeff": 0.45}
+                for name, item in facts["objects"].items()
+            }
+        )
+
+    def correction(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """What is believed already."""
+        name = facts["fitted"]["object"]
+        item = facts["objects"][name]
+        return ParametersAnswer.model_validate(
+            {"objects": [{"label": name, "mass": item["mass_kg"], "friction": item["friction"]}]}
+        )
+
+    def poses(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """In the middle of where the task puts things."""
+        return PosesAnswer.model_validate(
+            {
+                name: {"position": item["usual_pose"][:3], "quaternion": item["usual_pose"][3:]}
+                for name, item in facts["objects"].items()
+            }
+        )
+
+    def regions(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """The face of the first object that looks along its negative x axis."""
+        name, item = next(iter(facts["objects"].items()))
+        center = np.asarray(item.get("middle_m", (0.0, 0.0, 0.0))) - [
+            item["size_m"][0] / 2,
+            0.0,
+            -0.2 * item["size_m"][2],
+        ]
+        region = {"center": center.tolist(), "normal": [-1.0, 0.0, 0.0], "approach": "push"}
+        return RegionsAnswer.model_validate({name: {"regions": [region]}})
+
+    def plan(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """The hand to the first object, and the object to the first place, or up."""
+        name = next(iter(facts["objects"]))
+        goal = (
+            f"{next(iter(facts['places']))}_pos" if facts["places"] else f"{name}_init_pos + np.array([0.0, 0.0, 0.1])"
+        )
+        goal = goal if goal.startswith("np") else f"self.{goal}"
+        return PlanAnswer(
+            code="def state_cost(self):\n"
+            f"    return 5.0 * np.linalg.norm(self.ee_pos - self.{name}_pos)"
+            f" + 10.0 * np.linalg.norm(self.{name}_pos - ({goal}))\n"
+        )
+
+    def unified(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """All of these at once."""
+        return _together(self.plan, self.estimates, self.regions, facts)
+
+
+CONTROLS: Mapping[str, str] = {
+    "random": "draws an answer of the right form by lot",
+    "constant": "answers every question of a kind in the same way",
+}
+"""What can be named besides advisors."""
+
+
+def control(name: str, rng: np.random.Generator) -> RuleAdvisor:
+    """One of `CONTROLS`."""
+    one: Lots | Always = Lots(rng) if name == "random" else Always()
+    rules: Mapping[str, Rule] = {
+        "reef-centroid": one.centroid,
+        "reef-waypoint": one.waypoint,
+        "physical-parameters": one.estimates,
+        "contact-regions": one.regions,
+        "object-poses": one.poses,
+        "parameter-repair": one.correction,
+        "cost-function": one.plan,
+        "cost-repair": one.plan,
+        "unified": one.unified,
+    }
+    return RuleAdvisor(rules, name=name)
+
+
+def _together(plan: Rule, estimates: Rule, regions: Rule, facts: Facts) -> BaseModel:
+    parts: list[Callable[..., Any]] = [plan, estimates, regions]
+    made, believed, places = (part(facts, ()).model_dump(mode="json") for part in parts)
+    return UnifiedAnswer.model_validate({**made, "parameters": believed, "regions": places})

@@ -1,0 +1,78 @@
+"""Grading sheets: most in this process, plans by an episode each in others."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+from coral.exam.item import ANSWERS, ExamItem
+from coral.exam.score import score
+from coral.exam.sitting import Sheet
+from coral.exam.worth import Worth
+
+EPISODES = ("cost-function", "cost-repair", "unified")
+"""Kinds whose answers are followed for an episode."""
+
+
+@dataclass(frozen=True)
+class Graded:
+    """A sheet and what it is worth."""
+
+    sheet: Sheet
+    worth: Worth
+
+
+class Grader:
+    """Grades sheets; the same answer to the same question is followed once, whoever gave it.
+
+    Args:
+        jobs: Processes for episodes.
+        done: Told of each episode that was followed.
+    """
+
+    def __init__(self, jobs: int = 1, done: Callable[[], None] = lambda: None) -> None:
+        self._jobs, self._done = jobs, done
+        self._known: dict[tuple[str, str], Worth] = {}
+
+    def grade(self, sheets: Sequence[Sheet]) -> list[Graded]:
+        """The worth of every sheet; one without an answer is worth nothing."""
+        texts = {id(sheet): _text(sheet) for sheet in sheets if sheet.answer is not None}
+        wanted = {
+            (sheet.item.id, texts[id(sheet)]): sheet.item
+            for sheet in sheets
+            if sheet.answer is not None and sheet.item.kind in EPISODES
+        }
+        self._follow({key: item for key, item in wanted.items() if key not in self._known})
+        return [Graded(sheet, self._worth(sheet, texts.get(id(sheet), ""))) for sheet in sheets]
+
+    def _worth(self, sheet: Sheet, text: str) -> Worth:
+        if sheet.answer is None:
+            return Worth(0.0, sheet.failure)
+        return self._known.get((sheet.item.id, text)) or score(sheet.item, sheet.answer)
+
+    def _follow(self, wanted: dict[tuple[str, str], ExamItem]) -> None:
+        work = [(item.kind, dict(item.key), dict(item.facts), text) for (_, text), item in wanted.items()]
+        if self._jobs == 1 or len(work) < 2:
+            for key, one in zip(wanted, work, strict=True):
+                self._known[key] = outcome(*one)
+                self._done()
+            return
+        spawn = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(min(self._jobs, len(work)), mp_context=spawn) as pool:
+            for key, worth in zip(wanted, pool.map(outcome, *zip(*work, strict=True)), strict=True):
+                self._known[key] = worth
+                self._done()
+
+
+def outcome(kind: str, key: dict[str, object], facts: dict[str, object], text: str) -> Worth:
+    """The worth of an answer as JSON text; runs in a process of its own."""
+    item = ExamItem(id="", kind=kind, group="", prompt="", prompt_version="", facts=facts, key=key)
+    return score(item, ANSWERS[kind].model_validate_json(text))
+
+
+def _text(sheet: Sheet) -> str:
+    assert sheet.answer is not None
+    return json.dumps(sheet.answer.model_dump(mode="json"), sort_keys=True)

@@ -1,0 +1,74 @@
+"""A set as a desk inbox: every question a folder, to be answered by a person or any program, at any time."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from coral.advisor.desk import question_folder
+from coral.advisor.parse import parse_answer
+from coral.advisor.question import BadAnswer, Usage
+from coral.errors import InputError
+from coral.exam.item import ExamItem
+from coral.exam.sitting import Sheet
+
+SET = "set.json"
+"""Which questions lie in an inbox: by folder, the name of the set and the question's id in it."""
+
+
+def export(items: Sequence[ExamItem], inbox: Path, about: str) -> int:
+    """Lay questions out; returns how many.
+
+    Args:
+        items: The questions.
+        inbox: New or empty folder.
+        about: Name of the set.
+
+    Raises:
+        InputError: The folder holds something, or cannot be written.
+    """
+    try:
+        inbox.mkdir(parents=True, exist_ok=True)
+        if any(inbox.iterdir()):
+            raise InputError("--export", str(inbox), "a folder that holds something", "a new or empty folder")
+        for number, item in enumerate(items, start=1):
+            question_folder(inbox / folder_name(number, item), item.question(), waiting=False)
+        places = {folder_name(number, item): item.id for number, item in enumerate(items, start=1)}
+        (inbox / SET).write_text(json.dumps({"set": about, "questions": places}, indent=1), encoding="utf-8")
+    except OSError as error:
+        raise InputError("--export", str(inbox), error.strerror or error, "a folder that can be written") from None
+    return len(items)
+
+
+def answers(items: Sequence[ExamItem], inbox: Path) -> list[Sheet]:
+    """What lies in an inbox, read as what comes from a desk; a question without an answer is one that is missing.
+
+    Raises:
+        InputError: The folder holds no questions of this set.
+    """
+    try:
+        places = json.loads((inbox / SET).read_text(encoding="utf-8"))["questions"]
+    except (OSError, ValueError, KeyError):
+        raise InputError("--answers", str(inbox), "no exported set", "a folder that --export wrote") from None
+    by_id = {item: inbox / folder for folder, item in places.items()}
+    if not any(item.id in by_id for item in items):
+        raise InputError("--answers", str(inbox), "questions of another set", "the --sets that it was exported from")
+    return [_sheet(item, by_id[item.id]) for item in items if item.id in by_id]
+
+
+def folder_name(number: int, item: ExamItem) -> str:
+    """As the desk names its folders."""
+    return f"{number:06d}-{item.kind}"
+
+
+def _sheet(item: ExamItem, folder: Path) -> Sheet:
+    try:
+        text = (folder / "answer.json").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return Sheet(item=item, answer=None, failure="missing: nobody answered")
+    try:
+        value = parse_answer(text, item.question().answer_type, Usage())
+    except BadAnswer as bad:
+        return Sheet(item=item, answer=None, raw=text, failure=f"{bad.rejection.code}: {bad.rejection.reason}")
+    return Sheet(item=item, answer=value, raw=text)

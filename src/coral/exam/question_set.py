@@ -1,0 +1,162 @@
+"""Sets of questions as files: a zip of what is shown, what is scored by, and each picture once.
+
+Pictures are kept as lossless WebP, half the size of the PNG that advisors get: the pixels are the same.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from coral.advisor.log import plain_json
+from coral.advisor.question import Picture
+from coral.errors import InputError, nearest
+from coral.exam.item import ANSWERS, ExamItem
+
+FORMAT = "coral-questions/1"
+SHIPPED = ("public",)
+"""Sets that come with the package."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuestionSet:
+    """Questions that belong together.
+
+    Args:
+        name: For tables and reports.
+        about: How it was made: seed and command.
+        items: Its questions.
+    """
+
+    name: str
+    about: Mapping[str, Any]
+    items: tuple[ExamItem, ...]
+
+
+def save_set(path: Path, made: QuestionSet) -> None:
+    """Write a set; the same set gives the same bytes.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    pictures = {picture.digest: picture for item in made.items for picture in item.pictures}
+    schemas = {
+        kind: ANSWERS[kind].model_json_schema() for kind in ANSWERS if kind in {item.kind for item in made.items}
+    }
+    head = {"format": FORMAT, "name": made.name, **made.about, "answer_schemas": schemas}
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with zipfile.ZipFile(path, "w") as folder:
+            _put(folder, "set.json", plain_json(head, indent=1).encode())
+            _put(folder, "questions.jsonl", _lines(_shown(item) for item in made.items))
+            _put(folder, "keys.jsonl", _lines({"id": item.id, **item.key} for item in made.items))
+            for digest, picture in sorted(pictures.items()):
+                _put(folder, f"pictures/{digest}.webp", _recoded(picture.png, ".webp"), zipfile.ZIP_STORED)
+    except OSError as error:
+        raise InputError(str(path), "--out", error.strerror or error, "a file that can be written") from None
+
+
+def load_set(name_or_path: str, only: Sequence[str] = (), limit: int | None = None) -> QuestionSet:
+    """A shipped set by name, or one from a file.
+
+    Args:
+        name_or_path: Of the set.
+        only: Kinds of question; all by default.
+        limit: So many of each kind, evenly spread over the set.
+
+    Raises:
+        InputError: There is no such set or kind, or the file is none.
+    """
+    path = _path(name_or_path)
+    try:
+        with zipfile.ZipFile(path) as folder:
+            head = json.loads(folder.read("set.json"))
+            if head.get("format") != FORMAT:
+                raise InputError(str(path), "format", repr(head.get("format")), FORMAT)
+            keys = {key.pop("id"): key for key in map(json.loads, folder.read("keys.jsonl").splitlines())}
+            shown = [json.loads(line) for line in folder.read("questions.jsonl").splitlines()]
+            items = tuple(_item(entry, keys[entry["id"]], folder) for entry in _chosen(shown, only, limit))
+    except (OSError, zipfile.BadZipFile, KeyError, ValueError) as error:
+        raise InputError(
+            str(path), "--sets", f"no set of questions ({error})", "a file of `advisor questions`"
+        ) from None
+    about = {key: value for key, value in head.items() if key not in ("format", "name", "answer_schemas")}
+    return QuestionSet(name=head["name"], about=about, items=items)
+
+
+def _chosen(shown: Sequence[Mapping[str, Any]], only: Sequence[str], limit: int | None) -> list[Mapping[str, Any]]:
+    kinds = list(dict.fromkeys(entry["kind"] for entry in shown))
+    for kind in only:
+        if kind not in kinds:
+            raise InputError("--only", "", repr(kind), f"one of {', '.join(kinds)}{nearest(kind, kinds)}")
+    found: list[Mapping[str, Any]] = []
+    for kind in kinds:
+        of_kind = [entry for entry in shown if entry["kind"] == kind and (not only or kind in only)]
+        count = len(of_kind) if limit is None else min(limit, len(of_kind))
+        found += [of_kind[k * len(of_kind) // count] for k in range(count)]
+    return found
+
+
+def _path(name: str) -> Path:
+    if name in SHIPPED:
+        return Path(str(files("coral.exam"))) / "sets" / f"{name}.zip"
+    if not Path(name).is_file():
+        expected = f"{', '.join(SHIPPED)}, or a file of `coral advisor questions`{nearest(name, SHIPPED)}"
+        raise InputError("--sets", "", repr(name), expected)
+    return Path(name)
+
+
+def _shown(item: ExamItem) -> dict[str, Any]:
+    return {
+        "id": item.id,
+        "kind": item.kind,
+        "group": item.group,
+        "prompt": item.prompt,
+        "prompt_version": item.prompt_version,
+        "asked_at_s": item.asked_at_s,
+        "facts": item.facts,
+        "pictures": [
+            {"name": p.name, "digest": p.digest, "caption": p.caption, "pixel_from_world": p.pixel_from_world}
+            for p in item.pictures
+        ],
+    }
+
+
+def _item(entry: Mapping[str, Any], key: Mapping[str, Any], folder: zipfile.ZipFile) -> ExamItem:
+    pictures = tuple(
+        Picture(
+            name=one["name"],
+            png=_recoded(folder.read(f"pictures/{one['digest']}.webp"), ".png"),
+            caption=one["caption"],
+            pixel_from_world=one["pixel_from_world"] and tuple(tuple(row) for row in one["pixel_from_world"]),
+        )
+        for one in entry["pictures"]
+    )
+    return ExamItem(**{**entry, "pictures": pictures}, key=key)
+
+
+def _recoded(picture: bytes, form: str) -> bytes:
+    """The same pixels as another kind of file; 101 asks WebP for no loss."""
+    pixels = cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_UNCHANGED)
+    if pixels is None:
+        raise ValueError("a picture cannot be read")
+    options = [cv2.IMWRITE_WEBP_QUALITY, 101] if form == ".webp" else [cv2.IMWRITE_PNG_COMPRESSION, 4]
+    return bytes(cv2.imencode(form, pixels, options)[1])
+
+
+def _lines(entries: Any) -> bytes:
+    return "".join(plain_json(entry) + "\n" for entry in entries).encode()
+
+
+def _put(folder: zipfile.ZipFile, name: str, content: bytes, method: int = zipfile.ZIP_DEFLATED) -> None:
+    entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+    entry.compress_type = method
+    folder.writestr(entry, content, compresslevel=9)

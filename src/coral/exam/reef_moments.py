@@ -1,0 +1,174 @@
+"""Moments at which a reef robot has to choose: it is led through a world picture by picture, without a controller."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.advisor.prompt import render
+from coral.advisor.question import Question, Rejection
+from coral.advisor.rules import RuleAdvisor
+from coral.reef.baselines import baseline_rules
+from coral.reef.belief import Belief, BeliefCfg
+from coral.reef.camera import Camera, CameraCfg
+from coral.reef.costfield import CostField, CostFieldCfg
+from coral.reef.geometry import Pose, to_world, wrap
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.mapping import MapCfg, OccupancyMap
+from coral.reef.planner import Goal, HighLevelPlanner
+from coral.reef.scene import Scene
+from coral.reef.trigger import separated
+from coral.reef.vehicle import VehicleCfg
+from coral.reef.verify import verify_waypoint
+from coral.reef.world import ReefWorld
+from coral.view.questions import question_pictures
+
+STEP_M, TURN_RAD = 0.3, 0.35
+"""Between two pictures, driven and turned."""
+ASK_M = 2.5
+"""The next goal is asked for so near to the present one: D_trig of the paper."""
+LATEST_S = 400.0
+WAYWARD = 0.35
+"""Share of the goals that are drawn by lot, so that moments come up to which rules do not lead."""
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A question, where it came up, and what each answer to it means.
+
+    Args:
+        question: As an advisor is asked.
+        pose: Of the robot.
+        left: Indices of the true clusters that the robot has not been near to.
+        options: Answers (label of a dot, or metres forward and to the left) to their points (m), or to the verifiers'
+            code of refusal.
+    """
+
+    question: Question[Any]
+    pose: Pose
+    left: tuple[int, ...]
+    options: dict[str, tuple[float, float] | str]
+
+
+class LedPlanner(HighLevelPlanner):
+    """Judges all answers to one question at once."""
+
+    def options(self, question: Question[Any]) -> dict[str, tuple[float, float] | str]:
+        """See `Moment.options`."""
+        if self.mode == "centroid":
+            return {str(track.index): self._dot(question, track.index) for track in self.belief.tracks}
+        assert self.survey is not None
+        around, found = self._surroundings(self.survey), {}
+        here = self.belief.pose
+        for option in question.facts["options"]:
+            point = to_world(here, option["forward_m"], option["left_m"])
+            if not separated(point, (here.x, here.y), self.cfg.separation_m):
+                continue
+            refusal = verify_waypoint(point, around, self.cfg.verify)
+            found[f"{option['forward_m']},{option['left_m']}"] = refusal.code if refusal else point
+        return found
+
+    def _dot(self, question: Question[Any], index: int) -> tuple[float, float] | str:
+        answer = question.answer_type(selected_centroid_index=index)
+        refusal = self.verify(question, answer)
+        goal = self.locate(question, answer)
+        if refusal is not None or isinstance(goal, Rejection):
+            return refusal.code if refusal is not None else "no-such-centroid"
+        return goal.x, goal.y
+
+
+def moments(
+    world: ReefWorld, clusters: NDArray[np.float64], rng: np.random.Generator, near_m: float
+) -> Iterator[Moment]:
+    """The questions of one way through a world, until nothing is left or time is up.
+
+    Args:
+        world: To be surveyed.
+        clusters: True middles of its clusters (m). Shape=(C, 2).
+        rng: Chooses some of the goals.
+        near_m: So near a cluster is inspected.
+    """
+    camera = Camera(Scene.from_world(world), CameraCfg())
+    belief = Belief(OccupancyMap(world.size_m, CameraCfg(), MapCfg()), BeliefCfg(chain_period=1))
+    planner = LedPlanner(belief, CostFieldCfg(), render, question_pictures)
+    guides = [RuleAdvisor(REEF_RULES), RuleAdvisor(baseline_rules("random", rng))]
+    visited: set[int] = set()
+    t = 0.0
+
+    def look(pose: Pose) -> None:
+        belief.update(camera.render(pose), pose)
+        visited.update(np.flatnonzero(np.hypot(*(clusters - (pose.x, pose.y)).T) <= near_m).tolist())
+
+    look(Pose(world.start.x, world.start.y, world.start.theta))
+    belief.goal = to_world(belief.pose, 2.0, 0.0)
+    while t < LATEST_S and len(visited) < len(clusters):
+        for pose in _way(belief):
+            t += _seconds(belief.pose, pose)
+            look(pose)
+        question = planner.observe(())
+        if question is None:
+            return
+        left = tuple(k for k in range(len(clusters)) if k not in visited)
+        if left:
+            yield Moment(
+                Question(**{**vars(question), "asked_at_s": round(t, 1)}), belief.pose, left, planner.options(question)
+            )
+        goal = _next(planner, question, guides[int(rng.random() < WAYWARD)])
+        if goal is None:
+            return
+        belief.goal, belief.goal_index = (goal.x, goal.y), goal.index
+
+
+def _next(planner: LedPlanner, question: Question[Any], guide: RuleAdvisor) -> Goal | None:
+    """A goal that the verifiers take."""
+    rejections: list[Rejection] = []
+    for _ in range(8):
+        answer = asyncio.run(guide.answer(question, rejections)).value
+        refusal = planner.verify(question, answer)
+        if refusal is None:
+            goal = planner.locate(question, answer)
+            return None if isinstance(goal, Rejection) else goal
+        rejections.append(refusal)
+    return None
+
+
+def _way(belief: Belief) -> Iterator[Pose]:
+    """Poses towards the goal until the next is asked for; planned anew as the map grows."""
+    for _ in range(30):
+        goal, here = belief.goal, belief.pose
+        assert goal is not None
+        if math.dist(goal, here[:2]) <= ASK_M:
+            return
+        field = CostField.compute(belief.map.distance(), goal, start=here[:2], cell_m=belief.map.cfg.cell_m)
+        if not field.ok:
+            belief.goal_failed()
+            return
+        path = field.path_from(here.x, here.y, step_m=STEP_M, length_m=2.0)
+        if len(path) < 2:
+            return
+        for x, y in path[1:].tolist():
+            theta = math.atan2(y - belief.pose.y, x - belief.pose.x)
+            turn = wrap(theta - belief.pose.theta)
+            for _ in range(1, math.ceil(abs(turn) / TURN_RAD)):
+                yield belief.pose._replace(theta=wrap(belief.pose.theta + math.copysign(TURN_RAD, turn)))
+            yield Pose(x, y, theta)
+            if math.dist(goal, (x, y)) <= ASK_M:
+                return
+
+
+def _seconds(before: Pose, after: Pose) -> float:
+    cfg = VehicleCfg()
+    turned = abs(wrap(after.theta - before.theta)) / cfg.max_yaw_rate_rad_s
+    return math.dist(before[:2], after[:2]) / cfg.max_speed_m_s + turned
+
+
+def lost_s(seconds: Sequence[float]) -> list[float]:
+    """What each choice loses against the best one (s)."""
+    best = min(seconds)
+    return [one - best for one in seconds]

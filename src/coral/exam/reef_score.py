@@ -1,0 +1,29 @@
+"""Answers of the reef by the seconds that they lose against the best one, on the true map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from coral.exam.reef_regret import THINKING_S
+from coral.exam.worth import Worth, share_left
+from coral.reef.answers import CentroidChoice, WaypointChoice
+
+
+def score_centroid(key: Mapping[str, Any], facts: Mapping[str, Any], answer: CentroidChoice) -> Worth:
+    """A dot."""
+    return _score(key["seconds"], str(answer.selected_centroid_index))
+
+
+def score_waypoint(key: Mapping[str, Any], facts: Mapping[str, Any], answer: WaypointChoice) -> Worth:
+    """A waypoint."""
+    return _score(key["seconds"], f"{answer.forward_m},{answer.left_m}")
+
+
+def _score(seconds: Mapping[str, float | str], answer: str) -> Worth:
+    """An answer that loses as much time as another question costs is worth nothing; so is one that is refused."""
+    cost = seconds.get(answer, "no such dot, or out of reach")
+    if isinstance(cost, str):
+        return Worth(0.0, f"refused: {cost}")
+    lost = cost - min(value for value in seconds.values() if not isinstance(value, str))
+    return Worth(share_left(lost, THINKING_S), f"loses {lost:.1f} s")

@@ -1,0 +1,32 @@
+"""What an answer is worth, from 0 to 1, with the reason in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pydantic import BaseModel
+
+from coral.exam.contact_outcome import score_plan, score_unified
+from coral.exam.contact_score import score_correction, score_estimates, score_poses, score_regions
+from coral.exam.item import ExamItem
+from coral.exam.reef_score import score_centroid, score_waypoint
+from coral.exam.worth import Worth
+
+SCORES: Mapping[str, Callable[[Mapping[str, Any], Mapping[str, Any], Any], Worth]] = {
+    "reef-centroid": score_centroid,
+    "reef-waypoint": score_waypoint,
+    "physical-parameters": score_estimates,
+    "contact-regions": score_regions,
+    "object-poses": score_poses,
+    "parameter-repair": score_correction,
+    "cost-function": score_plan,
+    "cost-repair": score_plan,
+    "unified": score_unified,
+}
+"""Kind of question to (key, facts, answer) to its worth."""
+
+
+def score(item: ExamItem, answer: BaseModel) -> Worth:
+    """The worth of an answer to one question."""
+    return SCORES[item.kind](item.key, item.facts, answer)
