@@ -78,8 +78,8 @@ def test_another_tracker_than_the_embedded_one_is_named_below():
 
 def test_worlds_have_tables_of_their_own():
     captions = [table.caption for table in tables([*ROWS, row(place="hand")])]
-    assert len(captions) == 6
-    assert sum("World: hand." in caption for caption in captions) == 3
+    assert len(captions) == 8
+    assert sum("World: hand." in caption for caption in captions) == 4
 
 
 def test_a_task_of_ones_own_stands_behind_the_papers():
@@ -105,7 +105,7 @@ def test_what_broke_off_is_told_where_it_belongs():
     made = tables([row(advisor="a", variant="full"), {**broken, "status": "failed"}])
     assert [("Advisor: a." in table.caption, any("Broke off" in note for note in table.notes)) for table in made] == [
         (True, False)
-    ] * 3 + [(False, True)] * 3
+    ] * 4 + [(False, True)] * 4
 
 
 @pytest.mark.parametrize(
@@ -128,3 +128,16 @@ def test_the_papers_table_is_complete():
 @pytest.mark.parametrize("form", ["md", "tex", "html"])
 def test_every_form_holds_the_numbers(form):
     assert "2/3" in document(tables(), form, "Contact tasks")
+
+
+def test_who_decided_has_a_table_and_marks_what_nobody_or_a_fallback_did():
+    by = {"advisor": 2, "memory": 0, "recording": 0, "fallback": 1}
+    asked = row(variant="full", advisor="a", decided_by=json.dumps(by), fallback="hold")
+    none = row(variant="expert-fsm", decided_by=json.dumps(dict.fromkeys(by, 0)))
+    success, _, each, decided = tables([asked, none])
+    assert cells(success, "CoRAL (full) §")["T2 pick box"] == "1/1"
+    assert cells(each, "CoRAL (full), pick-box §")["by fallback (%)"] == "33.3"
+    found = cells(decided, "CoRAL (full) §")
+    assert (found["decisions"], found["by advisor"], found["by fallback"]) == ("3", "2 (67 %)", "1 (33 %)")
+    assert cells(decided, "expert, state machine")["decisions"] == "0"
+    assert any("left undecided by the advisor" in note for note in success.notes)

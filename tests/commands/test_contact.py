@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 import yaml
 from contact_bench import changed
+from stub import Stub, completion
 
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
@@ -249,3 +250,60 @@ def test_every_variant_and_end_is_explained():
     page = (Path(__file__).parents[2] / "docs" / "contact-run.md").read_text()
     assert [variant for variant in VARIANTS if f"| `{variant}` |" not in page] == []
     assert [reason for reason in END_REASONS if f"| `{reason}" not in page] == []
+
+
+@pytest.fixture
+def refusing(monkeypatch):
+    """The address of a model that refuses everything."""
+    monkeypatch.delenv("CORAL_LOCAL_API_KEY", raising=False)
+    server = Stub(completion("I am sorry, I cannot help with that."))
+    yield f"local:{server.url}#m"
+    server.close()
+
+
+REFUSED = ["--world", "hand", "--variant", "full", *COARSE, "--advisor"]
+SKIP = ["--no-preflight", "--model.max-retries", "0", "--model.format-repairs", "0", "--cfg.think.latency", "0"]
+
+
+def test_a_model_that_refuses_is_refused_before_anything_is_written(task, refusing, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["contact", "run", task, *REFUSED, refusing]) == 2
+    assert "its reply is no answer, refusal" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_where_the_rules_stand_in_for_a_model_everything_says_so(task, refusing, tmp_path, capsys):
+    memory, out = tmp_path / "memory.sqlite", tmp_path / "run"
+    assert main(["contact", "run", task, *REFUSED, refusing, *SKIP, "--memory", str(memory), "--out", str(out)]) == 0
+    said, err = capsys.readouterr()
+    metrics = json.loads((out / "metrics.json").read_text())
+    assert metrics["decided_by"] == {"advisor": 0, "memory": 0, "recording": 0, "fallback": 3}
+    assert metrics["answers"]["malformed"] == 12
+    last = "he advisor decided 0 of 3 decisions, the fallback's rules 3"
+    assert said.rstrip().splitlines()[-1] == f"t{last}"
+    assert f"T{last}".replace("'", "&#39;") in (out / "report.html").read_text()
+    assert "the advisor did not decide on the parameters (requeries-used-up): heuristic stands in" in err
+
+
+@pytest.mark.parametrize(
+    ("policy", "reason"), [("hold", "no-decision: parameters"), ("fail", "advisor failed: requeries-used-up")]
+)
+def test_an_episode_ends_where_nobody_may_stand_in(task, refusing, tmp_path, capsys, policy, reason):
+    words = [*REFUSED, refusing, *SKIP, "--fallback", policy, "--out", str(tmp_path / "run"), "--json"]
+    assert main(["contact", "run", task, *words]) == 0
+    result = answer(capsys)
+    assert (result["success"], result["end_reason"], result["steps"]) == (False, reason, 0)
+    assert result["end_reason"].partition(":")[0] in END_REASONS
+    assert result["decided"] == f"the advisor decided 0 of 1 decisions, nobody 1 ({policy})"
+
+
+def test_a_bench_counts_nothing_for_a_model_that_refuses_and_remembers_nothing(task, refusing, tmp_path, capsys):
+    words = ["contact", "bench", "--tasks", task, "--worlds", "hand", "--variants", "full", "--seeds", "0", *COARSE]
+    assert main([*words, "--advisors", refusing, *SKIP, "--out", str(tmp_path / "out"), "--json"]) == 0
+    result = answer(capsys)
+    assert result["memory"] == ""
+    tables = {table["name"]: table["rows"] for table in result["results"]}
+    (row,) = tables["Every task"]
+    assert (row["success"], row["otherwise ended by"]) == ("0/1", "no-decision: parameters 1")
+    (decided,) = tables["Who decided"]
+    assert (decided["variant"], decided["by advisor"]) == ("CoRAL (full) §", "0 (0 %)")

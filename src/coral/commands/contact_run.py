@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -178,6 +179,7 @@ class ContactRun:
         )
         who = "none" if self.variant in ALONE else self.advisor
         episode = Episode(trial, self.world, strategist, cfg, folder, variant=self.variant, advisor=who)
+        episode.listeners.append(FallbackNotice())
         progress = EpisodeProgress(quiet=self.quiet)
         try:
             result = episode.run([progress])
@@ -219,6 +221,26 @@ class ContactRun:
 
 def _count(result: Mapping[str, Any]) -> str:
     return many(result["policy_calls"], "answer") if result["policy_calls"] else many(result["plans"], "plan")
+
+
+class FallbackNotice:
+    """Says on standard error, at the first time, that the advisor did not decide."""
+
+    def __init__(self) -> None:
+        self._said = False
+
+    def __call__(self, event: Mapping[str, Any]) -> None:
+        """Hear an event of the episode."""
+        if event["event"] == "fallback" and not self._said:
+            self._said = True
+            stands_in = event["policy"] == "rules"
+            then = f"{event['by']} stands in from now on" if stands_in else "the episode ends"
+            print(
+                f"at {event['t']:.1f} s the advisor did not decide on the {event['what']} ({event['because']}): "
+                f"{then} (--fallback {event['policy']})",
+                file=sys.stderr,
+                flush=True,
+            )
 
 
 def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:

@@ -81,6 +81,36 @@ def test_a_task_that_nobody_here_wrote_runs_from_its_file_alone(task, tmp_path):
     assert (result["success"], result["advisor_calls"], result["repairs"]) == (True, 3, 0)
 
 
+def test_the_world_goes_on_while_an_advisor_repairs_and_only_counts_the_time_before_the_first_plan(task, tmp_path):
+    think = dataclasses.replace(
+        FAST.think, latency="fixed:0.5", outer=dataclasses.replace(FAST.think.outer, n_retry=1, refinements=1)
+    )
+    found = {}
+    for meanwhile in ("go-on", "hold"):
+        cfg = dataclasses.replace(FAST, think=dataclasses.replace(think, meanwhile=meanwhile))
+        brief = task.model_copy(update={"time_limit_s": 0.6})
+        result = attempted(brief, tmp_path / meanwhile, cfg=cfg)
+        lines = [json.loads(line) for line in (tmp_path / meanwhile / "events.jsonl").open()]
+        passed = [event for event in lines if event["event"] == "thinking"]
+        assert [event["seconds"] for event in passed if event["meanwhile"] == "before"] == [0.5] * 3
+        within = sum(event["seconds"] for event in passed if event["meanwhile"] != "before")
+        assert within == pytest.approx(0.5 * (len(passed) - 3), abs=0.021 * len(passed))
+        assert within > 0.4
+        assert result["sim_time_s"] == pytest.approx(0.6, abs=0.021)
+        assert result["time_with_thinking_s"] == pytest.approx(result["sim_time_s"] + within + 1.5, abs=1e-6)
+        assert result["thinking_s"] == pytest.approx(within + 1.5, abs=1e-3)
+        found[meanwhile] = {event["meanwhile"] for event in passed}
+    assert found == {"go-on": {"before", "the last plan"}, "hold": {"before", "holding still"}}
+
+
+def test_without_latency_the_same_episode_has_no_thinking_in_it(task, tmp_path):
+    brief = task.model_copy(update={"time_limit_s": 0.2})
+    result = attempted(brief, tmp_path / "run")
+    assert result["time_with_thinking_s"] == result["sim_time_s"] == 0.2
+    assert result["thinking_s"] == 0.0
+    assert '"thinking"' not in (tmp_path / "run" / "events.jsonl").read_text()
+
+
 def test_a_goal_that_nobody_knows_a_way_to_is_named_and_no_traceback(task, tmp_path):
     odd = task.model_copy(
         update={"success": task.success.model_copy(update={"conditions": (Upright(object="crate"),)})}
@@ -121,10 +151,21 @@ def test_a_recording_replays_byte_for_byte(task, tmp_path):
     first, second = tmp_path / "first", tmp_path / "second"
     attempted(brief, first, cfg=short)
     attempted(brief, second, f"replay:{first}", cfg=short)
-    for name in ("trajectory.csv", "states.csv", "metrics.json"):
+    for name in ("trajectory.csv", "states.csv"):
         assert (first / name).read_bytes() == (second / name).read_bytes()
+    metrics = [json.loads((folder / "metrics.json").read_text()) for folder in (first, second)]
+    assert [one.pop("decided_by") for one in metrics] == [
+        {"advisor": 3, "memory": 0, "recording": 0, "fallback": 0},
+        {"advisor": 0, "memory": 0, "recording": 3, "fallback": 0},
+    ]
+    assert metrics[0] == metrics[1]
     events = [
-        [line for line in (folder / "events.jsonl").open() if '"start"' not in line] for folder in (first, second)
+        [
+            line.replace('"source": "recording"', '"source": "advisor"')
+            for line in (folder / "events.jsonl").open()
+            if '"start"' not in line
+        ]
+        for folder in (first, second)
     ]
     assert events[0] == events[1]
     assert any((second / "pictures").iterdir())

@@ -21,6 +21,7 @@ from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker import thinker as thinking
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
+from coral.contact.thinker.stand_in import NoDecision
 from coral.contact.thinker.strategist import PlanReport
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinker import Thinker
@@ -42,6 +43,11 @@ def thinker(one, advisor=None, memory=None, given=None, **cfg):
     )
     strategist.attach_log(lambda event, **fields: told.append((event, fields)))
     return strategist, told
+
+
+def decisions(told):
+    """Event and source of every decision."""
+    return [(event, fields["source"]) for event, fields in told if "decided" in fields]
 
 
 def plan_report(one, t, stage, cost, taken=()):
@@ -68,7 +74,7 @@ def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):
     strategy = strategist.begin(one.trial, one.now, one.world)
     assert [stage.name for stage in strategy.stages] == ["reach", "close", "lift"]
     assert strategist.counts.advisor_calls == 3
-    assert [event for event, _ in told] == ["beliefs", "plan_answer", "regions"]
+    assert decisions(told) == [("beliefs", "advisor"), ("plan_answer", "advisor"), ("regions", "advisor")]
     assert json.dumps(told)
     assert Progress(strategy).update(one.world.present(one.now)) is False
 
@@ -80,6 +86,7 @@ def test_what_is_given_is_believed_and_not_asked_for(scene):
     strategist.begin(one.trial, one.now, one.world)
     assert one.world.beliefs[0]["box"] == PhysicalParameters(2.0, 0.9)
     assert one.trial.objects["box"].physical == truth
+    assert decisions(told) == [("plan_answer", "advisor"), ("regions", "advisor")]
     assert (told[0][0], told[0][1]["source"], told[0][1]["box"]) == ("beliefs", "given", [2.0, 0.9])
     assert strategist.counts.advisor_calls == 2
 
@@ -91,7 +98,7 @@ def test_what_is_given_of_some_objects_leaves_the_rest_to_the_advisor(scene):
     strategist.begin(one.trial, one.now, one.world)
     assert one.world.beliefs[0][name] == PhysicalParameters(2.0, 0.9)
     assert one.world.beliefs[0][other].mass_kg < 2.0
-    assert told[0][1]["source"] == "given"
+    assert decisions(told)[0] == ("beliefs", "advisor")
 
 
 def test_without_regions_nothing_guides_the_samples(scene):
@@ -112,7 +119,31 @@ def test_without_an_answer_the_rules_take_over_and_the_record_says_so(scene):
     one = scene("pick-box")
     strategist, told = thinker(one, Gone())
     assert strategist.begin(one.trial, one.now, one.world).stages
-    assert ("fallback", {"what": "plan", "by": "heuristic", "because": "no-network"}) in told
+    fell = [(fields["what"], fields["because"], fields["by"]) for event, fields in told if event == "fallback"]
+    assert fell == [(what, "no-network", "heuristic") for what in ("parameters", "plan", "regions")]
+    assert {source for _, source in decisions(told)} == {"fallback"}
+
+
+@pytest.mark.parametrize(
+    ("policy", "reason"), [("hold", "no-decision: parameters"), ("fail", "advisor failed: no-network")]
+)
+def test_without_an_answer_nobody_takes_over_who_was_not_chosen(scene, policy, reason):
+    one = scene("pick-box")
+    strategist, told = thinker(one, Gone(), fallback=policy)
+    with pytest.raises(NoDecision) as end:
+        strategist.begin(one.trial, one.now, one.world)
+    assert end.value.end_reason == reason
+    assert decisions(told) == [("fallback", "fallback")]
+
+
+def test_what_others_decided_is_not_remembered_as_the_advisors(scene, tmp_path):
+    one = scene("pick-box")
+    for advisor, kept in ((Gone(), 0), (None, 1)):
+        memory = Memory(tmp_path / f"{kept}.sqlite", embedder=HashedWords())
+        strategist, _ = thinker(one, advisor, memory)
+        strategist.begin(one.trial, one.now, one.world)
+        strategist.on_end("success")
+        assert len(memory.export()["experiences"]) == kept
 
 
 class OneFunction:
@@ -496,8 +527,8 @@ def test_a_unified_mind_asks_once_and_believes_what_it_hears(scene):
     assert [stage.name for stage in strategy.stages] == ["reach", "close", "lift"]
     assert strategy.stages[0].guides
     assert strategist.counts.advisor_calls == 1
-    assert [event for event, _ in told] == ["beliefs", "plan_answer"]
-    assert one.world.beliefs[0]["box"].mass_kg == pytest.approx(told[0][1]["box"][0], abs=1e-4)
+    assert [event for event, _ in told if event != "verdict"] == ["beliefs", "plan_answer"]
+    assert one.world.beliefs[0]["box"].mass_kg == pytest.approx(dict(told)["beliefs"]["box"][0], abs=1e-4)
 
 
 class Unified:

@@ -89,6 +89,7 @@ class Episode:
         objects = [item.name for item in trial.task.objects]
         self.writer = RunWriter(folder, columns(objects))
         self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
+        self.listeners: list[Callable[[Mapping[str, Any]], None]] = []
         self._without_plan = 0
         self._taken: list[Transition] = []
         self._wall = 0.0
@@ -160,8 +161,10 @@ class Episode:
         self.controller.executed(plan.targets[max(taken - 1, 0)], taken)
 
     def emit(self, event: str, **fields: Any) -> None:
-        """Append an event at the present step."""
+        """Append an event at the present step, and tell who listens."""
         self.writer.event(self.step, self.t, event, **fields)
+        for listener in self.listeners:
+            listener({"event": event, "t": self.t, **fields})
 
     @property
     def clock_s(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -61,8 +62,8 @@ def _mirror(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
     """Everything is done to the other side of the object: its long axis points backwards."""
-    axis = int(rng.integers(2))
-    return _everywhere(right, lambda code: edit.turn_axis(code, axis))
+    made = (_everywhere(right, partial(edit.turn_axis, axis=int(axis))) for axis in rng.permutation(2))
+    return next((one for one in made if one is not None), None)
 
 
 def _never_done(
