@@ -14,7 +14,7 @@ from coral.contact.plan.region_validation import verify_regions
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.geometry import conjugate, multiply, rotation_of
 from coral.contact.thinker.pose_question import PosesAnswer
-from coral.contact.world_model.parameter_answer import ParametersAnswer, verify_parameters
+from coral.contact.world_model.parameter_correction import ParametersAnswer, verify_parameters
 from coral.contact.world_model.parameter_estimates import ParameterEstimates, verify_estimates
 from coral.exam.contact_touch import fits
 from coral.exam.worth import Worth, share_left

@@ -13,7 +13,7 @@ from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.thinker.pose_question import PosesAnswer
 from coral.contact.thinker.unified_question import UnifiedAnswer
-from coral.contact.world_model.parameter_answer import ParametersAnswer
+from coral.contact.world_model.parameter_correction import ParametersAnswer
 from coral.contact.world_model.parameter_estimates import ParameterEstimates
 from coral.reef.answers import CentroidChoice, WaypointChoice
 
