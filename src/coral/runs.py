@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import csv
 import json
 import os
 import platform
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from datetime import datetime
 from pathlib import Path
 from typing import IO, Any
@@ -116,6 +117,22 @@ def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
 def _append(log: IO[str], line: str) -> None:
     with naming(Path(log.name)):
         log.write(line + "\n")
+
+
+def read_events(path: Path) -> Iterator[dict[str, Any]]:
+    """Read the events of a run, in order; a killed run may end in half a line, which is left out."""
+    with open(path, encoding="utf-8") as lines:
+        for line in lines:
+            try:
+                yield json.loads(line)
+            except json.JSONDecodeError:
+                return
+
+
+def read_rows(path: Path) -> Iterator[dict[str, str]]:
+    """Read the whole rows of a trajectory, by column name."""
+    with open(path, encoding="utf-8", newline="") as lines:
+        yield from csv.DictReader(line for line in lines if line.endswith("\n"))
 
 
 def trajectory_name(robot: int) -> str:

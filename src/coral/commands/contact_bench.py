@@ -39,9 +39,9 @@ from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_run import TRACKER_HELP, with_fallback, with_poses, with_samples, with_tracker
 from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
-from coral.contact.episode.campaign_trial import run_trial
+from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.policy_trial import run_policy_trial
+from coral.contact.episode.policy_campaign_episode import run_policy_episode
 from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_strategist
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import FORMAT, Memory
@@ -72,10 +72,10 @@ class ContactEpisode:
         """Run it."""
         task, world = self.tasks[spec.world], dict(spec.overrides)["world"]
         if spec.variant in self.policies:
-            return run_policy_trial(
+            return run_policy_episode(
                 task, self.cfg, folder, world=world, address=self.policies[spec.variant], seed=spec.seed
             )
-        return run_trial(
+        return run_episode(
             task,
             self.cfg,
             folder,

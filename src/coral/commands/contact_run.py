@@ -23,8 +23,8 @@ from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.episode import Episode
+from coral.contact.episode.policy_campaign_episode import serving
 from coral.contact.episode.policy_episode import PolicyEpisode
-from coral.contact.episode.policy_trial import serving
 from coral.contact.episode.variants import (
     ALONE,
     REMEMBERING,

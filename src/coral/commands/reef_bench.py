@@ -35,7 +35,7 @@ from coral.commands.preflight import preflight_campaign
 from coral.commands.reef_run import with_fallback
 from coral.config import checked, to_mapping
 from coral.errors import InputError
-from coral.reef.episode import run_episode
+from coral.reef.campaign_episode import run_episode
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES

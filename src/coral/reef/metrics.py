@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -13,7 +11,7 @@ from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
 from coral.errors import InputError
 from coral.reef import outcome
 from coral.reef.attribution import attribution_of
-from coral.runs import trajectory_name
+from coral.runs import read_events, read_rows, trajectory_name
 
 DEFINITIONS = {
     "coverage": "Share of the true oyster clusters of which at least 60 % of the area was inside the 120° field of "
@@ -71,10 +69,10 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
     for name in ("events.jsonl", "trajectory.csv"):
         if not (folder / name).is_file():
             raise InputError(str(folder), name, "no such file", "a run folder")
-    events = list(_events(folder / "events.jsonl"))
-    tables = [list(_rows(folder / "trajectory.csv"))]
+    events = list(read_events(folder / "events.jsonl"))
+    tables = [list(read_rows(folder / "trajectory.csv"))]
     while (more := folder / trajectory_name(len(tables))).is_file():
-        tables.append(list(_rows(more)))
+        tables.append(list(read_rows(more)))
     found = metrics_of(events, tables[0]) if len(tables) == 1 else fleet_metrics(events, tables)
     return {**found, **outcome.outcome_metrics(folder, events, tables)}
 
@@ -82,7 +80,7 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
 def covered_at(folder: Path) -> list[float]:
     """Simulated times (s) at which clusters were covered, ascending: coverage time against any count (IV-E)."""
     return sorted(
-        float(event["t"]) for event in _events(folder / "events.jsonl") if event["event"] == "cluster_covered"
+        float(event["t"]) for event in read_events(folder / "events.jsonl") if event["event"] == "cluster_covered"
     )
 
 
@@ -173,17 +171,3 @@ def fleet_metrics(events: Sequence[Mapping[str, Any]], tables: Sequence[Sequence
         "per_robot": [{"robot": k, **{key: one[key] for key in OF_EACH}} for k, one in enumerate(each)],
     }
     return total
-
-
-def _events(path: Path) -> Iterable[dict[str, Any]]:
-    with open(path, encoding="utf-8") as lines:
-        for line in lines:
-            try:
-                yield json.loads(line)
-            except json.JSONDecodeError:
-                return  # a killed run may end in half a line
-
-
-def _rows(path: Path) -> Iterable[dict[str, str]]:
-    with open(path, encoding="utf-8", newline="") as lines:
-        yield from csv.DictReader(line for line in lines if line.endswith("\n"))

@@ -12,7 +12,7 @@ from stub_foundationpose import Oracle, serving
 from coral.cli import main
 from coral.commands.contact_bench import ContactBench
 from coral.commands.contact_run import with_tracker
-from coral.contact.episode.campaign_trial import run_trial
+from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.episode import Episode
 from coral.contact.perception.camera import RgbdCameraCfg, look_at
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
@@ -115,7 +115,7 @@ def test_a_server_that_refuses_ends_the_episode_by_name(tmp_path, monkeypatch):
 def test_a_failed_tracker_is_no_result_of_a_campaign(tmp_path, monkeypatch):
     monkeypatch.setattr(Oracle, "answer", np.zeros((4, 4)))
     with serving() as server, pytest.raises(RunError, match=r"^tracker-failed: .*no pose"):
-        run_trial(
+        run_episode(
             short_task(), served(server), tmp_path / "run", world="hand", variant="expert", advisor="none", seed=0
         )
 

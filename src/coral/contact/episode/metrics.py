@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import json
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -13,6 +11,7 @@ from typing import Any
 from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
 from coral.contact.episode.attribution import attribution_of
 from coral.errors import InputError
+from coral.runs import read_events, read_rows
 
 HAND = {"hand", "left", "right"}
 
@@ -61,7 +60,7 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
     for name in ("events.jsonl", "trajectory.csv"):
         if not (folder / name).is_file():
             raise InputError(str(folder), name, "no such file", "a run folder")
-    return metrics_of(_events(folder / "events.jsonl"), _rows(folder / "trajectory.csv"))
+    return metrics_of(read_events(folder / "events.jsonl"), read_rows(folder / "trajectory.csv"))
 
 
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
@@ -163,17 +162,3 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
 def _tracked(row: Mapping[str, str], ending: str) -> list[float]:
     """Tracking errors in a row of the trajectory; none where nothing was tracked."""
     return [float(row[name]) for name in row if name.endswith(ending) and row[name] not in ("", "nan")]
-
-
-def _events(path: Path) -> Iterable[dict[str, Any]]:
-    with open(path, encoding="utf-8") as lines:
-        for line in lines:
-            try:
-                yield json.loads(line)
-            except json.JSONDecodeError:
-                return  # a killed run may end in half a line
-
-
-def _rows(path: Path) -> Iterable[dict[str, str]]:
-    with open(path, encoding="utf-8", newline="") as lines:
-        yield from csv.DictReader(line for line in lines if line.endswith("\n"))

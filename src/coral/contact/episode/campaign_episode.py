@@ -20,7 +20,7 @@ from coral.contact.thinker.think_cfg import resolved
 from coral.errors import RunError
 
 
-def run_trial(
+def run_episode(
     task: Task,
     cfg: EpisodeCfg,
     folder: Path,

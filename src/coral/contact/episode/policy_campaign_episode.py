@@ -35,10 +35,10 @@ def serving(address: Address, cfg: ClientCfg) -> Iterator[PolicyClient]:
         client.close()
 
 
-def run_policy_trial(
+def run_policy_episode(
     task: Task, cfg: EpisodeCfg, folder: Path, *, world: str, address: Address, seed: int
 ) -> dict[str, Any]:
-    """Run an episode as a campaign does; see `coral.contact.episode.campaign_trial.run_trial`.
+    """Run an episode as a campaign does; see `coral.contact.episode.campaign_episode.run_episode`.
 
     Raises:
         RunError: The episode was interrupted, or the server was out of reach: that says nothing of the policy.
