@@ -30,6 +30,8 @@ def usage_error(command: str, complaint: str) -> InputError:
     if match := re.search(r"invalid choice (.+?) for argument '([^']+)'\. Expected one of \((.*?),?\)", text):
         options = sorted(re.findall(r"'([^']*)'", match[3]))  # tyro has them in any order
         return InputError(where, _named(match[2]), match[1], f"one of {', '.join(o for o in options if o != 'None')}")
+    if match := re.search(r"Error parsing \S+: (.+?): found (.+), expected (.+)$", text):  # a configuration's own words
+        return InputError(where, f"--cfg.{'.'.join(match[1].split(': '))}", match[2], match[3].strip())
     if match := re.search(r"Error parsing (\S+): (.*?)(?: Argument helptext: (\S+) (\S+)|$)", text):
         values = re.findall(r"'([^']*)'", match[2])
         kind = next((kind for kind in NUMBERS if kind in f"{match[2]} {match[4]}".split("|")[-1]), "")

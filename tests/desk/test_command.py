@@ -41,7 +41,7 @@ def test_the_command_serves_until_it_is_told_to_stop(tmp_path):
         (["{folder}", "--port", "-1"], "--port: found -1"),
         (["{folder}", "--token", "x"], "--token: found a token of 1 characters"),
         (["{folder}", "--host", "no such host"], "--host: found 'no such host'"),
-        ([], "coral desk: found"),
+        ([], "coral desk: INBOX: found nothing"),
     ],
 )
 def test_bad_flags_are_one_line(tmp_path, capsys, words, message):

@@ -184,7 +184,7 @@ BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
         ("", "nothing"),
         ("- 1", "a mapping"),
         ("a: [", "line"),
-        (b"\xff\xfe\x00", "unreadable"),
+        (b"\xff\xfe\x00", "not UTF-8 text"),
         ("when: 2026-13-45", "month"),
         ("a: " + "[" * 3000, ""),
         ("? [1, 2]\n: 3", "unhashable"),
