@@ -179,7 +179,7 @@ class ContactRun:
         )
         who = "none" if self.variant in ALONE else self.advisor
         episode = Episode(trial, self.world, strategist, cfg, folder, variant=self.variant, advisor=who)
-        episode.listeners.append(FallbackNotice())
+        episode.listeners.append(StandInNotice())
         progress = EpisodeProgress(quiet=self.quiet)
         try:
             result = episode.run([progress])
@@ -223,7 +223,7 @@ def _count(result: Mapping[str, Any]) -> str:
     return many(result["policy_calls"], "answer") if result["policy_calls"] else many(result["plans"], "plan")
 
 
-class FallbackNotice:
+class StandInNotice:
     """Says on standard error, at the first time, that the advisor did not decide."""
 
     def __init__(self) -> None:

@@ -82,9 +82,8 @@ def test_a_task_that_nobody_here_wrote_runs_from_its_file_alone(task, tmp_path):
 
 
 def test_the_world_goes_on_while_an_advisor_repairs_and_only_counts_the_time_before_the_first_plan(task, tmp_path):
-    think = dataclasses.replace(
-        FAST.think, latency="fixed:0.5", outer=dataclasses.replace(FAST.think.outer, n_retry=1, refinements=1)
-    )
+    hasty = dataclasses.replace(FAST.think.outer, n_retry=1, refinements=1, progress=1.0, progress_m=1.0)
+    think = dataclasses.replace(FAST.think, latency="fixed:0.5", outer=hasty)
     found = {}
     for meanwhile in ("go-on", "hold"):
         cfg = dataclasses.replace(FAST, think=dataclasses.replace(think, meanwhile=meanwhile))

@@ -27,6 +27,13 @@ def test_metrics_of_a_finished_episode():
         "success": True,
         "end_reason": "success",
         "sim_time_s": 0.08,
+        "time_with_thinking_s": 0.08,
+        "decided_by": {"advisor": 0, "memory": 0, "recording": 0, "fallback": 0},
+        "answers": {"accepted": 0, "refused": 0, "malformed": 0, "missing": 0},
+        "tokens_in": 0,
+        "tokens_out": 0,
+        "cost_usd": 0.0,
+        "thinking_s": 0.0,
         "steps": 4,
         "plans": 2,
         "policy_calls": 1,
@@ -97,3 +104,12 @@ def test_losses_and_errors_of_tracked_poses_are_counted():
     found = metrics_of(events, rows)
     assert (found["track_lost"], found["track_recovered"], found["track_lost_s"]) == (1, 1, 0.1)
     assert (found["pose_error_mm"], found["pose_error_deg"]) == (2.0, 5.73)
+
+
+def test_time_in_which_an_advisor_was_thinking_is_told_apart():
+    passed = [
+        {"event": "thinking", "t": 0.0, "seconds": 2.3, "meanwhile": "before"},
+        {"event": "thinking", "t": 0.06, "seconds": 0.04, "meanwhile": "holding still"},
+    ]
+    found = metrics_of([*passed, *EVENTS], ROWS)
+    assert (found["sim_time_s"], found["time_with_thinking_s"]) == (0.04, 2.38)

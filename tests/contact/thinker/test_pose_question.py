@@ -64,6 +64,8 @@ def test_an_answer_is_the_middle_of_the_object_and_becomes_its_origin(board):
     assert np.linalg.norm(centre - true.position) == pytest.approx(0.055, abs=1e-6)
 
     class Model:
+        source = "advisor"
+
         def ask(self, kind, schema, facts, shown, verify, pictures):
             assert shown["objects"]["board"]["points_m"]["handle"] == pytest.approx([0.0, 0.145, 0.0])
             answer = PosesAnswer({"board": ObjectPose(position=tuple(centre), quaternion=tuple(3 * true.quaternion))})

@@ -114,6 +114,23 @@ def test_diagnoses(scene, force, returns, surprise, kind):
     assert adjustment_after([kind]) != adjustment_after([])
 
 
+def test_a_hand_at_rest_where_it_was_told_to_be_tells_of_a_wrong_cost_and_one_that_is_held_up_does_not(scene):
+    _, step = still(scene, 0.0)
+    steps = [
+        dataclasses.replace(
+            step,
+            before=dataclasses.replace(step.before, time_s=0.1 * k),
+            after=dataclasses.replace(step.after, time_s=0.1 * (k + 1)),
+        )
+        for k in range(20)
+    ]
+    assert diagnose(steps, "box", 0, 0.1) == "settled"
+    assert adjustment_after(["settled"]) != adjustment_after([])
+    higher = dataclasses.replace(step.command, position=step.command.position + np.array([0.0, 0.0, 0.03]))
+    assert diagnose([dataclasses.replace(one, command=higher) for one in steps], "box", 0, 0.1) == "moved-otherwise"
+    assert diagnose(steps[:5], "box", 0, 0.0) == "not-reached"
+
+
 def test_what_a_history_does_not_tell_stays_as_it_was_believed(scene, monkeypatch):
     # Slow pushes: the product of mass and friction is known to 10 %, neither of them is.
     before, after = {"box": PhysicalParameters(1.0, 0.5)}, PhysicalParameters(4.0, 0.2)

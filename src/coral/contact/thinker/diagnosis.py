@@ -9,15 +9,23 @@ import numpy as np
 
 from coral.contact.scene.observation import Transition
 
-Diagnosis = Literal["cost-error", "not-reached", "slipped", "not-moved", "moved-otherwise", "no-progress"]
+Diagnosis = Literal["cost-error", "not-reached", "slipped", "settled", "not-moved", "moved-otherwise", "no-progress"]
 TEXTS: Mapping[Diagnosis, str] = {
     "cost-error": "the cost could not be evaluated",
     "not-reached": "the hand never touched the object: something is in its way, or the way in is wrong",
     "slipped": "contact was made and lost again and again",
+    "settled": "the hand came to rest where it was told to be, and the stage does not end there: its cost leads to a "
+    "wrong place, or the condition that ends it is wrong",
     "not-moved": "the hand pressed and the object hardly moved",
     "moved-otherwise": "the object moved, but not as rehearsed: the simulation believes in wrong parameters",
     "no-progress": "the cost fell no further, though nothing is visibly wrong: a side or grasp that leads nowhere",
 }
+
+
+REST_S, REST_M = 1.0, 0.005
+"""At rest is what has moved no further in this time."""
+AHEAD_M = 0.01
+"""A command that lies no further from the hand asks for no more than it does."""
 
 
 class HistoryRow(TypedDict):
@@ -46,6 +54,8 @@ def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: f
         return "slipped"
     if not steps:
         return "no-progress"
+    if _settled(steps):
+        return "settled"
     felt = np.array([np.linalg.norm(step.after.wrench[:3]) for step in steps])
     moved = float(np.linalg.norm(steps[-1].after.objects[name].position - steps[0].before.objects[name].position))
     if surprise_m > 0.03:
@@ -55,6 +65,22 @@ def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: f
     if moved < 0.004 and felt.mean() > 1.0:
         return "not-moved"
     return "no-progress"
+
+
+def _settled(steps: Sequence[Transition]) -> bool:
+    """Whether hand and objects have been at rest for a second, and the hand is where its commands are.
+
+    A hand that is held up, as by something too heavy, has commands that lie ahead of it.
+    """
+    end = steps[-1].after
+    last = [step for step in steps if step.after.time_s > end.time_s - REST_S]
+    if end.time_s - steps[0].before.time_s < REST_S:
+        return False
+    begun = last[0].before
+    moved = [float(np.linalg.norm(body.position - begun.objects[key].position)) for key, body in end.objects.items()]
+    moved.append(float(np.linalg.norm(end.tool.position - begun.tool.position)))
+    ahead = np.mean([np.linalg.norm(step.command.position - step.after.tool.position) for step in last])
+    return max(moved) < REST_M and ahead < AHEAD_M
 
 
 def recent(
