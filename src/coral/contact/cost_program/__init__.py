@@ -1,4 +1,4 @@
-"""Costs that a language model writes, run by a closed interpreter over batches of states."""
+"""Interpreter for the cost programs that a language model writes: a closed language over batches of states."""
 
 from coral.contact.cost_program.errors import CODES, CostError
 from coral.contact.cost_program.limits import LimitsCfg

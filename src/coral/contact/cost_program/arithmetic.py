@@ -1,4 +1,4 @@
-"""Operators over numbers and vectors: every operation of one state, applied to all states of the batch at once."""
+"""Arithmetic, comparison and logic on numbers and vectors, applied to all states of the batch at once."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
 def number(meter: Meter, value: Value) -> Number:
-    """The value as a number; truth values count 0 and 1.
+    """Return the value as a number; truth values count as 0 and 1.
 
     Raises:
         CostError: It is none.
@@ -68,7 +68,7 @@ def number(meter: Meter, value: Value) -> Number:
 
 
 def truth(meter: Meter, value: Value) -> bool | Mask:
-    """Whether the value counts as true, per state.
+    """Return whether the value is true, per state.
 
     Raises:
         CostError: It is a vector or something else without a truth.
@@ -92,7 +92,7 @@ def truth(meter: Meter, value: Value) -> bool | Mask:
 
 
 def where(meter: Meter, condition: Mask, a: Value, b: Value) -> Number:
-    """`a` in the states where the condition holds and `b` in the others, both numbers."""
+    """Return `a` in the states where the condition holds and `b` in the others; both are numbers."""
     meter.made()
     if _is_truth(a) and _is_truth(b):
         return np.where(condition, cast(Mask, a), cast(Mask, b))
@@ -109,7 +109,7 @@ def _is_truth(value: Value) -> bool:
 
 
 def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
-    """One operator on two numbers.
+    """Apply an operator to two numbers.
 
     Raises:
         CostError: One is no number, or both are constants and the result does not exist.
@@ -135,12 +135,12 @@ def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
 
 
 def _unlike_numbers(a: Value, b: Value) -> bool:
-    """Whether both are truth values, one of them of the state: NumPy computes with those unlike Python."""
+    """Check whether both are truth values and at least one depends on the state: NumPy treats those unlike Python."""
     return _is_truth(a) and _is_truth(b) and not (isinstance(a, bool) and isinstance(b, bool))
 
 
 def checked(meter: Meter, value: Number) -> Number:
-    """The constant itself.
+    """Return the constant after a range check.
 
     Raises:
         CostError: It is a whole number that arrays could not hold exactly.
@@ -160,7 +160,7 @@ def _constant_power(meter: Meter, a: float, b: float) -> Number:
 
 
 def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
-    """One arithmetic operator or comparison on numbers, vectors or lists.
+    """Apply an arithmetic operator or comparison to numbers, vectors or lists.
 
     Raises:
         CostError: It does not apply to these values.
@@ -198,7 +198,7 @@ def _repeated(meter: Meter, a: Value, b: Value) -> Value:
 
 
 def elementwise(meter: Meter, function: Callable[[Value, Value], Value], a: Value, b: Value) -> Value:
-    """A function of two numbers on each pair of components, with numpy's rules for a vector and a number.
+    """Apply a function of two numbers to each pair of components, with NumPy's rules for a vector and a number.
 
     Raises:
         CostError: The lengths do not match.
@@ -223,7 +223,7 @@ def elementwise(meter: Meter, function: Callable[[Value, Value], Value], a: Valu
 
 
 def each(meter: Meter, function: Callable[[Number], Number], value: Value) -> Value:
-    """A function of a number on a number or on every component."""
+    """Apply a function of one number to a number or to every component."""
     value = as_vector(meter, value)
     if isinstance(value, Vec):
         return Vec(tuple(each(meter, function, item) for item in value.items))
@@ -231,7 +231,7 @@ def each(meter: Meter, function: Callable[[Number], Number], value: Value) -> Va
 
 
 def as_vector(meter: Meter, value: Value) -> Value:
-    """A list or tuple as the vector np.array would make of it; anything else as it is.
+    """Convert a list or tuple to the vector that np.array would make; return anything else unchanged.
 
     Raises:
         CostError: Its rows differ in length.
@@ -253,7 +253,7 @@ def as_vector(meter: Meter, value: Value) -> Value:
 
 
 def components(meter: Meter, value: Value, what: str = "a vector") -> tuple[Value, ...]:
-    """The numbers of a vector.
+    """Return the components of a vector.
 
     Raises:
         CostError: It is no vector of numbers.
@@ -265,7 +265,7 @@ def components(meter: Meter, value: Value, what: str = "a vector") -> tuple[Valu
 
 
 def total(meter: Meter, items: tuple[Value, ...]) -> Value:
-    """Sum from left to right, as Python and numpy do for short vectors."""
+    """Sum from left to right, as Python and NumPy do for short vectors."""
     if not items:
         return 0
     found: Value = items[0]
@@ -275,7 +275,7 @@ def total(meter: Meter, items: tuple[Value, ...]) -> Value:
 
 
 def dot(meter: Meter, a: Value, b: Value) -> Value:
-    """Scalar product, or matrix product where a matrix takes part.
+    """Compute the scalar product, or the matrix product if either operand is a matrix.
 
     Raises:
         CostError: The lengths do not match.
@@ -298,7 +298,7 @@ def dot(meter: Meter, a: Value, b: Value) -> Value:
 
 
 def transposed(meter: Meter, value: Vec) -> Vec:
-    """Rows and columns exchanged; a plain vector stays as it is."""
+    """Swap rows and columns; a plain vector is returned unchanged."""
     if not is_matrix(value):
         return value
     rows = [components(meter, row) for row in value.items]
@@ -307,7 +307,7 @@ def transposed(meter: Meter, value: Vec) -> Vec:
 
 
 def norm(meter: Meter, value: Value) -> Value:
-    """Euclidean length."""
+    """Compute the Euclidean length."""
     items = components(meter, value)
     square = total(meter, tuple(scalar(meter, "*", x, x) for x in items))
     length = root(meter, number(meter, square))
@@ -315,13 +315,13 @@ def norm(meter: Meter, value: Value) -> Value:
 
 
 def root(meter: Meter, value: Number) -> Number:
-    """Square root."""
+    """Compute the square root."""
     meter.made()
     return unary(np.sqrt, value)
 
 
 def unary(function: Callable[[Any], Any], value: Number) -> Number:
-    """A numpy function of one number; a constant stays a plain number."""
+    """Apply a NumPy function of one number; a constant stays a plain number."""
     if isinstance(value, np.ndarray):
         return cast(Number, function(value))
     found = function(np.float64(value))
@@ -329,7 +329,7 @@ def unary(function: Callable[[Any], Any], value: Number) -> Number:
 
 
 def negative(meter: Meter, value: Value) -> Value:
-    """The value with its sign changed."""
+    """Negate the value."""
 
     def change(x: Number) -> Number:
         if isinstance(x, np.ndarray):
@@ -340,7 +340,7 @@ def negative(meter: Meter, value: Value) -> Value:
 
 
 def invert(meter: Meter, value: Value) -> Value:
-    """`not` of a truth value or of every component."""
+    """Apply `not` to a truth value or to every component."""
     found = truth(meter, value)
     if isinstance(found, np.ndarray):
         meter.made()
@@ -349,12 +349,12 @@ def invert(meter: Meter, value: Value) -> Value:
 
 
 def both(meter: Meter, a: bool | Mask, b: bool | Mask) -> bool | Mask:
-    """Logical and of truth values."""
+    """Compute the logical and of truth values."""
     meter.made()
     return a and b if isinstance(a, bool) and isinstance(b, bool) else np.logical_and(a, b)
 
 
 def either(meter: Meter, a: bool | Mask, b: bool | Mask) -> bool | Mask:
-    """Logical or of truth values."""
+    """Compute the logical or of truth values."""
     meter.made()
     return a or b if isinstance(a, bool) and isinstance(b, bool) else np.logical_or(a, b)

@@ -1,4 +1,4 @@
-"""Making and rearranging vectors: np.array, np.zeros, np.concatenate, reshape and the like."""
+"""Creating and rearranging arrays: np.array, np.zeros, np.concatenate, reshape and the like."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from coral.contact.cost_program.values import (
 
 
 def array(meter: Meter, value: Value, dtype: Value = None, copy: Value = None) -> Value:
-    """A new vector or matrix of a list, tuple or vector; a number stays a number."""
+    """Make a new vector or matrix from a list, tuple or vector; a number stays a number."""
     if copy is False and isinstance(value, Vec):
         return value
     found = as_vector(meter, value)
@@ -37,7 +37,7 @@ def array(meter: Meter, value: Value, dtype: Value = None, copy: Value = None) -
 
 
 def _of_one_kind(value: Vec, floats: bool) -> Vec:
-    """A new array whose entries are all floats if one of them is, as NumPy stores them."""
+    """Make a new array whose entries are all floats if one of them is, as NumPy stores them."""
     whole = not floats and all(isinstance(item, int) for item in _leaves(value))
 
     def renew(item: Value) -> Value:
@@ -59,12 +59,12 @@ def _leaves(value: Vec) -> Iterator[Value]:
 
 
 def asarray(meter: Meter, value: Value, dtype: Value = None) -> Value:
-    """The vector itself, or a new one of a list."""
+    """Return the vector itself, or a new one made from a list."""
     return value if isinstance(value, Vec) and dtype is None else array(meter, value, dtype)
 
 
 def to_float(meter: Meter, value: Value = 0.0) -> Value:
-    """float(...): a number stays one, a truth value becomes 0 or 1, "inf" becomes infinity."""
+    """Evaluate `float(...)`: a number stays one, a truth value becomes 0 or 1, "inf" becomes infinity."""
     if isinstance(value, str):
         if value.strip().lower().lstrip("+-") in ("inf", "infinity"):
             return -math.inf if value.strip().startswith("-") else math.inf
@@ -74,7 +74,7 @@ def to_float(meter: Meter, value: Value = 0.0) -> Value:
 
 
 def to_int(meter: Meter, value: Value = 0) -> Value:
-    """int(...): a number without its decimals."""
+    """Evaluate `int(...)`: drop the fractional part."""
     found = number(meter, value)
     if isinstance(found, float):
         if not math.isfinite(found):
@@ -87,7 +87,7 @@ def to_int(meter: Meter, value: Value = 0) -> Value:
 
 
 def as_type(meter: Meter, value: Value, dtype: Value = None, copy: Value = None) -> Value:
-    """astype(float): truth values become numbers."""
+    """Evaluate `astype(float)`: truth values become numbers."""
     if copy is False:
         return value
 
@@ -104,7 +104,7 @@ def _size(meter: Meter, value: Value) -> int:
 
 
 def full(meter: Meter, shape: Value, fill_value: Value, dtype: Value = None) -> Value:
-    """A vector (n) or matrix ((m, n)) of one number."""
+    """Make a vector (n) or matrix ((m, n)) filled with one number."""
     sizes = [_size(meter, item) for item in (shape.items if isinstance(shape, Seq) else (shape,))]
     if not 1 <= len(sizes) <= 2 or math.prod(sizes) > meter.cfg.items:
         raise meter.fault("wrong_size", f"an array has one or two axes and at most {meter.cfg.items} entries")
@@ -114,17 +114,17 @@ def full(meter: Meter, shape: Value, fill_value: Value, dtype: Value = None) -> 
 
 
 def zeros(meter: Meter, shape: Value, dtype: Value = None) -> Value:
-    """Zeros."""
+    """Make a vector or matrix of zeros."""
     return full(meter, shape, 0.0)
 
 
 def ones(meter: Meter, shape: Value, dtype: Value = None) -> Value:
-    """Ones."""
+    """Make a vector or matrix of ones."""
     return full(meter, shape, 1.0)
 
 
 def like(fill: float) -> Callable[..., Value]:
-    """np.zeros_like or np.ones_like."""
+    """Evaluate np.zeros_like or np.ones_like."""
 
     def call(meter: Meter, value: Value, dtype: Value = None) -> Value:
         return each(meter, lambda item: int(fill) if isinstance(item, int) and dtype is None else fill, value)
@@ -133,7 +133,7 @@ def like(fill: float) -> Callable[..., Value]:
 
 
 def eye(meter: Meter, n: Value, dtype: Value = None) -> Value:
-    """The unit matrix."""
+    """Make the identity matrix."""
     size = _size(meter, n)
     if size > 8:
         raise meter.fault("wrong_size", "eye takes at most 8")
@@ -141,7 +141,7 @@ def eye(meter: Meter, n: Value, dtype: Value = None) -> Value:
 
 
 def concatenate(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
-    """Vectors one after the other."""
+    """Concatenate vectors."""
     if not is_one_of(axis, (0, -1)) or not isinstance(arrays, Seq | Vec):
         raise meter.fault("wrong_call", "concatenate takes a list of vectors and axis 0")
     parts = [asarray(meter, part) for part in arrays.items]
@@ -153,7 +153,7 @@ def concatenate(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
 
 
 def stack(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
-    """Vectors as the rows (axis 0) or columns (axis 1) of a matrix."""
+    """Stack vectors as the rows (axis 0) or columns (axis 1) of a matrix."""
     if not isinstance(arrays, Seq | Vec):
         raise meter.fault("wrong_call", "stack takes a list of vectors")
     found = as_vector(meter, Seq(tuple(arrays.items)))
@@ -163,7 +163,7 @@ def stack(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
 
 
 def reshape(meter: Meter, value: Value, *shape: Value) -> Value:
-    """The same numbers as a vector or as the rows of a matrix."""
+    """Return the same numbers as a vector or as the rows of a matrix."""
     sizes = shape[0].items if len(shape) == 1 and isinstance(shape[0], Seq) else shape
     items = flat(meter, value)
     if not 1 <= len(sizes) <= 2 or not all(isinstance(n, int) and (n > 0 or n == -1) for n in sizes):
@@ -182,17 +182,17 @@ def reshape(meter: Meter, value: Value, *shape: Value) -> Value:
 
 
 def ravel(meter: Meter, value: Value) -> Value:
-    """All numbers as one vector, which changes with the array."""
+    """Return all numbers as one vector that shares memory with the array."""
     return view(flat(meter, value), value)
 
 
 def flatten(meter: Meter, value: Value) -> Value:
-    """All numbers as a vector of its own."""
+    """Return all numbers as a vector with its own memory."""
     return Vec(flat(meter, value))
 
 
 def squeezed(meter: Meter, value: Value) -> Value:
-    """The array without its axes of length 1; it changes with the array."""
+    """Return the array without its axes of length 1; it shares memory with the array."""
     found = as_vector(meter, value)
     if not isinstance(found, Vec):
         return found
@@ -207,20 +207,20 @@ def squeezed(meter: Meter, value: Value) -> Value:
 
 
 def to_list(meter: Meter, value: Value) -> Value:
-    """tolist(): the numbers as a list, of a matrix as a list of lists."""
+    """Evaluate `tolist()`: a list of numbers, or for a matrix a list of lists."""
     if not isinstance(value, Vec):
         return value
     return Seq(tuple(to_list(meter, item) for item in value.items))
 
 
 def transpose(meter: Meter, value: Value) -> Value:
-    """Rows and columns exchanged."""
+    """Swap rows and columns."""
     found = as_vector(meter, value)
     return transposed(meter, found) if isinstance(found, Vec) else found
 
 
 def diag(meter: Meter, value: Value) -> Value:
-    """The diagonal of a matrix, or the matrix with a diagonal."""
+    """Return the diagonal of a matrix, or the matrix with a given diagonal."""
     found = as_vector(meter, value)
     if is_matrix(found):
         assert isinstance(found, Vec)
@@ -233,7 +233,7 @@ def diag(meter: Meter, value: Value) -> Value:
 
 
 def shape_of(value: Value) -> Seq:
-    """What numpy's shape would be for one state."""
+    """Return the shape that NumPy would report for one state."""
     if isinstance(value, Vec):
         first = value.items[0] if value.items else None
         return Seq((len(value.items), len(first.items)) if isinstance(first, Vec) else (len(value.items),), "tuple")
@@ -241,7 +241,7 @@ def shape_of(value: Value) -> Seq:
 
 
 def copied(meter: Meter, value: Value) -> Value:
-    """A value that can be changed without changing the original; of a list an array, as np.copy."""
+    """Return a copy that can be changed without changing the original; of a list, an array, as np.copy does."""
     if isinstance(value, Vec):
         return renewed(value)
     if isinstance(value, Seq):

@@ -1,4 +1,4 @@
-"""Setting variables and entries, and changing containers in place."""
+"""Assigning to variables and entries, and changing containers in place."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, bounde
 
 
 def change(machine: Machine, node: ast.Call, function: ast.Attribute) -> None:
-    """`list.append(x)`, `list.extend(xs)`, `dict.update(d)`."""
+    """Evaluate `list.append(x)`, `list.extend(xs)` or `dict.update(d)`."""
     base = evaluate(machine, function.value)
     machine.pending.append(base)
     args = [storable(machine, evaluate(machine, item)) for item in node.args]
@@ -45,7 +45,7 @@ def change(machine: Machine, node: ast.Call, function: ast.Attribute) -> None:
 
 
 def _root(machine: Machine, target: ast.expr) -> str:
-    """The variable whose value, or whose entry, a statement changes in place.
+    """Return the variable whose value, or whose entry, a statement changes in place.
 
     Raises:
         CostError: It is no variable of the program, or cannot be changed from here.
@@ -67,7 +67,7 @@ def _root(machine: Machine, target: ast.expr) -> str:
 
 
 def _rebind(machine: Machine, target: ast.expr, new: Value, inside: bool = True) -> None:
-    """Let a variable, or an entry of one, hold the changed container."""
+    """Bind the changed container to a variable or to an entry of one."""
     if isinstance(target, ast.Subscript):
         holder = evaluate(machine, target.value)
         if inside and not is_inside(new, holder):
@@ -82,7 +82,7 @@ def _rebind(machine: Machine, target: ast.expr, new: Value, inside: bool = True)
 
 
 def assign_to(machine: Machine, target: ast.expr, value: Value) -> None:
-    """Let a target of an assignment or loop hold a value."""
+    """Assign a value to a target of an assignment or loop."""
     if isinstance(target, ast.Subscript):
         name = _root(machine, target)
         machine.pending.append(value)
@@ -100,7 +100,7 @@ def assign_to(machine: Machine, target: ast.expr, value: Value) -> None:
 
 
 def assign(machine: Machine, node: Any) -> bool:
-    """`x = value`."""
+    """Run `x = value`."""
     targets = node.targets if isinstance(node, ast.Assign) else [node.target]
     if node.value is None:
         return True
@@ -117,7 +117,7 @@ def assign(machine: Machine, node: Any) -> bool:
 
 
 def augment(machine: Machine, node: Any) -> bool:
-    """`x += value`."""
+    """Run `x += value`."""
     target = node.target
     if isinstance(target, ast.Subscript):
         name = _root(machine, target)
@@ -159,7 +159,7 @@ def augment(machine: Machine, node: Any) -> bool:
 
 
 def _updated(machine: Machine, operator: ast.operator, old: Value, right: Value) -> Value:
-    """What `old += right` leaves: an array or a list keeps its memory, and an array its shape."""
+    """Return the result of `old += right`: an array or a list keeps its memory, and an array its shape."""
     grows = isinstance(operator, ast.Add) and isinstance(right, Seq | DictValue)
     if isinstance(old, Seq) and old.kind == "list" and grows:
         return bounded(machine.meter, Seq(old.items + entries(machine.meter, right), "list", marks_of(old)))

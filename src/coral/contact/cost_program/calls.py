@@ -36,7 +36,7 @@ CHANGERS = {"append": Seq, "extend": Seq, "update": DictValue}
 
 
 def attribute(machine: Machine, base: Value, name: str) -> Value:
-    """`base.name`.
+    """Evaluate `base.name`.
 
     Raises:
         CostError: The value has no such attribute.
@@ -138,7 +138,7 @@ TABLE_METHODS: dict[str, Callable[[Machine, DictValue, list[Value]], Value]] = {
 
 
 def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
-    """A call.
+    """Evaluate a call.
 
     Raises:
         CostError: What is called is no function, or does not take these arguments.
@@ -173,7 +173,7 @@ def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
 
 
 def apply(machine: Machine, function: Value, args: list[Value], named: dict[str, Value], evaluate: Evaluate) -> Value:
-    """What a function gives for arguments.
+    """Apply a function to arguments.
 
     Raises:
         CostError: It is no function, or does not take them.
@@ -195,7 +195,7 @@ def apply(machine: Machine, function: Value, args: list[Value], named: dict[str,
 
 
 def _map(machine: Machine, args: list[Value], named: dict[str, Value], evaluate: Evaluate) -> Value:
-    """map(f, xs, ...), which goes where a generator may go."""
+    """Evaluate `map(f, xs, ...)`, allowed wherever a generator is."""
     if len(args) < 2 or named:
         raise machine.meter.fault("wrong_call", "map takes a function and lists")
     rows = list(zip(*(entries(machine.meter, xs) for xs in args[1:]), strict=False))
@@ -217,7 +217,7 @@ def _gaps(value: Value) -> bool:
 
 
 def _reflect(machine: Machine, node: ast.Call, what: str, evaluate: Evaluate) -> Value:
-    """`hasattr(self, "name")` and `getattr(self, "name", default)`, decided once for the schema."""
+    """Evaluate `hasattr(self, "name")` or `getattr(self, "name", default)`, decided once for the schema."""
     literal = node.args[1] if len(node.args) > 1 else None
     if node.keywords or not isinstance(literal, ast.Constant) or not isinstance(literal.value, str):
         raise machine.meter.fault("not_allowed", f"{what} takes self and the name as a literal text")
@@ -265,7 +265,7 @@ def invoke(
 
 
 def bind(machine: Machine, function: Function, args: list[Value], named: dict[str, Value]) -> dict[str, Value]:
-    """Arguments by parameter name.
+    """Bind arguments to parameter names.
 
     Raises:
         CostError: They do not fit.
@@ -280,13 +280,13 @@ def bind(machine: Machine, function: Function, args: list[Value], named: dict[st
 
 
 def leave(machine: Machine, value: Value, ledger: Value) -> None:
-    """Note that the present states return a value."""
+    """Record that the active states return a value."""
     machine.exited += 1
     machine.frame.exits.append((machine.meter.mask, value, ledger))
 
 
 def outcome(machine: Machine, frame: Scope, name: str) -> tuple[Value, Value]:
-    """What a function returns: for every state what its first `return` gave; with the addends of a sum.
+    """Return the result of a function: for every state the value of its first `return`, with the addends of a sum.
 
     Raises:
         CostError: Some states return nothing, or another kind of value than the others.

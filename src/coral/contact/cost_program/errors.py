@@ -1,4 +1,4 @@
-"""What can be wrong with a cost program: one exception, and every code it may carry."""
+"""Errors of a cost program: one exception type, and every code it may carry."""
 
 from __future__ import annotations
 
@@ -40,19 +40,19 @@ LONGEST_NAME = 60
 
 
 def printable(text: str, longest: int = 4000) -> str:
-    """The text without what a terminal, a log or a page cannot show: control characters and lone surrogates escaped."""
+    """Escape what a terminal, a log or a page cannot show: control characters and lone surrogates."""
     if not text.isprintable():
         text = "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in text)
     return text[:longest]
 
 
 def is_term_name(name: object) -> bool:
-    """Whether reports, logs and terminals can show it as the name of a term."""
+    """Check whether reports, logs and terminals can show the text as the name of a term."""
     return isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable() and bool(name.strip())
 
 
 class CostError(RuntimeError):
-    """A cost that cannot be used, with the reason that goes back to whoever wrote it.
+    """A cost that cannot be used, with the reason that is sent back to its author.
 
     Args:
         code: One of CODES.

@@ -1,4 +1,4 @@
-"""Evaluating an expression for all states of the batch."""
+"""Evaluating expressions for all states of the batch."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ SYMBOLS: dict[type[ast.AST], str] = {
 
 
 def evaluate(machine: Machine, node: ast.expr) -> Value:
-    """The value of an expression.
+    """Evaluate an expression.
 
     Raises:
         CostError: It has none.
@@ -66,7 +66,7 @@ def evaluate(machine: Machine, node: ast.expr) -> Value:
 
 
 def guard(machine: Machine, value: Value) -> None:
-    """Refuse a value inside `try` for which Python might have gone to `except`.
+    """Reject a value inside `try` for which Python might have jumped to `except`.
 
     Raises:
         CostError: It is not finite in some state in which it counts.
@@ -87,7 +87,7 @@ def guard(machine: Machine, value: Value) -> None:
 
 
 def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
-    """Note the first expression that is not finite in a state in which it counts."""
+    """Record the first expression that is not finite in a state that counts."""
     trace = machine.meter.trace
     if trace is None or trace.lost is not None or not isinstance(value, (*NUMBER, Vec)):
         return
@@ -151,7 +151,7 @@ def _binary(machine: Machine, node: Any) -> Value:
 
 
 def _holding(machine: Machine, held: Value, node: ast.expr) -> Value:
-    """An expression that is evaluated while an operand before it waits."""
+    """Evaluate an expression while an earlier operand is held."""
     if isinstance(held, NUMBER):
         return evaluate(machine, node)
     machine.pending.append(held)
@@ -161,7 +161,7 @@ def _holding(machine: Machine, held: Value, node: ast.expr) -> Value:
 
 
 def operate(machine: Machine, operator: ast.operator, left: Value, right: Value) -> Value:
-    """One operator of Python on two values.
+    """Apply a Python operator to two values.
 
     Raises:
         CostError: It does not apply to them.
@@ -197,7 +197,7 @@ def _unary(machine: Machine, node: Any) -> Value:
 
 
 def _bool(machine: Machine, node: Any) -> Value:
-    """`and`, `or`: as in Python the value that decides, per state."""
+    """Evaluate `and` or `or`: as in Python, the deciding value, per state."""
     found = evaluate(machine, node.values[0])
     for other in node.values[1:]:
         met = truth(machine.meter, found)
@@ -220,7 +220,7 @@ def _joined(machine: Machine, condition: Mask, a: Value, b: Value) -> Value:
 
 
 def _under(machine: Machine, condition: Mask, node: ast.expr) -> Value:
-    """An expression that counts only where a condition holds."""
+    """Evaluate an expression that counts only where a condition holds."""
     before = machine.meter.mask
     machine.meter.mask = machine.narrowed(condition, before)
     machine.branching += 1
@@ -294,7 +294,7 @@ def _items(machine: Machine, nodes: list[ast.expr]) -> tuple[Value, ...]:
 
 
 def storable(machine: Machine, value: Value) -> Value:
-    """A value about to get a name or a place in a container.
+    """Check a value before it is bound to a name or stored in a container.
 
     Raises:
         CostError: It is a generator, whose values Python would compute only later.
@@ -331,7 +331,7 @@ def _dict(machine: Machine, node: Any) -> Value:
 
 
 def checked_key(machine: Machine, key: Value) -> Value:
-    """The key of a dict.
+    """Return the key of a dict, checked.
 
     Raises:
         CostError: It is not a constant text or whole number.
@@ -348,7 +348,7 @@ def _lambda(machine: Machine, node: Any) -> Value:
 def make_function(
     machine: Machine, name: str, arguments: ast.arguments, body: list[ast.stmt] | ast.expr, names: frozenset[str]
 ) -> Function:
-    """The function that a `def` or `lambda` makes; its defaults are evaluated now."""
+    """Make the function of a `def` or `lambda`; its defaults are evaluated now."""
     positional = [*arguments.posonlyargs, *arguments.args]
     defaults: dict[str, Value] = {}
     first = len(positional) - len(arguments.defaults)
@@ -367,7 +367,7 @@ def _comprehension(machine: Machine, node: Any) -> Value:
     )
     inner = Scope(machine.frame, names)
     found: list[tuple[Value, Value]] = []
-    outermost = evaluate(machine, node.generators[0].iter)  # in the scope around, as in Python
+    outermost = evaluate(machine, node.generators[0].iter)  # in the enclosing scope, as in Python
     machine.stack.append(inner)
     machine.branching += 1
 
@@ -408,7 +408,7 @@ def _comprehension(machine: Machine, node: Any) -> Value:
 
 
 def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
-    """Set the name, or the names of a tuple, of an assignment or loop.
+    """Bind the name, or the names of a tuple, of an assignment or loop.
 
     Raises:
         CostError: The target is no name, or the lengths differ.

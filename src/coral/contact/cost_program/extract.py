@@ -1,4 +1,4 @@
-"""Finding the program in what a model says: fences, indentation, and prose before or after it."""
+"""Extracting the program from a model's reply: fences, indentation, and prose before or after it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WRAPPED = "def state_cost(self):\n"
 
 
 def extract(text: str) -> str:
-    """The program in a model's reply, dedented, without fences and explanation.
+    """Return the program in a model's reply, dedented, without fences and explanation.
 
     Args:
         text: The reply: bare code, code in a fence, an indented block, code and an explanation separated by `---`,
@@ -74,7 +74,7 @@ def _dedented(code: str) -> str:
 
 
 def _belongs(line: str, indent: int) -> bool:
-    """Whether a line above the function is code and not prose."""
+    """Check whether a line above the function is code rather than prose."""
     bare = line.strip()
     return not bare or (
         len(line) - len(line.lstrip()) >= indent
@@ -83,7 +83,7 @@ def _belongs(line: str, indent: int) -> bool:
 
 
 def _body(lines: list[str]) -> str:
-    """Statements without their `def` line, as the body of the function; the first line may have lost its indent."""
+    """Turn statements without a `def` line into the function's body; the first line may have lost its indent."""
     if lines and lines[0].strip() and not lines[0].startswith(" "):
         rest = textwrap.dedent("\n".join(lines[1:]))
         joined = "\n".join(lines)

@@ -1,4 +1,4 @@
-"""Functions of numbers and vectors that a cost may call: what `math` and `numpy` have of them, and a few of our own."""
+"""Functions of numbers and vectors that a cost may call: a part of `math` and `numpy`, and a few of our own."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ BINARY: dict[str, Callable[[Any, Any], Any]] = {
 
 
 def of_one(name: str) -> Call:
-    """A numpy function of one number, on every component."""
+    """Make a builtin that applies a NumPy function of one number to every component."""
     function = UNARY[name]
 
     def call(meter: Meter, value: Value) -> Value:
@@ -103,7 +103,7 @@ def of_one(name: str) -> Call:
 
 
 def of_two(name: str) -> Call:
-    """A numpy function of two numbers, on every pair of components."""
+    """Make a builtin that applies a NumPy function of two numbers to every pair of components."""
     function = BINARY[name]
 
     def call(meter: Meter, a: Value, b: Value) -> Value:
@@ -119,12 +119,12 @@ def of_two(name: str) -> Call:
 
 
 def power(meter: Meter, a: Value, b: Value) -> Value:
-    """`a ** b`."""
+    """Compute `a ** b`."""
     return binary(meter, "**", a, b)
 
 
 def operator_call(symbol: str) -> Call:
-    """np.add and the like."""
+    """Make the function form of an operator, such as np.add."""
 
     def call(meter: Meter, a: Value, b: Value) -> Value:
         return binary(meter, symbol, as_vector(meter, a), as_vector(meter, b))
@@ -133,7 +133,7 @@ def operator_call(symbol: str) -> Call:
 
 
 def clip(meter: Meter, value: Value, a_min: Value = None, a_max: Value = None) -> Value:
-    """The value kept between two bounds, either of them None."""
+    """Clip the value to two bounds, either of which may be None."""
     if a_min is not None:
         value = of_two("maximum")(meter, value, a_min)
     if a_max is not None:
@@ -142,24 +142,24 @@ def clip(meter: Meter, value: Value, a_min: Value = None, a_max: Value = None) -
 
 
 def clip01(meter: Meter, value: Value) -> Value:
-    """The value kept between 0 and 1."""
+    """Clip the value to [0, 1]."""
     return clip(meter, value, 0.0, 1.0)
 
 
 def sigmoid(meter: Meter, value: Value) -> Value:
-    """1 / (1 + exp(-x)), without overflow."""
+    """Compute 1 / (1 + exp(-x)) without overflow."""
     half = binary(meter, "*", 0.5, of_one("tanh")(meter, binary(meter, "*", 0.5, value)))
     return binary(meter, "+", 0.5, half)
 
 
 def near(meter: Meter, distance: Value, scale: Value) -> Value:
-    """exp(-(distance / scale)^2): 1 at 0, almost 0 beyond twice the scale."""
+    """Compute exp(-(distance / scale)^2): 1 at 0, almost 0 beyond twice the scale."""
     ratio = binary(meter, "/", distance, scale)
     return of_one("exp")(meter, binary(meter, "*", -1.0, binary(meter, "*", ratio, ratio)))
 
 
 def select(meter: Meter, condition: Value, a: Value, b: Value) -> Value:
-    """np.where with three arguments."""
+    """Evaluate np.where with three arguments."""
     condition = as_vector(meter, condition)
     if isinstance(condition, Vec):
         if not isinstance(as_vector(meter, a), Vec) and not isinstance(as_vector(meter, b), Vec):
@@ -187,7 +187,7 @@ def _stretched(meter: Meter, value: Value, n: int) -> tuple[Value, ...]:
 
 
 def largest(meter: Meter, items: tuple[Value, ...], symbol: str) -> Value:
-    """Python's max (symbol ">") or min ("<"): the first of the best ones."""
+    """Evaluate Python's max (symbol ">") or min ("<"): the first of several equal ones."""
     found = items[0]
     for item in items[1:]:
         better = scalar(meter, symbol, item, found)
@@ -199,7 +199,7 @@ def largest(meter: Meter, items: tuple[Value, ...], symbol: str) -> Value:
 
 
 def linalg_norm(meter: Meter, x: Value, ord: Value = None, axis: Value = None, keepdims: Value = False) -> Value:
-    """np.linalg.norm of a vector; of a matrix the Frobenius norm, or that of every row (axis 1) or column (axis 0)."""
+    """Evaluate np.linalg.norm on a vector, a whole matrix (Frobenius), or its rows (axis 1) or columns (axis 0)."""
     return with_kept_axes(meter, as_vector(meter, x), axis, keepdims, _norms(meter, x, ord, axis))
 
 
@@ -225,7 +225,7 @@ def _norms(meter: Meter, x: Value, ord: Value, axis: Value) -> Value:
 
 
 def along(meter: Meter, value: Value, axis: Value) -> tuple[Value, ...] | None:
-    """The lines of a matrix that a reduction over `axis` runs along; None for all components together.
+    """Return the lines of a matrix that a reduction over `axis` runs along; None means all components together.
 
     Raises:
         CostError: The value has no such axis.
@@ -243,7 +243,7 @@ def along(meter: Meter, value: Value, axis: Value) -> tuple[Value, ...] | None:
 
 
 def flat(meter: Meter, value: Value) -> tuple[Value, ...]:
-    """All numbers of a vector, matrix, list or number.
+    """Return all numbers of a vector, matrix, list or number.
 
     Raises:
         CostError: There is something else in it.
@@ -257,7 +257,7 @@ def flat(meter: Meter, value: Value) -> tuple[Value, ...]:
 
 
 def with_kept_axes(meter: Meter, value: Value, axis: Value, keepdims: Value, found: Value) -> Value:
-    """The result of a reduction, with axes of length 1 where keepdims asks for them."""
+    """Return the result of a reduction with axes of length 1 where keepdims asks for them."""
     if not isinstance(keepdims, bool):
         raise meter.fault("wrong_call", "keepdims is True or False")
     if not keepdims or not isinstance(value, Vec):
@@ -271,7 +271,7 @@ def with_kept_axes(meter: Meter, value: Value, axis: Value, keepdims: Value, fou
 
 
 def reduction(name: str) -> Call:
-    """np.sum, np.mean, np.max, np.min, np.prod, np.any or np.all."""
+    """Make np.sum, np.mean, np.max, np.min, np.prod, np.any or np.all."""
 
     def reduce(meter: Meter, items: tuple[Value, ...]) -> Value:
         if not items and name in ("max", "min", "mean"):
@@ -304,7 +304,7 @@ def reduction(name: str) -> Call:
 
 
 def fold_truth(meter: Meter, items: tuple[Value, ...], name: str) -> Value:
-    """Any or all of truth values."""
+    """Reduce truth values by any or all."""
     found: bool | Mask = name == "all"
     for item in items:
         found = (both if name == "all" else either)(meter, found, truth(meter, item))
@@ -312,7 +312,7 @@ def fold_truth(meter: Meter, items: tuple[Value, ...], name: str) -> Value:
 
 
 def cross(meter: Meter, a: Value, b: Value) -> Value:
-    """Vector product of two vectors of three."""
+    """Compute the cross product of two vectors of length 3."""
     left, right = components(meter, a), components(meter, b)
     if len(left) != 3 or len(right) != 3:
         raise meter.fault("wrong_size", f"cross takes two vectors of 3, not of {len(left)} and {len(right)}")
@@ -324,23 +324,23 @@ def cross(meter: Meter, a: Value, b: Value) -> Value:
 
 
 def outer(meter: Meter, a: Value, b: Value) -> Value:
-    """Every component of one vector times the other vector."""
+    """Compute the outer product of two vectors."""
     return Vec(tuple(binary(meter, "*", item, Vec(components(meter, b))) for item in components(meter, a)))
 
 
 def dist(meter: Meter, a: Value, b: Value) -> Value:
-    """Distance of two points, m."""
+    """Compute the distance between two points, m."""
     return norm(meter, binary(meter, "-", as_vector(meter, a), as_vector(meter, b)))
 
 
 def isclose(meter: Meter, a: Value, b: Value, atol: Value = 1e-8, rtol: Value = 1e-5) -> Value:
-    """Whether |a - b| <= atol + rtol |b|."""
+    """Check whether |a - b| <= atol + rtol |b|."""
     gap = of_one("abs")(meter, binary(meter, "-", a, b))
     return binary(meter, "<=", gap, binary(meter, "+", atol, binary(meter, "*", rtol, of_one("abs")(meter, b))))
 
 
 def logical(name: str) -> Call:
-    """np.logical_and, np.logical_or."""
+    """Make np.logical_and or np.logical_or."""
 
     def call(meter: Meter, a: Value, b: Value) -> Value:
         def apply(x: Value, y: Value) -> Value:
@@ -352,13 +352,13 @@ def logical(name: str) -> Call:
 
 
 def negation(meter: Meter, value: Value) -> Value:
-    """np.logical_not."""
+    """Evaluate np.logical_not."""
     value = as_vector(meter, value)
     return Vec(tuple(negation(meter, item) for item in value.items)) if isinstance(value, Vec) else invert(meter, value)
 
 
 def round_to(meter: Meter, value: Value, decimals: Value = 0) -> Value:
-    """The value rounded to some decimals."""
+    """Round the value to some decimals."""
     if not isinstance(decimals, int) or not 0 <= decimals <= 12:
         raise meter.fault("wrong_call", "round takes 0 to 12 decimals")
 
@@ -370,7 +370,7 @@ def round_to(meter: Meter, value: Value, decimals: Value = 0) -> Value:
 
 
 def length(meter: Meter, value: Value) -> Value:
-    """Entries of a container; contact points count 1 when there are any."""
+    """Count the entries of a container; contact points count 1 if there are any."""
     if isinstance(value, ContactList):
         return number(meter, value.touching)
     if isinstance(value, Vec | DictValue) or (isinstance(value, Seq) and value.kind not in ONCE):
@@ -379,7 +379,7 @@ def length(meter: Meter, value: Value) -> Value:
 
 
 def add_up(meter: Meter, value: Value, start: Value = 0) -> Value:
-    """Python's sum; an entry that is set in some states only counts 0 in the others."""
+    """Evaluate Python's sum; an entry that is set in some states only counts as 0 in the others."""
     if not isinstance(value, Seq | Vec):
         raise meter.fault("wrong_type", f"sum takes a list, not {kind(value)}")
     found = start

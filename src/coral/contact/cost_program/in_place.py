@@ -1,4 +1,4 @@
-"""Changing a list, dict or array in place: allowed where no other name sees it, so that it gives what Python gives."""
+"""Changing a list, dict or array in place: allowed if no other name refers to it, so that the result is Python's."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from coral.contact.cost_program.values import (
 
 
 def check_unshared(machine: Machine, value: Value, name: str, at: Value = None) -> None:
-    """Refuse to change in place what a second name sees.
+    """Reject an in-place change of a container that a second name refers to.
 
     Args:
         machine: The evaluation.
@@ -44,7 +44,7 @@ def check_unshared(machine: Machine, value: Value, name: str, at: Value = None) 
 
 
 def _consumed(source: Value, marks: Marks, turn: int, at: Value) -> bool:
-    """Whether a loop that runs over a container is past the entry that changes."""
+    """Check whether a loop over a container is already past the entry that changes."""
     if not memory(source) & marks:
         return True
     if isinstance(source, DictValue):
@@ -57,7 +57,7 @@ def _consumed(source: Value, marks: Marks, turn: int, at: Value) -> bool:
 
 
 class Holders:
-    """Counts the places that hold some memory.
+    """Counts the references to some memory.
 
     Args:
         marks: The memory.
@@ -68,7 +68,7 @@ class Holders:
         self.seen: set[int] = set()
 
     def scope(self, frame: Scope | None) -> None:
-        """Count the variables of a frame and of those around it."""
+        """Count the variables of a frame and of the frames around it."""
         while frame is not None and id(frame) not in self.seen:
             self.seen.add(id(frame))
             for held in frame.variables.values():
@@ -95,7 +95,7 @@ class Holders:
 
 
 def is_inside(part: Value, whole: Value) -> bool:
-    """Whether a container is an entry or a view of another one, not a copy."""
+    """Check whether a container is an entry or a view of another one, not a copy."""
     count = Holders(memory(part))
     count.value(whole)
     return count.found > 0

@@ -1,4 +1,4 @@
-"""Looping: what a loop runs through, and iterators, which Python computes one by one and only once."""
+"""Iterating: the entries of a loop, and iterators, which Python evaluates lazily and only once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ONCE = ("iterator", "reversed", "generator")
 
 
 def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
-    """What a loop over the value runs through.
+    """Return the entries that a loop over the value runs through.
 
     Raises:
         CostError: It cannot be looped over.
@@ -33,5 +33,5 @@ def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
 
 
 def iterator(items: Iterable[Value], *sources: Value, kind: str = "iterator") -> Seq:
-    """What Python computes item by item while it runs over the sources."""
+    """Make an iterator that computes item by item while it runs over the sources."""
     return Seq(tuple(items), kind, frozenset().union(*(memory(source) for source in sources)))

@@ -13,7 +13,7 @@ LONGEST = 40
 
 
 class TermNames:
-    """A name for every place that adds to the cost.
+    """A name for every expression that is added to the cost.
 
     Args:
         source: The program.
@@ -26,7 +26,7 @@ class TermNames:
         self.line_of: dict[str, int] = {}
 
     def of(self, node: ast.expr, whole: bool, variable: str) -> str:
-        """The name of one addend; the same for the same place, different for different places.
+        """Return the name of an addend: the same for the same place in the program, different for different places.
 
         Args:
             node: The addend.
@@ -53,7 +53,7 @@ class TermNames:
         return self.comments[line][1] if line in self.comments and not self.comments[line][0] else ""
 
     def _above(self, line: int) -> str:
-        """The nearest comment on a line of its own, not beyond the beginning of the function."""
+        """Return the nearest comment line above, searching no further than the beginning of the function."""
         for number in range(line - 1, 0, -1):
             alone, text = self.comments.get(number, (False, ""))
             if alone and text:
@@ -64,7 +64,7 @@ class TermNames:
 
 
 def _comments(source: str) -> dict[int, tuple[bool, str]]:
-    """Comments by line: whether one has the line for itself, and its text."""
+    """Map line numbers to comments: whether the comment has the line to itself, and its text."""
     found: dict[int, tuple[bool, str]] = {}
     with contextlib.suppress(tokenize.TokenError, SyntaxError):
         for token in tokenize.generate_tokens(io.StringIO(source).readline):
@@ -83,7 +83,7 @@ def _shortened(text: str) -> str:
 
 
 def _variable(node: ast.expr, variable: str) -> str:
-    """The one variable that an addend scales by constants and weights, as `reach` in `w_reach * reach`; else ""."""
+    """Return the one variable that is scaled by constants and weights, as `reach` in `w_reach * reach`; else ""."""
     parts = _factors(node)
     if parts is None:
         return ""
@@ -92,7 +92,7 @@ def _variable(node: ast.expr, variable: str) -> str:
 
 
 def _factors(node: ast.expr) -> list[str] | None:
-    """The variables of a product of variables and constants; None for anything else."""
+    """Return the variables of a product of variables and constants; None for anything else."""
     if isinstance(node, ast.UnaryOp):
         return _factors(node.operand)
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):

@@ -1,4 +1,4 @@
-"""Every function by the name under which a program finds it: builtins, `np`, `math` and our own."""
+"""Every function by the name that a program uses for it: builtins, `np`, `math` and our own."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SILENT = ("dtype", "copy")  # keywords that change nothing here: every number is
 
 
 def builtin(name: str, function: Callable[..., Value]) -> Builtin:
-    """A Python function of (meter, arguments...) as a function of the language that checks its arguments."""
+    """Wrap a Python function of (meter, arguments...) as a builtin that checks its arguments."""
     parameters = list(inspect.signature(function).parameters.values())[1:]
     rest = any(p.kind is inspect.Parameter.VAR_POSITIONAL for p in parameters)
     names = [p.name for p in parameters if p.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD]

@@ -1,4 +1,4 @@
-"""How much a cost program may use, and the meter that holds it to that."""
+"""Resource limits of a cost program, and the meter that enforces them."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class LimitsCfg:
 
 @dataclass
 class Meter:
-    """One evaluation: what it reads, where it is, what it has used.
+    """One evaluation: its inputs, its current line, and the resources it has used.
 
     Args:
         context: The batch of states.
@@ -66,7 +66,7 @@ class Meter:
     trace: Trace | None = None
 
     def step(self, line: int) -> None:
-        """Count one node.
+        """Count one node of the syntax tree.
 
         Raises:
             CostError: The steps are used up.
@@ -77,7 +77,7 @@ class Meter:
             raise self.fault("steps", f"the cost takes more than {self.cfg.steps} steps; shorten its loops")
 
     def made(self, count: int = 1) -> None:
-        """Count arrays about to be made.
+        """Count arrays that are about to be created.
 
         Raises:
             CostError: There would be too many.
@@ -87,5 +87,5 @@ class Meter:
             raise self.fault("memory", f"the cost makes more than {self.cfg.arrays} arrays; shorten its loops")
 
     def fault(self, code: str, text: str) -> CostError:
-        """The error for the line being evaluated."""
+        """Make the error for the line being evaluated."""
         return CostError(code, text, self.line)

@@ -1,4 +1,4 @@
-"""Running loops, and keeping apart the states that leave them early."""
+"""Running loops, with the states that leave them early kept apart."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from coral.contact.cost_program.machine import Loop, Machine
 
 
 def run_for(machine: Machine, node: Any) -> bool:
-    """A loop over the entries of a container."""
+    """Run a loop over the entries of a container."""
     source = evaluate(machine, node.iter)
     items = entries(machine.meter, source)
     if len(items) > machine.meter.cfg.loop:
@@ -33,7 +33,7 @@ def run_for(machine: Machine, node: Any) -> bool:
 
 
 def run_while(machine: Machine, node: Any) -> bool:
-    """A loop whose end does not depend on the state; it has as many turns as other loops at most."""
+    """Run a loop whose end does not depend on the state, with the same limit on iterations as other loops."""
     limit, outer, exits = machine.meter.cfg.loop, machine.meter.mask, len(machine.frame.exits)
     loop, falls = Loop(), True
     machine.loops.append(loop)
@@ -67,14 +67,14 @@ def _end(machine: Machine, loop: Loop, falls: bool, exits: int, outer: Mask | No
 
 
 def leave_loop(machine: Machine, node: Any) -> bool:
-    """`break`: the present states leave the loop."""
+    """Run `break`: the active states leave the loop."""
     machine.exited += 1
     machine.loops[-1].breaks.append((machine.meter.mask, machine.snapshot()))
     return False
 
 
 def next_turn(machine: Machine, node: Any) -> bool:
-    """`continue`: the present states wait for the next turn."""
+    """Run `continue`: the active states wait for the next iteration."""
     machine.exited += 1
     machine.loops[-1].continues.append((machine.meter.mask, machine.snapshot()))
     return False

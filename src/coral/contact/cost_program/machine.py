@@ -1,4 +1,4 @@
-"""A running program: its variables, and how branches that only some states take are kept apart and joined."""
+"""State of a running program: its variables, and the branches that only some states take."""
 
 from __future__ import annotations
 
@@ -77,11 +77,11 @@ class Machine:
 
     @property
     def frame(self) -> Scope:
-        """The present function's variables."""
+        """The variables of the current function."""
         return self.stack[-1]
 
     def owner(self, name: str) -> Scope | None:
-        """The frame that holds a name, from the inside out.
+        """Return the innermost frame that holds a name.
 
         Raises:
             CostError: It is a variable that is not set yet.
@@ -96,7 +96,7 @@ class Machine:
         return None
 
     def lookup(self, name: str) -> Value:
-        """The value of a name.
+        """Return the value of a name.
 
         Raises:
             CostError: There is none, or not in every state that reads it.
@@ -118,7 +118,7 @@ class Machine:
         )
 
     def usable(self, value: Value, name: str) -> Value:
-        """A value about to be read.
+        """Check a value that is about to be read.
 
         Raises:
             CostError: It is not there in every state that reads it, or of two kinds.
@@ -132,7 +132,7 @@ class Machine:
         return value
 
     def narrowed(self, condition: Mask, mask: Mask | None) -> Mask:
-        """States of `mask` in which the condition holds."""
+        """Return the states of `mask` in which the condition holds."""
         if mask is None:
             return condition
         found = both(self.meter, mask, condition)
@@ -140,11 +140,11 @@ class Machine:
         return found
 
     def snapshot(self) -> Snapshot:
-        """The variables of all running functions."""
+        """Return the variables of all running functions."""
         return [dict(frame.variables) for frame in self.stack]
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Go back to the variables of a snapshot."""
+        """Restore the variables of a snapshot."""
         for frame, variables in zip(self.stack, snapshot, strict=True):
             frame.variables = dict(variables)
 
@@ -154,7 +154,7 @@ class Machine:
             frame.variables = merge_variables(self.meter, condition, variables, frame.variables)
 
     def collect(self, exits: list[Exit], falls: bool) -> bool:
-        """Join the states that left a block with those that reached its end; whether there are any."""
+        """Merge the states that left a block with those that reached its end; return whether there are any."""
         exits = list(exits)
         if not falls:
             if not exits:
@@ -172,5 +172,5 @@ class Machine:
         return True
 
     def looping(self) -> list[tuple[Value, int]]:
-        """What the running loops of all functions run over, and the turn that each is at."""
+        """Return the containers that all running loops iterate over, with their current iterations."""
         return [(source, loop.turn) for loop in self.running for source in loop.sources]

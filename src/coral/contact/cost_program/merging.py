@@ -1,4 +1,4 @@
-"""Joining what two branches left behind: each state keeps the values of the branch that it took."""
+"""Merging the results of two branches: each state keeps the values of the branch that it took."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MISSING = object()
 
 
 def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
-    """`a` where the condition holds and `b` elsewhere, for any two values.
+    """Merge any two values: `a` where the condition holds and `b` elsewhere.
 
     What cannot be joined becomes a value that may not be read, so that a branch may leave unused things behind.
     """
@@ -66,7 +66,7 @@ def _merge_items(meter: Meter, condition: Mask, a: tuple[Value, ...], b: tuple[V
 
 
 def merge_tables(meter: Meter, condition: Mask, a: DictValue, b: DictValue) -> DictValue:
-    """Dicts joined key by key; a key of only one of them is set in some states only."""
+    """Merge dicts key by key; a key of only one of them is set in some states only."""
     keys = [*a.items, *(key for key in b.items if key not in a.items)]
     return DictValue(
         {key: merge(meter, condition, a.items.get(key, MISSING), b.items.get(key, MISSING)) for key in keys},
@@ -94,13 +94,13 @@ def _merge_partial(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
 
 
 def merge_variables(meter: Meter, condition: Mask, a: dict[str, Value], b: dict[str, Value]) -> dict[str, Value]:
-    """Variables after an `if` whose branches left `a` and `b`."""
+    """Merge the variables after an `if` whose branches left `a` and `b`."""
     names = [*a, *(name for name in b if name not in a)]
     return {name: merge(meter, condition, a.get(name, MISSING), b.get(name, MISSING)) for name in names}
 
 
 def filled(meter: Meter, value: Value, otherwise: Value) -> Value:
-    """A value that is set in some states only, with something else in the others."""
+    """Fill in the states in which a value is not set."""
     if isinstance(value, Partial):
         return merge(meter, value.mask, value.value, otherwise)
     return value

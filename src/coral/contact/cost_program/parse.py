@@ -1,4 +1,4 @@
-"""From text to a syntax tree that holds nothing but the parts of Python that costs have."""
+"""Parsing: from text to a syntax tree that holds only the parts of Python that costs need."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ class Parsed:
 
 
 def parse(text: str, cfg: LimitsCfg) -> Parsed:
-    """Read a program.
+    """Parse and check a program.
 
     Raises:
         CostError: It is too large, is not Python, or uses a part of Python that costs do not have.
@@ -146,7 +146,7 @@ def parse(text: str, cfg: LimitsCfg) -> Parsed:
 
 
 def _check_nesting(source: str) -> None:
-    """Refuse before Python's own parser what only serves to exhaust it."""
+    """Reject nesting that would exhaust Python's own parser."""
     depth = 0
     for number, line in enumerate(source.split("\n"), 1):
         for character in line:

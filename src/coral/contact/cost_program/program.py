@@ -1,4 +1,4 @@
-"""A cost that a language model wrote, as a cost of the planner: text in, named terms over a batch of states out."""
+"""A cost program as a cost of the planner: text in, named terms over a batch of states out."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Evaluated:
 
 
 class CostProgram:
-    """A cost program, checked and ready to be evaluated in this process.
+    """A cost program that is checked and ready to be evaluated in this process.
 
     It satisfies `coral.contact.cost.context.Cost`. Code for one state is run for all states at once: a number is an
     array over the batch, a vector a tuple of them, and an `if` on the state runs both branches and joins them.
@@ -72,7 +72,7 @@ class CostProgram:
         self.reads = self._reads()
 
     def __call__(self, state: Context) -> Terms:
-        """The terms of every state, each Shape=(K, H).
+        """Return the terms of every state, each Shape=(K, H).
 
         Raises:
             CostError: The cost cannot be evaluated on this batch, or is not finite.
@@ -83,7 +83,7 @@ class CostProgram:
         return found.terms
 
     def evaluate(self, state: Context, trace: Trace | None = None) -> Evaluated:
-        """The cost and its terms, finite or not.
+        """Evaluate the cost and its terms, finite or not.
 
         Raises:
             CostError: The cost cannot be evaluated on this batch.
@@ -100,7 +100,7 @@ class CostProgram:
             raise CostError("memory", "the program needs too much memory", meter.line, self.line(meter.line)) from None
 
     def trace(self, state: Context, zeroed: int = -1) -> Traced:
-        """The terms with the distances taken on the way, finite or not.
+        """Return the terms and the distances that were computed, finite or not.
 
         Args:
             state: The batch.
@@ -113,7 +113,7 @@ class CostProgram:
         return Traced(self.evaluate(state, trace).terms, trace.distances)
 
     def not_finite(self, state: Context) -> CostError:
-        """Where the cost stops being finite."""
+        """Return where the cost stops being finite."""
         trace = Trace()
         self.evaluate(state, trace)
         if trace.lost is None:
@@ -128,12 +128,12 @@ class CostProgram:
         )
 
     def line(self, number: int) -> str:
-        """The text of a line."""
+        """Return the text of a line."""
         lines = self.source.split("\n")
         return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
 
     def term_line(self, term: str) -> int:
-        """The line that a term of a sum comes from; 0 where it is not known."""
+        """Return the line that a term of a sum comes from; 0 if unknown."""
         return self.names.line_of.get(term, 0)
 
     def _run(self, meter: Meter) -> Evaluated:
@@ -156,7 +156,7 @@ class CostProgram:
         return self._evaluated(machine, value, ledger)
 
     def _at_end(self, machine: Machine, frame: Scope) -> tuple[Value, Value]:
-        """A function that ends without a return has given its cost if it filled `terms`."""
+        """Return the cost of a function that ends without `return`, if it filled `terms`."""
         terms = frame.variables.get("terms")
         return (terms, None) if isinstance(terms, DictValue) and terms.items else (None, None)
 
@@ -168,7 +168,7 @@ class CostProgram:
             and len(value.items) == 2
             and isinstance(value.items[1], DictValue)
         ):
-            value, ledger = value.items[0], None  # cost, parts: the cost counts
+            value, ledger = value.items[0], None  # (cost, parts): only the cost is used
         if value is None:
             raise meter.fault("no_return", "some state reaches the end of the function without a return")
         if isinstance(value, DictValue):
@@ -209,7 +209,7 @@ class CostProgram:
         return np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), machine.meter.context.shape))
 
     def _reads(self) -> list[str]:
-        """Quantities of the schema that the program may read."""
+        """Return the quantities of the schema that the program may read."""
         found: set[str] = set()
         for node in ast.walk(self.parsed.tree):
             name = node.attr if isinstance(node, ast.Attribute) else None
@@ -233,6 +233,6 @@ class CostProgram:
 
 
 def _short(name: Value) -> str:
-    """The key of a dict as it is shown in an error."""
+    """Shorten the key of a dict for an error message."""
     text = ascii(name)
     return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."

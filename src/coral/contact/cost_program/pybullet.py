@@ -1,4 +1,4 @@
-"""The functions of PyBullet that the paper's costs call, answered from the state. Quaternions are (x, y, z, w) here."""
+"""The PyBullet functions that the paper's costs call, computed from the state. Quaternions are (x, y, z, w) here."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ IGNORED = ("physicsClientId", "computeForwardKinematics", "computeLinkVelocity")
 
 
 class PyBullet:
-    """`p`: the calls by name."""
+    """The module `p`: PyBullet calls by name."""
 
     def __init__(self, space: StateSpace) -> None:
         self.space = space
@@ -56,7 +56,7 @@ class PyBullet:
         return self.calls[name](meter, given)
 
     def _fresh(self, meter: Meter, name: str) -> Value:
-        """A quantity that shares no memory with what is read by its name."""
+        """Return a copy of a quantity, which shares no memory with the state."""
         return renewed(self.space.read(meter, name))
 
     def _link_state(self, meter: Meter, args: list[Value]) -> Value:

@@ -1,4 +1,4 @@
-"""Rotations for costs, on four numbers per quaternion, and the guard against mixing up the two orders.
+"""Quaternion arithmetic for costs, and the guard against mixing up the two component orders.
 
 Quantities of the state are (w, x, y, z). PyBullet's functions and the `..._ori` names of the paper are (x, y, z, w).
 """
@@ -28,7 +28,7 @@ Quat = tuple[Value, Value, Value, Value]
 
 
 def read_quat(meter: Meter, value: Value, order: str) -> Quat:
-    """A quaternion argument, in (w, x, y, z).
+    """Convert a quaternion argument to (w, x, y, z).
 
     Args:
         meter: The evaluation.
@@ -54,19 +54,19 @@ def read_quat(meter: Meter, value: Value, order: str) -> Quat:
 
 
 def write_quat(q: Quat, order: str) -> Vec:
-    """A quaternion as a value of the program, in the order asked for."""
+    """Convert a quaternion to a value of the program, in the order asked for."""
     w, x, y, z = q
     return Vec((w, x, y, z) if order == "wxyz" else (x, y, z, w), order=order)
 
 
 def conjugate(meter: Meter, q: Quat) -> Quat:
-    """The reverse rotation of a unit quaternion."""
+    """Invert a unit quaternion."""
     w, x, y, z = q
     return w, negative(meter, x), negative(meter, y), negative(meter, z)
 
 
 def product(meter: Meter, a: Quat, b: Quat) -> Quat:
-    """Rotation `b` followed by rotation `a`."""
+    """Compose two rotations: `b` followed by `a`."""
 
     def signed(signs: str, pairs: tuple[tuple[int, int], ...]) -> Value:
         terms = [scalar(meter, "*", a[i], b[j]) for i, j in pairs]
@@ -84,7 +84,7 @@ def product(meter: Meter, a: Quat, b: Quat) -> Quat:
 
 
 def difference(meter: Meter, start: Quat, end: Quat) -> Quat:
-    """The shorter rotation that leads from `start` to `end`: end * start^-1, with w >= 0."""
+    """Compute the shorter rotation from `start` to `end`: end * start^-1, with w >= 0."""
     along = total(meter, tuple(scalar(meter, "*", a, b) for a, b in zip(start, end, strict=True)))
     opposite = scalar(meter, "<", along, 0.0)
     if isinstance(opposite, np.ndarray):
@@ -96,7 +96,7 @@ def difference(meter: Meter, start: Quat, end: Quat) -> Quat:
 
 
 def angle(meter: Meter, a: Quat, b: Quat) -> Value:
-    """Angle between two orientations, rad, 0 to pi. Stays smooth at 0 where an arc cosine would not."""
+    """Compute the angle between two orientations, rad, 0 to pi; unlike an arc cosine it is smooth at 0."""
     w, x, y, z = product(meter, b, conjugate(meter, a))
     sine = root(meter, number(meter, total(meter, tuple(scalar(meter, "*", v, v) for v in (x, y, z)))))
     meter.made(2)
@@ -109,7 +109,7 @@ def angle(meter: Meter, a: Quat, b: Quat) -> Value:
 
 
 def matrix(meter: Meter, q: Quat) -> list[list[Value]]:
-    """Rotation matrix of a unit quaternion, row by row."""
+    """Compute the rotation matrix of a unit quaternion, row by row."""
     w, x, y, z = q
 
     def twice(a: Value, b: Value) -> Value:
@@ -128,7 +128,7 @@ def matrix(meter: Meter, q: Quat) -> list[list[Value]]:
 
 
 def rotate(meter: Meter, q: Quat, v: tuple[Value, ...]) -> Vec:
-    """A vector of the body in world axes."""
+    """Rotate a vector from body to world axes."""
     return Vec(
         tuple(
             total(meter, tuple(scalar(meter, "*", a, b) for a, b in zip(row, v, strict=True)))
@@ -138,7 +138,7 @@ def rotate(meter: Meter, q: Quat, v: tuple[Value, ...]) -> Vec:
 
 
 def euler(meter: Meter, q: Quat) -> Vec:
-    """Roll, pitch and yaw about the fixed x, y and z axes, rad."""
+    """Compute roll, pitch and yaw about the fixed x, y and z axes, rad."""
     rows = matrix(meter, q)
     meter.made(6)
 
@@ -151,7 +151,7 @@ def euler(meter: Meter, q: Quat) -> Vec:
 
 
 def from_euler(meter: Meter, angles: tuple[Value, ...]) -> Quat:
-    """The quaternion of roll, pitch and yaw about the fixed x, y and z axes."""
+    """Compute the quaternion of roll, pitch and yaw about the fixed x, y and z axes."""
     meter.made(6)
     halves = [scalar(meter, "*", 0.5, angle_) for angle_ in angles]
     cosines = [unary(np.cos, half) for half in halves]
@@ -163,12 +163,12 @@ def from_euler(meter: Meter, angles: tuple[Value, ...]) -> Quat:
 
 
 def plain(value: Value) -> Value:
-    """A zero-dimensional array as a plain number."""
+    """Return a zero-dimensional array as a plain number."""
     return float(value) if isinstance(value, np.ndarray) and value.ndim == 0 else value
 
 
 def normalised(meter: Meter, q: Quat) -> Quat:
-    """The quaternion scaled to length 1."""
+    """Scale the quaternion to length 1."""
     length = root(meter, number(meter, total(meter, tuple(scalar(meter, "*", x, x) for x in q))))
     w, x, y, z = (binary(meter, "/", item, length) for item in q)
     return w, x, y, z

@@ -1,4 +1,4 @@
-"""Setting entries: the container that `v[0] = x`, `m[:, 1] = v` or `terms["reach"] = x` leaves behind."""
+"""Assigning to entries: the result of `v[0] = x`, `m[:, 1] = v` or `terms["reach"] = x`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, bounde
 def replaced(
     machine: Machine, base: Value, node: ast.expr, value: Value, evaluate: Evaluate, inside: bool = False
 ) -> tuple[Vec | Seq | DictValue, Value]:
-    """The container with some entries set to a value, and the index or key of the entry if it is a single one.
+    """Set entries of a container; return the new container, and the index or key if a single entry was set.
 
     Args:
         machine: The evaluation.
@@ -72,7 +72,7 @@ def _in_list(machine: Machine, base: Seq, where: Index, value: Value) -> tuple[S
 
 
 def _along(machine: Machine, base: Vec, axes: list[Index], value: Value) -> Vec:
-    """An array whose entries at the indices of its axes hold the value, stretched as NumPy stretches it."""
+    """Set the entries at the given indices of each axis to a value, broadcast as in NumPy."""
     where, inner = (axes[0] if axes else slice(None)), axes[1:]
     items = list(base.items)
     parts: tuple[Value, ...] = (value,)
@@ -100,7 +100,7 @@ def _span(machine: Machine, base: Vec, where: Index) -> range | tuple[int, ...]:
 
 
 def _spread(machine: Machine, value: Value, count: int, rows: bool) -> tuple[Value, ...]:
-    """The value for each of some entries; of rows a plain vector is the value for every one."""
+    """Return the value for each of several entries; a plain vector is the value for every row."""
     if isinstance(value, Vec) and (is_matrix(value) or not rows):
         if len(value.items) == 1:
             return value.items * count
@@ -111,7 +111,7 @@ def _spread(machine: Machine, value: Value, count: int, rows: bool) -> tuple[Val
 
 
 def _number_for(machine: Machine, base: Vec, value: Value) -> Value:
-    """The number to store, of the kind that the array holds.
+    """Convert a number to the kind that the array holds.
 
     Raises:
         CostError: It is none, or NumPy would cut off its decimals.
@@ -129,7 +129,7 @@ def _number_for(machine: Machine, base: Vec, value: Value) -> Value:
 
 
 def same_shape(meter: Meter, old: Vec, new: Value) -> Vec:
-    """The result of `old += ...` in the memory of `old`.
+    """Return the result of `old += ...` in the memory of `old`.
 
     Raises:
         CostError: It has another shape, or NumPy would cut off the decimals.

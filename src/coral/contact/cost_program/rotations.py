@@ -1,4 +1,4 @@
-"""SciPy's Rotation: the parts of it that costs are written with. Its quaternions are (x, y, z, w)."""
+"""SciPy's Rotation: the subset that costs use. Its quaternions are (x, y, z, w)."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ def _quat(meter: Meter, value: Value) -> Quat:
 
 
 def from_quat(meter: Meter, quat: Value, scalar_first: Value = False) -> Value:
-    """A rotation of a quaternion, (x, y, z, w) unless scalar_first."""
+    """Make a rotation from a quaternion, (x, y, z, w) unless scalar_first."""
     return Rotation(normalised(meter, read_quat(meter, quat, _order(meter, scalar_first))))
 
 
 def from_angles(meter: Meter, seq: Value, angles: Value, degrees: Value = False) -> Value:
-    """A rotation of angles about fixed axes, "xyz", or about turning ones, "ZYX"; or about one axis."""
+    """Make a rotation from angles about fixed axes ("xyz"), rotating axes ("ZYX") or a single axis."""
     values = as_vector(meter, angles)
     if degrees is True:
         values = of_one("deg2rad")(meter, values)
@@ -65,7 +65,7 @@ def _check_sequence(meter: Meter, seq: Value) -> None:
 
 
 def from_rotvec(meter: Meter, rotvec: Value) -> Value:
-    """A rotation of its axis times its angle, rad."""
+    """Make a rotation from its axis times its angle, rad."""
     items = components(meter, rotvec)
     if len(items) != 3:
         raise meter.fault("wrong_size", f"a rotation vector has 3 components, not {len(items)}")
@@ -81,7 +81,7 @@ def from_rotvec(meter: Meter, rotvec: Value) -> Value:
 
 
 def identity(meter: Meter) -> Value:
-    """No rotation."""
+    """Return the identity rotation."""
     return Rotation((1.0, 0.0, 0.0, 0.0))
 
 
@@ -90,17 +90,17 @@ def _length(meter: Meter, items: tuple[Value, ...]) -> Value:
 
 
 def as_quat(meter: Meter, rotation: Value, scalar_first: Value = False) -> Value:
-    """Its quaternion, (x, y, z, w) unless scalar_first."""
+    """Return the quaternion, (x, y, z, w) unless scalar_first."""
     return write_quat(_quat(meter, rotation), _order(meter, scalar_first))
 
 
 def as_matrix(meter: Meter, rotation: Value) -> Value:
-    """Its matrix, three rows."""
+    """Return the rotation matrix, three rows."""
     return Vec(tuple(Vec(tuple(row)) for row in matrix(meter, _quat(meter, rotation))))
 
 
 def as_euler(meter: Meter, rotation: Value, seq: Value, degrees: Value = False) -> Value:
-    """Its angles about the fixed axes "xyz", or about the turning ones "ZYX"."""
+    """Return the angles about the fixed axes "xyz" or the rotating axes "ZYX"."""
     _check_sequence(meter, seq)
     angles: Value = euler(meter, _quat(meter, rotation))
     if degrees is True:
@@ -110,7 +110,7 @@ def as_euler(meter: Meter, rotation: Value, seq: Value, degrees: Value = False) 
 
 
 def as_rotvec(meter: Meter, rotation: Value) -> Value:
-    """Its axis times its angle, 0 to pi rad."""
+    """Return the axis times the angle, 0 to pi rad."""
     w, *axis = _quat(meter, rotation)
     sign = select(meter, scalar(meter, "<", w, 0.0), -1.0, 1.0)
     angle = magnitude(meter, rotation)
@@ -123,19 +123,19 @@ def as_rotvec(meter: Meter, rotation: Value) -> Value:
 
 
 def magnitude(meter: Meter, rotation: Value) -> Value:
-    """Its angle, 0 to pi rad."""
+    """Return the angle, 0 to pi rad."""
     w, *axis = _quat(meter, rotation)
     sine = _length(meter, tuple(axis))
     return scalar(meter, "*", 2.0, of_two("arctan2")(meter, sine, of_one("abs")(meter, w)))
 
 
 def inverse(meter: Meter, rotation: Value) -> Value:
-    """The reverse rotation."""
+    """Return the inverse rotation."""
     return Rotation(conjugate(meter, _quat(meter, rotation)))
 
 
 def apply(meter: Meter, rotation: Value, vectors: Value, inverse: Value = False) -> Value:
-    """A vector, or the rows of a matrix, turned."""
+    """Rotate a vector, or the rows of a matrix."""
     quat = _quat(meter, rotation)
     if inverse is True:
         quat = conjugate(meter, quat)
@@ -154,7 +154,7 @@ def _turned(meter: Meter, quat: Quat, value: Value) -> Value:
 
 
 def combined(meter: Meter, a: Value, b: Value) -> Value:
-    """`a * b`: rotation b followed by rotation a."""
+    """Compute `a * b`: rotation b followed by rotation a."""
     return Rotation(product(meter, _quat(meter, a), _quat(meter, b)))
 
 

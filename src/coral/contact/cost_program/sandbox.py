@@ -1,4 +1,4 @@
-"""The process that runs costs: it reads requests, evaluates programs over arrays in shared memory, and can do no more.
+"""The sandboxed process: it reads requests, evaluates programs over arrays in shared memory, and can do nothing else.
 
 Messages are JSON with their length before them, never pickles. Started by `worker.py` with the pipes as standard input
 and output; the arrays lie in a file without a name whose descriptor it inherits.
@@ -46,7 +46,7 @@ def state_cost(self):
 
 
 def read_message(descriptor: int) -> Request | None:
-    """The next message; None at the end of the stream."""
+    """Read the next message; None at the end of the stream."""
     head = _read(descriptor, HEADER.size)
     if head is None:
         return None
@@ -66,7 +66,7 @@ def _read(descriptor: int, size: int) -> bytes | None:
 
 
 def write_message(descriptor: int, message: Reply) -> None:
-    """Send one message."""
+    """Write one message."""
     body = json.dumps(message).encode()
     body = HEADER.pack(len(body)) + body
     while body:
@@ -74,7 +74,7 @@ def write_message(descriptor: int, message: Reply) -> None:
 
 
 def quantities(schema: dict[str, list[Any]]) -> dict[str, Quantity]:
-    """A schema from its message."""
+    """Decode a schema from its message."""
     return {
         name: Quantity(int(size), "", "", bool(truth), bool(constant))
         for name, (size, truth, constant) in schema.items()
@@ -82,14 +82,14 @@ def quantities(schema: dict[str, list[Any]]) -> dict[str, Quantity]:
 
 
 class Sandbox:
-    """The programs that were loaded, and the memory shared with the parent."""
+    """The loaded programs, and the memory shared with the parent."""
 
     def __init__(self, memory: NDArray[np.float64]) -> None:
         self.memory = memory
         self.programs: dict[int, CostProgram] = {}
 
     def answer(self, request: Request) -> Reply:
-        """The reply to one request; an error is a reply too."""
+        """Answer one request; an error is an answer too."""
         try:
             if request["op"] == "load":
                 return self._load(request)
@@ -103,7 +103,7 @@ class Sandbox:
 
     def _load(self, request: Request) -> Reply:
         program = CostProgram(request["source"], quantities(request["schema"]), limits=LimitsCfg(**request["limits"]))
-        dropped = list(self.programs)[: max(0, len(self.programs) + 1 - KEPT)]  # the longest unused
+        dropped = list(self.programs)[: max(0, len(self.programs) + 1 - KEPT)]  # least recently used
         for number in dropped:
             del self.programs[number]
         self.programs[int(request["id"])] = program
@@ -111,7 +111,7 @@ class Sandbox:
 
     def _run(self, request: Request) -> Reply:
         number = int(request["id"])
-        program = self.programs[number] = self.programs.pop(number)  # the last one used
+        program = self.programs[number] = self.programs.pop(number)  # most recently used
         values = {
             name: self._view(offset, [*([size] if size else []), *shape], bool(size))
             for name, offset, shape, size in request["inputs"]
@@ -149,7 +149,7 @@ class Sandbox:
 
 
 def _refuse_files(event: str, _: tuple[object, ...]) -> None:
-    """Refuse in Python what the filter would answer by ending the process.
+    """Refuse in Python the file access for which the filter would end the process.
 
     Python's parser looks for the file of a faulty program to quote its line, and swallows this error.
     """
@@ -158,7 +158,7 @@ def _refuse_files(event: str, _: tuple[object, ...]) -> None:
 
 
 def confine(headroom_bytes: int) -> bool:
-    """Give up what costs do not need; whether system calls are filtered too."""
+    """Drop all privileges that costs do not need; return whether system calls are filtered too."""
     filters = seccomp.available()
     with open("/proc/self/statm") as file:
         used = int(file.read().split()[0]) * resource.getpagesize()
@@ -185,7 +185,7 @@ def serve(answer: Callable[[Request], Reply]) -> None:
 
 
 def main() -> None:
-    """Entry of the process; its arguments are the descriptor of the shared memory, its size, and bytes it may use."""
+    """Run the process; its arguments are the descriptor and size of the shared memory, and the bytes it may use."""
     descriptor, size, headroom = (int(argument) for argument in sys.argv[1:4])
     shared = mmap.mmap(descriptor, size)
     os.close(descriptor)

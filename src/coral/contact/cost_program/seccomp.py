@@ -1,4 +1,4 @@
-"""A filter of system calls for the process that runs costs: it may compute, and talk through two open pipes."""
+"""A system-call filter for the sandbox: it may compute, and use two open pipes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PROT_EXEC = 4
 
 @dataclass(frozen=True)
 class Calls:
-    """Numbers of system calls on one kind of machine.
+    """System call numbers of one machine architecture.
 
     Args:
         arch: The kernel's number for it.
@@ -61,7 +61,7 @@ MACHINES = {
 
 
 def filter_program(calls: Calls) -> bytes:
-    """The filter as the kernel's instructions, 8 bytes each."""
+    """Assemble the filter as BPF instructions, 8 bytes each."""
     code: list[tuple[int, int, int, int]] = [
         (LOAD, 0, 0, ARCH_OFFSET),
         (JUMP_EQUAL, 1, 0, calls.arch),
@@ -99,14 +99,14 @@ class _Program(ctypes.Structure):
 
 
 def available() -> bool:
-    """Whether this machine is known and one thread runs, since the filter holds for the thread that installs it."""
+    """Check that the architecture is known and only one thread runs, since a filter binds only its own thread."""
     return (
         sys.platform.startswith("linux") and platform.machine() in MACHINES and len(os.listdir("/proc/self/task")) == 1
     )
 
 
 def install() -> bool:
-    """Put this process behind the filter, for good; whether the kernel could."""
+    """Install the filter for this process for good; return whether the kernel accepted it."""
     calls = MACHINES[platform.machine()]
     code = filter_program(calls)
     buffer = ctypes.create_string_buffer(code, len(code))

@@ -1,4 +1,4 @@
-"""Which containers share memory: a change of one in place would be seen through the others.
+"""Which containers share memory, so that an in-place change of one is visible through the others.
 
 Values of the interpreter never change; a change in place makes a new value for one name. That gives what Python gives
 as long as no second name sees the change, so every list, dict and array carries marks of the memory it stands for.
@@ -16,14 +16,14 @@ _numbers = count()
 
 
 def marks_of(value: Vec | Seq | DictValue) -> Marks:
-    """The memory that a container itself stands for; a container without marks gets one of its own."""
+    """Return the marks of the memory that a container stands for; a container without marks gets a new one."""
     if value.marks is None:
         value.marks = frozenset((next(_numbers),))
     return value.marks
 
 
 def memory(value: Value) -> Marks:
-    """All memory that a change of the value's own entries touches: of a matrix that of its rows, too."""
+    """Return the marks of all memory that an in-place change touches: for a matrix, also that of its rows."""
     if not isinstance(value, Vec | Seq | DictValue):
         return frozenset()
     found = marks_of(value)
@@ -33,10 +33,10 @@ def memory(value: Value) -> Marks:
 
 
 def view(items: tuple[Value, ...], *bases: Value, order: str = "") -> Vec:
-    """A vector that NumPy would make as a view of others."""
+    """Make a vector that NumPy would make as a view of others."""
     return Vec(items, order, frozenset().union(*(memory(base) for base in bases)))
 
 
 def renewed(value: Value) -> Value:
-    """The same numbers in memory of their own."""
+    """Return the same numbers in memory of their own."""
     return Vec(tuple(renewed(item) for item in value.items), value.order) if isinstance(value, Vec) else value

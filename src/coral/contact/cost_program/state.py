@@ -1,4 +1,4 @@
-"""What `self` answers: the quantities of the schema, and the names of the paper's PyBullet environment for them."""
+"""What `self` provides: the quantities of the schema, and their names in the paper's PyBullet environment."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ NOT_THINGS = ("hand", "left", "right")
 
 
 def objects_of(names: Collection[str]) -> list[str]:
-    """The movable objects among the names of quantities."""
+    """Return the movable objects among the names of quantities."""
     return [
         name.removesuffix("_quat")
         for name in names
@@ -64,15 +64,15 @@ class StateSpace:
                 self.bodies[name + ending] = body
 
     def available(self) -> list[str]:
-        """Everything that can be read by its plain name."""
+        """Return every name that can be read."""
         return sorted(self.schema)
 
     def has(self, name: str) -> bool:
-        """Whether `self.name` can be read."""
+        """Check whether `self.name` can be read."""
         return bool(self.quantities(name)) or name in self.bodies or name in HANDLES
 
     def quantities(self, name: str) -> list[str]:
-        """Quantities of the schema that `self.name` is answered from."""
+        """Return the quantities of the schema that `self.name` is computed from."""
         if name in self.schema:
             return [name]
         if name.endswith("_ori") and f"{name.removesuffix('_ori')}_quat" in self.schema:
@@ -82,7 +82,7 @@ class StateSpace:
         return []
 
     def read(self, meter: Meter, name: str) -> Value:
-        """The value of `self.name`.
+        """Return the value of `self.name`.
 
         Raises:
             CostError: There is no such name.
@@ -108,7 +108,7 @@ class StateSpace:
         raise self.unknown(meter, name)
 
     def unknown(self, meter: Meter, name: str) -> Exception:
-        """The error for a name that `self` does not have."""
+        """Make the error for a name that `self` does not have."""
         return meter.fault(
             "unknown_state",
             f"the state has no {name!r}{nearest(name, self.schema)}; it has {', '.join(self.available())}",
@@ -124,14 +124,14 @@ class StateSpace:
         return Vec(parts, "wxyz" if name.endswith("_quat") else "", self._marks(meter, name))
 
     def _marks(self, meter: Meter, name: str) -> Marks:
-        """One memory for all that is read of a quantity: two names of it cannot be told apart when one changes."""
+        """Return one mark for everything read from a quantity: its names must not diverge when one of them changes."""
         key = f"memory of {name}"
         if key not in meter.cache:
             meter.cache[key] = marks_of(Vec(()))
         return cast(Marks, meter.cache[key])
 
     def _components(self, meter: Meter, name: str) -> tuple[Value, ...]:
-        """Contiguous arrays, one per component: the same memory layout for every batch, so the same rounding."""
+        """Return contiguous arrays, one per component: the same memory layout for every batch, so the same rounding."""
         quantity = self.schema[name]
         if name not in meter.context:
             raise meter.fault("missing_state", f"the batch lacks {name}")

@@ -1,4 +1,4 @@
-"""Running statements: both branches of an `if` that depends on the state are run, and joined state by state."""
+"""Running statements: both branches of an `if` that depends on the state are run, then merged state by state."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from coral.contact.cost_program.values import Module, Value
 
 
 def run_block(machine: Machine, body: list[ast.stmt]) -> bool:
-    """Run statements; whether some state reaches their end.
+    """Run statements; return whether some state reaches their end.
 
     Raises:
         CostError: One of them cannot be run.
@@ -46,7 +46,7 @@ def _expression(machine: Machine, node: Any) -> bool:
 
 
 def _is_print(machine: Machine, node: ast.Call) -> bool:
-    """Whether it is Python's print, which is not run: neither are its arguments.
+    """Check for Python's print, which is skipped together with its arguments.
 
     Raises:
         CostError: An argument could change something.
@@ -63,7 +63,7 @@ def _is_print(machine: Machine, node: ast.Call) -> bool:
 
 
 def _try(machine: Machine, node: Any) -> bool:
-    """The body and its `else`. Nothing here raises what a handler could catch; see `expressions.guard`."""
+    """Run the body and its `else`. Nothing here raises what a handler could catch; see `expressions.guard`."""
     if node.finalbody:
         raise machine.meter.fault("not_allowed", "a cost has no finally; write its lines after the try")
     machine.guarded += 1
@@ -119,7 +119,7 @@ def _define(machine: Machine, node: Any) -> bool:
 
 
 def own_names(body: list[ast.stmt]) -> frozenset[str]:
-    """Names that a function sets, not counting those of functions and comprehensions inside it."""
+    """Return the names that a function sets, excluding functions and comprehensions inside it."""
     found: set[str] = set()
     pending: list[ast.AST] = list(body)
     while pending:

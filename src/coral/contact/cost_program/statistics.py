@@ -1,4 +1,4 @@
-"""Figures of many numbers: spread, order, sums along a vector, tables to look up."""
+"""Statistics of vectors: variance, sorting, cumulative sums, interpolation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from coral.contact.cost_program.values import Number, Seq, Value, Vec, is_matrix
 
 
 def variance(meter: Meter, a: Value, axis: Value = None, ddof: Value = 0, keepdims: Value = False) -> Value:
-    """Mean square distance from the mean."""
+    """Compute the mean squared distance from the mean."""
     value = as_vector(meter, a)
     if not isinstance(ddof, int) or not 0 <= ddof <= 1:
         raise meter.fault("wrong_call", "ddof is 0 or 1")
@@ -36,12 +36,12 @@ def _variance(meter: Meter, items: tuple[Value, ...], ddof: int) -> Value:
 
 
 def deviation(meter: Meter, a: Value, axis: Value = None, ddof: Value = 0, keepdims: Value = False) -> Value:
-    """Standard deviation."""
+    """Compute the standard deviation."""
     return each(meter, lambda item: root(meter, item), variance(meter, a, axis, ddof, keepdims))
 
 
 def average(meter: Meter, a: Value, axis: Value = None, weights: Value = None) -> Value:
-    """Mean of a vector, weighted or not."""
+    """Compute the mean of a vector, weighted or not."""
     items = flat(meter, a)
     if not is_one_of(axis, (None, 0, -1)) or is_matrix(as_vector(meter, a)):
         raise meter.fault("wrong_call", "average takes a vector; use mean along an axis")
@@ -55,7 +55,7 @@ def average(meter: Meter, a: Value, axis: Value = None, weights: Value = None) -
 
 
 def in_order(meter: Meter, items: tuple[Value, ...]) -> tuple[Value, ...]:
-    """Numbers in ascending order, state by state."""
+    """Sort numbers in ascending order, state by state."""
     numbers = [scalar(meter, "+", item, 0) for item in items]
     if not any(isinstance(item, np.ndarray) for item in numbers):
         return tuple(sorted(cast(list[float], numbers)))
@@ -65,7 +65,7 @@ def in_order(meter: Meter, items: tuple[Value, ...]) -> tuple[Value, ...]:
 
 
 def sorted_list(meter: Meter, iterable: Value, reverse: Value = False) -> Value:
-    """Python's sorted, of numbers or of constant texts."""
+    """Evaluate Python's sorted on numbers or on constant texts."""
     if not isinstance(reverse, bool):
         raise meter.fault("not_fixed", "reverse is True or False")
     items = entries(meter, iterable)
@@ -77,12 +77,12 @@ def sorted_list(meter: Meter, iterable: Value, reverse: Value = False) -> Value:
 
 
 def sort(meter: Meter, a: Value) -> Value:
-    """np.sort of a vector."""
+    """Evaluate np.sort on a vector."""
     return Vec(in_order(meter, components(meter, a)))
 
 
 def median(meter: Meter, a: Value) -> Value:
-    """The middle number, or the mean of the two in the middle."""
+    """Return the middle number, or the mean of the two middle ones."""
     items = in_order(meter, flat(meter, a))
     if not items:
         raise meter.fault("wrong_size", "median of nothing")
@@ -93,7 +93,7 @@ def median(meter: Meter, a: Value) -> Value:
 
 
 def cumulated(meter: Meter, a: Value) -> Value:
-    """np.cumsum of a vector."""
+    """Evaluate np.cumsum on a vector."""
     items = components(meter, a)
     found: list[Value] = []
     for item in items:
@@ -102,13 +102,13 @@ def cumulated(meter: Meter, a: Value) -> Value:
 
 
 def differences(meter: Meter, a: Value) -> Value:
-    """np.diff of a vector: each number less the one before it."""
+    """Evaluate np.diff on a vector: each number minus the one before it."""
     items = components(meter, a)
     return Vec(tuple(binary(meter, "-", y, x) for x, y in pairwise(items)))
 
 
 def interpolated(meter: Meter, x: Value, xp: Value, fp: Value) -> Value:
-    """np.interp: piecewise linear between constant points."""
+    """Evaluate np.interp: piecewise linear between constant points."""
     knots, heights = components(meter, xp), components(meter, fp)
     if not all(isinstance(item, int | float) for item in (*knots, *heights)):
         raise meter.fault("not_fixed", "the points of np.interp are constants; use np.clip and a straight line instead")
@@ -125,7 +125,7 @@ def interpolated(meter: Meter, x: Value, xp: Value, fp: Value) -> Value:
 
 
 def chosen(meter: Meter, condlist: Value, choicelist: Value, default: Value = 0) -> Value:
-    """np.select: the choice of the first condition that holds."""
+    """Evaluate np.select: the choice of the first condition that holds."""
     conditions, choices = entries(meter, condlist), entries(meter, choicelist)
     if len(conditions) != len(choices) or not conditions:
         raise meter.fault("wrong_size", f"{len(conditions)} conditions and {len(choices)} choices do not match")
@@ -142,7 +142,7 @@ def _constant(meter: Meter, value: Value) -> float:
 
 
 def arange(meter: Meter, *values: Value) -> Value:
-    """np.arange of constants."""
+    """Evaluate np.arange with constant arguments."""
     numbers = [_constant(meter, value) for value in values]
     if not 1 <= len(numbers) <= 3 or (len(numbers) == 3 and numbers[2] == 0):
         raise meter.fault("wrong_call", "arange takes one to three numbers, the step not 0")
@@ -153,14 +153,14 @@ def arange(meter: Meter, *values: Value) -> Value:
 
 
 def linspace(meter: Meter, start: Value, stop: Value, num: Value = 50) -> Value:
-    """np.linspace of constants."""
+    """Evaluate np.linspace with constant arguments."""
     if not isinstance(num, int) or not 0 <= num <= meter.cfg.items:
         raise meter.fault("not_fixed", f"linspace takes a constant count up to {meter.cfg.items}")
     return Vec(tuple(np.linspace(_constant(meter, start), _constant(meter, stop), num).tolist()))
 
 
 def hypotenuse(meter: Meter, *values: Value) -> Value:
-    """math.hypot of any count of numbers."""
+    """Evaluate math.hypot with any number of arguments."""
     found: Value = 0.0
     for value in values:
         meter.made()

@@ -16,7 +16,7 @@ Index = int | slice | tuple[int, ...] | str | EllipsisType | None
 
 
 def subscript(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate) -> Value:
-    """`base[node]`.
+    """Evaluate `base[node]`.
 
     Raises:
         CostError: There is no such entry, or the index depends on the state.
@@ -42,7 +42,7 @@ def subscript(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate)
 
 
 def _entries(machine: Machine, base: Vec, axes: list[Index]) -> Value:
-    """What the indices of one or two axes pick."""
+    """Return the entries that the indices of one or two axes select."""
     if not axes:
         return base
     first = axes[0]
@@ -73,12 +73,12 @@ def _with_new_axes(machine: Machine, found: Value, kept: list[str]) -> Value:
 
 
 def depth(value: Value) -> int:
-    """Axes of an array."""
+    """Count the axes of an array."""
     return 2 if is_matrix(value) else 1
 
 
 def index_key(machine: Machine, table: DictValue, node: ast.expr, evaluate: Evaluate) -> Value:
-    """The key that a node stands for.
+    """Evaluate a node as a dict key.
 
     Raises:
         CostError: It is not a constant text or whole number.
@@ -92,7 +92,7 @@ def index_key(machine: Machine, table: DictValue, node: ast.expr, evaluate: Eval
 
 
 def indices(machine: Machine, base: Vec, node: ast.expr, evaluate: Evaluate) -> list[Index]:
-    """The index of each axis, `...` replaced by what it stands for, None for each new axis.
+    """Evaluate the index of each axis, with `...` expanded and None for each new axis.
 
     Raises:
         CostError: There are more than the array has axes.
@@ -112,7 +112,7 @@ def indices(machine: Machine, base: Vec, node: ast.expr, evaluate: Evaluate) -> 
 
 
 def index(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate) -> Index:
-    """The index that a node stands for.
+    """Evaluate a node as an index.
 
     Raises:
         CostError: It depends on the state.
@@ -175,7 +175,7 @@ def _picked(machine: Machine, base: Value, where: Index) -> Value:
 
 
 def entry(machine: Machine, base: Vec | Seq, i: int) -> Value:
-    """The entry of a number, counted from the end when negative.
+    """Resolve the index of an entry; negative ones count from the end.
 
     Raises:
         CostError: There is none.

@@ -1,4 +1,4 @@
-"""The addends of a scalar cost, so that `cost += ...` can be reported and drawn term by term.
+"""The addends of a scalar cost, so that `cost += ...` can be reported and plotted term by term.
 
 Beside the cost itself, which is computed exactly as Python would, a ledger keeps what each statement added. The terms
 add up to the cost but for rounding, and exactly where each statement runs once.
@@ -20,7 +20,7 @@ LEDGER = "terms of "
 
 
 def summed_variables(entry: ast.FunctionDef) -> frozenset[str]:
-    """Variables of the cost function whose addends become terms: what it returns, and what it adds that up from."""
+    """Find the variables whose addends become terms: those that are returned, and those they are summed from."""
     augmented = {
         node.target.id
         for node in ast.walk(entry)
@@ -52,7 +52,7 @@ def summed_variables(entry: ast.FunctionDef) -> frozenset[str]:
 
 
 def addends(node: ast.expr) -> list[ast.expr]:
-    """The parts of a sum, looking through signs and float(...)."""
+    """Split a sum into its addends, looking through signs and float(...)."""
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
         parts: list[ast.expr] = []
         rest: ast.expr = node
@@ -67,7 +67,7 @@ def addends(node: ast.expr) -> list[ast.expr]:
 
 
 def _converted(node: ast.expr) -> ast.expr | None:
-    """The argument of float(x) or np.float64(x)."""
+    """Return the argument of float(x) or np.float64(x)."""
     if isinstance(node, ast.Call) and len(node.args) == 1 and not node.keywords:
         name = (
             node.func.id
@@ -80,7 +80,7 @@ def _converted(node: ast.expr) -> ast.expr | None:
 
 
 def evaluate_sum(machine: Machine, node: ast.expr, variable: str) -> tuple[Value, DictValue | None]:
-    """A value together with its addends by name; None for the addends of what is no number.
+    """Evaluate a sum together with its addends by name; the addends are None if the value is not a number.
 
     Args:
         machine: The evaluation.
@@ -138,7 +138,7 @@ def _leaf(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple
 
 
 def ledger_of(machine: Machine, node: ast.expr, value: Value, variable: str, whole: bool) -> DictValue | None:
-    """The ledger of a single addend; a constant zero adds nothing."""
+    """Make the ledger of a single addend; a constant zero adds nothing."""
     if not isinstance(value, NUMBER):
         return None
     if isinstance(value, int | float) and value == 0:
@@ -147,7 +147,7 @@ def ledger_of(machine: Machine, node: ast.expr, value: Value, variable: str, who
 
 
 def _summed_table(machine: Machine, node: ast.expr) -> DictValue | None:
-    """The dict of `sum(terms.values())`, whose entries have names already."""
+    """Return the dict of `sum(terms.values())`, whose entries already have names."""
     if not (
         isinstance(node, ast.Call)
         and isinstance(node.func, ast.Name)
@@ -180,7 +180,7 @@ def _joined(machine: Machine, ledger: DictValue | None, more: DictValue | None, 
 
 
 def added(machine: Machine, variable: str, node: ast.expr, value: Value, minus: bool) -> None:
-    """Enter what `variable += node` adds."""
+    """Record the addends of `variable += node`."""
     before = machine.frame.variables.get(LEDGER + variable)
     more = ledger_of(machine, node, value, variable, True)
     joined = _joined(machine, before if isinstance(before, DictValue) else None, more, minus)
@@ -188,5 +188,5 @@ def added(machine: Machine, variable: str, node: ast.expr, value: Value, minus: 
 
 
 def forgotten(machine: Machine, variable: str) -> None:
-    """The variable changed in another way than by adding: its value is one term from now on."""
+    """Forget the addends of a variable that changed other than by adding: its value becomes a single term."""
     machine.frame.variables[LEDGER + variable] = None

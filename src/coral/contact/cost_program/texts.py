@@ -1,4 +1,4 @@
-"""Texts: the keys of terms, put together from constants."""
+"""Texts: the keys of terms, built from constants."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SPEC = re.compile(r"[<>^]?[+ ]?0?[0-9]{0,2}(\.[0-9])?[dfegs%]?")
 
 
 def joined_text(meter: Meter, parts: list[Value]) -> str:
-    """Texts one after the other.
+    """Join texts.
 
     Raises:
         CostError: The result is too long.
@@ -24,7 +24,7 @@ def joined_text(meter: Meter, parts: list[Value]) -> str:
 
 
 def formatted(meter: Meter, value: Value, conversion: int, spec: Value) -> str:
-    """A constant inside an f-string.
+    """Format a constant inside an f-string.
 
     Raises:
         CostError: It depends on the state, or cannot be written in this way.

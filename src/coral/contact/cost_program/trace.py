@@ -1,4 +1,4 @@
-"""What a traced evaluation notes for the checks: every distance taken, and where a value stopped being finite."""
+"""Record of a traced evaluation: every distance computed, and the place where a value stopped being finite."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Distance:
-    """One length of a vector that the program took.
+    """One vector length that the program computed.
 
     Args:
         line: Line of the call.
@@ -29,7 +29,7 @@ class Distance:
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """Terms of a batch with the distances that the program took."""
+    """The terms of a batch, with the distances that the program computed."""
 
     terms: Terms
     distances: list[Distance]
@@ -37,7 +37,7 @@ class Traced:
 
 @dataclass
 class Trace:
-    """Notes of one evaluation.
+    """Record of one evaluation.
 
     Args:
         zeroed: Number of the distance to answer with 0 instead, as if the hand were at its target; -1 for none.
@@ -50,7 +50,7 @@ class Trace:
     lost: tuple[int, str] | None = None
 
     def distance(self, line: int, vector: tuple[object, ...], value: object) -> object:
-        """Note one; returns the value to go on with."""
+        """Record a distance; return the value to continue with."""
         parts = tuple(np.atleast_2d(np.asarray(item, dtype=np.float64)) for item in vector)
         self.distances.append(Distance(line, parts, np.atleast_2d(np.asarray(value, dtype=np.float64))))
         return 0.0 if self.zeroed == len(self.distances) - 1 else value

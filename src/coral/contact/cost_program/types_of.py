@@ -1,4 +1,4 @@
-"""isinstance: what a value is in Python."""
+"""isinstance: the Python type of a value."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ OF_NUMPY = ("np.floating", "np.number", "np.float64")
 
 
 def is_instance(meter: Meter, obj: Value, class_or_tuple: Value) -> Value:
-    """Python's isinstance, of a type or a tuple of types.
+    """Evaluate Python's isinstance, for a type or a tuple of types.
 
     Raises:
         CostError: It would depend on how the state is stored.
@@ -43,7 +43,7 @@ def _certain(value: Value) -> set[str]:
 
 
 def _unsure(value: Value) -> set[str]:
-    """Types that the value may have in Python although nothing here tells."""
+    """Return the types that the value may have in Python but that cannot be decided here."""
     if isinstance(value, np.ndarray):
         return {"int", "bool"} if value.dtype == np.bool_ else {"int"}
     return {*OF_NUMPY, "int"} if isinstance(value, int | float) else set()

@@ -1,4 +1,4 @@
-"""The values a cost program can hold: a closed set, so that nothing else can be reached from inside it.
+"""The values that a cost program can hold: a closed set, so that nothing else can be reached from inside it.
 
 A number is a Python number, or an array of one number per state, Shape=(K, H). A vector is a tuple of numbers, never an
 array with one more axis, so that code written for one state runs on a batch without any guess about axes.
@@ -23,7 +23,7 @@ NUMBER = (bool, int, float, np.ndarray)
 
 
 class Vec:
-    """A vector, or a matrix as a vector of rows: what numpy calls an array.
+    """A vector, or a matrix as a vector of rows: what NumPy calls an array.
 
     Args:
         items: Numbers, or vectors of one length.
@@ -38,7 +38,7 @@ class Vec:
 
 
 class Seq:
-    """A list, or another thing to loop over.
+    """A list, or another iterable.
 
     Args:
         items: What it holds.
@@ -54,7 +54,7 @@ class Seq:
 
 
 class DictValue:
-    """A dict with texts or whole numbers as keys.
+    """A dict with texts or integers as keys.
 
     Args:
         items: What it holds.
@@ -82,46 +82,46 @@ class Partial:
 
 @dataclass(frozen=True, eq=False)
 class Poison:
-    """A value that cannot be used, and why."""
+    """A value that cannot be used, with the reason."""
 
     reason: str
 
 
 @dataclass(frozen=True, eq=False)
 class BodyHandle:
-    """What PyBullet calls a body id, or another handle of the simulator: `hand`, an object, a fixture, or `other`."""
+    """A PyBullet body id, or another handle of the simulator: `hand`, an object, a fixture, or `other`."""
 
     name: str
 
 
 @dataclass(frozen=True, eq=False)
 class Rotation:
-    """A rotation of SciPy's, as a unit quaternion of four numbers (w, x, y, z)."""
+    """A SciPy rotation, as a unit quaternion of four numbers (w, x, y, z)."""
 
     quat: tuple[Value, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class ContactList:
-    """A list of contact points of which only its being empty or not is known."""
+    """A list of contact points, of which only emptiness is known."""
 
     touching: Mask
 
 
 @dataclass(frozen=True, eq=False)
 class Module:
-    """`np`, `math`, `p` or one of their parts."""
+    """The module `np`, `math` or `p`, or a part of one."""
 
     name: str
 
 
 class State:
-    """What `self` is."""
+    """The object `self`."""
 
 
 @dataclass(frozen=True, eq=False)
 class Builtin:
-    """A function of the language.
+    """A built-in function of the language.
 
     Args:
         name: Its name.
@@ -173,7 +173,7 @@ SEQ_WORDS = {
 
 
 def kind(value: Value) -> str:
-    """The word for a value in an error."""
+    """Return the word for a value in an error message."""
     if isinstance(value, np.ndarray):
         return "a truth value" if value.dtype == np.bool_ else "a number"
     if isinstance(value, bool):
@@ -202,17 +202,17 @@ def kind(value: Value) -> str:
 
 
 def is_one_of(value: Value, options: tuple[Value, ...]) -> bool:
-    """Whether a constant is one of some; a number of the state is none of them."""
+    """Check whether a constant equals one of several; a number that depends on the state equals none."""
     return (value is None or isinstance(value, int | float | str)) and value in options
 
 
 def is_matrix(value: Value) -> bool:
-    """Whether it is a vector of vectors."""
+    """Check whether the value is a vector of vectors."""
     return isinstance(value, Vec) and bool(value.items) and isinstance(value.items[0], Vec)
 
 
 def weight(value: Value, cap: int) -> int:
-    """Entries of a container, nested ones counted, up to a little above `cap`."""
+    """Count the entries of a container, nested ones included, up to slightly above `cap`."""
     total = 1
     items: tuple[Value, ...] = ()
     if isinstance(value, Vec | Seq):
@@ -227,7 +227,7 @@ def weight(value: Value, cap: int) -> int:
 
 
 def bounded(meter: Meter, value: Value) -> Value:
-    """The container itself.
+    """Return the container after checking its size.
 
     Raises:
         CostError: It holds more than the limit.

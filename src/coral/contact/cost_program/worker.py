@@ -1,4 +1,4 @@
-"""Costs in a process of their own: a program that hangs, swells or breaks out takes only that process down."""
+"""Costs in a separate process: a program that hangs, exhausts memory or breaks out takes down only that process."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from coral.errors import InputError
 
 START = "from coral.contact.cost_program.sandbox import main; main()"
 ALLOW_UNFILTERED = "CORAL_ALLOW_UNFILTERED_COSTS"
-KEPT_ENVIRONMENT = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # nothing else: keys of model providers stay outside
+KEPT_ENVIRONMENT = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # nothing else, so that API keys stay outside
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,11 +86,11 @@ class CostWorker:
 
     @property
     def pid(self) -> int | None:
-        """Process id, None while none runs."""
+        """Process id, None if it is not running."""
         return self._process.pid if self._process else None
 
     def load(self, source: str, schema: Schema, name: str = "program") -> WorkerCost:
-        """A program, checked and ready.
+        """Load and check a program.
 
         Raises:
             CostError: The text is no program of the accepted language.
@@ -172,7 +172,7 @@ class CostWorker:
                 raise CostError("killed", "the process of the cost answered nonsense and was killed") from None
 
     def _taken(self, cost: WorkerCost, reply: Reply, offset: int, shape: tuple[int, int]) -> Traced:
-        """The answer, checked: a process that was taken over could say anything."""
+        """Check an answer: a compromised process could send anything."""
         names = list(reply["terms"])
         if not 0 < len(names) <= self.cfg.limits.terms or not all(map(is_term_name, names)):
             raise ValueError("terms")
@@ -248,7 +248,7 @@ class CostWorker:
             )
 
     def check(self) -> bool:
-        """Whether its process starts and system calls are filtered on this machine."""
+        """Check whether the process starts and whether system calls are filtered on this machine."""
         with self._lock, contextlib.suppress(InputError, CostError, OSError):
             self._start()
         return self.filtered
@@ -276,7 +276,7 @@ class CostWorker:
         return reply
 
     def _told(self, error: Any) -> CostError:
-        """The error that the process tells of."""
+        """Make the exception for an error that the process reports."""
         try:
             code, text, line, shown = error
             return CostError(code if code in CODES else "internal", str(text), int(line), str(shown)[:200])
@@ -327,7 +327,7 @@ class CostWorker:
 
 
 class WorkerCost:
-    """A cost program that lives in a worker. It satisfies `coral.contact.cost.context.Cost`.
+    """A cost program loaded in a worker. It satisfies `coral.contact.cost.context.Cost`.
 
     Args:
         worker: Its process.
@@ -345,7 +345,7 @@ class WorkerCost:
         self.lines: dict[str, int] = {}
 
     def __call__(self, state: Context) -> Terms:
-        """The terms of every state, each Shape=(K, H).
+        """Return the terms of every state, each Shape=(K, H).
 
         Raises:
             CostError: It cannot be evaluated, is not finite, or took its process down.
@@ -356,7 +356,7 @@ class WorkerCost:
         return terms
 
     def trace(self, state: Context, zeroed: int = -1) -> Traced:
-        """The terms with the distances taken on the way.
+        """Return the terms and the distances that were computed.
 
         Args:
             state: A small batch.
@@ -368,17 +368,17 @@ class WorkerCost:
         return self.worker.run(self, state, zeroed)
 
     def line(self, number: int) -> str:
-        """The text of a line."""
+        """Return the text of a line."""
         lines = self.source.split("\n")
         return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
 
     def term_line(self, term: str) -> int:
-        """The line that a term of a sum comes from; 0 where it is not known."""
+        """Return the line that a term of a sum comes from; 0 if unknown."""
         return self.lines.get(term, 0)
 
 
 def _unnamed_file(size: int) -> int:
-    """Descriptor of a file in memory that has no name."""
+    """Return the descriptor of an unnamed file in memory."""
     if hasattr(os, "memfd_create"):
         descriptor = os.memfd_create("coral-cost")
     else:
@@ -389,7 +389,7 @@ def _unnamed_file(size: int) -> int:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """Kill the process and take it off the system's list."""
+    """Kill the process and reap it."""
     with contextlib.suppress(OSError):
         process.kill()
     with contextlib.suppress(subprocess.TimeoutExpired):
