@@ -226,13 +226,17 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
 
 
 def _inspected(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """The tile of what was inspected; none for a run that was not judged."""
+    """The tiles of what was inspected and of standing still; none for a run that was not judged."""
     share, soon, ratio = (metrics.get(key) for key in ("inspected", "time_to_90_s", "oracle_ratio_90"))
     if not isinstance(share, int | float):
         return []
     remark = "90 % not reached" if soon is None else f"90 % at {clock(float(soon))}"
     remark += f", {ratio:.1f} × oracle" if isinstance(ratio, int | float) else ""
-    return [(f"{share:.0%}", remark, "inspected", "")]
+    tiles = [(f"{share:.0%}", remark, "inspected", "")]
+    idle = metrics.get("idle_fraction")
+    if isinstance(idle, int | float):
+        tiles.append((f"{idle:.0%}", "of the time, below 0.05 m/s", "standing still", ""))
+    return tiles
 
 
 def _each(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
