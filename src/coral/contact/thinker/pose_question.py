@@ -49,7 +49,7 @@ class PosesAnswer(RootModel[dict[str, ObjectPose]]):
     """Poses by the objects' names."""
 
     def bodies(self, facts: PoseFacts) -> dict[str, BodyState]:
-        """As an observation holds them, at rest: positions of the frames' origins, no longer of the boxes' centres."""
+        """Convert to an observation's bodies at rest, with positions at the frames' origins instead of box centres."""
         found = {}
         for name, one in self.root.items():
             quaternion = np.array(one.quaternion) / np.linalg.norm(one.quaternion)
