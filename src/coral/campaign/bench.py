@@ -1,4 +1,4 @@
-"""What the bench commands of both applications share: digests of conditions, flags, executors, tables as JSON."""
+"""Shared by the bench commands of both applications: digests of conditions, flags, executors, tables as JSON."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from coral.campaign.table import Table
 
 
 def digest(content: Any) -> str:
-    """Twelve hexadecimal digits that tell contents apart."""
+    """Return twelve hexadecimal digits that identify contents."""
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:12]
 
 
 def changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
-    """Dotted keys, after a prefix, and values in which a configuration differs from the default."""
+    """Return dotted keys, after a prefix, and values in which a configuration differs from the default."""
     found: list[tuple[str, Any]] = []
     for key, value in now.items():
         if isinstance(value, Mapping) and isinstance(default.get(key), Mapping):
@@ -29,7 +29,7 @@ def changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str) -> 
 
 
 def make_executor(kind: str, jobs: int, address: str) -> Executor:
-    """Where episodes run: "local", processes of this machine; "ray", a cluster."""
+    """Make the executor: "local", processes of this machine; "ray", a cluster."""
     if kind == "ray":
         from coral.campaign.cluster import RayExecutor
 
@@ -38,7 +38,7 @@ def make_executor(kind: str, jobs: int, address: str) -> Executor:
 
 
 def table_json(table: Table) -> dict[str, Any]:
-    """A table as plain values, its rows by column name."""
+    """Return a table as plain values, its rows by column name."""
     return {
         "name": table.name,
         "caption": table.caption,
@@ -47,5 +47,5 @@ def table_json(table: Table) -> dict[str, Any]:
 
 
 def _unique(header: Sequence[str]) -> list[str]:
-    """Column names, a `paper` column named after the one that it stands beside."""
+    """Make column names unique: a `paper` column is named after its neighbour."""
     return [f"{header[k - 1]}, paper" if label == "paper" else label for k, label in enumerate(header)]

@@ -1,4 +1,4 @@
-"""Running a campaign: what is still to do goes to the executor, what comes back goes to the store."""
+"""Running a campaign: pending episodes go to the executor, outcomes go to the store."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from coral.errors import RunError
 
 @dataclass(frozen=True)
 class Summary:
-    """What a call of `run_campaign` found and did."""
+    """Summary of a call of `run_campaign`."""
 
     wanted: int
     """Episodes of this grid."""
@@ -42,7 +42,7 @@ def run_campaign(
     first: Callable[[Spec], float] | None = None,
     progress: CampaignProgress | None = None,
 ) -> Summary:
-    """Run what is not recorded yet. The store must be locked and opened.
+    """Run the episodes that are not recorded yet. The store must be locked and opened.
 
     Args:
         store: Where results go.
@@ -89,7 +89,7 @@ def _check_version(outcome: EpisodeOutcome, mix: bool) -> None:
 
 
 def _measured(store: Store) -> Callable[[Spec], float]:
-    """Mean time of the recorded episodes of the same variant and world, then variant, then of all alike."""
+    """Return the mean time of recorded episodes of the same variant and world, else variant, else of all."""
     times: Mapping[tuple[str, ...], list[float]] = defaultdict(list)
     for record in store.records():
         seconds = record["about"].get("episode_wall_s")

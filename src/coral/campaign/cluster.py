@@ -1,4 +1,4 @@
-"""Episodes on a Ray cluster: no shared disk needed, nodes may come, go and die."""
+"""Episodes on a Ray cluster without a shared disk, whose nodes may come, go and die."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class RayExecutor:
     """
 
     def __init__(self, address: str) -> None:
-        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # this program reports to nobody
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # no usage reports
         os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
         try:
             import ray
@@ -59,7 +59,7 @@ class RayExecutor:
     def run(self, episode: Episode, tasks: Sequence[EpisodeTask]) -> Iterator[EpisodeOutcome]:
         """Yield each task's outcome as it comes (see `Executor`)."""
         ray = self._ray
-        # Retries are counted here and not by Ray, so that the record can tell how often an episode was tried.
+        # Retries are counted here, not by Ray, so that the record holds the number of attempts.
         remote = ray.remote(num_cpus=1, max_retries=0, runtime_env={"env_vars": ONE_THREAD})(_perform_there)
         shared = ray.put(episode)
         queue = deque((task, 1) for task in tasks)
@@ -99,7 +99,7 @@ class RayExecutor:
 
 
 def _knock(address: str) -> None:
-    """Find out quickly whether anything listens; Ray itself keeps trying for minutes."""
+    """Check quickly whether anything listens; Ray itself keeps trying for minutes."""
     host, separator, port = address.removeprefix("ray://").rpartition(":")
     if not separator and address == "auto":
         return
@@ -112,7 +112,7 @@ def _knock(address: str) -> None:
 
 
 def _perform_there(episode: Episode, spec: Any) -> tuple[EpisodeOutcome, bytes]:
-    """The Ray task: run in a folder of the node, return what was written there along with the outcome."""
+    """Run the Ray task in a folder of the node; return the files written there along with the outcome."""
     import ray
 
     with tempfile.TemporaryDirectory(prefix="coral-") as folder:
@@ -123,7 +123,7 @@ def _perform_there(episode: Episode, spec: Any) -> tuple[EpisodeOutcome, bytes]:
 
 
 def pack(folder: Path) -> bytes:
-    """The files of a folder as a compressed archive; empty when there is no such folder."""
+    """Pack the files of a folder into a compressed archive; empty if there is no such folder."""
     if not folder.is_dir():
         return b""
     buffer = io.BytesIO()
@@ -133,7 +133,7 @@ def pack(folder: Path) -> bytes:
 
 
 def unpack(files: bytes, folder: Path) -> None:
-    """Replace a folder by what `pack` made."""
+    """Replace a folder with the content of an archive made by `pack`."""
     shutil.rmtree(folder, ignore_errors=True)
     if files:
         folder.mkdir(parents=True)

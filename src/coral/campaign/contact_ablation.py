@@ -21,7 +21,7 @@ HEADER = ("", "success", "steps", "path (m)", "first touch (s)", "planning cost"
 
 
 def ablations(rows: Sequence[Row], command: str) -> list[Table]:
-    """A table for each task, evaluation world and advisor that was run both with and without a contact strategy.
+    """Make a table for each task, evaluation world and advisor that ran both with and without a contact strategy.
 
     Args:
         rows: Of the data set.
@@ -33,7 +33,7 @@ def ablations(rows: Sequence[Row], command: str) -> list[Table]:
 
 
 def chosen(rows: Sequence[Row], task: str, place: str, advisor: str) -> dict[str, list[Row]]:
-    """Finished trials by variant, of the seeds that all of them have: a comparison in pairs."""
+    """Select finished trials by variant, of the seeds that all variants have: a paired comparison."""
     own = [
         row
         for row in rows

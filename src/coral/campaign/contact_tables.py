@@ -21,13 +21,13 @@ SHARES = (share("advisor"), share("fallback"))
 
 @cache
 def paper() -> dict[str, Any]:
-    """The paper's numbers and names."""
+    """Load the paper's numbers and names."""
     content: dict[str, Any] = json.loads((Path(__file__).parent / "contact_paper.json").read_text(encoding="utf-8"))
     return content
 
 
 def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
-    """All tables, once for each evaluation world and each advisor among the rows.
+    """Make all tables, one set for each evaluation world and each advisor among the rows.
 
     Args:
         rows: Of the data set; `world` is the task, `evaluation_world` where it took place.
@@ -48,12 +48,12 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
 
 
 def _place(row: Row) -> str:
-    """Where a trial took place; a failed one has only what was asked for."""
+    """Return the evaluation world of a trial; a failed one has only the requested world."""
     return str(json.loads(row["overrides"])["world"])
 
 
 def poses_of(rows: Sequence[Row]) -> str:
-    """Where the trials' object poses came from; a tracker is named where it is not the embedded one."""
+    """Return the source of the trials' object poses; a tracker is named unless it is the embedded one."""
     return ", ".join(
         sorted(
             {
@@ -67,7 +67,7 @@ def poses_of(rows: Sequence[Row]) -> str:
 
 
 def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
-    """Successes of trials, beside the paper's of ten."""
+    """Count the successful trials, beside the paper's out of ten."""
     tasks, variants = _tasks(rows), _variants(rows)
     lines = []
     for variant in variants:
@@ -88,7 +88,7 @@ def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Tabl
 
 
 def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
-    """Mean completion time of the successes: simulated and wall seconds, beside the paper's."""
+    """Return the mean completion time of the successes: simulated and wall seconds, beside the paper's."""
     tasks, variants = _tasks(rows), _variants(rows)
     lines = []
     for variant in variants:
@@ -111,7 +111,7 @@ def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
 
 
 def _each(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
-    """A line for each variant and task."""
+    """Make a line for each variant and task."""
     lines = []
     for variant in dict.fromkeys(str(row["variant"]) for row in rows):
         for task in _tasks(rows):
@@ -161,7 +161,7 @@ def _each(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
 
 
 def _decided(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
-    """Who decided, for each variant; who asks nobody has no decision in it."""
+    """Make the table of who decided, for each variant that asks an advisor."""
     groups = {
         _name(variant): [row for row in rows if row["variant"] == variant]
         for variant in dict.fromkeys(str(row["variant"]) for row in rows)
@@ -171,7 +171,7 @@ def _decided(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Tabl
 
 
 def wilson(won: int, trials: int, z: float = 1.96) -> tuple[float, float]:
-    """Wilson's score interval of a proportion (Wilson 1927): it keeps its level at 0/n and n/n, with few trials."""
+    """Compute Wilson's score interval of a proportion (Wilson 1927): it keeps its level at 0/n, n/n and small n."""
     if not trials:
         return 0.0, 1.0
     share, spread = won / trials, z * z / trials
@@ -189,14 +189,14 @@ def _of(rows: Sequence[Row], variant: str, task: str) -> list[Row]:
 
 
 def _tasks(rows: Sequence[Row]) -> list[str]:
-    """Those that were run, the paper's first and in its order."""
+    """Return the tasks that were run, the paper's first and in its order."""
     there = dict.fromkeys(str(row["world"]) for row in rows)
     known = list(paper()["tasks"])
     return [task for task in known if task in there] + [task for task in there if task not in known]
 
 
 def _variants(rows: Sequence[Row]) -> list[str]:
-    """The paper's rows in its order, then what only we have."""
+    """Return the paper's rows in its order, then our additional ones."""
     return [*paper()["1"], *dict.fromkeys(str(row["variant"]) for row in rows if row["variant"] not in paper()["1"])]
 
 
@@ -217,7 +217,7 @@ def _name(variant: str) -> str:
 
 
 def _marked(variant: str, rows: Sequence[Row]) -> str:
-    """The name of a variant, marked where a fallback decided in one of its trials."""
+    """Return the name of a variant, marked if a fallback decided in one of its trials."""
     return marked(_name(variant), [row for row in rows if row["variant"] == variant])
 
 
@@ -226,7 +226,7 @@ def _mean(values: Sequence[float], digits: int = 1) -> str:
 
 
 def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, Any], command: str) -> tuple[str, ...]:
-    """How the table was made."""
+    """Describe how the table was made."""
     seeds = sorted({int(row["seed"]) for row in chosen})
     versions = sorted({str(row.get("code")) for row in chosen})
     parts = [

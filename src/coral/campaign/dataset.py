@@ -1,4 +1,4 @@
-"""The records of a campaign as one Parquet data set: a row for each episode."""
+"""The records of a campaign as one Parquet data set, with one row per episode."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Row = dict[str, Any]
 
 
 def to_rows(records: Iterable[Mapping[str, Any]], about: Mapping[str, Any] | None = None) -> list[Row]:
-    """One flat row for each record: the spec, the result, then what is known about how it was made.
+    """Flatten each record to a row: the spec, the result, then its provenance.
 
     Lists stay lists; other nested values become JSON text. A failed episode has its message and no results.
     """
@@ -40,7 +40,7 @@ def to_rows(records: Iterable[Mapping[str, Any]], about: Mapping[str, Any] | Non
 
 
 def write_parquet(rows: Sequence[Row], path: Path) -> None:
-    """Write the rows as one Parquet file, whole or not at all; a column is null where a row lacks it."""
+    """Write the rows as one Parquet file, atomically; a column is null if a row lacks it."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -52,7 +52,7 @@ def write_parquet(rows: Sequence[Row], path: Path) -> None:
 
 
 def read_parquet(path: Path) -> list[Row]:
-    """The rows of a Parquet file.
+    """Read the rows of a Parquet file.
 
     Raises:
         InputError: There is none, or it cannot be read.
@@ -68,7 +68,7 @@ def read_parquet(path: Path) -> list[Row]:
 
 
 def _column(values: list[Any]) -> list[Any]:
-    """Values of one type: integers beside fractions become fractions, any other mixture text."""
+    """Convert values to one type: integers mixed with floats become floats, any other mixture text."""
     kinds = {type(value) for value in values if value is not None}
     if len(kinds) <= 1:
         return values

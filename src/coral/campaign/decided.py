@@ -1,4 +1,4 @@
-"""Who decided in the rows of a table: shares of the advisor and the fallback, and what the answers cost."""
+"""Who decided in the rows of a table: shares of the advisor and the fallback, and the cost of the answers."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ COSTS = (
 
 
 def counts(row: Row, name: str) -> Mapping[str, int]:
-    """`decided_by` or `answers` of a row, which a data set holds as JSON text; empty for rows of older versions."""
+    """Return `decided_by` or `answers` of a row, stored as JSON text in a data set; empty for older versions."""
     value = row.get(name) or {}
     found: Mapping[str, int] = json.loads(value) if isinstance(value, str) else value
     return found
 
 
 def share(source: Source) -> Measure:
-    """Share of an episode's decisions that a source made, in percent; None without any."""
+    """Return the share of an episode's decisions that a source made, in percent; None without any."""
 
     def of(row: Row) -> float | None:
         by = counts(row, "decided_by")
@@ -41,12 +41,12 @@ def share(source: Source) -> Measure:
 
 
 def marked(name: str, rows: Sequence[Row]) -> str:
-    """The name of a row of a table, with the mark where a fallback decided in one of its episodes."""
+    """Return the name of a row, marked if a fallback decided in one of its episodes."""
     return name + MARK if any(counts(row, "decided_by").get("fallback") for row in rows) else name
 
 
 def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
-    """What the mark means in a table of these rows; nothing where no fallback decided."""
+    """Explain the mark in a table of these rows; nothing if no fallback decided."""
     notes = []
     for policy in sorted({str(row.get("fallback", "")) for row in rows}):
         own = [row for row in rows if str(row.get("fallback", "")) == policy]
@@ -63,7 +63,7 @@ def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
 
 
 def decided_table(groups: Mapping[str, Sequence[Row]], caption: str, notes: tuple[str, ...], *, runs: str) -> Table:
-    """A line for each group of episodes: who decided, what became of the answers, tokens, cost and thinking.
+    """Make a line for each group of episodes: who decided, the fate of the answers, tokens, cost and thinking time.
 
     Args:
         groups: Name of the line to its finished episodes.
@@ -125,6 +125,6 @@ def _part(count: int, total: int) -> str:
 
 
 def _mean(rows: Sequence[Row], measure: Measure) -> str:
-    """Mean of a cost; a dash where one of the episodes does not know its own."""
+    """Return the mean of a cost; a dash if one of the episodes does not know its own."""
     values: list[Any] = [measure.of(row) for row in rows]
     return number(fmean(values), measure.digits) if values and None not in values else "—"

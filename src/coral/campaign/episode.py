@@ -1,4 +1,4 @@
-"""What a campaign knows of an episode: a function of a spec and a folder that returns a record."""
+"""The interface of an episode to a campaign: a function of a spec and a folder that returns a record."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_
 
 @dataclass(frozen=True)
 class EpisodeTask:
-    """An episode to run and where it writes."""
+    """An episode to run and the folder to write into."""
 
     spec: Spec
     scratch: Path
@@ -33,7 +33,7 @@ class EpisodeTask:
 
 @dataclass(frozen=True)
 class EpisodeOutcome:
-    """What became of a task: a result, or a message why there is none."""
+    """The outcome of a task: a result, or a message why there is none."""
 
     spec: Spec
     result: Mapping[str, Any] | None = None
@@ -44,13 +44,13 @@ class EpisodeOutcome:
 
 
 class Executor(Protocol):
-    """Somewhere to run episodes."""
+    """A place to run episodes."""
 
     jobs: int
     """Episodes at a time, for the estimate of the time that is left."""
 
     def run(self, episode: Episode, tasks: Sequence[EpisodeTask]) -> Iterator[EpisodeOutcome]:
-        """Run every task and yield each outcome once, as soon as it is there.
+        """Run every task and yield each outcome once, as soon as it is available.
 
         What an episode wrote lies in its task's scratch folder by then. A worker that dies takes no other episode
         with it: its own is tried again a few times, then its outcome is a failure. Closing the iterator early stops
@@ -60,7 +60,7 @@ class Executor(Protocol):
 
 
 def perform(episode: Episode, spec: Spec, folder: Path) -> EpisodeOutcome:
-    """Run one episode here; whatever it raises, or a result that is not JSON, becomes a failure with its message."""
+    """Run one episode here; an exception, or a result that is not JSON, becomes a failure with its message."""
     started = time.perf_counter()
     about: dict[str, Any] = {"host": socket.gethostname(), "pid": os.getpid(), "code": code_version()}
     result: Mapping[str, Any] | None = None
@@ -74,5 +74,5 @@ def perform(episode: Episode, spec: Spec, folder: Path) -> EpisodeOutcome:
 
 
 def plain(value: Any) -> Any:
-    """A NumPy number as Python's own, anything else that JSON lacks as text."""
+    """Convert a NumPy number to Python's own, and anything else that JSON lacks to text."""
     return value.item() if hasattr(value, "item") else str(value)

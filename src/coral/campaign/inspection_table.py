@@ -1,4 +1,4 @@
-"""What was imaged and inspected, how soon, and against what bound: one table of every variant."""
+"""What was imaged and inspected, how soon, and against which bound: one table of every variant."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ NOTES = (
 def inspection_table(
     by_variant: Mapping[str, Sequence[Row]], name: Callable[[str], str], caption: str, source: tuple[str, ...]
 ) -> Table:
-    """Means per mission; without rows where no mission was judged in this way."""
+    """Make the table of means per mission; it has no rows if no mission was judged in this way."""
     judged = {
         variant: rows for variant, rows in by_variant.items() if any(row.get("inspected") is not None for row in rows)
     }

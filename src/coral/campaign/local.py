@@ -87,7 +87,7 @@ class LocalExecutor:
                         outcome = cast(EpisodeOutcome, message)
                         worker.task = None
                         about = {**outcome.about, "attempts": deaths[outcome.spec.key] + 1}
-                        _give(worker, queue)  # before the caller takes its time over the outcome
+                        _give(worker, queue)  # before the caller spends time on the outcome
                         yield replace(outcome, about=about)
         finally:
             for worker in workers:
@@ -107,7 +107,7 @@ def _give(worker: _Worker, queue: deque[EpisodeTask]) -> None:
     if queue and worker.ready and worker.task is None:
         worker.task = queue.popleft()
         shutil.rmtree(worker.task.scratch, ignore_errors=True)
-        with contextlib.suppress(OSError):  # it died this moment: its end of the pipe tells, and the task goes back
+        with contextlib.suppress(OSError):  # it has just died: its closed pipe is noticed and the task is requeued
             worker.pipe.send(worker.task)
 
 
@@ -126,10 +126,10 @@ def _cause(code: int) -> str:
 
 
 def _work(pipe: Connection, episode: Episode) -> None:
-    """Life of a worker: tasks in, outcomes out, until the campaign is over or dead."""
-    # Ctrl-C reaches every process of the terminal; an episode cut short by it must not pass for a finished one.
+    """Run a worker: tasks in, outcomes out, until the campaign is over or dead."""
+    # Ctrl-C reaches every process of the terminal; an episode interrupted by it must not be recorded as finished.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # what an episode starts shall not inherit that
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # an episode's children must not inherit the block
     threading.Thread(target=_die_with_parent, daemon=True).start()
     pipe.send(_READY)
     while True:
@@ -143,7 +143,7 @@ def _work(pipe: Connection, episode: Episode) -> None:
 
 
 def _die_with_parent() -> None:
-    """A killed campaign leaves no worker behind that would still write into its folder."""
+    """Make the worker die with its parent: a killed campaign must not go on writing into its folder."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         wait([parent.sentinel])
@@ -152,8 +152,8 @@ def _die_with_parent() -> None:
 
 @contextlib.contextmanager
 def _deaf_to_ctrl_c() -> Iterator[None]:
-    """Ctrl-C waits meanwhile, and a process that is started never hears it, not even while it still imports."""
-    resource_tracker.ensure_running()  # else it is started along with the first worker, and undoes the blocking
+    """Block Ctrl-C: it waits, and a process started meanwhile never receives it, not even while it imports."""
+    resource_tracker.ensure_running()  # otherwise it starts with the first worker and undoes the blocking
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -163,7 +163,7 @@ def _deaf_to_ctrl_c() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _environment(values: dict[str, str]) -> Iterator[None]:
-    """Variables that a child inherits; BLAS reads them when it is loaded."""
+    """Set variables that a child inherits; BLAS reads them when it is loaded."""
     before = {name: os.environ.get(name) for name in values}
     os.environ.update(values)
     try:

@@ -1,4 +1,4 @@
-"""The numbers of a mission that the tables compare, and means and differences of them over a campaign's rows."""
+"""The numbers of a mission that the tables compare, with their means and differences over a campaign's rows."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Pair = tuple[Hashable, Hashable]
 
 @dataclass(frozen=True)
 class Measure:
-    """A number of a mission, None where it is not defined."""
+    """A number of a mission, None if it is not defined."""
 
     key: str
     label: str
@@ -26,7 +26,7 @@ class Measure:
 
 
 def field(key: str, label: str, name: str, scale: float = 1.0, digits: int = 1) -> Measure:
-    """A measure that is a column of the data set, times `scale`."""
+    """Make a measure from a column of the data set, times `scale`."""
 
     def of(row: Row) -> float | None:
         value = row.get(name)
@@ -36,7 +36,7 @@ def field(key: str, label: str, name: str, scale: float = 1.0, digits: int = 1) 
 
 
 def time_to_count(reference: Mapping[Pair, int]) -> Measure:
-    """Time (s) at which a mission had covered as many clusters as another one did in all (paper IV-E: K_i).
+    """Return the time (s) at which a mission had covered as many clusters as another one did in all (paper IV-E: K_i).
 
     None where it never did, where the other one is missing, and where it covered nothing.
 
@@ -53,12 +53,12 @@ def time_to_count(reference: Mapping[Pair, int]) -> Measure:
 
 
 def pair(row: Row) -> Pair:
-    """What makes two rows comparable, within one advisor and one configuration."""
+    """Return the key on which two rows are compared, within one advisor and one configuration."""
     return row["world"], row["seed"]
 
 
 def select(rows: Sequence[Row], advisor: str, overrides: str) -> list[Row]:
-    """Finished missions with this advisor, and those that ask none."""
+    """Select finished missions with this advisor, and those that ask none."""
     return [
         row
         for row in rows
@@ -67,25 +67,25 @@ def select(rows: Sequence[Row], advisor: str, overrides: str) -> list[Row]:
 
 
 def values(rows: Sequence[Row], measure: Measure) -> dict[Pair, float]:
-    """The measure of each mission in which it is defined."""
+    """Return the measure of each mission in which it is defined."""
     found = {pair(row): measure.of(row) for row in rows}
     return {key: value for key, value in found.items() if value is not None}
 
 
 def mean(rows: Sequence[Row], measure: Measure) -> Estimate:
-    """Mean of the measure over missions, with its interval."""
+    """Compute the mean of the measure over missions, with its interval."""
     found = values(rows, measure)
     return bootstrap_mean(list(found.values()), [world for world, _ in found])
 
 
 def difference(rows: Sequence[Row], reference: Sequence[Row], measure: Measure) -> Estimate:
-    """Mean of this minus the reference over the pairs that both have."""
+    """Compute the mean of this minus the reference over the pairs that both have."""
     ours = values(rows, measure)
     return paired_difference(ours, values(reference, measure), {key: key[0] for key in ours})
 
 
 def mean_text(rows: Sequence[Row], measure: Measure) -> str:
-    """Such as `97.1`; with `(28/30)` where only 28 of 30 missions have the number; a dash where none has."""
+    """Format a mean: `97.1`; with `(28/30)` if only 28 of 30 missions have the number; a dash if none has."""
     if not rows:
         return "not run"
     estimate = mean(rows, measure)
@@ -96,7 +96,7 @@ def mean_text(rows: Sequence[Row], measure: Measure) -> str:
 
 
 def mean_interval_text(rows: Sequence[Row], measure: Measure) -> str:
-    """The mean as `mean_text` has it, with its interval: `97.1 [95.0, 99.0]`."""
+    """Format a mean as `mean_text` does, with its interval: `97.1 [95.0, 99.0]`."""
     estimate = mean(rows, measure)
     if not estimate.count or math.isnan(estimate.low):
         return mean_text(rows, measure)
@@ -105,7 +105,7 @@ def mean_interval_text(rows: Sequence[Row], measure: Measure) -> str:
 
 
 def difference_text(estimate: Estimate, digits: int) -> str:
-    """Such as `−3.1 [−5.0, −1.2]`, with `≈` in front where the interval holds zero."""
+    """Format a difference: `−3.1 [−5.0, −1.2]`, with `≈` in front if the interval contains zero."""
     if not estimate.count:
         return "—"
     text = number(estimate.mean, digits, sign=True)
@@ -116,7 +116,7 @@ def difference_text(estimate: Estimate, digits: int) -> str:
 
 
 def number(value: float, digits: int, *, sign: bool = False) -> str:
-    """A number with a real minus; zero has no sign."""
+    """Format a number with a real minus; zero has no sign."""
     text = f"{value:+.{digits}f}" if sign else f"{value:.{digits}f}"
     if not any(digit in text for digit in "123456789"):
         text = text.lstrip("+-")

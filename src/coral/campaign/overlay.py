@@ -1,4 +1,4 @@
-"""Trajectories of several variants over the true reef, one small picture for each world (like the paper's Fig. 3)."""
+"""Trajectories of several variants over the true reef, one small picture per world (like the paper's Fig. 3)."""
 
 from __future__ import annotations
 

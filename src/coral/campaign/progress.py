@@ -1,4 +1,4 @@
-"""How far a campaign is and when it will be done, on standard error."""
+"""Progress and remaining time of a campaign, on standard error."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LINE_EVERY_S = 15.0
 
 
 class CampaignProgress:
-    """A bar in a terminal, a line now and then elsewhere."""
+    """A bar in a terminal, an occasional line elsewhere."""
 
     def __init__(
         self, *, quiet: bool = False, clock: Callable[[], float] = time.monotonic, console: Console | None = None
@@ -53,7 +53,7 @@ class CampaignProgress:
             self._console.print(f"there already: {found} of {many(total, 'episode')}", highlight=False)
 
     def ended(self, outcome: EpisodeOutcome) -> None:
-        """Count an episode; a failure is told at once."""
+        """Count an episode; a failure is reported at once."""
         self._ended += 1
         self._failed += outcome.result is None
         if outcome.result is None and not self._quiet:
@@ -63,7 +63,7 @@ class CampaignProgress:
         self._show(outcome.spec.key)
 
     def status(self) -> str:
-        """Counts and the time that is left, in words."""
+        """Return counts and remaining time in words."""
         done = self._found + self._ended
         left = self._total - done
         parts = [f"{done} of {self._total}"]
@@ -92,7 +92,7 @@ class CampaignProgress:
 
 
 def duration(seconds: float) -> str:
-    """Such as 45 s, 12 min, 3 h 20 min."""
+    """Format a duration: 45 s, 12 min, 3 h 20 min."""
     if seconds < 90:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)

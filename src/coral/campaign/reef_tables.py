@@ -45,13 +45,13 @@ DRAWN = (COVERAGE, COLLISIONS, MISSION_TIME)
 
 @cache
 def paper() -> dict[str, Any]:
-    """The paper's numbers, and where they disagree."""
+    """Load the paper's numbers, and notes on where they disagree."""
     content: dict[str, Any] = json.loads((Path(__file__).parent / "reef_paper.json").read_text(encoding="utf-8"))
     return content
 
 
 def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
-    """All tables, once for each advisor among the rows: the paper's of the nominal setting, then those of the sweep.
+    """Make all tables, one set for each advisor: the paper's tables at the nominal setting, then those of the sweep.
 
     Without the nominal setting the paper's tables are made once for each setting that is there.
 
@@ -171,7 +171,7 @@ def _beside(
     advisor: str,
     notes: tuple[str, ...],
 ) -> Table:
-    """Our means, each measure followed by the paper's number."""
+    """Return our means, each measure followed by the paper's number."""
     header, rows = ["variant", "missions"], []
     for measure in measures:
         header += [measure.label, "paper"]
@@ -202,7 +202,7 @@ def _differences(
     advisor: str,
     source: tuple[str, ...],
 ) -> Table:
-    """Each variant minus the reference, with intervals, and a sentence on what makes no difference."""
+    """Return each variant minus the reference, with intervals, and a sentence on what makes no difference."""
     rows, silent = [], []
     reference = by_variant.get(REFERENCE, ())
     for variant in variants if reference else ():
@@ -237,7 +237,7 @@ def _differences(
 
 
 def _by_topology(rows: Sequence[Row], advisor: str, notes: tuple[str, ...]) -> Table:
-    """Table III: one line for each topology, then the mean of all missions."""
+    """Make Table III: one line for each topology, then the mean of all missions."""
     lines, measures = [], (COVERAGE, EFFICIENCY, CALLS)
     kinds = [*TABLE_III, *sorted({str(row.get("topology")) for row in rows} - set(TABLE_III))]
     for kind in kinds:
@@ -290,7 +290,7 @@ def _by_world(rows: Sequence[Row], advisor: str, source: tuple[str, ...]) -> Tab
 
 
 def name(variant: str) -> str:
-    """A variant as the tables call it."""
+    """Return a variant's name in the tables."""
     return str(paper()["names"].get(variant, variant))
 
 
@@ -302,7 +302,7 @@ def _source(
     about: Mapping[str, Any],
     command: str,
 ) -> tuple[str, ...]:
-    """Where the numbers of a table come from; overrides None: from every setting, of the chosen rows' variants."""
+    """Describe the source of a table's numbers; overrides None: from every setting, of the chosen rows' variants."""
     variants = {row["variant"] for row in chosen}
     seeds = sorted({int(row["seed"]) for row in chosen})
     worlds = list(dict.fromkeys(str(row["world"]) for row in chosen))

@@ -1,4 +1,4 @@
-"""One cell of a campaign's grid: which system, variant, world, seed and advisor."""
+"""One cell of a campaign's grid: system, variant, world, seed and advisor."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_EPISODES = 1_000_000
 
 
 def called(advisor: str) -> str:
-    """An advisor as tables and figures call it; rules are never passed off as a model."""
+    """Return an advisor's name in tables and figures; rules are never presented as a model."""
     if advisor == NO_ADVISOR:
         return "none"
     if advisor == "heuristic":
@@ -31,7 +31,7 @@ def called(advisor: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Spec:
-    """What defines an episode, besides the campaign's configuration and the version of the code."""
+    """The definition of an episode, apart from the campaign's configuration and the version of the code."""
 
     system: str
     variant: str
@@ -42,7 +42,7 @@ class Spec:
     """Dotted configuration keys and their JSON values that differ from the campaign's configuration, sorted."""
 
     def to_json(self) -> dict[str, Any]:
-        """Plain mapping, as stored."""
+        """Return a plain mapping, as stored."""
         return {
             "system": self.system,
             "variant": self.variant,
@@ -54,7 +54,7 @@ class Spec:
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> Spec:
-        """The spec that `to_json` wrote."""
+        """Restore the spec that `to_json` wrote."""
         return cls(
             system=content["system"],
             variant=content["variant"],
@@ -66,13 +66,13 @@ class Spec:
 
     @property
     def digest(self) -> str:
-        """Ten hexadecimal digits that depend on every field and on nothing else."""
+        """Return ten hexadecimal digits that depend on every field and on nothing else."""
         text = json.dumps(self.to_json(), sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()[:10]
 
     @property
     def key(self) -> str:
-        """File name of the episode: readable in front, unique by its digest."""
+        """Return the file name of the episode: readable in front, unique by its digest."""
         parts = (self.world.rsplit("/", 1)[-1], self.variant, self.advisor, f"s{self.seed}")
         words = "_".join(re.sub(r"[^A-Za-z0-9.]+", "-", part).strip("-.")[:32] for part in parts)
         return f"{words}_{self.digest}"
@@ -88,7 +88,7 @@ def grid(
     alone: Collection[str] = (),
     overrides: Sequence[Mapping[str, Any]] = ({},),
 ) -> tuple[Spec, ...]:
-    """Every combination once, worlds innermost so that an early look at the results sees all of them.
+    """Return every combination once, worlds innermost so that an early look at the results sees all of them.
 
     Args:
         system: Name of the system.
@@ -123,7 +123,7 @@ def grid(
 
 
 def parse_names(text: str, flag: str) -> tuple[str, ...]:
-    """Names separated by commas, each once.
+    """Parse names separated by commas, dropping duplicates.
 
     Raises:
         InputError: There is none, or an empty one between two commas.
@@ -135,7 +135,7 @@ def parse_names(text: str, flag: str) -> tuple[str, ...]:
 
 
 def parse_seeds(text: str, flag: str = "--seeds") -> tuple[int, ...]:
-    """Seeds such as `0-4` or `0,3,7-9`, ascending, each once.
+    """Parse seeds such as `0-4` or `0,3,7-9`; ascending, without duplicates.
 
     Raises:
         InputError: It is not a list of numbers and ranges.

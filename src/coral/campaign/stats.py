@@ -1,4 +1,4 @@
-"""Means and paired differences with bootstrap intervals that allow for missions in one world being alike."""
+"""Means and paired differences, with bootstrap intervals that allow for the similarity of missions in one world."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SEED = 20260314
 
 @dataclass(frozen=True)
 class Estimate:
-    """A mean over `count` episodes with its interval; `low` and `high` are nan when one episode is all there is."""
+    """A mean over `count` episodes with its interval; `low` and `high` are nan for a single episode."""
 
     mean: float
     low: float
@@ -27,7 +27,7 @@ class Estimate:
 
     @property
     def tells(self) -> bool:
-        """Whether the interval leaves out zero."""
+        """Whether the interval excludes zero."""
         return bool(self.low > 0.0 or self.high < 0.0)
 
 
@@ -39,7 +39,7 @@ def bootstrap_mean(
     resamples: int = RESAMPLES,
     seed: int = SEED,
 ) -> Estimate:
-    """Mean and percentile interval of the cluster bootstrap (Efron and Tibshirani 1993; Field and Welsh 2007).
+    """Compute mean and percentile interval of the cluster bootstrap (Efron and Tibshirani 1993; Field and Welsh 2007).
 
     Whole groups are drawn with replacement: missions in the same world resemble each other, so drawing single missions
     would make the interval too narrow. With one group only, its values are drawn instead.
@@ -70,7 +70,7 @@ def bootstrap_mean(
 def paired_difference(
     ours: Mapping[K, float], reference: Mapping[K, float], group: Mapping[K, Hashable], **options: Any
 ) -> Estimate:
-    """Mean of `ours - reference` over the pairs that both have.
+    """Compute the mean of `ours - reference` over the pairs that both have.
 
     Args:
         ours: Value for each pair's key.

@@ -1,4 +1,4 @@
-"""Results of a campaign on disk: one small file for each finished episode, whole or not there at all."""
+"""Results of a campaign on disk: one small file per finished episode, written atomically."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Store:
 
     @contextmanager
     def lock(self) -> Iterator[None]:
-        """Hold the folder for this process; the system lets go of it however the process ends.
+        """Lock the folder for this process; the system releases it however the process ends.
 
         Raises:
             InputError: The folder cannot be written, holds something else, or another campaign writes to it.
@@ -67,7 +67,7 @@ class Store:
             yield
 
     def manifest(self) -> Record:
-        """What is known about the campaign.
+        """Return what is known about the campaign.
 
         Raises:
             InputError: There is none here, or it is not one of ours.
@@ -87,7 +87,7 @@ class Store:
         mix: bool = False,
         about: Mapping[str, Any] | None = None,
     ) -> None:
-        """Take up the campaign with this grid: begin it, go on with it, or extend it.
+        """Open the campaign with this grid: begin, continue or extend it.
 
         Args:
             specs: Episodes that are wanted; they join those that were wanted before.
@@ -127,24 +127,24 @@ class Store:
         self._sweep()
 
     def specs(self) -> tuple[Spec, ...]:
-        """Every episode ever asked for."""
+        """Return every episode ever requested."""
         return tuple(Spec.from_json(content) for content in self.manifest()["specs"])
 
     def pending(self, specs: Iterable[Spec], *, retry_failed: bool = False) -> tuple[Spec, ...]:
-        """Those that still have to run."""
+        """Return the episodes that still have to run."""
         done, failed = self._keys("episodes"), self._keys("failures")
         return tuple(spec for spec in specs if spec.key not in done and (retry_failed or spec.key not in failed))
 
     def scratch(self, spec: Spec) -> Path:
-        """Where a running episode writes; it becomes `run_folder` once the episode is finished."""
+        """Return the folder of a running episode; it becomes `run_folder` once the episode is finished."""
         return self.folder / "runs" / f".{spec.key}"
 
     def run_folder(self, spec: Spec) -> Path:
-        """What a finished episode wrote."""
+        """Return the folder of a finished episode."""
         return self.folder / "runs" / spec.key
 
     def finish(self, spec: Spec, result: Mapping[str, Any], about: Mapping[str, Any]) -> bool:
-        """Record a finished episode with what it wrote; False, and nothing changes, if it was recorded before."""
+        """Record a finished episode with its files; return False, and change nothing, if it was recorded before."""
         path = self.folder / "episodes" / f"{spec.key}.json"
         if _read(path) is not None:
             shutil.rmtree(self.scratch(spec), ignore_errors=True)
@@ -155,7 +155,7 @@ class Store:
         return True
 
     def fail(self, spec: Spec, message: str, detail: str, about: Mapping[str, Any]) -> None:
-        """Record that an episode could not be finished; what it wrote is kept to find out why."""
+        """Record that an episode could not be finished; its files are kept for diagnosis."""
         self._keep(spec)
         self._write(
             self.folder / "failures" / f"{spec.key}.json",
@@ -163,7 +163,7 @@ class Store:
         )
 
     def records(self) -> list[Record]:
-        """Every recorded episode, finished or failed, in the order of the grid."""
+        """Return every recorded episode, finished or failed, in the order of the grid."""
         found = []
         for spec in self.specs():
             for kind in ("episodes", "failures"):
@@ -174,14 +174,14 @@ class Store:
         return found
 
     def _keep(self, spec: Spec) -> None:
-        """What the episode wrote moves to its place; whatever a run without a record left there goes."""
+        """Move the episode's files to their place, replacing those of a run without a record."""
         scratch, place = self.scratch(spec), self.run_folder(spec)
         if scratch.is_dir():
             shutil.rmtree(place, ignore_errors=True)
             os.replace(scratch, place)
 
     def _sweep(self) -> None:
-        """Remove what a killed campaign was in the middle of."""
+        """Remove the unfinished work of a killed campaign."""
         for leftover in self.folder.glob("runs/.*"):
             shutil.rmtree(leftover, ignore_errors=True)
         for place in (self.folder, self.folder / "episodes", self.folder / "failures"):
@@ -196,7 +196,7 @@ class Store:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all, also when the machine loses power."""
+    """Write a file atomically, also when the machine loses power."""
     runs.write_whole(path, content, durable=True)
 
 

@@ -14,7 +14,7 @@ NOMINAL = "nominal"
 
 
 def parse_sweeps(texts: Iterable[str]) -> tuple[dict[str, Any], ...]:
-    """`KEY=V1,V2` as one mapping for each value, each once, after an empty one: the nominal setting.
+    """Parse `KEY=V1,V2` to one mapping for each distinct value, after an empty one for the nominal setting.
 
     Raises:
         InputError: There is no key or no value.
@@ -29,13 +29,13 @@ def parse_sweeps(texts: Iterable[str]) -> tuple[dict[str, Any], ...]:
 
 
 def setting_text(overrides: Mapping[str, Any] | str) -> str:
-    """Overrides of a spec, or the data set's column of them, in words: `current=0.2`, or `nominal`."""
+    """Describe overrides of a spec, or the data set's column of them: `current=0.2`, or `nominal`."""
     changes: Mapping[str, Any] = json.loads(overrides) if isinstance(overrides, str) else overrides
     return ", ".join(f"{key}={value}" for key, value in changes.items()) or NOMINAL
 
 
 def in_order(overrides: Iterable[str]) -> list[str]:
-    """Columns of overrides, each once: the nominal setting, then key by key as they come, numbers ascending.
+    """Order distinct columns of overrides: the nominal setting, then key by key as they come, numbers ascending.
 
     A campaign that was extended has its values in the order in which they were asked for.
     """
@@ -52,7 +52,7 @@ def in_order(overrides: Iterable[str]) -> list[str]:
 
 
 def _value(word: str) -> Any:
-    """JSON where it is JSON, otherwise text. Infinities stay text, so that what takes numbers refuses them."""
+    """Parse JSON, else return the text. Infinities stay text, so that numeric fields reject them."""
     try:
         return json.loads(word, parse_constant=str)
     except ValueError:

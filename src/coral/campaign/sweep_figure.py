@@ -1,4 +1,4 @@
-"""Coverage, collisions and time over the values of each swept key, one column of small pictures for each key."""
+"""Coverage, collisions and time over the values of each swept key, one column of small pictures per key."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ UNITS = {"current": "m/s", "visibility": "m", "mask_errors": "share", "depth_noi
 
 
 def draw_sweep(variants: Mapping[str, Sequence[Row]], measures: Sequence[Measure], path: Path, *, title: str) -> bool:
-    """Write the figure as PNG; False, and no file, where nothing was swept.
+    """Write the figure as PNG; return False, and write no file, if nothing was swept.
 
     Args:
         variants: Name to the finished missions of every setting, under one advisor.
@@ -60,7 +60,7 @@ def draw_sweep(variants: Mapping[str, Sequence[Row]], measures: Sequence[Measure
 
 
 def _values(variants: Mapping[str, Sequence[Row]]) -> dict[str, list[Any]]:
-    """Key to its values, in order; settings that change several keys at once are left out."""
+    """Map each key to its values, in order; settings that change several keys at once are left out."""
     swept: dict[str, list[Any]] = {}
     for text in in_order(row["overrides"] for rows in variants.values() for row in rows):
         changes = json.loads(text)
@@ -71,7 +71,7 @@ def _values(variants: Mapping[str, Sequence[Row]]) -> dict[str, list[Any]]:
 
 
 def _line(axes: Any, rows: Sequence[Row], key: str, values: Sequence[Any], measure: Measure, color: str) -> None:
-    """Means with bars over the values, and the nominal mean across."""
+    """Draw means with error bars over the values, and the nominal mean across."""
     nominal = mean([row for row in rows if row["overrides"] == "{}"], measure)
     if nominal.count:
         axes.axhline(nominal.mean, color=color, lw=1.2, ls=(0, (4, 3)), zorder=1)

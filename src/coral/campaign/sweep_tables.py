@@ -1,4 +1,4 @@
-"""What a sweep did to a mission: means for each setting, and paired differences from the nominal one."""
+"""Effect of a sweep on a mission: means for each setting, and paired differences from the nominal one."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FEW_WORLDS = 6
 
 
 def by_setting(rows: Sequence[Row]) -> dict[str, list[Row]]:
-    """Rows of each setting, the nominal one first."""
+    """Group rows by setting, the nominal one first."""
     found: dict[str, list[Row]] = {setting_text(text): [] for text in in_order(row["overrides"] for row in rows)}
     for row in rows:
         found[setting_text(row["overrides"])].append(row)
@@ -22,7 +22,7 @@ def by_setting(rows: Sequence[Row]) -> dict[str, list[Row]]:
 
 
 def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str, notes: tuple[str, ...]) -> list[Table]:
-    """Two tables of one variant's missions under one advisor; none where nothing was swept.
+    """Make two tables of one variant's missions under one advisor; none if nothing was swept.
 
     Args:
         rows: Finished missions of every setting.

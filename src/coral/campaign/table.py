@@ -1,4 +1,4 @@
-"""A table as data, and the same table as Markdown, LaTeX and HTML."""
+"""A table as data, and its rendering as Markdown, LaTeX and HTML."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Table:
 
 
 def to_markdown(table: Table) -> str:
-    """GitHub's Markdown, padded so that it reads as plain text too."""
+    """Render GitHub's Markdown, padded so that it reads as plain text too."""
     cells = [[cell.replace("|", r"\|") for cell in row] for row in (table.header, *table.rows)]
     widths = [max(3, *(len(row[k]) for row in cells)) for k in range(len(table.header))]
     lines = [f"**{table.name}.** {table.caption}", ""]
@@ -44,7 +44,7 @@ def to_markdown(table: Table) -> str:
 
 
 def to_latex(table: Table) -> str:
-    """A `table*` float for booktabs and threeparttable."""
+    """Render a `table*` float for booktabs and threeparttable."""
     columns = "l" + "r" * (len(table.header) - 1)
     lines = [
         r"\begin{table*}\centering\small",
@@ -68,7 +68,7 @@ def to_latex(table: Table) -> str:
 
 
 def to_html(table: Table) -> str:
-    """A `<figure>` with the table and its notes."""
+    """Render a `<figure>` with the table and its notes."""
     head = "".join(f"<th>{escape(cell)}</th>" for cell in table.header)
     body = "\n".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in table.rows)
     notes = "".join(f"<li>{escape(note)}</li>" for note in table.notes)
@@ -80,7 +80,7 @@ def to_html(table: Table) -> str:
 
 
 def document(tables: Sequence[Table], form: str, title: str) -> str:
-    """All tables as one file.
+    """Render all tables as one file.
 
     Args:
         tables: In order.

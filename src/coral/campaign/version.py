@@ -1,4 +1,4 @@
-"""Which code an episode ran on, told from the files themselves, with or without a repository."""
+"""The code version of an episode, computed from the files themselves, with or without a repository."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ONLY_LOOKED_AT = {"campaign", "commands", "desk", "view"}
 
 @cache
 def code_version() -> str:
-    """Digest of every file of the package that can change the result of an episode.
+    """Compute a digest of every file of the package that can change the result of an episode.
 
     Unlike a commit it also tells edited files apart, and stays the same when only a table or a page changed.
     """

@@ -1,4 +1,4 @@
-"""Pictures of one camera frame: what is where (classes) and how far away (depth)."""
+"""Pictures of one camera frame: classes and depth."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NOTHING: tuple[int, int, int] = (14, 16, 28)
 
 
 def _depth_palette() -> NDArray[np.uint8]:
-    """Shape=(256, 3) RGB, near bright to far dark; perceptually uniform."""
+    """Return the depth palette, Shape=(256, 3) RGB, near bright to far dark; perceptually uniform."""
     ramp = np.linspace(245, 20, 256).astype(np.uint8).reshape(-1, 1)
     return np.asarray(cv2.applyColorMap(ramp, cv2.COLORMAP_VIRIDIS)[:, 0, ::-1], np.uint8)
 
@@ -29,7 +29,7 @@ DEPTH_PALETTE[255] = NOTHING
 
 
 def depth_levels(depth: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Depth (m, inf or 0 where nothing is seen) as indices into `DEPTH_PALETTE`. Shape=(H, W)."""
+    """Map depth (m, inf or 0 if nothing is seen) to indices into `DEPTH_PALETTE`. Shape=(H, W)."""
     seen = np.isfinite(depth) & (depth > 0)
     levels = np.clip(np.where(seen, depth, 0) * (254 / DEPTH_MAX_M), 0, 254)
     return np.where(seen, levels, 255).astype(np.uint8)
@@ -38,7 +38,7 @@ def depth_levels(depth: NDArray[np.float32]) -> NDArray[np.uint8]:
 def camera_picture(
     frame: Frame, kind: Literal["segmentation", "depth"] = "segmentation", size: tuple[int, int] = (640, 480)
 ) -> Image:
-    """Front camera as a picture. Shape=(size[1], size[0], 3) RGB.
+    """Draw a frame of the front camera. Shape=(size[1], size[0], 3) RGB.
 
     Args:
         frame: What the camera saw.

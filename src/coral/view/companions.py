@@ -1,4 +1,4 @@
-"""The other robots of a mission on a picture of the map: where they are, have been and are going."""
+"""The other robots of a mission on a map picture: positions, tracks and goals."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ class Companion:
 
 
 def draw_tracks(view: MapPicture, companions: tuple[Companion, ...]) -> None:
-    """Where the others have been, in place, under everything else."""
+    """Draw the tracks of the other robots, in place, under everything else."""
     for one in companions:
         draw_line(view.rgb, view.to_pixels(one.trajectory.reshape(-1, 2)), one.color, 3, edge=WHITE)
 
 
 def draw_companions(view: MapPicture, companions: tuple[Companion, ...]) -> None:
-    """The others with their headings, and a ring where each is going, in place."""
+    """Draw the other robots with their headings, and a ring around the goal of each, in place."""
     for one in companions:
         if one.goal is not None:
             x, y = (round(float(v)) for v in view.to_pixels(np.array(one.goal)))
@@ -53,7 +53,7 @@ def draw_companions(view: MapPicture, companions: tuple[Companion, ...]) -> None
 
 
 def draw_key(view: MapPicture, companions: tuple[Companion, ...]) -> None:
-    """Which colour is which robot, in the upper right corner, in place."""
+    """Draw the key of robot colours in the upper right corner, in place."""
     entries = [(YELLOW, "robot 0"), *((one.color, f"robot {k}") for k, one in enumerate(companions, 1))]
     width = max(text_size(name, 14, 600)[0] for _, name in entries) + 40
     left = view.rgb.shape[1] - width

@@ -31,7 +31,7 @@ class Try:
 
     @property
     def latency_s(self) -> float | None:
-        """Simulated seconds from question to verdict."""
+        """Simulated seconds from the question to its verdict."""
         return None if self.answered_at_s is None else self.answered_at_s - self.asked_at_s
 
     @property
@@ -95,13 +95,13 @@ class Decision:
 
     @property
     def end_s(self) -> float:
-        """Time of the last thing that happened to it (s)."""
+        """Time of the last event of the decision (s)."""
         last = self.tries[-1]
         return last.asked_at_s if last.answered_at_s is None else last.answered_at_s
 
 
 def decisions(run: RunFolder) -> list[Decision]:
-    """All decisions of a run in order of their first question."""
+    """Return all decisions of a run in the order of their first question."""
     logged = {(a.get("decision"), a.get("attempt")): a for a in run.attempts}
     verdicts = {(e.get("decision"), e.get("attempt")): e for e in run.select("verdict")}
     questions: dict[Any, list[Record]] = {}

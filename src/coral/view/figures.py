@@ -17,7 +17,7 @@ ROBOT_RADIUS_M = 0.3
 
 
 def coverage_chart(run: RunFolder) -> str:
-    """Share of true clusters covered over time, each cluster named where it was covered."""
+    """Draw the share of true clusters covered over time, each cluster named at the moment when it was covered."""
     axis = time_axis(run.duration_s)
     top, bottom = 26.0, 196.0
     y = Span(0.0, 1.0, bottom, top)
@@ -61,7 +61,7 @@ def coverage_chart(run: RunFolder) -> str:
 
 
 def speed_chart(run: RunFolder) -> str:
-    """Forward speed as it was and as it was commanded."""
+    """Draw the forward speed, actual and commanded."""
     axis = time_axis(run.duration_s)
     t, u, v, command = run.column("t"), run.column("u"), run.column("v"), run.column("v_cmd")
     speed = np.hypot(u, v)
@@ -88,7 +88,7 @@ def speed_chart(run: RunFolder) -> str:
 
 
 def clearance_chart(run: RunFolder) -> str:
-    """True distance from the robot's hull to the nearest obstacle; zero is contact."""
+    """Draw the true distance from the robot's hull to the nearest obstacle; zero is contact."""
     axis = time_axis(run.duration_s)
     t, clearance = run.column("t"), run.column("clearance")
     top, bottom = 24.0, 180.0
@@ -135,7 +135,7 @@ LANES = (
 
 
 def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
-    """Why the advisor was asked and when it was not, how long it took, and in which mode."""
+    """Draw why the advisor was or was not asked, how long it took, and in which mode."""
     axis = time_axis(run.duration_s)
     triggers = run.select("trigger")
     causes = {str(event.get("cause")) for event in triggers}
@@ -206,7 +206,7 @@ INCIDENTS = {
 
 
 def _stretches(times: Sequence[float], gap: float = 0.35) -> list[tuple[float, float]]:
-    """Consecutive ticks joined to intervals."""
+    """Join consecutive ticks to intervals."""
     joined: list[tuple[float, float]] = []
     for t in times:
         if joined and t - joined[-1][1] <= gap:
@@ -232,7 +232,7 @@ def _mode_bars(modes: Sequence[Record], axis: Span, end_s: float, y: float) -> l
 
 
 def control_histogram(timing: Record) -> str:
-    """How long one control tick took on the machine, on a logarithmic count axis; "" without data."""
+    """Draw the wall time of control ticks on a logarithmic count axis; "" without data."""
     histogram = timing.get("control_ms_histogram")
     if not isinstance(histogram, dict):
         return ""

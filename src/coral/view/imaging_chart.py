@@ -1,4 +1,4 @@
-"""The judge's curves of a run report: the share of the oyster area imaged, and inspected, over time."""
+"""The judge's curves in a run report: the share of the oyster area imaged, and inspected, over time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MARKS = (0.5, 0.8, 0.9, 1.0)
 
 
 def imaging_chart(run: RunFolder) -> str:
-    """Both curves over time; "" for a run that was not judged."""
+    """Draw both curves over time; "" for a run that was not judged."""
     table = read_table(run.path / JUDGE_FILE)
     if not {"t", "imaged", "inspected"} <= table.keys() or not len(table["t"]):
         return ""

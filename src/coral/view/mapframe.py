@@ -1,4 +1,4 @@
-"""What surrounds a map picture: colours, axes in metres, scale bar, legend."""
+"""Frame of a map picture: colours, axes in metres, scale bar, legend."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ INK: RGB = (40, 44, 52)
 
 @dataclass(frozen=True)
 class MapPicture:
-    """A drawn map and where the world lies in it."""
+    """A drawn map and its position in the world."""
 
     rgb: Image
     """Shape=(h, w, 3); north is up, +x is right."""
@@ -41,19 +41,19 @@ class MapPicture:
     """(x0, y0, x1, y1) shown (m)."""
 
     def to_pixels(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """World points Shape=(..., 2) m as picture (column, row) px."""
+        """Convert world points, Shape=(..., 2) m, to picture (column, row) px."""
         points = np.asarray(points, np.float64)
         return np.stack([self.left_px + self.scale * points[..., 0], self.bottom_px - self.scale * points[..., 1]], -1)
 
 
 def nice_step(span: float, at_most: int) -> float:
-    """Smallest of 1, 2, 5 times a power of ten that splits `span` into at most `at_most` parts."""
+    """Return the smallest of 1, 2, 5 times a power of ten that splits `span` into at most `at_most` parts."""
     power = 10.0 ** math.floor(math.log10(span / at_most))
     return next(power * k for k in (1.0, 2.0, 5.0, 10.0) if span / (power * k) <= at_most)
 
 
 def draw_scale_bar(view: MapPicture) -> None:
-    """Scale bar in the lower left corner of a map, in place."""
+    """Draw a scale bar in the lower left corner of a map, in place."""
     rgb = view.rgb
     height, width = rgb.shape[:2]
     metres = nice_step(width / view.scale, 6)
@@ -70,7 +70,7 @@ def draw_scale_bar(view: MapPicture) -> None:
 
 
 def draw_axes(view: MapPicture, left: int, top: int, width: int, height: int) -> None:
-    """Frame and ticks in metres around the map, in place; the map begins at (left, top) px."""
+    """Draw frame and ticks in metres around the map, in place; the map begins at (left, top) px."""
     rgb = view.rgb
     cv2.rectangle(rgb, (left - 1, top - 1), (left + width, top + height), (110, 114, 122), 1)
     x0, y0, x1, y1 = view.window
@@ -94,7 +94,7 @@ LEGEND_PX = 620
 
 
 def draw_legend(rgb: Image, left: int, top: int, goal: bool) -> None:
-    """Two lines that explain the colours, in place, from (left, top) px; `goal` says whether one is drawn."""
+    """Draw two lines that explain the colours, in place, from (left, top) px; `goal` says whether one is drawn."""
     squares = [
         (CELL_COLORS[0], "unexplored"),
         (CELL_COLORS[1], "explored"),

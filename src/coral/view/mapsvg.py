@@ -1,4 +1,4 @@
-"""The large map of a run report: what the robot knew, where it went, what it decided, and the truth over it."""
+"""The large map of a run report: the robot's map, track and decisions, with the truth drawn over it."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ class MapSvg:
         self.height = PAD[1] + PAD[3] + self.scale * size_m[1]
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        """Picture pixel of a world point."""
+        """Return the picture pixel of a world point."""
         return PAD[0] + self.scale * x, PAD[1] + self.scale * (self.size_m[1] - y)
 
     def draw(self, made: Sequence[Decision]) -> str:
-        """The SVG element, as it stands at the end of the run."""
+        """Return the SVG element at the end of the run."""
         left, top = self.at(0.0, self.size_m[1])
         w, h = self.scale * self.size_m[0], self.scale * self.size_m[1]
         last = self.run.frame_steps[-1] if self.run.frame_steps else None
@@ -146,7 +146,7 @@ class MapSvg:
         )
 
     def _decisions(self, made: Sequence[Decision]) -> str:
-        """Numbered markers where the robot was when it asked, moved apart where they would hide each other."""
+        """Draw numbered markers where the robot was when it asked, moved apart where they would overlap."""
         placed: list[tuple[float, float]] = []
         parts = []
         for d in made:
@@ -236,18 +236,18 @@ class MapSvg:
 
 
 def color_of(robot: int) -> str:
-    """Colour of a robot and, from the second one on, of its track, as style sheets write it."""
+    """Return the CSS colour of a robot and, from the second one on, of its track."""
     return "#{:02x}{:02x}{:02x}".format(*COLORS[robot % len(COLORS)])
 
 
 def map_uri(cells: NDArray[Any]) -> str:
-    """Data address of a small picture of map cells, Shape=(H, W) with row 0 at the smallest y."""
+    """Return the data URL of a small picture of map cells, Shape=(H, W) with row 0 at the smallest y."""
     classes = np.minimum(cells[::-1], len(CELL_COLORS) - 1).astype(np.uint8)
     return "data:image/png;base64," + b64encode(palette_png(classes, CELL_COLORS)).decode()
 
 
 def track(run: RunFolder, points: int = 1500) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Positions along the run, thinned to at most about `points`; two arrays of Shape=(M,) (m)."""
+    """Return positions along the run, thinned to about `points`; two arrays of Shape=(M,) (m)."""
     x, y = run.column("x"), run.column("y")
     ok = np.isfinite(x) & np.isfinite(y)
     x, y = x[ok], y[ok]
@@ -256,7 +256,7 @@ def track(run: RunFolder, points: int = 1500) -> tuple[NDArray[np.float64], NDAr
 
 
 def cluster_outline(cluster: Record) -> NDArray[np.float64]:
-    """Convex outline of a cluster's oysters, Shape=(M, 2) m; empty without any."""
+    """Return the convex outline of a cluster's oysters, Shape=(M, 2) m; empty without any."""
     points = []
     for oyster in _records(cluster.get("oysters")):
         x, y = float(oyster.get("x", 0)), float(oyster.get("y", 0))
@@ -268,7 +268,7 @@ def cluster_outline(cluster: Record) -> NDArray[np.float64]:
 
 
 def footprint(obstacle: Record) -> NDArray[np.float64]:
-    """Outline of an obstacle on the sea floor, Shape=(M, 2) m."""
+    """Return the outline of an obstacle on the sea floor, Shape=(M, 2) m."""
     size = [float(s) for s in obstacle.get("size") or ()]
     if len(size) < 2:
         return np.zeros((0, 2))

@@ -40,7 +40,7 @@ _CELL_WORDS = np.ascontiguousarray(np.pad(CELL_COLORS, ((0, 0), (0, 1)))).view(n
 
 @dataclass(frozen=True, kw_only=True)
 class MapScene:
-    """What a map picture shows; world frame ENU, metres.
+    """The content of a map picture; world frame ENU, metres.
 
     Everything here is what the robot itself believes: pictures of it may go to an advisor.
     """
@@ -91,7 +91,7 @@ class MapViewCfg:
 
 
 def cell_classes(explored: NDArray[np.bool_], obstacle: NDArray[np.bool_], target: NDArray[np.bool_]) -> Image:
-    """Class of each map cell, Shape=(H, W) each; an oyster wins over an obstacle, both over free space."""
+    """Classify the map cells, Shape=(H, W) each; an oyster wins over an obstacle, both over free space."""
     cells = explored.astype(np.uint8)
     cells[obstacle] = OBSTACLE
     cells[target] = OYSTER
@@ -167,7 +167,7 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
 
 
 def _span(low: float, high: float, least: float, floor: float, ceiling: float) -> tuple[float, float]:
-    """Interval widened to `least` and pushed inside [floor, ceiling]."""
+    """Widen an interval to `least` and shift it inside [floor, ceiling]."""
     grow = max(0.0, least - (high - low)) / 2
     low, high = low - grow, high + grow
     low, high = (low - max(0.0, high - ceiling), min(high, ceiling))
@@ -175,7 +175,7 @@ def _span(low: float, high: float, least: float, floor: float, ceiling: float) -
 
 
 def _ground(scene: MapScene, window: tuple[float, float, float, float], width: int, height: int) -> Image:
-    """Coloured cells of the window, north up, Shape=(height, width, 3)."""
+    """Colour the cells of the window, north up, Shape=(height, width, 3)."""
     ox, oy = scene.origin
     c0, r0 = round((window[0] - ox) / scene.cell_m), round((window[1] - oy) / scene.cell_m)
     c1, r1 = round((window[2] - ox) / scene.cell_m), round((window[3] - oy) / scene.cell_m)
@@ -224,7 +224,7 @@ def _overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
 
 
 def _thinned(path: NDArray[np.float64], step: float) -> NDArray[np.float64]:
-    """Path without the points that lie within about `step` of the one before, ends kept. Shape=(N, 2)."""
+    """Drop the points of a path that lie within about `step` of the previous one, ends kept. Shape=(N, 2)."""
     path = np.asarray(path, np.float64).reshape(-1, 2)
     if len(path) < 3:
         return path
@@ -256,7 +256,7 @@ def _robot(rgb: Image, at: NDArray[np.float64], theta: float, labels: bool) -> N
 
 
 def _labels(rgb: Image, dots: NDArray[np.float64], names: Sequence[str], robot: NDArray[np.float64] | None) -> None:
-    """Write each label beside its dot, where it hides the fewest dots, labels and robot marks."""
+    """Write each label beside its dot where it hides the fewest dots, labels and robot marks."""
     height, width = rgb.shape[:2]
     taken: list[Box] = [(x - 8, y - 8, x + 8, y + 8) for x, y in dots]
     if robot is not None:
@@ -281,5 +281,5 @@ def _labels(rgb: Image, dots: NDArray[np.float64], names: Sequence[str], robot: 
 
 
 def _overlap(a: Box, b: Box) -> float:
-    """Area shared by two boxes (x0, y0, x1, y1)."""
+    """Compute the area shared by two boxes (x0, y0, x1, y1)."""
     return max(0.0, min(a[2], b[2]) - max(a[0], b[0])) * max(0.0, min(a[3], b[3]) - max(a[1], b[1]))

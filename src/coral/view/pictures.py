@@ -23,7 +23,7 @@ _SUBPIXEL = 4
 
 
 def png(rgb: Image) -> bytes:
-    """PNG file of a picture. Shape=(H, W, 3) RGB or (H, W) grey, uint8 or uint16."""
+    """Encode a picture as PNG. Shape=(H, W, 3) RGB or (H, W) grey, uint8 or uint16."""
     done, data = cv2.imencode(".png", rgb[..., ::-1] if rgb.ndim == 3 else rgb, [cv2.IMWRITE_PNG_COMPRESSION, 4])
     if not done:
         raise ValueError(f"cannot encode a picture of shape {rgb.shape} and type {rgb.dtype}")
@@ -31,7 +31,7 @@ def png(rgb: Image) -> bytes:
 
 
 def palette_png(classes: Image, palette: NDArray[np.uint8]) -> bytes:
-    """Indexed PNG, a few kilobytes for a whole map (PNG specification, colour type 3).
+    """Encode an indexed PNG, a few kilobytes for a whole map (PNG specification, colour type 3).
 
     Args:
         classes: Shape=(H, W) uint8, indices into the palette; row 0 is the top of the picture.
@@ -70,7 +70,7 @@ def _font() -> cv2.FontFace:
 
 @lru_cache(maxsize=512)
 def _sprite(text: str, size: int, weight: int, halo: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Opacity of the letters and of the halo around them, both Shape=(h, w) in [0, 1]."""
+    """Return the opacity of the letters and of the halo around them, both Shape=(h, w) in [0, 1]."""
     canvas = np.zeros((3 * size, size * (len(text) + 3), 3), np.uint8)
     cv2.putText(canvas, text, (size, 2 * size), (255, 255, 255), _font(), size, weight)
     letters: Image = canvas[..., 0]
@@ -88,7 +88,7 @@ def _sprite(text: str, size: int, weight: int, halo: int) -> tuple[NDArray[np.fl
 
 
 def text_size(text: str, size: int, weight: int = 500, halo: int = 0) -> tuple[int, int]:
-    """Width and height (px) that `draw_text` will cover."""
+    """Return the width and height (px) that `draw_text` will cover."""
     height, width = _sprite(printable(text, LONGEST), size, weight, halo)[0].shape
     return width, height
 
@@ -105,7 +105,7 @@ def draw_text(
     halo: int = 0,
     anchor: str = "lm",
 ) -> None:
-    """Write text in place, moved where necessary so that it stays inside the picture.
+    """Write text in place, moved if necessary so that it stays inside the picture.
 
     Args:
         image: Shape=(H, W, 3) RGB.
@@ -133,12 +133,12 @@ def draw_text(
 
 
 def fixed_point(points: NDArray[np.float64]) -> NDArray[np.int32]:
-    """Pixel coordinates as the fixed-point integers of OpenCV's `shift` argument. Shape=(N, 1, 2)."""
+    """Convert pixel coordinates to the fixed-point integers of OpenCV's `shift` argument. Shape=(N, 1, 2)."""
     return np.rint(np.asarray(points, np.float64).reshape(-1, 1, 2) * (1 << _SUBPIXEL)).astype(np.int32)
 
 
 def draw_line(image: Image, points: NDArray[np.float64], color: RGB, width: int = 2, edge: RGB | None = None) -> None:
-    """Anti-aliased polyline in place through `points`, Shape=(N, 2) px, with an optional darker or lighter edge."""
+    """Draw an anti-aliased polyline in place through `points`, Shape=(N, 2) px, with an optional edge."""
     if len(points) < 2:
         return
     line = [fixed_point(points)]
@@ -155,7 +155,7 @@ def draw_dot(
     edge: RGB = (255, 255, 255),
     edge_width: float = 2.0,
 ) -> None:
-    """Filled disc in place with an edge; `center` (x, y) px."""
+    """Draw a filled disc in place with an edge; `center` (x, y) px."""
     x, y = (int(value) for value in fixed_point(center).reshape(2))
     scale = 1 << _SUBPIXEL
     cv2.circle(image, (x, y), round((radius + edge_width) * scale), edge, -1, cv2.LINE_AA, _SUBPIXEL)
@@ -163,7 +163,7 @@ def draw_dot(
 
 
 def draw_arrow(image: Image, start: NDArray[np.float64], end: NDArray[np.float64], color: RGB, width: int = 3) -> None:
-    """Arrow in place with a white edge; ends are (x, y) px."""
+    """Draw an arrow in place with a white edge; ends are (x, y) px."""
     along = end - start
     length = float(np.hypot(*along))
     if length < 1e-6:

@@ -144,7 +144,7 @@ def _draw(axes: Any, world: ReefWorld, *, size: float) -> None:
 
 
 def _draw_current(axes: Any, world: ReefWorld, size: float) -> None:
-    """Arrow on a white disc in a corner without obstacles, with the speed above it."""
+    """Draw an arrow on a white disc in a corner without obstacles, with the speed above it."""
     from matplotlib.patches import Circle
     from matplotlib.patheffects import withStroke
 

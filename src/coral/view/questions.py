@@ -1,4 +1,4 @@
-"""The pictures that go with a reef question: what a person would need to answer it."""
+"""The pictures that accompany a reef question: what a person would need to answer it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from coral.view.mapview import MapScene, draw_map, png
 
 
 def map_scene(belief: Belief) -> MapScene:
-    """The robot's own map, chain, trajectory and goal as a scene to draw."""
+    """Return the robot's own map, chain, trajectory and goal as a scene to draw."""
     chain = belief.tracker.chain()
     return MapScene(
         cells=belief.map.cells(),
@@ -28,7 +28,7 @@ def map_scene(belief: Belief) -> MapScene:
 
 
 def question_pictures(belief: Belief) -> tuple[Picture, ...]:
-    """Map, segmentation and depth, as PNG."""
+    """Draw map, segmentation and depth, as PNG."""
     drawn = draw_map(map_scene(belief))
     pictures = [
         Picture(

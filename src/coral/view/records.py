@@ -1,4 +1,4 @@
-"""What a run folder's records must hold before anything is drawn from them: numbers where numbers belong."""
+"""Validation of a run folder's records before anything is drawn from them."""
 
 from __future__ import annotations
 
@@ -70,12 +70,12 @@ FIGURES = frozenset(
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a number that can be drawn: finite and of a believable size."""
+    """Check whether a value is a number that can be drawn: finite and of plausible size."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST
 
 
 def sound(record: Mapping[str, Any]) -> bool:
-    """Whether every field of an event or an attempt holds what it should."""
+    """Check whether every field of an event or an attempt has the right type."""
     if any(record.get(name) is None for name in NEEDED.get(str(record.get("event")), ())):
         return False
     for name, value in record.items():
@@ -91,12 +91,12 @@ def sound(record: Mapping[str, Any]) -> bool:
 
 
 def figures(metrics: Mapping[str, Any]) -> dict[str, Any]:
-    """The metrics without those that should be numbers and are not."""
+    """Return the metrics without those that should be numbers and are not."""
     return {key: value for key, value in metrics.items() if key not in FIGURES or is_number(value)}
 
 
 def histogram(timing: Mapping[str, Any]) -> dict[str, Any]:
-    """The timing without a histogram that cannot be drawn."""
+    """Return the timing without a histogram that cannot be drawn."""
     found = timing.get("control_ms_histogram")
     counts, edges = (found.get(key) if isinstance(found, dict) else None for key in ("counts", "edges"))
     lists = isinstance(counts, list) and isinstance(edges, list) and len(edges) == len(counts) + 1 > 1
@@ -105,12 +105,12 @@ def histogram(timing: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def is_extent(size: object) -> bool:
-    """Whether a value is a map's width and height (m)."""
+    """Check whether a value is a map's width and height (m)."""
     return isinstance(size, list | tuple) and len(size) == 2 and all(is_number(s) and 0 < s <= 10_000 for s in size)
 
 
 def shallow(value: Any) -> bool:
-    """Whether a value can be walked through: it is nested no deeper than `DEEPEST`."""
+    """Check that a value is nested no deeper than `DEEPEST`, so that it can be traversed."""
     level = [value]
     for _ in range(DEEPEST):
         nodes = [list(node.values()) if isinstance(node, dict) else node for node in level]

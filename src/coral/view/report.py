@@ -69,7 +69,7 @@ def write_report(run_folder: str | Path) -> Path:
 
 
 def write_page(folder: Path, page: str) -> Path:
-    """Write `report.html` whole or not at all, and return its path.
+    """Write `report.html` atomically and return its path.
 
     Raises:
         InputError: It cannot be written.
@@ -85,7 +85,7 @@ def write_page(folder: Path, page: str) -> Path:
 
 
 def render_report(run: RunFolder) -> str:
-    """The whole page as text."""
+    """Render the whole page as text."""
     made = decisions(run)
     pictures = _pictures(run, made)
     metrics = _metrics(run)
@@ -135,7 +135,7 @@ def render_report(run: RunFolder) -> str:
 
 
 def _metrics(run: RunFolder) -> Mapping[str, Any]:
-    """The run's own metrics, or what can be computed from the part that was recorded."""
+    """Return the run's own metrics, or those that the recorded part allows."""
     if run.metrics:
         return run.metrics
     tables = []
@@ -150,7 +150,7 @@ def _metrics(run: RunFolder) -> Mapping[str, Any]:
 
 
 def _size(run: RunFolder) -> tuple[float, float]:
-    """Extent of the map (m): from the world, else from the last snapshot, else from the trajectory."""
+    """Return the extent of the map (m): from the world, else from the last snapshot, else from the trajectory."""
     size = run.world.get("size_m")
     if isinstance(size, list | tuple) and len(size) == 2:
         return float(size[0]), float(size[1])
@@ -179,7 +179,7 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
 
 
 def _fallback(run: RunFolder) -> Fallback:
-    """The policy of the run, as far as its configuration tells."""
+    """Return the fallback policy of the run, if its configuration names one."""
     try:
         found: Fallback = run.config["mission"]["pilot"]["fallback"]
     except (KeyError, TypeError):
@@ -188,7 +188,7 @@ def _fallback(run: RunFolder) -> Fallback:
 
 
 def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """(Value, unit or remark, name, state) of the key numbers."""
+    """Return (value, unit or remark, name, state) of the key numbers."""
     if not metrics:
         return []
     covered, total = int(metrics.get("clusters_covered", 0)), int(metrics.get("clusters_total", 0))
@@ -226,7 +226,7 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
 
 
 def _inspected(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """The tiles of what was inspected and of standing still; none for a run that was not judged."""
+    """Return the tiles of the inspected share and of standing still; none for a run that was not judged."""
     share, soon, ratio = (metrics.get(key) for key in ("inspected", "time_to_90_s", "oracle_ratio_90"))
     if not isinstance(share, int | float):
         return []
@@ -240,7 +240,7 @@ def _inspected(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
 
 
 def _each(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
-    """Head and rows of a table of every robot's own figures; empty for one robot."""
+    """Return head and rows of a table of every robot's own figures; empty for one robot."""
     each = [one for one in metrics.get("per_robot") or () if isinstance(one, dict)]
     if not each:
         return [], []
@@ -248,7 +248,7 @@ def _each(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
 
 
 def _title(key: str) -> str:
-    """A metric's key in words, its unit in brackets."""
+    """Return a metric's key in words, its unit in brackets."""
     for suffix, unit in (("_m_s", "m/s"), ("_ms", "ms"), ("_s", "s"), ("_m", "m")):
         if key.endswith(suffix):
             return f"{key.removesuffix(suffix).replace('_', ' ')} ({unit})"
@@ -296,7 +296,7 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
 
 
 def _truth_counts(run: RunFolder) -> tuple[int, int]:
-    """(Covered, missed) true clusters."""
+    """Return (covered, missed) true clusters."""
     clusters = run.world.get("clusters")
     total = len(clusters) if isinstance(clusters, list) else 0
     covered = len({str(e.get("name")) for e in run.select("cluster_covered")})
@@ -316,7 +316,7 @@ def _provenance(run: RunFolder, start: Record) -> list[tuple[str, str]]:
 
 
 def _pictures(run: RunFolder, made: Sequence[Decision]) -> dict[str, str]:
-    """Data addresses of the pictures that were shown, by digest, as small as their number demands."""
+    """Return data URLs of the pictures that were shown, by digest; the more pictures, the smaller each one."""
     wanted = {digest for d in made for one in d.tries for _, digest in one.pictures}
     found = {digest: path for digest in sorted(wanted) if (path := run.picture(digest)) is not None}
     images = {digest: image for digest, path in found.items() if (image := cv2.imread(str(path))) is not None}
@@ -335,7 +335,7 @@ def _pictures(run: RunFolder, made: Sequence[Decision]) -> dict[str, str]:
 
 
 def _script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str, str]) -> str:
-    """What the time slider moves, as JSON that is safe inside a script element."""
+    """Return the data of the time slider, as JSON that is safe inside a script element."""
     t = run.column("t")
     stride = max(1, -(-len(t) // 1500))
     keep = np.unique(np.append(np.arange(0, len(t), stride), max(len(t) - 1, 0))) if len(t) else np.zeros(0, int)
@@ -380,7 +380,7 @@ def _script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str
 
 
 def _motion(run: RunFolder, keep: Any) -> dict[str, list[float]]:
-    """Another robot at the samples `keep`; it stands at its last one where it has fewer. Empty without any."""
+    """Return another robot's motion at the samples `keep`, held at its last one; empty without any."""
     length = len(run.column("t"))
     at = np.minimum(keep, length - 1) if length else np.zeros(0, int)
     return {
@@ -390,7 +390,7 @@ def _motion(run: RunFolder, keep: Any) -> dict[str, list[float]]:
 
 
 def _frames(run: RunFolder) -> list[dict[str, Any]]:
-    """Snapshots for the time slider, as many as the budget allows, the last one always among them."""
+    """Return snapshots for the time slider, as many as the budget allows, the last one always included."""
     steps = list(run.frame_steps)
     if not steps:
         return []
@@ -417,7 +417,7 @@ def _seconds_per_step(run: RunFolder) -> float:
 
 
 def _snapshot(run: RunFolder, step: int) -> dict[str, str]:
-    """Small pictures of one moment as data addresses; one that cannot be read is left out."""
+    """Return small pictures of one moment as data URLs; unreadable ones are left out."""
     found = {}
     cells, labels, depth = (run.frame(step, kind) for kind in ("map", "labels", "depth"))
     if cells is not None:

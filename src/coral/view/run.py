@@ -56,35 +56,35 @@ class RunFolder:
 
     @property
     def duration_s(self) -> float:
-        """Simulated time of the last thing that was recorded (s)."""
+        """Simulated time of the last record (s)."""
         times = self.column("t")
         last = [float(times[-1])] if len(times) else [0.0]
         return max(last + [float(event["t"]) for event in self.events[-1:]])
 
     def column(self, name: str) -> NDArray[np.float64]:
-        """A column of the trajectory, Shape=(N,); all nan when the file has no such column."""
+        """Return a column of the trajectory, Shape=(N,); all nan if the file has no such column."""
         if name in self.trajectory:
             return self.trajectory[name]
         length = len(next(iter(self.trajectory.values()), np.zeros(0)))
         return np.full(length, np.nan)
 
     def robot(self, number: int) -> RunFolder:
-        """The same run, with another robot's trajectory in the place of the first one's."""
+        """Return the same run with another robot's trajectory in place of the first one's."""
         return replace(self, trajectory=self.fleet[number - 1]) if number else self
 
     def select(self, *names: str) -> list[Record]:
-        """Events of these kinds, in order."""
+        """Return the events of these kinds, in order."""
         return [event for event in self.events if event["event"] in names]
 
     def frame(self, step: int, kind: str) -> NDArray[Any] | None:
-        """One picture of `frames/` as stored ("map", "depth" or "labels"), Shape=(H, W); None if unreadable."""
+        """Read one picture of `frames/` as stored ("map", "depth" or "labels"), Shape=(H, W); None if unreadable."""
         path = self.path / "frames" / f"{step:06d}_{kind}.png"
         if not path.is_file():
             return None
         return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
 
     def picture(self, digest: str) -> Path | None:
-        """A picture that an advisor was shown, by digest."""
+        """Read a picture that an advisor was shown, by digest."""
         path = self.path / "pictures" / f"{digest}.png"
         return path if digest.isalnum() and path.is_file() else None
 
@@ -105,7 +105,7 @@ class RunFolder:
         if not any((folder / name).is_file() for name in _MARKS):
             raise InputError(str(folder), "", "no run in it", f"at least one of {', '.join(_MARKS)}")
         notes: list[str] = []
-        # What was acted in: a reef, or a contact task; only the former asks an advisor in every run.
+        # The world of the run, a reef or a contact task; only a reef mission always asks an advisor.
         task = (folder / "task.yaml").is_file()
         events = _lines(folder / "events.jsonl", notes)
         tables: list[Mapping[str, NDArray[np.float64]]] = []
@@ -137,7 +137,7 @@ class RunFolder:
 
 
 def read_table(path: Path) -> dict[str, NDArray[np.float64]]:
-    """Columns of a CSV file of numbers, as far as it was written; none where it is missing."""
+    """Read the columns of a CSV file of numbers, as far as it was written; none if it is missing."""
     return _table(path, [])
 
 
@@ -152,7 +152,7 @@ def _yaml(text: str) -> Any:
 
 
 def _world(path: Path, notes: list[str]) -> Record:
-    """The reef or the task; without its extent where that is none."""
+    """Read the reef or the task; an invalid extent is left out."""
     world = _document(path, _yaml, notes)
     if "size_m" in world and not is_extent(world["size_m"]):
         notes.append(f"{path.name}: size_m is no width and height and was left out.")
@@ -161,7 +161,7 @@ def _world(path: Path, notes: list[str]) -> Record:
 
 
 def _sound(name: str, records: tuple[Record, ...], notes: list[str]) -> tuple[Record, ...]:
-    """The records that can be drawn."""
+    """Return the records that can be drawn."""
     kept = tuple(record for record in records if sound(record))
     if len(kept) < len(records):
         notes.append(f"{name}: {many(len(records) - len(kept), 'line')} with text where a number belongs left out.")
@@ -179,7 +179,7 @@ def _text(path: Path, notes: list[str]) -> str:
 
 
 def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
-    """Objects of a JSON-lines file; lines that are not one are left out and noted."""
+    """Read the objects of a JSON-lines file; other lines are left out and noted."""
     records: list[Record] = []
     lines = _text(path, notes).splitlines()
     for number, line in enumerate(lines, 1):
@@ -198,7 +198,7 @@ def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
 
 
 def _table(path: Path, notes: list[str]) -> dict[str, NDArray[np.float64]]:
-    """Columns of a CSV file of numbers with a header line."""
+    """Read the columns of a CSV file of numbers with a header line."""
     text = _text(path, notes)
     try:
         rows = list(csv.reader(io.StringIO(text)))
@@ -230,7 +230,7 @@ def _numbers(row: Sequence[str], count: int) -> list[float] | None:
 
 
 def _document(path: Path, parse: Callable[[str], Any], notes: list[str]) -> Record:
-    """A JSON or YAML file that holds one mapping; empty when missing or cut off."""
+    """Read a JSON or YAML file that holds one mapping; empty if missing or truncated."""
     text = _text(path, notes)
     if not text:
         return {}

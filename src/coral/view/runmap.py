@@ -35,7 +35,7 @@ def write_map(run_folder: str | Path) -> Path:
 
 
 def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[np.uint8] | None = None) -> MapScene:
-    """What the robot believed at time `t` (s), as far as it was recorded.
+    """Return the robot's belief at time `t` (s), as far as it was recorded.
 
     Args:
         run: The run.
@@ -66,7 +66,7 @@ def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[
 
 
 def _whereabouts(run: RunFolder, t: float) -> tuple[Pose | None, NDArray[np.float64], tuple[float, float] | None]:
-    """Pose at `t`, the track up to there, Shape=(N, 2), and the goal; None where not recorded."""
+    """Return the pose at `t`, the track up to there, Shape=(N, 2), and the goal; None if not recorded."""
     k = int(np.searchsorted(run.column("t"), t + 1e-6))
     x, y, theta = (_interpolated(run, name, t, k) for name in ("x", "y", "theta"))
     pose = Pose(x, y, theta) if k and np.isfinite([x, y, theta]).all() else None
@@ -87,14 +87,14 @@ def _companion(run: RunFolder, number: int, t: float) -> Companion:
 
 
 def snapshot(run: RunFolder, t: float) -> Image | None:
-    """Map classes of the last snapshot no later than `t`, Shape=(H, W); None when there is none."""
+    """Return the map classes of the last snapshot no later than `t`, Shape=(H, W); None if there is none."""
     found = step_at(run, t)
     cells = run.frame(found, "map") if found is not None else None
     return None if cells is None else np.minimum(cells, 3).astype(np.uint8)
 
 
 def step_at(run: RunFolder, t: float) -> int | None:
-    """Step of the last snapshot no later than `t` (s), or the first one; None without any."""
+    """Return the step of the last snapshot no later than `t` (s), or the first one; None without any."""
     steps, times = run.column("step"), run.column("t")
     if not run.frame_steps:
         return None
@@ -104,7 +104,7 @@ def step_at(run: RunFolder, t: float) -> int | None:
 
 
 def _interpolated(run: RunFolder, name: str, t: float, k: int) -> float:
-    """Value of a column at `t`, where `k` is the first sample after it; nan without samples."""
+    """Interpolate a column at `t`, where `k` is the first sample after it; nan without samples."""
     times, values = run.column("t"), run.column(name)
     if not len(times):
         return float("nan")

@@ -1,4 +1,4 @@
-"""Charts over time as plain SVG text: they embed in a page, scale, print, and need no library to look at."""
+"""Charts over time as plain SVG text, which embed in a page, scale, print, and need no library."""
 
 from __future__ import annotations
 
@@ -29,46 +29,46 @@ class Span:
     end_px: float
 
     def __call__(self, value: float) -> float:
-        """Pixel of a value."""
+        """Return the pixel of a value."""
         share = (value - self.low) / ((self.high - self.low) or 1.0)
         return self.start_px + share * (self.end_px - self.start_px)
 
     def ticks(self, at_most: int) -> list[float]:
-        """Round values inside the scale."""
+        """Return round values inside the scale."""
         step = nice_step((self.high - self.low) or 1.0, at_most)
         return [k * step for k in range(math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9) + 1)]
 
 
 def time_axis(duration_s: float) -> Span:
-    """The horizontal scale of every chart over time."""
+    """Make the horizontal scale shared by all charts over time."""
     return Span(0.0, max(duration_s, 1e-3), LEFT, WIDTH - RIGHT)
 
 
 def clock(t: float) -> str:
-    """Simulated time as m:ss."""
+    """Format simulated time as m:ss."""
     seconds = int(t + 1e-6)
     return f"{seconds // 60}:{seconds % 60:02d}"
 
 
 def time_ticks(axis: Span) -> list[float]:
-    """Round times: whole seconds or minutes, at most ten."""
+    """Return round times: whole seconds or minutes, at most ten."""
     steps = (1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600)
     step = next((s for s in steps if axis.high / s <= 10), 7200)
     return [float(k * step) for k in range(int(axis.high // step) + 1)]
 
 
 def text(x: float, y: float, words: str, cls: str = "", anchor: str = "middle") -> str:
-    """A label; `cls` names its style in the page."""
+    """Draw a label; `cls` names its style in the page."""
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" class="{cls}">{escape(words)}</text>'
 
 
 def line(x1: float, y1: float, x2: float, y2: float, cls: str) -> str:
-    """A straight line."""
+    """Draw a straight line."""
     return f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" class="{cls}"/>'
 
 
 def path(xs: Sequence[float] | Floats, ys: Sequence[float] | Floats, cls: str, *, steps: bool = False) -> str:
-    """A curve through the finite points; `steps` holds each value until the next."""
+    """Draw a curve through the finite points; `steps` holds each value until the next."""
     parts, pen = [], "M"
     last = math.nan
     for x, y in zip(xs, ys, strict=True):
@@ -107,7 +107,7 @@ def chart(
 
 
 def thin(times: Floats, values: Floats, points: int = 900) -> tuple[Floats, Floats]:
-    """At most about `points` samples that keep every extreme: the least and the greatest of each slice."""
+    """Keep about `points` samples at most, including every extreme: the minimum and maximum of each slice."""
     if len(times) <= points:
         return times, values
     kept: list[int] = [0, len(times) - 1]

@@ -1,4 +1,4 @@
-"""A run as a short film: the map as it grew, what the camera saw, and what was decided."""
+"""A run as a short film: the growing map, the camera pictures, and the decisions."""
 
 from __future__ import annotations
 
@@ -67,13 +67,13 @@ def write_video(run_folder: str | Path) -> Path:
 
 
 def moments(duration_s: float) -> list[float]:
-    """Times (s) that the film shows, evenly spaced from the start to the end of the run."""
+    """Choose the times (s) that the film shows, evenly spaced from the start to the end of the run."""
     count = max(2, min(math.floor(duration_s / FINEST_S) + 1, round(LONGEST_S * FPS)))
     return [float(t) for t in np.linspace(0.0, duration_s, count)]
 
 
 def pictures(run: RunFolder) -> Iterator[Image]:
-    """The film picture by picture, Shape=(HEIGHT, WIDTH, 3) RGB each."""
+    """Draw the film picture by picture, Shape=(HEIGHT, WIDTH, 3) RGB each."""
     made = decisions(run)
     size = run.world.get("size_m") or (20.0, 20.0)
     view = MapViewCfg(size_px=HEIGHT - STRIP, legend=False, window=(0.0, 0.0, float(size[0]), float(size[1])))
@@ -95,7 +95,7 @@ def pictures(run: RunFolder) -> Iterator[Image]:
 
 
 def _eyes(run: RunFolder, step: int) -> Image:
-    """Segmentation above depth, Shape=(2 EYE[1], EYE[0], 3)."""
+    """Draw segmentation above depth, Shape=(2 EYE[1], EYE[0], 3)."""
     labels, depth = run.frame(step, "labels"), run.frame(step, "depth")
     if labels is None or depth is None:
         return np.full((2 * EYE[1], EYE[0], 3), 235, np.uint8)

@@ -1,4 +1,4 @@
-"""A remembered plan made to fit the scene: the objects' names, and regions stretched to their sizes."""
+"""Adapting a remembered plan to the scene: the objects' names, and regions stretched to their sizes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def adapt(experience: Experience, facts: SceneFacts) -> tuple[PlanAnswer, Region
 
 
 def renamed(text: str, names: Mapping[str, str]) -> str:
-    """A program with the quantities of some objects read from others."""
+    """Return the program with the quantities of some objects read from others."""
 
     def other(found: re.Match[str]) -> str:
         return f"self.{names[found[1]]}_"

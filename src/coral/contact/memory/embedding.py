@@ -1,4 +1,4 @@
-"""Task texts as vectors, offline and without torch: WordLlama's own weights if installed, else hashed word counts.
+"""Embeddings of task texts, offline and without torch: WordLlama's weights if installed, else hashed word counts.
 
 Nearness of texts is no proof of sameness ("flip against the wall" is near "flip away from the wall"): it ranks what the
 goals and the numbers have let through, and decides nothing.
@@ -59,7 +59,7 @@ class Embedder(Protocol):
 
 
 class HashedWords:
-    """Words and their neighbours, hashed into bins, rare to frequent alike; no weights, no download, weak.
+    """Words and their neighbours, hashed into bins with equal weight; no weights file, no download, weak.
 
     Args:
         size: Bins.
@@ -93,7 +93,7 @@ class WordLlamaEmbedder:
     def __init__(self) -> None:
         import wordllama  # type: ignore[import-untyped,import-not-found,unused-ignore]
 
-        # Its loader looks for the tokenizer in the wrong folder unless it is told where the package lies.
+        # Without cache_dir its loader looks for the tokenizer in the wrong folder.
         self._model: Any = wordllama.WordLlama.load(cache_dir=Path(wordllama.__file__).parent, disable_download=True)
 
     def embed(self, text: str) -> Vector:
@@ -103,10 +103,10 @@ class WordLlamaEmbedder:
 
 @cache
 def best_embedder() -> Embedder:
-    """WordLlama where it is installed and loads, else hashed words; its name says which."""
+    """Return WordLlama if it is installed and loads, else hashed words; the name of the embedder says which."""
     try:
         return WordLlamaEmbedder()
-    except Exception:  # whatever an optional package does when it cannot load
+    except Exception:  # an optional package may fail to load in any way
         return HashedWords()
 
 

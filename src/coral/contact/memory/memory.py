@@ -1,4 +1,4 @@
-"""The experience memory (Eq. 1): plans that have succeeded, found again by task and numbers."""
+"""The experience memory (Eq. 1): successful plans, retrieved by task and by numbers."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Experience(BaseModel):
     @field_validator("goals")
     @classmethod
     def _of_objects(cls, goals: list[dict[str, Any]]) -> list[dict[str, Any]]:
-        # What is looked up by; the rest of a goal only has to be the same.
+        # The fields used for retrieval; the rest of a goal only has to be equal.
         if not all(isinstance(goal.get(key), str) for goal in goals for key in ("kind", "object")):
             raise ValueError("a goal has a kind and an object")
         return goals
@@ -56,7 +56,7 @@ class Experience(BaseModel):
 
 @dataclass(frozen=True)
 class Stored:
-    """An experience as the memory holds it, with how often it was used and how often that ended in success.
+    """An experience in the memory, with the number of its uses and of the uses that ended in success.
 
     Args:
         id: Its number.
@@ -78,7 +78,7 @@ class Stored:
 
 @dataclass(frozen=True)
 class Match:
-    """A remembered experience that fits.
+    """A remembered experience that matches the scene.
 
     Args:
         stored: It.
@@ -111,7 +111,7 @@ class MemoryCfg:
 
 
 class Memory:
-    """A store of experiences, and how they are found in it.
+    """A store of experiences, and their retrieval.
 
     Args:
         where: The SQLite file, or what `store_of` takes; made at the first success.
@@ -125,11 +125,11 @@ class Memory:
 
     @property
     def where(self) -> str:
-        """The store, as a user writes it."""
+        """The location of the store, as a user writes it."""
         return self.store.name
 
     def add(self, experience: Experience) -> int:
-        """Store a success; its id.
+        """Store a success; return its id.
 
         Raises:
             InputError: It is no verified success, or the store cannot be written.
@@ -144,7 +144,7 @@ class Memory:
         )
 
     def all(self) -> list[Stored]:
-        """Everything that is remembered and can be read, oldest first."""
+        """Return every readable experience, oldest first."""
         found = []
         for row in self.store.rows():
             try:
@@ -160,11 +160,11 @@ class Memory:
                     )
                 )
             except ValidationError:
-                continue  # of another version: kept in the store, of no use here
+                continue  # written by another version: kept in the store, not used here
         return found
 
     def get(self, number: int) -> Stored:
-        """One experience.
+        """Return one experience.
 
         Raises:
             InputError: There is none of this id.
@@ -184,11 +184,11 @@ class Memory:
         self.store.delete(number)
 
     def used(self, number: int, helped: bool) -> None:
-        """Note that an experience was used, and whether the episode succeeded."""
+        """Record that an experience was used, and whether the episode succeeded."""
         self.store.count(number, helped)
 
     def find(self, facts: SceneFacts, most: int = 3) -> list[Match]:
-        """Experiences that fit a scene, best first: same goals, numbers near, then by the texts.
+        """Find the experiences that match a scene, best first: same goals, similar numbers, then similar texts.
 
         Args:
             facts: The scene (`scene_facts`).
@@ -210,20 +210,20 @@ class Memory:
                 found.append(Match(stored, round(similarity, 4), round(distance, 4)))
 
         def rank(match: Match) -> tuple[float, int]:
-            # An experience that was used and did not help counts less.
+            # An experience that was used without success ranks lower.
             luck = (match.stored.helped + 1) / (match.stored.used + 1)
             return (-(match.similarity - 0.5 * match.distance + 0.3 * luck), -match.stored.id)
 
         return sorted(found, key=rank)[:most]
 
     def _vector(self, stored: Stored, size: int) -> Vector:
-        """What was stored with it, unless another embedder made it."""
+        """Return the stored embedding, or a new one if another embedder made it."""
         if stored.embedder == self.embedder.name and len(stored.vector) == size:
             return stored.vector
         return self.embedder.embed(stored.experience.instruction)
 
     def export(self) -> dict[str, Any]:
-        """Everything as JSON."""
+        """Return everything as JSON."""
         return {
             "format": FORMAT,
             "experiences": [
@@ -232,7 +232,7 @@ class Memory:
         }
 
     def load(self, content: Mapping[str, Any], where: str) -> int:
-        """Take in what `export` gave; how many were new.
+        """Import the result of `export`; return how many experiences were new.
 
         Raises:
             InputError: It is no export, or an experience in it is wrong.
@@ -245,7 +245,7 @@ class Memory:
             try:
                 one = Experience.model_validate({key: value for key, value in dict(item).items() if key != "created"})
                 text = one.model_dump_json()
-                Experience.model_validate_json(text)  # what cannot be read again is not stored
+                Experience.model_validate_json(text)  # store only what can be read back
             except (ValidationError, TypeError, ValueError, RecursionError) as error:
                 path, why = f"experiences[{index}]", str(error)
                 if isinstance(error, ValidationError):
@@ -260,7 +260,7 @@ class Memory:
 
 
 def scene_numbers(facts: SceneFacts) -> dict[str, float]:
-    """The numbers of a scene by name, objects by their place in the goals so that names do not matter."""
+    """Return the numbers of a scene by name, objects identified by their order in the goals, not by their names."""
     order = {name: index for index, name in enumerate(roles(facts))}
     found: dict[str, float] = {}
     for name, item in facts["objects"].items():
@@ -287,12 +287,12 @@ def scene_numbers(facts: SceneFacts) -> dict[str, float]:
 
 
 def roles(facts: SceneFacts) -> list[str]:
-    """The objects that goals ask to be moved, in the order of the goals."""
+    """Return the objects that the goals move, in the order of the goals."""
     return list(dict.fromkeys(goal["object"] for goal in facts["goals"] if goal["kind"] != "undisturbed"))
 
 
 def _shape(goals: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
-    """The goals without numbers and names: kinds, which role they are about, what words they hold besides."""
+    """Return the goals without numbers and names: their kinds, the roles they refer to, and their other words."""
     order = {name: f"object{k}" for k, name in enumerate(dict.fromkeys(goal["object"] for goal in goals))}
     return [
         (
@@ -310,7 +310,7 @@ def _shape(goals: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
 
 
 def _distance(one: Mapping[str, float], other: Mapping[str, float], cfg: MemoryCfg) -> float:
-    """The largest difference, 1 being the most that is allowed; infinite where something is missing."""
+    """Compute the largest difference, 1 being the most that is allowed; infinite if something is missing."""
     if set(one) != set(other):
         return math.inf
     worst = 0.0

@@ -1,4 +1,4 @@
-"""An experience as every store writes it."""
+"""An experience as every store keeps it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ BUSY_S = 30.0
 
 @dataclass(frozen=True)
 class Row:
-    """An experience as it is written.
+    """One stored experience.
 
     Args:
         id: Its number, from 1.

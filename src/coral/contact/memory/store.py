@@ -1,4 +1,4 @@
-"""Where experiences are kept: what a store does, and which one a word names."""
+"""Where experiences are kept: the interface of a store, and the store that a string selects."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from coral.errors import InputError
 
 
 class ExperienceStore(Protocol):
-    """Keeps rows. Many processes may write at once; what a call has acknowledged is not lost by a kill.
+    """Keeps rows. Several processes may write at once; an acknowledged write survives a kill.
 
     Every call raises `InputError`, which names the store, where it cannot be read or written.
     """
@@ -20,28 +20,28 @@ class ExperienceStore(Protocol):
     """As a user writes it."""
 
     def exists(self) -> bool:
-        """Whether anything was ever written."""
+        """Return whether anything was ever written."""
         ...
 
     def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
-        """Write a row that was never used; its number. The store is made if it is not there."""
+        """Write a row that was never used and return its number. The store is created if it does not exist."""
         ...
 
     def rows(self) -> list[Row]:
-        """All of them, by their numbers; none where nothing was ever written."""
+        """Return all rows by their numbers; none if nothing was ever written."""
         ...
 
     def delete(self, number: int) -> None:
-        """Remove a row, if it is there."""
+        """Remove a row if it exists."""
         ...
 
     def count(self, number: int, helped: bool) -> None:
-        """Note that a row was used, if it is still there."""
+        """Record that a row was used, if it still exists."""
         ...
 
 
 def store_of(where: str | Path) -> ExperienceStore:
-    """The store that a word names.
+    """Return the store that a string selects.
 
     Args:
         where: `lance:` before a folder or URI for LanceDB; else the path of an SQLite file, as any `Path` is.

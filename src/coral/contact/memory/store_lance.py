@@ -1,4 +1,4 @@
-"""Experiences in a LanceDB table, in a folder or an object store that several machines share.
+"""Experiences in a LanceDB table, in a folder or in an object store shared by several machines.
 
 Writers do not lock: each commits the version that it has made, and one whose version was made by another meanwhile
 tries again on top of that one (optimistic concurrency). A row is there once its commit is.
@@ -22,7 +22,7 @@ from coral.errors import InputError, first_line
 
 T = TypeVar("T")
 TABLE = "experience"
-# With the key told, two writers that take the same number at once conflict; without, both rows would be written.
+# With the key given, two writers that take the same number at once conflict; without, both rows would be written.
 KEY = {"lance-schema:unenforced-primary-key": "true"}
 SCHEMA = pa.schema(
     [
@@ -30,7 +30,7 @@ SCHEMA = pa.schema(
         pa.field("created", pa.string()),
         pa.field("record", pa.string()),
         pa.field("embedder", pa.string()),
-        # Of no fixed length: embedders differ, and nothing is searched by nearness alone.
+        # No fixed length: embedders differ, and there is no pure nearest-neighbour search.
         pa.field("vector", pa.list_(pa.float32())),
         pa.field("used", pa.int64()),
         pa.field("helped", pa.int64()),
@@ -87,7 +87,7 @@ class LanceStore:
                 .when_not_matched_insert_all()
                 .execute(pa.Table.from_pylist([row], schema=SCHEMA))
             )
-            return number if merged.num_inserted_rows == 1 else None  # None: the number was taken meanwhile
+            return number if merged.num_inserted_rows == 1 else None  # None: another writer took the number
 
         return self._committed(written)
 
@@ -121,13 +121,13 @@ class LanceStore:
         self._committed(changed)
 
     def _connected(self) -> Any:
-        """The database, whose tables are always looked up anew."""
+        """Return the database; its tables are always looked up afresh."""
         if self._base is None:
             self._base = self._lance.connect(self._uri, read_consistency_interval=timedelta(0))
         return self._base
 
     def _table(self) -> Any:
-        """The table as it is now; None where there is none, of which nothing is made."""
+        """Return the current table, or None without creating one."""
         if self._folder is not None and not self._folder.exists():
             return None
         if self._folder is not None and not self._folder.is_dir():
@@ -140,7 +140,7 @@ class LanceStore:
             raise
 
     def _committed(self, act: Callable[[], T | None]) -> T:
-        """Do it until nobody was faster.
+        """Retry a write until no other writer commits first.
 
         Raises:
             InputError: It cannot be done, or others were faster all the time.
@@ -156,14 +156,14 @@ class LanceStore:
                     raise self._refused(error) from None
             if time.monotonic() > until:
                 raise self._refused("others that write all the time")
-            # Chance only keeps writers apart that would collide again; no result depends on it.
+            # Random jitter keeps colliding writers apart; no result depends on it.
             time.sleep(wait_s * random.random())
             wait_s = min(2 * wait_s, 0.5)
 
     def _told(self, act: Callable[[], T]) -> T:
         try:
             return act()
-        except Exception as error:  # whatever a store somewhere does when it cannot be read
+        except Exception as error:  # an unreadable remote store may raise anything
             raise self._refused(error) from None
 
     def _refused(self, why: object) -> InputError:
@@ -172,6 +172,6 @@ class LanceStore:
 
 
 def _faster(error: Exception) -> bool:
-    """Whether a commit failed because another one came first; LanceDB has no exception of its own for that."""
+    """Check whether a commit failed because another one came first; LanceDB has no exception of its own for that."""
     text = str(error).lower()
     return any(word in text for word in ("conflict", "concurrent", f"'{TABLE}' already exists"))

@@ -62,7 +62,7 @@ class SqliteStore:
         return [self._row(values) for values in found]
 
     def _row(self, values: tuple[object, ...]) -> Row:
-        """A row whose columns hold what this package writes into them.
+        """Decode a row, whose columns must hold what this package writes into them.
 
         Raises:
             InputError: One does not.
@@ -97,7 +97,7 @@ class SqliteStore:
                 if write:
                     _ahead(base)
                 if write or not base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
-                    base.execute(TABLE)  # not when reading what is somebody else's
+                    base.execute(TABLE)  # not when reading another program's file
                 found = base.execute("SELECT type FROM sqlite_master WHERE name = 'experience'").fetchone()
                 if found is not None and found[0] != "table":
                     raise InputError(self.name, "experience", f"a {found[0]}", "a table")
@@ -108,12 +108,12 @@ class SqliteStore:
 
 
 def _vector(blob: bytes) -> Vector:
-    """As many numbers as there are; what another program wrote may break off."""
+    """Decode a vector, with as many numbers as there are; another program may have truncated it."""
     return np.frombuffer(blob[: len(blob) // 4 * 4], "<f4")
 
 
 def _ahead(base: sqlite3.Connection) -> None:
-    """Write ahead, synchronised fully.
+    """Enable write-ahead logging with full synchronisation.
 
     SQLite does not wait for its lock when it changes the journal, but gives up at once where another process writes
     into a new file at the same moment.

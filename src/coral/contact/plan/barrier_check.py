@@ -1,4 +1,4 @@
-"""Whether coming near, or touching, makes a cost dearer: the barrier that a gated penalty puts before its own phase."""
+"""Check whether approaching or touching an object raises the cost: the barrier of a penalty gated on a later phase."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ import numpy as np
 from coral.contact.cost.context import Array, Context, Terms
 from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable
-from coral.contact.plan.reach_check import Paid, changed, summed
+from coral.contact.plan.reach_check import ReachTerm, total_cost, with_quantities
 
 STEPS = 33
 FAR_M = 0.12
 """Approaches begin at least this far away, so that a gate near the target lies in their second half."""
 
 
-def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: CostCheckCfg) -> list[CostFault]:
-    """Faults for terms that begin near a target and rise there (the second pitfall).
+def path_barriers(cost: Traceable, pool: Context, reach_terms: list[ReachTerm], cfg: CostCheckCfg) -> list[CostFault]:
+    """Return faults for terms that start near a target and rise there (the second pitfall).
 
     The hand is moved in a straight line to each target that the cost wants it at, everything else staying as it is.
     """
-    found, named = [], set()
-    for item in paid:
+    faults, named = [], set()
+    for item in reach_terms:
         terms = _along_path(cost, pool, item, cfg)
         if terms is None:
             continue
-        total = summed(terms)
+        total = total_cost(terms)
         climb = (total - np.minimum.accumulate(total, axis=1)).max(axis=1)
         if np.median(climb) <= cfg.rise * np.median(np.ptp(total, axis=1)) + 1e-9:
             continue
@@ -33,7 +33,7 @@ def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: CostChe
             if np.median(rise) >= 0.5 * np.median(climb) and name not in named:
                 named.add(name)
                 line = cost.term_line(name) or item.line
-                found.append(
+                faults.append(
                     CostFault(
                         "barrier",
                         line,
@@ -42,9 +42,9 @@ def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: CostChe
                         "coming near gets dearer; subtract a bonus for what you want there instead",
                     )
                 )
-        if len(terms) == 1 and len(paid) == 1 and not found:
+        if len(terms) == 1 and len(reach_terms) == 1 and not faults:
             line = item.line
-            found.append(
+            faults.append(
                 CostFault(
                     "barrier",
                     line,
@@ -53,11 +53,11 @@ def path_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: CostChe
                     "what begins there as a bonus that is subtracted",
                 )
             )
-    return found
+    return faults
 
 
-def _along_path(cost: Traceable, pool: Context, item: Paid, cfg: CostCheckCfg) -> Terms | None:
-    """Terms on straight ways of the hand to the target, each Shape=(paths, STEPS)."""
+def _along_path(cost: Traceable, pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> Terms | None:
+    """Evaluate the terms on straight approaches of the hand to the target, each Shape=(paths, STEPS)."""
     start = np.asarray(pool["ee_pos"])[:, 0, :]
     far = np.linalg.norm(item.target - start, axis=-1)
     chosen = np.flatnonzero(far > FAR_M)
@@ -75,7 +75,7 @@ def _along_path(cost: Traceable, pool: Context, item: Paid, cfg: CostCheckCfg) -
 
 
 def _gated_rise(term: Array) -> Array:
-    """How much a term that is flat at first rises later on, Shape=(paths,); 0 for one that is not flat at first."""
+    """Compute how much a term that starts flat rises later, Shape=(paths,); 0 for a term that does not start flat."""
     half = STEPS // 2
     span = np.ptp(term, axis=1)
     flat = np.ptp(term[:, :half], axis=1) <= 0.1 * span
@@ -83,22 +83,24 @@ def _gated_rise(term: Array) -> Array:
     return np.where(flat, np.maximum(rise, 0.0), 0.0)
 
 
-def contact_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: CostCheckCfg) -> list[CostFault]:
-    """Faults for terms that begin at the touch of an object which the cost sends the hand to, and add to the cost."""
-    found = []
+def contact_barriers(
+    cost: Traceable, pool: Context, reach_terms: list[ReachTerm], cfg: CostCheckCfg
+) -> list[CostFault]:
+    """Return faults for terms that add to the cost as soon as the hand touches an object that the cost sends it to."""
+    faults = []
     for thing in objects_of(pool.names()):
         flags = [f"{thing}_{part}_contact" for part in ("hand", "left", "right") if f"{thing}_{part}_contact" in pool]
-        if not flags or not _is_target(pool, thing, paid):
+        if not flags or not _is_target(pool, thing, reach_terms):
             continue
         free = np.flatnonzero(np.all([np.asarray(pool[name])[:, 0] == 0 for name in flags], axis=0))
         if len(free) < 4:
             continue
         values = {name: np.asarray(pool[name])[free] for name in pool.names()}
         apart = Context(values, (len(free), 1))
-        touching = changed(apart, {name: np.ones((len(free), 1)) for name in flags})
+        touching = with_quantities(apart, {name: np.ones((len(free), 1)) for name in flags})
         before, after = cost.trace(apart).terms, cost.trace(touching).terms
-        rise = np.median(summed(after) - summed(before))
-        if rise <= cfg.rise * np.ptp(summed(before)) + 1e-9:
+        rise = np.median(total_cost(after) - total_cost(before))
+        if rise <= cfg.rise * np.ptp(total_cost(before)) + 1e-9:
             continue
         for name, term in after.items():
             begun = np.asarray(term)
@@ -108,7 +110,7 @@ def contact_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: Cost
                 and np.ptp(begun) > 1e-9
             ):
                 line = cost.term_line(name)
-                found.append(
+                faults.append(
                     CostFault(
                         "barrier",
                         line,
@@ -117,14 +119,14 @@ def contact_barriers(cost: Traceable, pool: Context, paid: list[Paid], cfg: Cost
                         "dearer; let it count before the touch too, or subtract a larger bonus for it",
                     )
                 )
-    return found
+    return faults
 
 
-def _is_target(pool: Context, thing: str, paid: list[Paid]) -> bool:
-    """Whether some distance that the cost grows with ends at the object."""
+def _is_target(pool: Context, thing: str, reach_terms: list[ReachTerm]) -> bool:
+    """Check whether some distance that raises the cost ends at the object."""
     centre = np.asarray(pool[f"{thing}_pos"])[:, 0, :]
     size = np.asarray(pool[f"{thing}_size"])[:, 0, :] if f"{thing}_size" in pool else np.full_like(centre, 0.1)
     return any(
         np.median(np.linalg.norm(item.target - centre, axis=-1) - np.linalg.norm(size, axis=-1) / 2) < 0.05
-        for item in paid
+        for item in reach_terms
     )

@@ -1,4 +1,4 @@
-"""Where to touch: surface regions that an advisor names, the candidate points of Eq. 3 and A.10, guides to them.
+"""Where to touch: surface regions that an advisor names, their candidate points (Eq. 3, A.10), and guides to them.
 
 Regions are given in the object's own frame, so that they stay right while the object moves.
 """
@@ -67,7 +67,7 @@ class RegionsAnswer(RootModel[dict[str, ObjectRegions]]):
     """The paper's A.10: regions by the objects' names."""
 
     def each(self) -> list[tuple[str, Region]]:
-        """Object and region, in order."""
+        """Yield object and region, in order."""
         return [(name, region) for name, held in self.root.items() for region in held.regions]
 
 
@@ -99,7 +99,7 @@ class RegionCfg:
 
 
 def reach_box(cfg: RegionCfg, controller: ControllerCfg | None = None) -> tuple[Corner, Corner]:
-    """Lowest and highest corner of the box that the tool stays in.
+    """Return the lowest and highest corner of the box that the tool stays in.
 
     Args:
         cfg: Bounds.
@@ -113,19 +113,19 @@ def reach_box(cfg: RegionCfg, controller: ControllerCfg | None = None) -> tuple[
 
 
 def natural_approach(normal: Array) -> Approach:
-    """Push what faces sideways, press what faces up."""
+    """Choose how to approach a surface: push what faces sideways, press what faces up."""
     return "press" if normal[2] > 0.7 else "push"
 
 
 def closing_axis(normal: Array, size: Array) -> int | None:
-    """The object's axis along which fingers can close about a point with this normal; None when all are too wide."""
+    """Return the object axis along which the fingers can close at a point with this normal; None if too wide."""
     along = int(np.argmax(np.abs(normal)))
     fits = [axis for axis in range(3) if axis != along and size[axis] <= MAX_OPENING_M - 0.004]
     return min(fits, key=lambda axis: size[axis]) if fits else None
 
 
 def candidates(region: Region) -> Array:
-    """Points of a region's disc, Shape=(num_samples + 1, 3), in the object's frame: centre, rim (Eq. 3), inside (A.10).
+    """Return points of a region's disc, Shape=(num_samples + 1, 3), object frame: centre, rim (Eq. 3), inside (A.10).
 
     A.10 draws them at random from the disc; here few lie evenly on the rim, as Eq. 3 has them, and of many most fill
     the inside evenly (sunflower: Vogel 1979, "A better way to construct the sunflower head").
@@ -141,7 +141,7 @@ def candidates(region: Region) -> Array:
 
 
 def tangents(normal: Array) -> tuple[Array, Array]:
-    """Two directions that make a right-handed frame with a unit normal, Shape=(3,) each."""
+    """Complete a unit normal to a right-handed frame: return two directions, Shape=(3,) each."""
     other = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.9 else np.array([0.0, 1.0, 0.0])
     first: Array = np.cross(normal, other)
     first = first / np.linalg.norm(first)
@@ -150,7 +150,7 @@ def tangents(normal: Array) -> tuple[Array, Array]:
 
 
 def tool_at(surface: Array, normal: Array, size: Array, out: Array, approach: Approach) -> Array:
-    """Where the tool is, Shape=(n, 3) m in the world, when it touches points of a surface.
+    """Compute the tool positions, Shape=(n, 3) m in the world, that touch points of a surface.
 
     Args:
         surface: Shape=(n, 3) m, in the world.
@@ -172,7 +172,7 @@ def guide(
     cfg: RegionCfg | None = None,
     local: Array | None = None,
 ) -> Guide:
-    """Tool poses for a region, wherever the object is: at the candidates, and a standoff away from them.
+    """Make tool poses for a region, wherever the object is: at the candidates, and at a standoff from them.
 
     Args:
         name: The object.
@@ -198,10 +198,10 @@ def guide(
         away = at + out * cfg.standoff_m
         if approach == "push":
             away = np.concatenate([away, away + np.array([0.0, 0.0, cfg.standoff_m])])
-        found = np.concatenate([at, away])
-        on_table = (np.abs(found[:, :2] - _table_middle(state)) <= _table_half(state)).all(axis=1)
-        found[:, 2] = np.where(on_table, np.maximum(found[:, 2], lowest_m), found[:, 2])
-        return found
+        positions = np.concatenate([at, away])
+        on_table = (np.abs(positions[:, :2] - _table_middle(state)) <= _table_half(state)).all(axis=1)
+        positions[:, 2] = np.where(on_table, np.maximum(positions[:, 2], lowest_m), positions[:, 2])
+        return positions
 
     def quaternion(state: Context) -> Array:
         turn, out, approach = how(state)
@@ -221,12 +221,12 @@ def guide(
 
 
 def tool_quaternion(palm: Array, opening: Array, tool: Array) -> Array:
-    """The tool orientation with these z and y axes, of the two that grasp alike the one nearer to `tool`."""
+    """Compute the tool orientation with these z and y axes: of the two equivalent grasps, the one nearer to `tool`."""
     z = palm / np.linalg.norm(palm)
     y = opening - z * float(opening @ z)
     y = y / max(float(np.linalg.norm(y)), 1e-9)
-    found = [quaternion_of(np.stack([np.cross(sign * y, z), sign * y, z], axis=1)) for sign in (1.0, -1.0)]
-    return np.asarray(max(found, key=lambda q: abs(float(np.dot(q, tool)))))
+    quaternions = [quaternion_of(np.stack([np.cross(sign * y, z), sign * y, z], axis=1)) for sign in (1.0, -1.0)]
+    return np.asarray(max(quaternions, key=lambda q: abs(float(np.dot(q, tool)))))
 
 
 def _table_middle(state: Context) -> Array:

@@ -1,4 +1,4 @@
-"""The convex pieces that things are made of: where a straight line leaves one, and how deep a point lies in it."""
+"""Convex pieces of objects: where a straight line leaves one, and how deep a point lies in it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Solid:
-    """What all of some half-spaces, and of a ball or an endless tube along z, have in common.
+    """The intersection of half-spaces with, optionally, a ball or an infinite tube along z.
 
     Args:
         planes: Shape=(m, 4): outward normal a and offset b of each half-space a.x <= b, in its own frame, m.
@@ -35,7 +35,7 @@ class Solid:
     rotation: Array = field(default_factory=lambda: np.eye(3))
 
     def leave(self, points: Array, direction: Array) -> tuple[Array, Array]:
-        """Where the straight lines through points leave it.
+        """Compute where the straight lines through points leave the solid.
 
         Args:
             points: Shape=(n, 3) m.
@@ -77,18 +77,18 @@ class Solid:
         return np.where(leave >= enter - 1e-9, leave, np.nan), normal @ self.rotation.T
 
     def depth(self, points: Array) -> Array:
-        """How deep (m) points lie in it, Shape=(n,): at least so far from its surface; negative outside."""
+        """Compute the depth (m) of points, Shape=(n,), at most the distance to the surface; negative outside."""
         local = (points - self.position) @ self.rotation
-        found = np.full(len(local), np.inf)
+        depth = np.full(len(local), np.inf)
         for plane in self.planes:
-            found = np.minimum(found, plane[3] - local @ plane[:3])
+            depth = np.minimum(depth, plane[3] - local @ plane[:3])
         if self.radius is not None:
-            found = np.minimum(found, self.radius - np.linalg.norm(local[:, : self.round_axes], axis=1))
-        return found
+            depth = np.minimum(depth, self.radius - np.linalg.norm(local[:, : self.round_axes], axis=1))
+        return depth
 
 
 def box(size: Array, position: Array | None = None, rotation: Array | None = None) -> Solid:
-    """A box of these full edges (m)."""
+    """Make a box with these full edges (m)."""
     half = np.asarray(size, dtype=float) / 2
     planes = np.concatenate([np.column_stack([sign * np.eye(3), half]) for sign in (1.0, -1.0)])
     return Solid(
@@ -99,7 +99,7 @@ def box(size: Array, position: Array | None = None, rotation: Array | None = Non
 
 
 def pieces(trial: Trial, name: str) -> tuple[Solid, ...]:
-    """An object's parts in its own frame, as large as they are in a trial; of a mesh its hull, as that touches."""
+    """Return an object's parts in its own frame, scaled as in the trial; a mesh becomes its convex hull."""
     scale = trial.objects[name].scale
     return tuple(_piece(part, scale) for part in trial.task.object(name).parts)
 
@@ -118,13 +118,13 @@ def _piece(part: Shape, scale: Array) -> Solid:
 
 
 def _hull(vertices: Array) -> Array:
-    """Half-spaces, Shape=(m, 4), of the hull that MuJoCo lets touch."""
+    """Return the half-spaces, Shape=(m, 4), of the hull that MuJoCo uses for contact."""
     spec = mujoco.MjSpec()
-    # Without faces MuJoCo takes the hull's.
+    # Without faces, MuJoCo uses those of the hull.
     spec.add_mesh(name="hull", uservert=np.ascontiguousarray(vertices, dtype=float).ravel())
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="hull")
     model = spec.compile()
-    # MuJoCo centres a mesh and turns it to its principal axes.
+    # MuJoCo centres a mesh and aligns it with its principal axes.
     turn = np.zeros(9)
     mujoco.mju_quat2Mat(turn, model.mesh_quat[0])
     corners = model.mesh_vert.astype(float) @ turn.reshape(3, 3).T + model.mesh_pos[0]

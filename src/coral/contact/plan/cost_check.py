@@ -1,4 +1,4 @@
-"""Checking a cost before the planner uses it; every fault is a sentence for whoever wrote the cost.
+"""Checks of a cost before the planner uses it; every fault is a sentence for the author of the cost.
 
 The samples are states that the planning world really rolled out, so they show what the hand can reach. Two mistakes
 made a planner fail although the cost ran: a reach term whose target the hand cannot get to, because something solid is
@@ -16,11 +16,11 @@ from coral.contact.cost.context import Array, Context, Cost, Terms
 from coral.contact.cost_program.errors import CostError
 from coral.contact.plan.barrier_check import contact_barriers, path_barriers
 from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable
-from coral.contact.plan.reach_check import paid_distances, unreachable
+from coral.contact.plan.reach_check import find_reach_terms, unreachable
 
 
 def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None = None) -> list[CostFault]:
-    """What is wrong with a cost; nothing in the list means that it may be used.
+    """Return the faults of a cost; an empty list means that it may be used.
 
     Args:
         cost: The cost. Reach terms and barriers are looked for where it can be traced, as a program can.
@@ -48,19 +48,19 @@ def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None
         return notes
     pool = pooled(samples, cfg.states)
     try:
-        paid = paid_distances(cost, pool)
-        found = [
-            *unreachable(cost, pool, paid, cfg),
-            *path_barriers(cost, pool, paid, cfg),
-            *contact_barriers(cost, pool, paid, cfg),
+        reach_terms = find_reach_terms(cost, pool)
+        reach_faults = [
+            *unreachable(cost, pool, reach_terms, cfg),
+            *path_barriers(cost, pool, reach_terms, cfg),
+            *contact_barriers(cost, pool, reach_terms, cfg),
         ]
     except CostError as error:
         return [CostFault(error.code, error.line, str(error))]
-    return [*found, *notes]
+    return [*reach_faults, *notes]
 
 
 def pooled(samples: Sequence[Context], count: int) -> Context:
-    """Some states of all samples as one batch, Shape=(n, 1), evenly chosen."""
+    """Pool some states of all samples, evenly chosen, into one batch, Shape=(n, 1)."""
     names = set(samples[0].names())
     for sample in samples[1:]:
         names &= set(sample.names())
@@ -73,7 +73,7 @@ def pooled(samples: Sequence[Context], count: int) -> Context:
             values = np.asarray(sample[name], dtype=np.float64)
             full = np.broadcast_to(values, (k, h, *values.shape[2:])).reshape(k * h, 1, *values.shape[2:])
             parts[name].append(full[chosen])
-    joined = {name: np.concatenate(found) for name, found in parts.items()}
+    joined = {name: np.concatenate(arrays) for name, arrays in parts.items()}
     return Context(joined, (len(next(iter(joined.values()))), 1))
 
 
@@ -120,13 +120,13 @@ def _constant(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFa
 
 
 def _idle(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
-    """Terms that never change: no reason to refuse, a phase may not have begun, but worth telling."""
-    found = []
+    """Find terms that never change: no reason to refuse, since a phase may not have begun, but worth reporting."""
+    faults = []
     for name in evaluated[0][1]:
         values = [np.asarray(terms[name]) for _, terms in evaluated if name in terms]
         low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
         if high - low <= 1e-12 * (1.0 + abs(high)):
             line = cost.term_line(name) if isinstance(cost, Traceable) else 0
             text = f"the term {name!r} is {high + 0.0:g} in every sampled state"
-            found.append(CostFault("constant", line, text, fatal=False))
-    return found
+            faults.append(CostFault("constant", line, text, fatal=False))
+    return faults

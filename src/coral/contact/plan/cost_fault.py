@@ -1,4 +1,4 @@
-"""What a check of a cost says, and what it needs to know of the cost."""
+"""Faults that a check of a cost reports, and the interface of a cost that can be checked."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from coral.contact.cost_program.trace import Traced
 
 @dataclass(frozen=True)
 class CostFault:
-    """One thing that is wrong with a cost.
+    """One fault of a cost.
 
     Args:
         code: One of `coral.contact.cost_program.CODES`.
@@ -51,16 +51,16 @@ class CostCheckCfg:
 
 @runtime_checkable
 class Traceable(Protocol):
-    """A cost whose distances can be looked into."""
+    """A cost that reports the distances it computes."""
 
     def trace(self, state: Context, zeroed: int = -1) -> Traced:
-        """Terms and distances, the one numbered `zeroed` taken as 0."""
+        """Return terms and distances, with the distance number `zeroed` set to 0."""
         ...
 
     def line(self, number: int) -> str:
-        """The text of a line."""
+        """Return the text of a line."""
         ...
 
     def term_line(self, term: str) -> int:
-        """The line of a term."""
+        """Return the line of a term."""
         ...

@@ -1,4 +1,4 @@
-"""A plan as an advisor gives it: cost programs as text, stage by stage; checked, and made into a strategy."""
+"""A plan as an advisor gives it: cost programs as text, stage by stage; checked, and compiled to a strategy."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class PlanAnswer(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _no_stage(cls, given: Any) -> Any:
-        # What is left of a plan that breaks off is its first stage: a plan of a kind, and not what was meant.
+        # A truncated reply may parse as its first stage alone, which would pass for a plan of one function.
         if isinstance(given, dict) and "name" in given and "stages" not in given:
             raise ValueError("this is one stage; give the whole plan, with its stages in the list `stages`")
         return given
@@ -78,16 +78,16 @@ class PlanAnswer(BaseModel):
         return self
 
     def each(self) -> list[StageAnswer]:
-        """Its stages; one function is one stage."""
+        """Return the stages; a single function is one stage."""
         return self.stages or [StageAnswer(name="task", code=self.code)]
 
     @property
     def names(self) -> list[str]:
-        """Names of its stages."""
+        """Return the names of the stages."""
         return [stage.name for stage in self.each()]
 
     def text(self) -> str:
-        """All its programs, for a prompt."""
+        """Return all programs as text, for a prompt."""
         if not self.stages:
             return self.code
         parts = []
@@ -102,17 +102,17 @@ class PlanAnswer(BaseModel):
 
 
 def in_process(source: str, schema: Schema, name: str) -> Cost:
-    """A cost evaluated by the closed interpreter in this process."""
+    """Make a cost that the closed interpreter evaluates in this process."""
     return CostProgram(source, schema, name)
 
 
 def condition(text: str) -> str:
-    """The program that is 1 where a condition holds."""
+    """Make the program that is 1 where a condition holds."""
     return f"def state_cost(self):\n    return 1.0 * ({_flat(text)})"
 
 
 def vector(text: str) -> str:
-    """The program whose terms are the components of a vector."""
+    """Make the program whose terms are the components of a vector."""
     return f"def state_cost(self):\n    v = {_flat(text)}\n    return {{'x': v[0], 'y': v[1], 'z': v[2]}}"
 
 
@@ -122,7 +122,7 @@ def _flat(text: str) -> str:
 
 @dataclass(frozen=True)
 class Compiled:
-    """A stage's programs, ready to be evaluated."""
+    """The compiled programs of a stage."""
 
     answer: StageAnswer
     cost: Cost
@@ -132,12 +132,12 @@ class Compiled:
 
 
 def compile_plan(answer: PlanAnswer, schema: Schema, load: Loader = in_process) -> list[Compiled]:
-    """All programs of a plan.
+    """Compile all programs of a plan.
 
     Raises:
         CostError: One of them is no program of the accepted language; its text names the stage and the field.
     """
-    found = []
+    compiled = []
     for stage in answer.each():
         made: dict[str, Cost | None] = {}
         for field, source in (
@@ -155,8 +155,8 @@ def compile_plan(answer: PlanAnswer, schema: Schema, load: Loader = in_process) 
         cost = made["code"]
         if cost is None:
             raise CostError("empty", f"stage {stage.name!r} has no code")
-        found.append(Compiled(stage, cost, made["done"], made["lost"], made["toward"]))
-    return found
+        compiled.append(Compiled(stage, cost, made["done"], made["lost"], made["toward"]))
+    return compiled
 
 
 def verify_plan(
@@ -166,7 +166,7 @@ def verify_plan(
     load: Loader = in_process,
     cfg: CostCheckCfg | None = None,
 ) -> Rejection | None:
-    """Why a plan cannot be used, or None: names, programs, what they do on rolled-out states.
+    """Return why a plan cannot be used, or None: checks names, programs, and their values on rolled-out states.
 
     Args:
         answer: The plan.
@@ -219,7 +219,7 @@ def make_strategy(
     keep: LastGoodCost | None = None,
     candidates: Sequence[Array] | None = None,
 ) -> Strategy:
-    """The strategy that the planner follows.
+    """Make the strategy that the planner follows.
 
     Args:
         name: For logs.

@@ -1,4 +1,4 @@
-"""What a cost may use, as text: for the prompt of a model, and for the tables of the reference page.
+"""Reference of what a cost may use, as text: for a model's prompt, and for the tables of the reference page.
 
 `python -m coral.contact.plan.cost_reference docs/contact-costs.md` brings the tables of the page up to date.
 """
@@ -22,7 +22,7 @@ BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def interface(schema: Schema) -> str:
-    """What the function can use, for the prompt that asks a model for a cost.
+    """Describe what the function can use, for the prompt that asks a model for a cost.
 
     Args:
         schema: The quantities of the task.
@@ -85,7 +85,7 @@ def _errors() -> str:
 
 
 def tables() -> dict[str, str]:
-    """The generated tables of the reference page by name."""
+    """Return the generated tables of the reference page by name."""
     box = object_quantities("box", ["handle"], ["table"], ["bottle"])
     scenery = scenery_quantities(["wall"], ["goal"], ["force"])
     return {
@@ -98,9 +98,9 @@ def tables() -> dict[str, str]:
 
 
 def updated(page: str) -> str:
-    """The page with its tables made anew."""
+    """Return the page with its tables regenerated."""
     made = tables()
-    return BLOCK.sub(lambda found: f"{found[1]}{made[found[2]]}{found[3]}", page)
+    return BLOCK.sub(lambda match: f"{match[1]}{made[match[2]]}{match[3]}", page)
 
 
 if __name__ == "__main__":

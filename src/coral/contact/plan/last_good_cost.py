@@ -1,4 +1,4 @@
-"""The plan goes on when a cost fails: the last one that was verified and worked takes over."""
+"""Fallback when a cost fails: the last verified cost that worked takes over."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from coral.contact.plan.cost_fault import CostCheckCfg, CostFault
 
 
 class LastGoodCost:
-    """A cost that falls back on the one before it. It satisfies `coral.contact.cost.context.Cost`.
+    """A cost that falls back to the one before it. It satisfies `coral.contact.cost.context.Cost`.
 
     Args:
         first: A cost to begin with, as an expert's or a stored one; None while there is none.
@@ -26,7 +26,7 @@ class LastGoodCost:
 
     @property
     def name(self) -> str:
-        """Name of the cost in use."""
+        """The name of the cost in use."""
         return self._good[-1].name if self._good else "none"
 
     @property
@@ -35,10 +35,10 @@ class LastGoodCost:
         return self._good[-1] if self._good else None
 
     def propose(self, cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None = None) -> list[CostFault]:
-        """Verify a cost and, when nothing fatal is found, use it from now on.
+        """Verify a cost and, if no fault is fatal, use it from now on.
 
         Returns:
-            What was found; the cost is in use when none of it is fatal.
+            The faults; the cost is in use if none of them is fatal.
         """
         faults = verify_cost(cost, samples, cfg)
         if not any(fault.fatal for fault in faults):
@@ -46,7 +46,7 @@ class LastGoodCost:
         return faults
 
     def following(self, cost: Cost) -> Callable[[Context], Terms]:
-        """A verified cost, evaluated here: it is in use from its first evaluation until it fails."""
+        """Return a verified cost that is evaluated here: it is in use from its first evaluation until it fails."""
 
         def evaluate(state: Context) -> Terms:
             known = [*self._good[-1:], *self._bad]
@@ -57,7 +57,7 @@ class LastGoodCost:
         return evaluate
 
     def __call__(self, state: Context) -> Terms:
-        """The terms of the newest cost that works.
+        """Return the terms of the newest cost that works.
 
         Raises:
             CostError: None works; the error is that of the oldest.
@@ -66,12 +66,12 @@ class LastGoodCost:
         while self._good:
             try:
                 return self._good[-1](state)
-            except CostError as found:
-                error = found
-                self.failures.append(found)
+            except CostError as failure:
+                error = failure
+                self.failures.append(failure)
                 self._bad.append(self._good[-1])
                 if self._failed is not None:
-                    self._failed(self._good[-1], found)
+                    self._failed(self._good[-1], failure)
                 if len(self._good) == 1:
                     break
                 self._good.pop()

@@ -1,4 +1,4 @@
-"""Whether the hand can get to where a cost wants it.
+"""Check whether the hand can reach the targets of a cost.
 
 The distances that a program takes are compared with and without a small shift of the hand: those that shift with it are
 distances of the hand to some target, whatever way the program computed them.
@@ -25,8 +25,8 @@ MOST = 24
 
 
 @dataclass(frozen=True, eq=False)
-class Paid:
-    """A distance from the hand to a target that the cost grows with.
+class ReachTerm:
+    """A distance from the hand to a target that raises the cost.
 
     Args:
         index: Its number in the trace.
@@ -43,19 +43,19 @@ class Paid:
     saved: Array
 
 
-def changed(state: Context, values: Mapping[str, Array], shape: tuple[int, int] | None = None) -> Context:
-    """The batch with some quantities replaced."""
+def with_quantities(state: Context, values: Mapping[str, Array], shape: tuple[int, int] | None = None) -> Context:
+    """Return the batch with some quantities replaced."""
     return Context({**{name: state[name] for name in state.names()}, **values}, shape or state.shape)
 
 
-def summed(terms: Terms) -> Array:
-    """The cost of every state."""
-    found: Array = np.sum([np.asarray(term) for term in terms.values()], axis=0)
-    return found
+def total_cost(terms: Terms) -> Array:
+    """Sum the terms of every state."""
+    total: Array = np.sum([np.asarray(term) for term in terms.values()], axis=0)
+    return total
 
 
-def paid_distances(cost: Traceable, pool: Context) -> list[Paid]:
-    """The distances from the hand to a target that the cost grows with.
+def find_reach_terms(cost: Traceable, pool: Context) -> list[ReachTerm]:
+    """Find the distances from the hand to a target that raise the cost.
 
     Args:
         cost: The cost.
@@ -66,24 +66,24 @@ def paid_distances(cost: Traceable, pool: Context) -> list[Paid]:
     """
     base = cost.trace(pool)
     hand = np.asarray(pool["ee_pos"])
-    moved = cost.trace(changed(pool, {"ee_pos": hand + SHIFT}))
+    moved = cost.trace(with_quantities(pool, {"ee_pos": hand + SHIFT}))
     if len(moved.distances) != len(base.distances):
         return []
-    total = summed(base.terms)
-    found: list[Paid] = []
+    total = total_cost(base.terms)
+    reach_terms: list[ReachTerm] = []
     for index, (before, after) in enumerate(zip(base.distances, moved.distances, strict=True)):
         target = _target(before, after, hand[:, 0, :])
-        if target is None or len(found) >= MOST:
+        if target is None or len(reach_terms) >= MOST:
             continue
-        saved = total - summed(cost.trace(pool, zeroed=index).terms)
+        saved = total - total_cost(cost.trace(pool, zeroed=index).terms)
         value = np.broadcast_to(before.value, total.shape)[:, 0]
         if np.median(saved) > 1e-9 * (1.0 + np.abs(total).max()):
-            found.append(Paid(index, before.line, target, value, saved[:, 0]))
-    return found
+            reach_terms.append(ReachTerm(index, before.line, target, value, saved[:, 0]))
+    return reach_terms
 
 
 def _target(before: Distance, after: Distance, hand: Array) -> Array | None:
-    """Where the other end of a distance is, Shape=(n, 3); None when the hand is not one of its ends."""
+    """Return the position of the other end of a distance, Shape=(n, 3); None if the hand is at neither end."""
     size = len(before.vector)
     if size not in (2, 3):
         return None
@@ -97,21 +97,21 @@ def _target(before: Distance, after: Distance, hand: Array) -> Array | None:
     return None
 
 
-def unreachable(cost: Traceable, pool: Context, paid: list[Paid], cfg: CostCheckCfg) -> list[CostFault]:
-    """Faults for targets that something solid keeps the hand from (the first pitfall)."""
-    found, lines = [], set()
-    for item in paid:
+def unreachable(cost: Traceable, pool: Context, reach_terms: list[ReachTerm], cfg: CostCheckCfg) -> list[CostFault]:
+    """Return faults for targets that a solid keeps the hand from (the first pitfall)."""
+    faults, lines = [], set()
+    for item in reach_terms:
         if item.line in lines:
             continue
         reason = _inside(pool, item, cfg) or _pushed_back(pool, item, cfg)
         if reason:
             lines.add(item.line)
-            found.append(CostFault("unreachable", item.line, f"line {item.line} (`{cost.line(item.line)}`): {reason}"))
-    return found
+            faults.append(CostFault("unreachable", item.line, f"line {item.line} (`{cost.line(item.line)}`): {reason}"))
+    return faults
 
 
-def _inside(pool: Context, item: Paid, cfg: CostCheckCfg) -> str:
-    """Whether the target lies inside an object too wide for the fingers to straddle."""
+def _inside(pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> str:
+    """Check whether the target lies inside an object too wide for the fingers to straddle."""
     for thing in objects_of(pool.names()):
         names = [f"{thing}_pos", f"{thing}_quat", f"{thing}_size"]
         if not all(name in pool for name in names):
@@ -127,8 +127,8 @@ def _inside(pool: Context, item: Paid, cfg: CostCheckCfg) -> str:
     return ""
 
 
-def _pushed_back(pool: Context, item: Paid, cfg: CostCheckCfg) -> str:
-    """Whether in the closest states something pushes the hand away from the target."""
+def _pushed_back(pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> str:
+    """Check whether, in the closest states, a contact pushes the hand away from the target."""
     closest = np.argsort(item.value, kind="stable")[: max(8, len(item.value) // 50)]
     least = float(item.value[closest[0]])
     if not cfg.reach_m < least < cfg.near_m or "ee_force" not in pool:
@@ -148,7 +148,7 @@ def _pushed_back(pool: Context, item: Paid, cfg: CostCheckCfg) -> str:
 
 
 def rotations(quat: Array) -> Array:
-    """Rotation matrices of unit quaternions.
+    """Compute the rotation matrices of unit quaternions.
 
     Args:
         quat: Shape=(n, 4), (w, x, y, z).

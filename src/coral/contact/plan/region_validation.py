@@ -1,4 +1,4 @@
-"""Whether regions that an advisor names can be used; if not, a reason that helps to name better ones."""
+"""Validation of the regions that an advisor names; each rejection gives a reason that helps to name better ones."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def verify_regions(
     cfg: RegionCfg | None = None,
     scenery: Scenery | None = None,
 ) -> Rejection | None:
-    """Why regions cannot be used, or None: unknown object, off the surface, or no point of one that can be touched.
+    """Return why regions cannot be used, or None: unknown object, off the surface, or no point that can be touched.
 
     Args:
         answer: The regions.
@@ -56,9 +56,9 @@ def verify_regions(
                 return _no(name, wrong[0], f"region {index + 1} of {name}: {wrong[1]}", index)
     if not answer.each():
         return Rejection(code="none", reason="no region on any object; name at least one place to touch")
-    found = candidates_of(answer, facts, stages, scenery, cfg)
+    candidates = candidates_of(answer, facts, stages, scenery, cfg)
     places = [(name, index) for name, held in answer.root.items() for index in range(len(held.regions))]
-    for (name, index), left in zip(places, found, strict=True):
+    for (name, index), left in zip(places, candidates, strict=True):
         if not len(left.points):
             region = answer.root[name].regions[index]
             code, reason = _nothing_left(region, left, facts["objects"][name], scenery.objects[name], cfg)
@@ -78,7 +78,7 @@ def _wrong(
     stages: Sequence[str],
     cfg: RegionCfg,
 ) -> tuple[str, str] | None:
-    """What is wrong with a region before its candidates are looked at."""
+    """Return what is wrong with a region before its candidates are examined."""
     center, normal = np.asarray(region.center), np.asarray(region.normal)
     if not (np.isfinite(center).all() and np.isfinite(normal).all() and math.isfinite(region.extent)):
         return "not-finite", "center, normal and extent must be finite numbers"
@@ -117,7 +117,7 @@ def _wrong(
 
 
 def _points_inward(center: Array, normal: Array, solids: Sequence[Solid], cfg: RegionCfg) -> bool:
-    """Whether a line along the normal goes into the object: it leaves it far ahead, or sideways."""
+    """Check whether a line along the normal enters the object: it leaves it far ahead, or sideways."""
     unit = normal / np.linalg.norm(normal)
     at = center - 0.5 * cfg.off_surface_m * unit
     inside = [solid.leave(at[None], unit) for solid in solids if solid.depth(center[None])[0] > -cfg.off_surface_m]
@@ -130,9 +130,9 @@ def _points_inward(center: Array, normal: Array, solids: Sequence[Solid], cfg: R
 def _nothing_left(
     region: Region, left: Candidates, item: ObjectFacts, solids: Sequence[Solid], cfg: RegionCfg
 ) -> tuple[str, str]:
-    """Why no candidate of a region can be touched."""
+    """Return why no candidate of a region can be touched."""
     count = sum(left.lost.values())
-    told = ", ".join(f"{number} {reason}" for reason, number in left.lost.items())
+    reasons = ", ".join(f"{number} {reason}" for reason, number in left.lost.items())
     worst = max(left.lost, key=lambda reason: left.lost[reason])
     code, mend = "buried", "touch it on a side that is free"
     if worst == MISSED:
@@ -143,7 +143,7 @@ def _nothing_left(
             "out-of-reach",
             (f"in the world the hand gets from {_text(np.asarray(low))} to {_text(np.asarray(high))} m"),
         )
-    return code, f"none of its {count} candidate points can be touched: {told}; {mend}"
+    return code, f"none of its {count} candidate points can be touched: {reasons}; {mend}"
 
 
 def _extent(item: ObjectFacts) -> str:
@@ -158,5 +158,5 @@ def _text(vector: Array) -> str:
 def _graspable(region: Region, item: ObjectFacts) -> bool:
     if closing_axis(np.asarray(region.normal), np.asarray(item["size_m"])) is not None:
         return True
-    # A handle is narrower than the thing that it is part of; the rehearsal will tell.
+    # A handle is narrower than the object it belongs to; the rehearsal decides.
     return item["shapes"] != ["box"] or item["solid_share"] < 0.95 or bool(item["points"])

@@ -1,4 +1,4 @@
-"""Which candidates of a region can be touched: on the object's true surface, free of other things, within reach."""
+"""Which candidates of a region can be touched: on the object's true surface, clear of other things, within reach."""
 
 from __future__ import annotations
 
@@ -35,30 +35,30 @@ SEAM_M = 5e-4
 
 @dataclass(frozen=True)
 class Scenery:
-    """What the objects are made of, each in its own frame."""
+    """The convex pieces of the objects, each in its own frame."""
 
     objects: Mapping[str, tuple[Solid, ...]]
 
     @classmethod
     def of(cls, trial: Trial) -> Scenery:
-        """The true shapes of a trial."""
+        """Return the true shapes of a trial."""
         return cls({name: pieces(trial, name) for name in trial.objects})
 
     @classmethod
     def boxes(cls, facts: SceneFacts) -> Scenery:
-        """All that facts alone tell: the boxes that hold the parts."""
-        found = {}
+        """Return the objects' bounding boxes, which is all that the facts contain."""
+        boxes = {}
         for name, item in facts["objects"].items():
             whole: list[PartFacts] = [{"position": item.get("middle_m", [0.0] * 3), "size_m": item["size_m"]}]
-            found[name] = tuple(
+            boxes[name] = tuple(
                 box(np.asarray(part["size_m"]), np.asarray(part["position"])) for part in item.get("parts") or whole
             )
-        return cls(found)
+        return cls(boxes)
 
 
 @dataclass(frozen=True)
 class Candidates:
-    """What is left of a region.
+    """The candidates of a region that can be touched.
 
     Args:
         points: Shape=(n, 3) m, in the object's frame, on its surface.
@@ -70,7 +70,7 @@ class Candidates:
 
 
 def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array, cfg: RegionCfg) -> Array:
-    """Points of a disc moved along its normal to the surface, Shape=(n, 3) m; nan where they miss the face.
+    """Project points of a disc along its normal to the surface, Shape=(n, 3) m; nan where they miss the face.
 
     A point moves no further than a surface that slopes by 45 degrees would have it, and where the surface turns away
     from the normal it is another face.
@@ -82,7 +82,7 @@ def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array
         center: Shape=(3,) m, of the disc.
         cfg: How far a centre may be off, how the surface must face.
     """
-    found = np.full(points.shape, np.nan)
+    projected = np.full(points.shape, np.nan)
     least = cfg.off_surface_m + np.linalg.norm(points - center, axis=1) + 1e-9
     for index, solid in enumerate(solids):
         rise, facing = solid.leave(points, normal)
@@ -92,24 +92,24 @@ def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array
             surface &= ~(other.depth(there + SEAM_M * normal) > 0)
         nearer = surface & (np.abs(rise) < least)
         least[nearer] = np.abs(rise)[nearer]
-        found[nearer] = np.where(np.abs(rise[nearer, None]) < FLUSH_M, points[nearer], there[nearer])
-    return found
+        projected[nearer] = np.where(np.abs(rise[nearer, None]) < FLUSH_M, points[nearer], there[nearer])
+    return projected
 
 
 def off_surface(center: Array, solids: Sequence[Solid]) -> float:
-    """How far (m) a point is from an object's surface: inside it, along its axes."""
+    """Compute the distance (m) of a point from an object's surface: inside it, along its axes."""
     depth = max(float(solid.depth(center[None])[0]) for solid in solids)
     if depth < -SEAM_M:
         return -depth
-    found = [np.inf]
+    distances = [np.inf]
     for way in np.concatenate([np.eye(3), -np.eye(3)]):
         for index, solid in enumerate(solids):
             rise, _ = solid.leave(center[None], way)
             past = center[None] + (rise[:, None] + SEAM_M) * way
             others = (*solids[:index], *solids[index + 1 :])
             if rise[0] >= -SEAM_M and not any(other.depth(past)[0] > 0 for other in others):
-                found.append(abs(float(rise[0])))
-    return min(found)
+                distances.append(abs(float(rise[0])))
+    return min(distances)
 
 
 def candidates_of(
@@ -119,7 +119,7 @@ def candidates_of(
     scenery: Scenery | None = None,
     cfg: RegionCfg | None = None,
 ) -> list[Candidates]:
-    """What can be touched of every region, in their order.
+    """Find the touchable candidates of every region, in the regions' order.
 
     An object is judged as it stands for the stage in which it is touched first; by the later ones it may have been
     moved, and so may other objects that are touched before.
@@ -136,12 +136,12 @@ def candidates_of(
     begins: dict[str, int] = {}
     for name, region in answer.each():
         begins[name] = min(order.get(region.stage, 0), begins.get(name, len(order)))
-    found = []
+    candidates = []
     for name, region in answer.each():
         when = order.get(region.stage, 0)
         standing = [other for other in facts["objects"] if other != name and begins.get(other, when) >= when]
-        found.append(touchable(name, region, facts, scenery, cfg, standing if when == begins[name] else None))
-    return found
+        candidates.append(touchable(name, region, facts, scenery, cfg, standing if when == begins[name] else None))
+    return candidates
 
 
 def touchable(
@@ -152,7 +152,7 @@ def touchable(
     cfg: RegionCfg,
     standing: Sequence[str] | None,
 ) -> Candidates:
-    """What can be touched of one region.
+    """Find the touchable candidates of one region.
 
     Args:
         name: The object.
@@ -185,7 +185,7 @@ def _hindered(
     cfg: RegionCfg,
     standing: Sequence[str],
 ) -> list[str]:
-    """Why each point, as the object stands, cannot be touched; "" where it can."""
+    """Return why each point cannot be touched as the object stands; "" where it can."""
     pose, normal = np.asarray(facts["objects"][name]["pose"], dtype=float), np.asarray(region.normal, dtype=float)
     surface, out = pose[:3] + rotate(pose[3:], points), rotate(pose[3:], normal)
     approach = region.approach or natural_approach(out)
@@ -197,29 +197,29 @@ def _hindered(
         ],
         axis=0,
     )
-    found = np.full(len(points), "", dtype=object)
-    found[over_table & (surface[:, 2] < -TIP_M)] = TABLE
+    reasons = np.full(len(points), "", dtype=object)
+    reasons[over_table & (surface[:, 2] < -TIP_M)] = TABLE
     tool[:, 2] = np.where(over_table, np.maximum(tool[:, 2], LOWEST_M), tool[:, 2])
     for thing, solids in _things(facts, scenery, [name, *standing]):
         for solid in solids:
             buried = (solid.depth(surface) > cfg.buried_m) & (thing != name)
-            # Pinched, the tool is inside the object and what stands beside it is between the fingers or not.
+            # In a pinch the tool is inside the object, so it cannot show whether something stands beside the fingers.
             blocked = (solid.depth(tool) > cfg.buried_m) & (approach != "pinch")
-            found[(found == "") & buried] = f"inside {thing}"
-            found[(found == "") & blocked] = f"with no room for a finger before {thing}"
+            reasons[(reasons == "") & buried] = f"inside {thing}"
+            reasons[(reasons == "") & blocked] = f"with no room for a finger before {thing}"
     low, high = map(np.asarray, reach_box(cfg))
     outside = (tool < low).any(axis=1) | (tool > high).any(axis=1)
-    found[(found == "") & outside] = REACH
-    return [str(reason) for reason in found]
+    reasons[(reasons == "") & outside] = REACH
+    return [str(reason) for reason in reasons]
 
 
 def _things(facts: SceneFacts, scenery: Scenery, standing: Sequence[str]) -> list[tuple[str, list[Solid]]]:
-    """Everything else that stands there, in the world."""
-    found = []
+    """Return everything else in the scene, in the world frame."""
+    things = []
     for name in standing:
         pose = np.asarray(facts["objects"][name]["pose"], dtype=float)
         turn = rotation_of(pose[3:])
-        found.append(
+        things.append(
             (
                 name,
                 [
@@ -230,5 +230,5 @@ def _things(facts: SceneFacts, scenery: Scenery, standing: Sequence[str]) -> lis
         )
     for name, item in facts["fixtures"].items():
         turn = rotation_of(from_rotvec([0, 0, np.radians(item["yaw_deg"])]))
-        found.append((name, [box(np.asarray(item["size_m"]), np.asarray(item["position"]), turn)]))
-    return found
+        things.append((name, [box(np.asarray(item["size_m"]), np.asarray(item["position"]), turn)]))
+    return things

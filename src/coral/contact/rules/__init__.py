@@ -1,4 +1,4 @@
-"""The stand-in for a language model: an answer to each kind of question by rules, from facts alone.
+"""The stand-in for a language model: rules that answer each kind of question from facts alone.
 
 No part of the paper's pipeline. It lets everything else run, and be tested, where no model is at hand.
 """

@@ -1,4 +1,4 @@
-"""What the default advisor changes about its plan after each diagnosis."""
+"""How the default advisor adjusts its plan after each diagnosis."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from coral.contact.rules.scene_reading import SkillAdjustment
 
 
 def adjustment_after(diagnoses: Sequence[str]) -> SkillAdjustment:
-    """What the composing rules change after these failures, in order."""
+    """Return the adjustment of the composing rules after these failures, in order."""
     adjustment = SkillAdjustment()
     for kind in diagnoses:
         if kind == "slipped":
@@ -29,7 +29,7 @@ def adjustment_after(diagnoses: Sequence[str]) -> SkillAdjustment:
 
 
 def change_words(before: SkillAdjustment, after: SkillAdjustment) -> str:
-    """What a repair changes, in a sentence."""
+    """Describe the changes of a repair in a sentence."""
     words = []
     if after.turn != before.turn:
         words.append("takes the next grasp or side that fits")

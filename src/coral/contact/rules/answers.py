@@ -1,4 +1,4 @@
-"""The advisor `heuristic`, the stand-in for a language model: which rule answers which kind of question."""
+"""The advisor `heuristic`, the stand-in for a language model: the rule for each kind of question."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ F = TypeVar("F")
 
 
 def _rule(answer: Callable[[F, Sequence[Rejection]], BaseModel]) -> Rule:
-    """A rule as advisors call it: facts of a question are any JSON to them, and those of its kind to the rule."""
+    """Adapt a rule to the advisor interface: advisors pass facts as untyped JSON, a rule takes those of its kind."""
     return cast(Rule, answer)
 
 
@@ -52,7 +52,7 @@ def _plan(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
 
 def _regions(facts: RegionFacts, rejections: Sequence[Rejection]) -> BaseModel:
     made = _composed(facts, int(facts.get("refused", 0))).regions
-    # The plan may be somebody else's, with other stages: then a place is good for all of them.
+    # The plan may come from the advisor, with other stages: then a region applies to all of them.
     stages = facts.get("stages", ())
     held = {
         name: [
@@ -61,7 +61,7 @@ def _regions(facts: RegionFacts, rejections: Sequence[Rejection]) -> BaseModel:
         ]
         for name, regions in made.root.items()
     }
-    # The rules have no second adjustment of a place: the others are better than none.
+    # The rules cannot adjust a region further: drop it and keep the others.
     for rejection in rejections:
         if rejection.code in UNTOUCHABLE:
             held[rejection.details["object"]].pop(rejection.details["region"])
@@ -73,7 +73,7 @@ def _repair(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
     made = _composed(facts, len(rejections)).plan
     why = TEXTS[diagnoses[-1]]
     before, after = adjustment_after(diagnoses[:-1]), adjustment_after([*diagnoses, *["no-progress"] * len(rejections)])
-    # A skill that has no other side or grasp must not claim to take one.
+    # A skill without another side or grasp must not claim to change it.
     change = change_words(before, after if _composed({**facts, "diagnoses": diagnoses[:-1]}).plan != made else before)
     words = f"The plan before failed because {why}. {change}: {made.explanation}"
     return made.model_copy(update={"explanation": words})
@@ -89,7 +89,7 @@ def _parameters(facts: CorrectionFacts, rejections: Sequence[Rejection]) -> Base
 
 
 def _unified(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
-    """Its rules for each part, one after the other; what is believed already is kept."""
+    """Apply the rules for each part in turn; known beliefs are kept."""
     found = {
         name: ParameterEstimate(mass_kg=item["mass_kg"], friction_coeff=item["friction"])
         for name, item in facts["objects"].items()

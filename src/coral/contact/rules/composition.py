@@ -1,4 +1,4 @@
-"""The stand-in's plan: program texts and regions composed from the task file's goals by general rules.
+"""The stand-in's plan: programs and regions that general rules compose from the task file's goals.
 
 No rule knows a task by its name. What a goal asks of an object, and what its size allows the hand to do, choose among
 grasping from above, pushing, tipping, raising against something upright, and pinching beyond the table's edge.
@@ -30,14 +30,14 @@ from coral.contact.scene.facts import AtGoal, Goal, GoalsByKind, SceneFacts, goa
 
 @dataclass(frozen=True)
 class Composed:
-    """A plan with the regions that belong to it."""
+    """A plan with its regions."""
 
     plan: PlanAnswer
     regions: RegionsAnswer
 
 
 def compose(facts: SceneFacts, adjustment: SkillAdjustment | None = None) -> Composed:
-    """The plan for a scene.
+    """Compose the plan for a scene.
 
     Args:
         facts: The scene (`scene_facts`) with its goals.
@@ -125,7 +125,7 @@ def _for_object(
         return draft
     put = placing_goal(goals, moving)
     if put is not None and thing.closings():
-        # What is put somewhere rests there; whether on the right thing, the place decides.
+        # A placed object also rests; the placement decides on what.
         require_only({put["kind"], "resting"}, moving, thing.name, "put down")
         placement = placement_of(thing, facts, put)
         add_grasp(draft, thing, facts, adjustment)
@@ -140,7 +140,7 @@ def _for_object(
 
 
 def _default_place(thing: Thing, facts: SceneFacts) -> AtGoal:
-    """Where to push to when only a force is asked for: the first place of the task.
+    """Return the place to push to when only a force is asked for: the first place of the task.
 
     Raises:
         NoRule: There is none.
@@ -152,7 +152,7 @@ def _default_place(thing: Thing, facts: SceneFacts) -> AtGoal:
 
 
 def _append(merged: Draft, draft: Draft, before: Thing | None) -> None:
-    """Add one object's stages after another's, its names made its own, the one before ending when the hand is clear."""
+    """Append an object's stages with unique names; the stage before them ends once the hand is clear of its object."""
     taken = {stage.name for stage in merged.stages}
     names = {stage.name: stage.name if stage.name not in taken else _free(stage.name, taken) for stage in draft.stages}
     if before is not None and not merged.stages[-1].done:

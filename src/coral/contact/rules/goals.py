@@ -1,4 +1,4 @@
-"""Goals as the composing rules read them: which ask for something to be moved, and how each is called."""
+"""Goals as the composing rules read them: which ones move an object, and the words for each."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ FLAT_M = 0.01
 
 
 class NoRule(ValueError):
-    """The rules know no way to what is asked."""
+    """The rules have no way to do what is asked."""
 
 
 def moves(goal: Goal, facts: SceneFacts) -> bool:
-    """Whether a goal asks for its object to be moved."""
+    """Check whether a goal asks for its object to be moved."""
     if goal["kind"] == "flipped":
         return goal["degrees"] > goal["tolerance_deg"]
     if goal["kind"] != "inside" and goal["kind"] != "resting":
@@ -34,16 +34,16 @@ def moves(goal: Goal, facts: SceneFacts) -> bool:
 
 
 def movement_goals(asked: Sequence[Goal], facts: SceneFacts) -> list[Goal]:
-    """Of the goals of one object, those that ask for it to be moved."""
+    """Return those goals of one object that ask for it to be moved."""
     found = [goal for goal in asked if moves(goal, facts)]
     if any(goal["kind"] != "resting" for goal in found):
-        # Whatever is turned, pushed or put down comes to rest on the table, or on what is as flat as a mat.
+        # An object that is turned, pushed or put down comes to rest on the table or on something flat anyway.
         found = [goal for goal in found if goal["kind"] != "resting" or _top_height(goal["thing"], facts) > FLAT_M]
     return found
 
 
 def require_different_kinds(goals: Sequence[Goal]) -> None:
-    """See that no two goals of one object are of one kind.
+    """Check that no two goals of one object are of the same kind.
 
     Raises:
         NoRule: Two of them are.
@@ -63,7 +63,7 @@ def _top_height(name: str, facts: SceneFacts) -> float:
 
 
 def goal_words(goal: Goal) -> str:
-    """A goal as a message names it."""
+    """Return the words for a goal in a message."""
     if goal["kind"] == "at":
         return f"at {goal['place']}"
     if goal["kind"] == "inside":
@@ -76,7 +76,7 @@ def goal_words(goal: Goal) -> str:
 
 
 def require_only(kinds: set[str], moving: Sequence[Goal], name: str, done: str) -> None:
-    """See that one way of moving an object serves all of its goals.
+    """Check that one way of moving an object serves all of its goals.
 
     Args:
         kinds: Kinds of goals that the way serves.
@@ -93,7 +93,7 @@ def require_only(kinds: set[str], moving: Sequence[Goal], name: str, done: str) 
 
 
 def placing_goal(goals: GoalsByKind, moving: Sequence[Goal]) -> AtGoal | InsideGoal | RestingGoal | None:
-    """The goal that says where an object is to be put down; None where it is not to be put anywhere."""
+    """Return the goal that says where to put an object down; None if there is no such goal."""
     kinds = {goal["kind"] for goal in moving}
     if "at" in kinds:
         return goals["at"]

@@ -1,4 +1,4 @@
-"""The stand-in's cost without a contact strategy: it names the goals, and not where to touch the objects.
+"""The stand-in's cost without a contact strategy: it states the goals, but not where to touch the objects.
 
 The paper's ablation leaves finding useful contacts to the sampling. Its cost functions read contact points that only a
 strategy provides, and fall back on the object's position. So does this one: it draws the hand to the object.
@@ -25,7 +25,7 @@ EDGE_M = 0.02
 
 
 def outcome_plan(facts: SceneFacts) -> PlanAnswer | None:
-    """One cost for the whole task, of its goals alone; None where no goal asks for something that a cost can lower."""
+    """Compose one cost for the whole task from its goals alone; None if no goal can be expressed as a cost."""
     terms: list[str] = []
     trial: list[str] = []
     moving = [
@@ -56,7 +56,7 @@ def outcome_plan(facts: SceneFacts) -> PlanAnswer | None:
 
 
 def _reach(name: str, facts: SceneFacts, let_go: bool, goals: Sequence[str]) -> str:
-    """Draw the hand to an object; where it is to be released, only until its other goals are met, and away after."""
+    """Attract the hand to an object; if it must be released, only until its other goals are met, and then away."""
     near = number(max(facts["objects"][name]["size_m"]) / 2 + MARGIN_M)
     reach = f"terms['{name} reach'] = 8.0 * clip(norm(self.ee_pos - self.{name}_pos) - {near}, 0.0, 1.0)"
     if not let_go:
@@ -69,7 +69,7 @@ def _reach(name: str, facts: SceneFacts, let_go: bool, goals: Sequence[str]) -> 
 
 
 def _term(goal: Goal) -> str | None:
-    """What a goal costs, as program text; None for one that no cost can lower."""
+    """Return the cost of a goal as program text; None if it cannot be expressed as a cost."""
     name = goal["object"]
     if goal["kind"] == "flipped":
         return _flipped(goal)
@@ -119,7 +119,7 @@ def _inside(goal: InsideGoal) -> str:
 
 
 def _onto(goal: RestingGoal, facts: SceneFacts) -> str:
-    """How far the object is from lying on something: aside of its middle, and off its top."""
+    """Return the program text for an object's distance from resting on something: horizontally and above its top."""
     thing, name = Thing(goal["object"], facts), goal["thing"]
     at = f"self.{thing.name}_pos"
     if name == "table":

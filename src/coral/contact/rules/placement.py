@@ -42,7 +42,7 @@ class Placement:
 
 
 def placement_of(thing: Thing, facts: SceneFacts, goal: AtGoal | InsideGoal | RestingGoal) -> Placement:
-    """Where a goal asks for an object to be set down. asks for.
+    """Find where to set down an object for a goal.
 
     Raises:
         NoRule: There is none on which the object could come to rest.
@@ -72,7 +72,7 @@ def _in_region(thing: Thing, facts: SceneFacts, goal: InsideGoal) -> Placement:
     ]
     along = int(np.argmax((high - low)[:2]))
     middle = (low + high) / 2
-    # Side by side, where one region is for several objects.
+    # Objects that share a region are placed side by side.
     middle[along] = low[along] + (high - low)[along] * (sharing.index(thing.name) + 0.5) / len(sharing)
     tops = [top_height(facts, name, middle[:2]) for name in other_things(facts, thing)]
     floor = max((height for height in tops if height is not None and height < high[2]), default=None)
@@ -120,7 +120,7 @@ def _on_top(thing: Thing, facts: SceneFacts, goal: RestingGoal) -> Placement:
 
 
 def _heights_to_clear(thing: Thing, facts: SceneFacts, point: Array, floor: float) -> tuple[float, float]:
-    """The highest top near where an object is set down, and the lowest that the palm may go there (m)."""
+    """Compute the highest top near the placement, and the lowest height that the palm may reach there (m)."""
     near = [top_height(facts, name, point, HAND_M) for name in other_things(facts, thing)]
     over = max([floor, *(height for height in near if height is not None)])
     return over, over + CLEAR_M if over > floor else 0.0

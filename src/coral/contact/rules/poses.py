@@ -1,4 +1,4 @@
-"""Poses by the box around what depth measured: the default advisor's rule."""
+"""The default advisor's rule for poses: from the bounding box of the measured depth."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from coral.contact.thinker.question_facts import PoseFacts
 
 
 def estimate_poses(facts: PoseFacts, rejections: Sequence[Rejection] = ()) -> PosesAnswer:
-    """The heuristic's answer: usual orientation, place by the box around what depth measured of the object.
+    """Estimate poses: the usual orientation, at the centre of the box around the object's measured depth.
 
     Only the sides that face the camera are in that box, so that the guess is off towards the camera. What was refused,
     or hardly seen, is believed to be where it usually stands.

@@ -1,4 +1,4 @@
-"""The scene's facts as the composing rules read them: sizes, axes and directions of things, in the world frame."""
+"""The scene's facts as the composing rules read them: sizes, axes and directions in the world frame."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ GRASP_M = 0.074
 
 @dataclass(frozen=True, kw_only=True)
 class SkillAdjustment:
-    """What a repair changes about a composed plan.
+    """Adjustments of a composed plan in a repair.
 
     Args:
         turn: 0 takes the first grasp or side that fits, 1 the second, ...
@@ -38,7 +38,7 @@ class SkillAdjustment:
 
 @dataclass
 class Draft:
-    """Stages and regions in the making."""
+    """Stages and regions of a plan under construction."""
 
     stages: list[StageAnswer] = field(default_factory=list)
     regions: list[tuple[str, Region]] = field(default_factory=list)
@@ -46,7 +46,7 @@ class Draft:
 
 
 class Thing:
-    """An object that moves, as it stands now."""
+    """A movable object in its present pose."""
 
     def __init__(self, name: str, facts: SceneFacts) -> None:
         item = facts["objects"][name]
@@ -65,26 +65,26 @@ class Thing:
 
     @property
     def up(self) -> int:
-        """The axis that stands most upright."""
+        """The axis closest to vertical."""
         return int(np.argmax(np.abs(self.rotation[2])))
 
     @property
     def up_sign(self) -> float:
-        """1 where that axis points up."""
+        """1 if that axis points up, else -1."""
         return 1.0 if self.rotation[2, self.up] > 0 else -1.0
 
     @property
     def height(self) -> float:
-        """Extent upwards, m."""
+        """Vertical extent, m."""
         return float(self.size[self.up])
 
     @property
     def low(self) -> float:
-        """Height of its lower side, m."""
+        """Height of the underside, m."""
         return float(self.position[2] + self.rotation[2] @ self.middle - self.height / 2)
 
     def to_face(self, axis: int, sign: float) -> float:
-        """How far (m) the face that an axis points to is from the origin of the object's frame."""
+        """Return the distance (m) from the origin of the object's frame to the face that an axis points to."""
         return float(self.size[axis] / 2 + sign * self.middle[axis])
 
     @property
@@ -93,17 +93,17 @@ class Thing:
         return [k for k in range(3) if k != self.up]
 
     def toward(self, direction: Array) -> tuple[int, float]:
-        """The lying axis that is most along a horizontal direction, and its sign."""
+        """Return the lying axis closest to a horizontal direction, and its sign."""
         k = max(self.lying, key=lambda axis: abs(float(self.rotation[:, axis] @ direction)))
         return k, 1.0 if float(self.rotation[:, k] @ direction) >= 0 else -1.0
 
     def closings(self) -> list[int]:
-        """Lying axes along which the fingers can close from above, narrowest first."""
+        """Return the lying axes along which the fingers can close from above, narrowest first."""
         fits = [k for k in self.lying if self.size[k] <= GRASP_M]
         return sorted(fits, key=lambda k: self.size[k])
 
     def room_behind(self, point: Array, direction: Array) -> float:
-        """How far (m) it is from a point inside to the surface against a direction; both in the object's frame.
+        """Return the distance (m) from an inner point to the surface, against a direction; both in the object's frame.
 
         Parts are taken for the boxes that hold them; of several that hold the point the farthest surface counts.
         """
@@ -116,7 +116,7 @@ class Thing:
         return max(found)
 
     def face(self, axis: int, sign: float, at: Mapping[int, float] | None = None) -> tuple[list[float], list[float]]:
-        """Centre and normal of a face in the object's frame; `at` shifts along other axes, -1 to 1 of the half."""
+        """Return centre and normal of a face in the object's frame; `at` shifts along the other axes, -1 to 1."""
         center, normal = self.middle.copy(), np.zeros(3)
         center[axis] += sign * self.size[axis] / 2
         normal[axis] = sign
@@ -126,26 +126,26 @@ class Thing:
 
 
 def others(facts: SceneFacts, name: str) -> list[str]:
-    """The other objects that move."""
+    """Return the other movable objects."""
     return [other for other in facts["objects"] if other != name]
 
 
 def disturbance_term(facts: SceneFacts, name: str) -> str:
-    """Line of a program that makes moving other objects dear; "" where there are none."""
+    """Return a program line that penalises moving other objects; "" if there are none."""
     speeds = " + ".join(f"norm(self.{other}_vel)" for other in others(facts, name))
     return f"    terms['leave others alone'] = 3.0 * ({speeds})\n" if speeds else ""
 
 
 def number(value: float) -> str:
-    """A number as program text."""
+    """Format a number as program text."""
     return f"{round(float(value), 4) + 0.0:g}"
 
 
 def vector(values: Any) -> str:
-    """A vector as program text."""
+    """Format a vector as program text."""
     return f"np.array([{', '.join(f'{round(float(v), 4) + 0.0:.4g}' for v in values)}])"
 
 
 def axis_of(name: str, axis: int, sign: float = 1.0, quat: str = "quat") -> str:
-    """An axis of an object as program text."""
+    """Return an axis of an object as program text."""
     return f"{'-1.0 * ' if sign < 0 else ''}quat_axis(self.{name}_{quat}, {axis})"

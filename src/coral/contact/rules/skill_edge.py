@@ -1,4 +1,4 @@
-"""Rules for what is too wide and too flat to grasp as it lies: push an end over the table's edge, pinch it there."""
+"""Rules for objects too wide and flat to grasp as they lie: push an end over the table's edge and pinch it there."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ SLANTS = (0.57, 0.27, 1.0)
 
 
 def can_overhang(thing: Thing) -> bool:
-    """Whether an end of it, once it is beyond the edge, can be pinched across the height."""
+    """Check whether an end of the object, once over the edge, can be pinched across its height."""
     return thing.height <= GRASP_M and max(thing.size[thing.lying]) > 2 * thing.height
 
 
 def add_overhang(draft: Draft, thing: Thing, facts: SceneFacts, lift_m: float, adjustment: SkillAdjustment) -> None:
-    """Push an end over the edge, go round, pinch it, lift."""
+    """Add stages: push an end over the edge, move around it, pinch it, lift."""
     n = thing.name
     axis, sign, grip = _end_to_push(thing, facts)
     out, edge = _edge(thing, facts, thing.rotation[:, axis] * sign)
@@ -44,7 +44,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: SceneFacts, lift_m: float, a
     add_reach_behind(draft, thing, facts, axis, sign, height, adjustment, handed=True)
     rise = lift_m + 0.05
     beyond = f"(dot(self.{n}_pos + quat_rotate(self.{n}_quat, {vector(grip)}), {vector(out)}) - {number(edge)})"
-    # Along the edge, away from the robot, and a little inward: what an arm on the robot's side can do.
+    # Along the edge, away from the robot and slightly inward, which an arm on the robot's side can reach.
     slant = SLANTS[adjustment.turn % len(SLANTS)]
     aside = np.array([1.0, 0.0, 0.0]) - slant * out if abs(out[1]) > abs(out[0]) else -out
     palm: Array = aside / np.linalg.norm(aside)
@@ -209,7 +209,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: SceneFacts, lift_m: float, a
 
 
 def _end_to_push(thing: Thing, facts: SceneFacts) -> tuple[int, float, Array]:
-    """Which end to push out: axis, sign, and where to grip it in the object's frame.
+    """Choose the end to push out: axis, sign, and grip point in the object's frame.
 
     A named point whose name the instruction mentions, else the end nearest to the edge.
     """
@@ -229,14 +229,14 @@ def _end_to_push(thing: Thing, facts: SceneFacts) -> tuple[int, float, Array]:
 
 
 def _gap_to_edge(thing: Thing, facts: SceneFacts, axis: int, sign: float) -> float:
-    """How far the end is from the edge it points to; an arm on the near side reaches the left and the right edge."""
+    """Compute the distance from the end to the edge that it points to; a near-side arm reaches left and right."""
     out, edge = _edge(thing, facts, thing.rotation[:, axis] * sign)
     tip = thing.position + thing.rotation[:, axis] * sign * thing.to_face(axis, sign)
     return edge - float(tip @ out) + (0.3 if abs(out[0]) > 0.5 else 0.0)
 
 
 def _edge(thing: Thing, facts: SceneFacts, direction: Array) -> tuple[Array, float]:
-    """Outward direction and coordinate along it of the table's edge that a direction points to."""
+    """Return the outward normal of the table's edge in a direction, and the edge's coordinate along it."""
     k = int(abs(direction[1]) >= abs(direction[0]))
     sign = 1.0 if direction[k] >= 0 else -1.0
     out = np.zeros(3)

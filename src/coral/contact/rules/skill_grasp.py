@@ -1,4 +1,4 @@
-"""Rules for grasping from above, lifting and placing: program texts for whatever object fits between the fingers."""
+"""Rules for grasping from above, lifting and placing: programs for any object that fits between the fingers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PALM_M = 0.037
 
 
 def add_grasp(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> None:
-    """Reach around the object from above and close."""
+    """Add the stages that reach around the object from above and close the fingers."""
     closing = _closing(thing, facts, adjustment)
     depth = max(0.0, thing.height / 2 - 0.025) - adjustment.lower_m
     depth = max(depth, 0.012 - thing.height / 2)
@@ -77,7 +77,7 @@ def add_grasp(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAd
 
 
 def add_lift(draft: Draft, thing: Thing, facts: SceneFacts, height_m: float, adjustment: SkillAdjustment) -> None:
-    """Raise the held object until its lowest point is above a height."""
+    """Add the stage that raises the held object until its lowest point is above a height."""
     n, depth = thing.name, _depth(thing, adjustment)
     rise = height_m + 0.025
     draft.stages.append(
@@ -100,7 +100,7 @@ def add_lift(draft: Draft, thing: Thing, facts: SceneFacts, height_m: float, adj
 
 
 def add_place(draft: Draft, thing: Thing, facts: SceneFacts, placement: Placement, adjustment: SkillAdjustment) -> None:
-    """Carry the held object above everything else to its placement, set it down, let go, retire."""
+    """Add the stages that carry the held object over everything else, set it down, release and retreat."""
     n, depth = thing.name, _depth(thing, adjustment)
     tops = [Thing(other, facts).position[2] + Thing(other, facts).height / 2 for other in others(facts, n)]
     tops += [
@@ -172,7 +172,7 @@ def add_place(draft: Draft, thing: Thing, facts: SceneFacts, placement: Placemen
 
 
 def add_release(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> None:
-    """Open the fingers and go straight up."""
+    """Add the stage that opens the fingers and moves straight up."""
     n = thing.name
     draft.stages += [
         StageAnswer(
@@ -207,7 +207,7 @@ def add_release(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: Skill
 
 
 def _closing(thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> int:
-    """The axis to close along: of those that fit, the one whose hand keeps clearest of other things; ties by width."""
+    """Choose the closing axis: of those that fit, the one with the most clearance for the hand; ties by width."""
     fits = thing.closings()
 
     def room(axis: int) -> float:

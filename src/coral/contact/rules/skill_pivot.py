@@ -1,4 +1,4 @@
-"""Rules for standing something up: push it against something upright, raise its near end, let go."""
+"""Rules for standing an object up: push it against an upright face, raise its near end, release."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from coral.contact.scene.facts import FixtureFacts, SceneFacts
 
 
 def nearest_face(thing: Thing, item: FixtureFacts) -> tuple[Array, Array]:
-    """Point on the fixture's nearest upright face, and the horizontal direction from the object into it."""
+    """Find the point on the fixture's nearest upright face, and the horizontal direction from the object into it."""
     yaw = np.radians(item["yaw_deg"])
     turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
     middle, half = np.asarray(item["position"][:2], dtype=float), np.asarray(item["size_m"][:2], dtype=float) / 2
@@ -30,7 +30,7 @@ def nearest_face(thing: Thing, item: FixtureFacts) -> tuple[Array, Array]:
 
 
 def add_pivot(draft: Draft, thing: Thing, facts: SceneFacts, against: str, adjustment: SkillAdjustment) -> None:
-    """Push against something upright, raise the near end while pressing, let go."""
+    """Add the stages that push against an upright face, raise the near end while pressing, and release."""
     n = thing.name
     point, way = nearest_face(thing, facts["fixtures"][against])
     axis, sign = thing.toward(np.array([*way, 0.0]))

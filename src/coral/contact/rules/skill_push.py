@@ -1,4 +1,4 @@
-"""Rules for pushing: coming behind a face, to a place, over on its side."""
+"""Rules for pushing: approaching a face from behind, pushing to a place, tipping over."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ SOFT = 1.5
 
 
 def abreast_opening(width_m: float) -> float:
-    """Opening at which two fingers side by side push a face: wide enough to steer, narrower than the face."""
+    """Return the opening at which both fingers push a face abreast: wide enough to steer, narrower than the face."""
     return float(np.clip(0.4 * width_m, 0.0, 0.07))
 
 
 def behind_head(thing: Thing, axis: int, sign: float, height: str, handed: bool = False) -> str:
-    """Begin of a program: the axis of pushing, the point behind the pushed face, how square the hand stands to it.
+    """Return the head of a program: the pushing axis, the point behind the pushed face, and the hand's misalignment.
 
     Two orientations push alike. `handed` asks for the one whose fingers open to the left of the way, from where an arm
     can go on to point along an edge on that side; from the other one a Panda ends at its joint limits.
@@ -47,7 +47,7 @@ def add_reach_behind(
     adjustment: SkillAdjustment,
     handed: bool = False,
 ) -> None:
-    """Come from above to the face that is to be pushed."""
+    """Add the stage that approaches the pushed face from above."""
     n = thing.name
     wide = abreast_opening(thing.size[next(k for k in thing.lying if k != axis)])
     up = thing.up_sign * (height_m - thing.low - thing.height / 2) / max(thing.height / 2, 1e-6)
@@ -110,7 +110,7 @@ def add_push(
     newtons: float | None,
     adjustment: SkillAdjustment,
 ) -> None:
-    """Push to a place, with a given force if one is asked for."""
+    """Add the stages that push to a place, with a given force if one is asked for."""
     n, place = thing.name, goal["place"]
     way = np.asarray(facts["places"][place], dtype=float)[:2] - thing.position[:2]
     axis, sign = thing.toward(np.array([*way, 0.0]))
@@ -175,7 +175,7 @@ def add_push(
 
 
 def _steadily(thing: Thing, axis: int, sign: float, place: str, where: str, height_m: float, newtons: float) -> str:
-    """Begin of a program that pushes with a steady force.
+    """Return the head of a program that pushes with a steady force.
 
     A slow push is answered by friction; stops, blows and the hand's stiffness spoil it. So what the spring pulls to
     moves straight to the place at an even pace, the force counts as a vector (a drag down the face adds friction), and
@@ -217,7 +217,7 @@ def add_retreat(
     stiffness: float = 600.0,
     short: str = "",
 ) -> None:
-    """Away from the pushed face, without taking the object along; as stiff as it was pushed, or it gets a blow."""
+    """Add the stage that leaves the pushed face without dragging the object, as stiff as the push to avoid a jolt."""
     n = thing.name
     draft.stages.append(
         StageAnswer(
@@ -244,7 +244,7 @@ def _push_height(thing: Thing, adjustment: SkillAdjustment) -> float:
 
 
 def add_tip(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> None:
-    """Push near the top so that the object falls over its far lower edge."""
+    """Add the stage that pushes near the top so that the object tips over its far lower edge."""
     n = thing.name
     ranked = sorted(thing.lying, key=lambda k: thing.size[k])
     axis = ranked[adjustment.turn % 2]

@@ -1,4 +1,4 @@
-"""What models get wrong about contact tasks, for the advisor `fallible`: errors of its kinds, made of right answers."""
+"""Common errors of models in contact tasks, for the advisor `fallible`: right answers with one error of its kinds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Answer = dict[str, Any]
 
 
 def spoil(error: str, question: Question[Any], answer: Answer, rng: np.random.Generator) -> Answer:
-    """Another answer with one error in it.
+    """Return the answer with one error put into it.
 
     Args:
         error: "wrong_type", "out_of_range", "backward", or "stale" where there is nothing earlier to repeat.
@@ -36,7 +36,7 @@ def spoil(error: str, question: Question[Any], answer: Answer, rng: np.random.Ge
 
 
 def _plan(error: str, answer: Answer, rng: np.random.Generator) -> None:
-    """Text for a number; a quantity that the state lacks; the same cost for every future; code that breaks off."""
+    """Spoil a plan: text for a number; an unknown quantity; a constant cost; truncated code."""
     stage = answer["stages"][int(rng.integers(len(answer["stages"])))] if answer.get("stages") else answer
     head, _, body = stage["code"].partition("\n")
     wrong = {
@@ -48,7 +48,7 @@ def _plan(error: str, answer: Answer, rng: np.random.Generator) -> None:
 
 
 def _regions(error: str, answer: Answer, rng: np.random.Generator) -> None:
-    """Words for a place; a place off the surface; a normal into the object; an object that is not there."""
+    """Spoil regions: words for a place; a point off the surface; an inward normal; an unknown object."""
     name = _one(answer, rng)
     if name is None or not answer[name]["regions"]:
         return
@@ -64,7 +64,7 @@ def _regions(error: str, answer: Answer, rng: np.random.Generator) -> None:
 
 
 def _poses(error: str, answer: Answer, rng: np.random.Generator) -> None:
-    """Words for a place; a place off the table; a place below it; an object that is not there."""
+    """Spoil poses: words for a place; a place off the table; a place below it; an unknown object."""
     name = _one(answer, rng)
     if name is None:
         return
@@ -78,7 +78,7 @@ def _poses(error: str, answer: Answer, rng: np.random.Generator) -> None:
 
 
 def _parameters(error: str, answer: Answer, rng: np.random.Generator) -> None:
-    """Words for a mass; grams taken for kilograms; less than nothing; an object that is not there."""
+    """Spoil parameters: words for a mass; grams taken for kilograms; a negative mass; an unknown object."""
     items = {one["label"]: one for one in answer["objects"]} if "label" in str(answer.get("objects", "")) else answer
     name = _one(items, rng)
     if name is None:

@@ -1,4 +1,4 @@
-"""What an object can rest on: the heights of fixtures, objects and the table at a point and around it."""
+"""Support of an object: the heights of fixtures, objects and the table at and around a point."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from coral.contact.scene.facts import SceneFacts, on_table
 
 
 def blocks(facts: SceneFacts, name: str) -> Iterator[tuple[Array, Array, Array, float]]:
-    """The pieces of a fixture or object as upright boxes.
+    """Return the parts of a fixture or object as upright boxes.
 
     Yields:
         Middle, Shape=(2,) m; two unit directions, the rows of Shape=(2, 2); half extents along them, Shape=(2,) m;
@@ -32,7 +32,7 @@ def blocks(facts: SceneFacts, name: str) -> Iterator[tuple[Array, Array, Array, 
 
 
 def top_height(facts: SceneFacts, name: str, point: Array, within_m: float = 0.0) -> float | None:
-    """Height (m) of the highest piece of a fixture, object or the table at a point, or within so much of it; else None.
+    """Return the height (m) of the highest part of a fixture, object or table at a point or within a radius; else None.
 
     Args:
         facts: The scene.
@@ -51,16 +51,16 @@ def top_height(facts: SceneFacts, name: str, point: Array, within_m: float = 0.0
 
 
 def other_things(facts: SceneFacts, thing: Thing) -> list[str]:
-    """Everything but an object itself."""
+    """Return everything except one object."""
     return ["table", *facts["fixtures"], *(name for name in facts["objects"] if name != thing.name)]
 
 
 def origin_height(thing: Thing) -> float:
-    """How far (m) the origin of an object's frame is above its lowest point, as it is turned now."""
+    """Compute the height (m) of the origin of an object's frame above its lowest point, in its present orientation."""
     return float(thing.position[2] - thing.low)
 
 
 def rests_on(thing: Thing, facts: SceneFacts, name: str) -> bool:
-    """Whether an object seems to lie on something now; poses are tracked, so within a centimetre."""
+    """Check whether an object rests on something, within a centimetre because poses are tracked."""
     height = top_height(facts, name, thing.position[:2])
     return height is not None and abs(thing.low - height) < 0.01

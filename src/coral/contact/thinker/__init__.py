@@ -1,1 +1,1 @@
-"""The outer loop: what is asked when, what went wrong, what is repaired (section 3.4)."""
+"""The outer loop: when to ask what, diagnosis and repair (section 3.4)."""

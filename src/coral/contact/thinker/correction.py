@@ -1,4 +1,4 @@
-"""World-model correction (section 3.4): replay what was felt, and believe the parameters that explain it better."""
+"""World-model correction (section 3.4): replay the history and adopt the parameters that explain it better."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from coral.contact.world_model.parameter_correction import ParametersAnswer, ver
 
 @dataclass(frozen=True)
 class TouchHistory:
-    """What an episode has shown so far of masses and frictions.
+    """The part of an episode's history that is informative about masses and frictions.
 
     Args:
         steps: All control steps: what is tried when stuck tells little of a push that went wrong before.
@@ -65,7 +65,7 @@ def correct_beliefs(
     Returns:
         Whether they were corrected.
     """
-    # A rehearsal throws out what begins inside the table: only what was seen where it can be is replayed.
+    # A rollout that begins inside the table throws the object out: replay only windows that begin at a possible pose.
     stretches = windows(
         past.steps,
         name,

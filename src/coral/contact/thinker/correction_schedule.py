@@ -1,4 +1,4 @@
-"""When to correct the world model though nothing is stuck: at intervals in which an object was touched."""
+"""Schedule of world-model corrections while nothing is stuck: at intervals in which an object was touched."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from coral.contact.world_model.history import most_informative_object
 
 @dataclass
 class CorrectionSchedule:
-    """Decides when to correct, and of which object, and counts the corrections of an episode.
+    """Decides when to correct and for which object, and counts the corrections of an episode.
 
     Args:
         every_s: Simulated time between two of them; 0 for none.
@@ -25,7 +25,7 @@ class CorrectionSchedule:
     _seen: int = 0
 
     def due(self, steps: Sequence[Transition], last: bool = False) -> str | None:
-        """The object to correct now, or None.
+        """Return the object to correct now, or None.
 
         Args:
             steps: The whole history.

@@ -1,4 +1,4 @@
-"""Why an attempt fails, read from its history (3.4, A.9)."""
+"""Diagnosis of a failing attempt from its history (3.4, A.9)."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class HistoryRow(TypedDict):
 
 
 def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: float) -> Diagnosis:
-    """Name what went wrong in the last stretch of an episode.
+    """Diagnose the last part of an episode.
 
     Args:
         steps: The stretch.
@@ -86,7 +86,7 @@ def _settled(steps: Sequence[Transition]) -> bool:
 def recent(
     steps: Sequence[Transition], costs: Sequence[tuple[float, float]], name: str, most: int = 5
 ) -> list[HistoryRow]:
-    """The last stretch in a few rows, as the prompts show it (the paper's last five steps).
+    """Summarise the last part in a few rows, as the prompts show it (the paper's last five steps).
 
     Args:
         steps: What was done and what came of it.
@@ -117,6 +117,6 @@ def recent(
 
 
 def _at(costs: Sequence[tuple[float, float]], time_s: float) -> float | None:
-    """Cost of the last plan that was made by then."""
+    """Return the cost of the latest plan made by then."""
     made = [cost for when, cost in costs if when <= time_s + 1e-9] or [cost for _, cost in costs[:1]]
     return round(made[-1], 4) if made else None

@@ -1,4 +1,4 @@
-"""Where the objects are, guessed once from the first picture: the ablation without tracking (Table 1, last row).
+"""The objects' poses, estimated once from the first picture: the ablation without tracking (Table 1, last row).
 
 What is asked for is the centre of an object's bounding box, which a picture shows; its frame's origin, which the rest
 of the package calls its position, may lie elsewhere (of a board with a handle, in the middle of the board).
@@ -49,7 +49,7 @@ class PosesAnswer(RootModel[dict[str, ObjectPose]]):
     """Poses by the objects' names."""
 
     def bodies(self, facts: PoseFacts) -> dict[str, BodyState]:
-        """As an observation holds them, at rest: positions of the frames' origins, no longer of the boxes' centres."""
+        """Convert to an observation's bodies at rest, with positions at the frames' origins instead of box centres."""
         found = {}
         for name, one in self.root.items():
             quaternion = np.array(one.quaternion) / np.linalg.norm(one.quaternion)
@@ -59,7 +59,7 @@ class PosesAnswer(RootModel[dict[str, ObjectPose]]):
 
 
 def verify_poses(answer: PosesAnswer, facts: PoseFacts) -> Rejection | None:
-    """Why guessed poses are impossible, or None."""
+    """Return why estimated poses are impossible, or None."""
     wanted, given = list(facts["objects"]), list(answer.root)
     if set(wanted) != set(given):
         return Rejection(
@@ -86,7 +86,7 @@ def verify_poses(answer: PosesAnswer, facts: PoseFacts) -> Rejection | None:
 
 
 def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
-    """What is known before anything is: shapes, how things usually stand, the camera, and what its depth measured.
+    """Collect what is known beforehand: shapes, usual orientations, the camera, and its measured depth.
 
     Args:
         trial: The trial; only the task file and sizes are read of it.
@@ -135,7 +135,7 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
 
 
 def pose_prompt(facts: PoseFacts) -> dict[str, Any]:
-    """What the template "object-poses" shows. No measured depth: the picture is what a model guesses by.
+    """Fill the template "object-poses". It has no measured depth: a model has only the picture.
 
     Named points, as seen from the centre of the box, tell an object's front from its back.
     """
@@ -159,7 +159,7 @@ def ask_poses(
     emit: Callable[..., None],
     policy: Fallback = FOR_RUNS,
 ) -> dict[str, BodyState]:
-    """Where the objects are, by an advisor or, where none answers, by the rule.
+    """Ask an advisor for the objects' poses; if it gives none, apply the rule.
 
     Args:
         asker: The advisor.
@@ -199,7 +199,7 @@ def ask_poses(
 
 
 def _points(frame: RgbdFrame) -> Array:
-    """Every pixel's point in the world, Shape=(H, W, 3) m."""
+    """Compute the world point of every pixel, Shape=(H, W, 3) m."""
     rows, columns = np.indices(frame.depth.shape)
     fx, fy, cx, cy = frame.lens
     rays = np.stack([(columns - cx) / fx, (rows - cy) / fy, np.ones(frame.depth.shape)], axis=-1)

@@ -1,4 +1,4 @@
-"""When to think again (section 3.4): counts attempts without progress and keeps the recent past."""
+"""When to replan (section 3.4): counts attempts without progress and keeps the recent history."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class OuterCfg:
 
 @dataclass
 class ProgressMonitor:
-    """Tells when the inner loop is stuck: n_retry attempts in which neither the cost fell nor an object moved on.
+    """Detects that the inner loop is stuck: n_retry attempts in which neither the cost fell nor an object moved on.
 
     Args:
         cfg: The outer loop.
@@ -78,13 +78,13 @@ class ProgressMonitor:
     _farthest_m: dict[str, float] = field(default_factory=dict)
 
     def update(self, report: PlanReport) -> bool:
-        """Take in a plan; true when n_retry attempts have brought nothing."""
+        """Take in a plan; return True after n_retry attempts without progress."""
         now = report.now.time_s
         self._remember(report)
         stage, cost = self.order.index(report.stage), report.plan.cost
         self.returns += stage < self._stage
         if stage != self._stage:
-            # Another stage has another cost; falling back and coming again is no progress.
+            # Costs of different stages do not compare; falling back and returning is no progress.
             progressed = stage > self._farthest_stage
             self._farthest_stage, self._stage = max(stage, self._farthest_stage), stage
             self._first_cost, self._best_cost = cost, cost
@@ -103,7 +103,7 @@ class ProgressMonitor:
         return self.attempts >= self.cfg.n_retry
 
     def _moved_farther(self, report: PlanReport) -> bool:
-        """Whether an object is farther than ever from where the stage found it."""
+        """Check whether an object is farther than ever from its position when the stage began."""
         farther = False
         for name, start in self._start.items():
             distance = float(np.linalg.norm(report.now.objects[name].position - start))
@@ -125,7 +125,7 @@ class ProgressMonitor:
             self.costs.pop(0)
 
     def _add_surprises(self, report: PlanReport) -> None:
-        # Sums of control periods differ in their last bits; what is kept of a surprise should not.
+        # Sums of control periods differ in their last bits; the decay of a surprise must not.
         elapsed_s = round(report.now.time_s - self._reported_s, 9)
         kept = exp(-elapsed_s / self.cfg.surprise_tau_s)
         surprise = dict(self.surprise_m)

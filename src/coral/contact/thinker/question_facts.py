@@ -1,4 +1,4 @@
-"""What goes with each kind of question, for advisors without eyes: the scene, and what the question adds to it."""
+"""Facts for each kind of question, for advisors without vision: the scene, and what the question adds."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from coral.contact.thinker.diagnosis import Diagnosis
 
 
 class QuestionFacts(SceneFacts):
-    """The scene as it was last looked at.
+    """The scene when it was last observed.
 
     Args:
         refused: How many answers about the plan were refused before the one that holds; regions are to fit that one.
@@ -19,7 +19,7 @@ class QuestionFacts(SceneFacts):
 
 
 class PlanFacts(QuestionFacts):
-    """Of questions about the plan.
+    """Facts of questions about the plan.
 
     Args:
         diagnoses: What went wrong so far, in order.
@@ -31,13 +31,13 @@ class PlanFacts(QuestionFacts):
 
 
 class RegionFacts(PlanFacts):
-    """Of the question about the regions that belong to a plan, whose stages have these names."""
+    """Facts of the question about the regions of a plan with these stage names."""
 
     stages: list[str]
 
 
 class FittedFacts(TypedDict):
-    """Mass and friction that a fit found for an object, and whether they explain the history better."""
+    """Mass and friction fitted to an object, and whether they explain the history better."""
 
     object: str
     mass_kg: float
@@ -46,7 +46,7 @@ class FittedFacts(TypedDict):
 
 
 class CorrectionFacts(QuestionFacts):
-    """Of the question about corrected parameters."""
+    """Facts of the question about corrected parameters."""
 
     fitted: FittedFacts
 
@@ -74,7 +74,7 @@ class UnposedObjectFacts(TypedDict):
 
 
 class CameraFacts(TypedDict):
-    """The camera: its place (m) and axes in the world, its lens and picture."""
+    """The camera: its position (m) and axes in the world, its lens and picture."""
 
     position: list[float]
     axes_right_down_forward: list[list[float]]
@@ -90,7 +90,7 @@ class ToolFacts(TypedDict):
 
 
 class PoseFacts(TypedDict):
-    """Of the question where the objects are."""
+    """Facts of the question about the objects' poses."""
 
     task: str
     instruction: str

@@ -1,4 +1,4 @@
-"""What an advisor may know of a trial: the task file, shapes and tracked poses, beliefs. Never the true parameters."""
+"""What an advisor may know of a trial: the task file, shapes, tracked poses and beliefs, never the true parameters."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FUNCTIONS = (
 
 
 def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalParameters] | None = None) -> SceneFacts:
-    """The scene as plain numbers: metres, kilograms, quaternions (w, x, y, z), world frame.
+    """Describe the scene in plain numbers: metres, kilograms, quaternions (w, x, y, z), world frame.
 
     Args:
         trial: The trial; only shapes are read of it.
@@ -74,12 +74,12 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
 
 
 def pose(body: BodyState) -> list[float]:
-    """x, y, z, qw, qx, qy, qz."""
+    """Return x, y, z, qw, qx, qy, qz."""
     return [*_round(body.position), *_round(body.quaternion)]
 
 
 def interface_text(schema: Schema) -> str:
-    """What a cost may read and call, as text for a prompt."""
+    """Describe what a cost may read and call, as text for a prompt."""
     lines = []
     for name, quantity in schema.items():
         unit = f", {quantity.unit}" if quantity.unit else ""
@@ -93,7 +93,7 @@ def _round(values: Any) -> list[float]:
 
 
 def _solid_share(trial: Trial, name: str) -> float:
-    """Volume of the parts as a share of the bounding box's, at most 1."""
+    """Compute the volume of the parts as a share of the bounding box's, at most 1."""
     item = trial.task.object(name)
     factors = {"box": 1.0, "cylinder": np.pi / 4, "sphere": np.pi / 6}
     scale = trial.objects[name].scale

@@ -1,4 +1,4 @@
-"""Who decides what to do: gives a strategy at the start, sees every plan, may change the strategy after each."""
+"""The interface of a strategist: it gives a strategy at the start, sees every plan, and may change the strategy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from coral.contact.thinker.thinking_clock import Thinking
 
 @dataclass(frozen=True)
 class StrategistCounts:
-    """What a strategist has done so far, as the metrics count it.
+    """Counts of a strategist's actions for the metrics.
 
     Args:
         advisor_calls: Times a question was put to an advisor, again after a refusal included.
@@ -34,7 +34,7 @@ class StrategistCounts:
 
 @dataclass(frozen=True)
 class PlanReport:
-    """What a strategist sees after a plan: nothing that the robot does not know.
+    """What a strategist sees after each plan: nothing that the robot does not know.
 
     Args:
         step: Control steps since the episode began.
@@ -56,20 +56,20 @@ class NoStrategy(RuntimeError):
 
 
 class Strategist(Protocol):
-    """Decides on strategies, and on what is believed of masses and frictions."""
+    """Chooses strategies, and beliefs about masses and frictions."""
 
     @property
     def counts(self) -> StrategistCounts:
-        """What it has done so far."""
+        """The counts so far."""
         ...
 
     @property
     def guesses_poses(self) -> bool:
-        """Whether it guesses the objects' poses once, at the start, and nothing tracks them afterwards."""
+        """Whether it estimates the objects' poses once at the start, after which nothing tracks them."""
         ...
 
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
-        """Guess the objects' poses from a picture; called before `begin` where `guesses_poses`.
+        """Estimate the objects' poses from a picture; called before `begin` if `guesses_poses`.
 
         Args:
             trial: The trial; its poses are not for looking at.
@@ -78,19 +78,19 @@ class Strategist(Protocol):
         ...
 
     def attach_log(self, emit: Callable[..., None]) -> None:
-        """Take the run's log: `emit(event, **fields)` appends to its events."""
+        """Attach the run's log: `emit(event, **fields)` appends an event."""
         ...
 
     def attach_camera(self, look: Look) -> None:
-        """Take the camera for pictures that go with questions."""
+        """Attach the camera whose pictures go with questions."""
         ...
 
     def attach_episode(self, thinking: Thinking) -> None:
-        """Be given the episode, which goes on while an advisor thinks."""
+        """Attach the episode, which continues while an advisor thinks."""
         ...
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
-        """Give the strategy to begin with; may set the planning world's beliefs.
+        """Return the first strategy; may set the planning world's beliefs.
 
         Args:
             trial: The trial as the robot knows it: true shapes, seen poses, masses and frictions as believed before.
@@ -105,7 +105,7 @@ class Strategist(Protocol):
         ...
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
-        """Take in a plan; return another strategy to go on with, or None.
+        """Take in a plan; return a new strategy, or None to keep the present one.
 
         Raises:
             CostError: A cost failed while the plan was made, and nothing is left to be tried.
@@ -113,7 +113,7 @@ class Strategist(Protocol):
         ...
 
     def on_cost_error(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
-        """Handle a cost that could not be evaluated; return another strategy to go on with, or None to give up.
+        """Handle a cost that could not be evaluated; return a new strategy, or None to give up.
 
         Args:
             error: Why, with the line.
@@ -123,12 +123,12 @@ class Strategist(Protocol):
         ...
 
     def on_end(self, reason: str) -> None:
-        """Handle the end of the episode: "success", or why not."""
+        """Handle the end of the episode: "success", or the reason of the failure."""
         ...
 
 
 class FixedStrategist:
-    """Follows one strategy, written beforehand, to the end, with what its author knew of masses and frictions.
+    """Follows one strategy, written beforehand, to the end, with its author's beliefs about masses and frictions.
 
     Args:
         strategy: The strategy.

@@ -78,7 +78,7 @@ def decision_budget(cfg: BudgetCfg, advisor: str) -> BudgetCfg:
 
 
 def resolved(think: ThinkCfg, controller: ControllerCfg, advisor: str) -> ThinkCfg:
-    """The same with a number for everything that is None.
+    """Return the configuration with a number for everything that is None.
 
     Args:
         think: The outer loop.

@@ -1,4 +1,4 @@
-"""CoRAL's outer loop: beliefs, a plan from memory or from the advisor, regions, refinement when stuck (Fig. 2)."""
+"""CoRAL's outer loop: beliefs, a plan from memory or from the advisor, regions, repair when stuck (Fig. 2)."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from coral.errors import RunError
 
 
 class Thinker:
-    """The strategist of the paper: decides by asking an advisor.
+    """The paper's strategist: it decides by asking an advisor.
 
     Solves what the inner loop cannot: it minimises a cost over controls for given stages, masses and frictions, and
     this chooses them. It begins with a remembered plan that fits, or asks for one; when the cost falls no further, it
@@ -73,7 +73,7 @@ class Thinker:
         self._provenance = dict(provenance or {})
         self._emit: Callable[..., None] = lambda event, **fields: None
         self._given = dict(given or {})
-        self._worker = worker or CostWorker()  # its process starts at the first program
+        self._worker = worker or CostWorker()  # its process starts with the first program
         self._correction_schedule = CorrectionSchedule(
             cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0, cfg.corrections
         )
@@ -145,13 +145,13 @@ class Thinker:
         strategy = self._recall(first)
         if strategy is not None:
             return strategy
-        self._last_good, self._failure = self._new_last_good(), None  # nothing of a plan that was refused takes over
+        self._last_good, self._failure = self._new_last_good(), None  # a rejected plan must not take over
         self._plan = questions.ask_plan(first) or questions.plan_by_rules()
         self._regions = questions.ask_regions(self._plan)
         return self._strategy("asked")
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
-        """Take in a plan; ask again without progress, or after a cost failed and the last good one took over.
+        """Take in a plan; ask again if there is no progress, or if a cost failed and the last good one took over.
 
         Raises:
             CostError: See `Strategist.on_plan`.
@@ -170,7 +170,7 @@ class Thinker:
         return None
 
     def on_cost_error(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
-        """Have a cost repaired that failed while it was in use, as often as the outer loop may think again."""
+        """Ask for the repair of a cost that failed in use, at most as often as the outer loop may replan."""
         return self._repair_cost(error, stage, now, "")
 
     def _repair_cost(self, error: CostError, stage: str, now: Observation, meanwhile: str) -> Strategy | None:
@@ -188,7 +188,7 @@ class Thinker:
         return self._repaired()
 
     def on_end(self, reason: str) -> None:
-        """Keep what succeeded; note whether what was remembered helped."""
+        """Store a successful plan; record whether a remembered one helped."""
         try:
             self._remember_outcome(reason == "success")
         finally:
@@ -202,7 +202,7 @@ class Thinker:
         followed = self._match is not None and self._plan is self._recalled
         if self._match is not None:
             self.memory.used(self._match.stored.id, success and followed)
-        # Without regions a plan is no help to whom it would guide; what others decided is none of the advisor's.
+        # A plan without regions cannot guide a later episode; a stand-in's decisions are not the advisor's experience.
         if success and not followed and self.cfg.regions and not self._questions.stood_in:
             number = self.memory.add(self._experience())
             self._emit("remembered", id=number, file=Path(self.memory.where).name)
@@ -212,7 +212,7 @@ class Thinker:
             return None
         facts = self._questions.facts
         for match in self.memory.find(facts):
-            # A memory may come from anybody, and hold what a model wrote: nothing of it runs in this process.
+            # A memory may come from anyone and hold model-written code: none of it runs in this process.
             plan, regions = adapt(match.stored.experience, facts)
             refusal = self._questions.check_plan(plan, first, self._worker.load)
             if refusal is None and self.cfg.regions:
@@ -240,7 +240,7 @@ class Thinker:
             )
             if refusal is None:
                 self._match, self._recalled = match, plan
-                # Repairs of it too: a plan that stays, or one that quotes it, is as foreign as it is.
+                # Its repairs too: a plan that is kept, or one that quotes it, is as untrusted as the original.
                 self._load = self._questions.load = self._worker.load
                 return strategy
         return None
@@ -287,7 +287,7 @@ class Thinker:
             return
         before = self._plan
         self._plan = self._questions.ask_repair(now, history) or otherwise()
-        if self._plan is not before:  # a plan that stays keeps the places that it was made for
+        if self._plan is not before:  # an unchanged plan keeps its regions
             self._regions = self._questions.ask_regions(self._plan)
 
     def _refine(self, report: PlanReport) -> Strategy | None:
@@ -307,10 +307,10 @@ class Thinker:
             history=recent(monitor.steps, monitor.costs, name),
         )
         corrected = not self.cfg.unified and self._correct(name, now)
-        now = self._questions.present(now)  # later, if the advisor took its time
+        now = self._questions.present(now)  # later, if the advisor took time to answer
         self._questions.update_facts(now)
         if corrected and kind == "moved-otherwise":
-            # The plan was right and the world model was not: the stage goes on, rehearsed in the corrected one.
+            # The plan was right, the world model was not: continue the stage with the corrected model.
             self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
             return None
         self._questions.diagnoses.append(kind)
@@ -333,7 +333,7 @@ class Thinker:
         )
 
     def _correct_if_due(self, last: bool = False) -> None:
-        """Correct the world model if it is time to, stuck or not; plan and stage go on."""
+        """Correct the world model if a correction is due, stuck or not; plan and stage continue."""
         name = self._correction_schedule.due(self._history, last)
         if name is not None:
             self._correct(name, self._now)

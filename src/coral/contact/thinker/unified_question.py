@@ -40,17 +40,17 @@ class UnifiedAnswer(PlanAnswer):
 
     @property
     def estimates(self) -> ParameterEstimates:
-        """As the question about them alone would have it."""
+        """Return the estimates as their own question would give them."""
         return ParameterEstimates(self.parameters)
 
     @property
     def places(self) -> RegionsAnswer:
-        """As the question about them alone would have it."""
+        """Return the poses as their own question would give them."""
         return RegionsAnswer(self.regions)
 
     @property
     def plan(self) -> PlanAnswer:
-        """As the question about it alone would have it."""
+        """Return the plan as its own question would give it."""
         return PlanAnswer(code=self.code, stages=self.stages, explanation=self.explanation)
 
 
@@ -64,7 +64,7 @@ def ask_unified(
     scenery: Scenery,
     history: Mapping[str, Any] | None = None,
 ) -> Outcome[UnifiedAnswer]:
-    """Ask the one question. While an answer is checked, the planning world believes what it says.
+    """Ask the one question. While an answer is checked, the planning world adopts its beliefs.
 
     Args:
         asker: The advisor.

@@ -1,1 +1,1 @@
-"""Masses and frictions: estimates, identification from what was felt, corrections."""
+"""Masses and frictions: estimates, identification from contact forces and motion, corrections."""

@@ -1,4 +1,4 @@
-"""Mass and friction read from the balance of forces on an object that the hand drags over the table or holds up.
+"""Mass and friction from the balance of forces on an object that the hand drags over the table or holds up.
 
     dragged:   -F . u = mu (m g + F_z) + m a     the table carries the weight and what the hand adds (Coulomb)
     held up:   -F_z   = m (g + a_z)              (Newton)
@@ -65,7 +65,7 @@ class BalanceCfg:
 
 @dataclass(frozen=True)
 class Balance:
-    """Stretches in which the forces on an object balance.
+    """Time windows in which the forces on an object balance.
 
     Args:
         dragged: Shape=(n, 3), the hand's push along the object's way (N), F_z (N), the object's acceleration (m/s^2).
@@ -80,7 +80,7 @@ class Balance:
 
 
 def balances(steps: Sequence[Transition], name: str, trial: Trial, cfg: BalanceCfg) -> Balance:
-    """The stretches of a history that count; they overlap.
+    """Find the windows of a history in which the forces balance; they overlap.
 
     Args:
         steps: The history.
@@ -125,7 +125,7 @@ def balances(steps: Sequence[Transition], name: str, trial: Trial, cfg: BalanceC
 
 
 def finger_clearance(trial: Trial, step: Transition) -> float:
-    """Height (m) of the lowest corner of the fingers that is above the table; infinite beside it."""
+    """Return the height (m) of the lowest corner of the fingers over the table; infinite if none is over it."""
     tool = step.after.tool
     size = FINGER_M + np.array([0.0, step.after.opening_m / 2, 0.0])
     corners = size * np.array([[x, y, 1.0] for x in (-1, 1) for y in (-1, 1)]) @ rotation_of(tool.quaternion).T
@@ -136,7 +136,7 @@ def finger_clearance(trial: Trial, step: Transition) -> float:
 
 
 def solve_balance(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[PhysicalParameters, Array]:
-    """The most likely mass and friction, and the covariance of their logarithms, Shape=(2, 2).
+    """Compute the most likely mass and friction, and the covariance of their logarithms, Shape=(2, 2).
 
     Errors are taken for Cauchy's: what touches something else is felt, too, and hard.
 
@@ -151,20 +151,20 @@ def solve_balance(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[Physi
     best = theta[int(np.argmin(cost))]
     left, step = _residuals(best[None], found, cfg)[0], 1e-3
     slope = np.stack([(_residuals((best + step * unit)[None], found, cfg)[0] - left) / step for unit in np.eye(2)])
-    # Stretches overlap: so many tell as much as one.
+    # Windows overlap: `cfg.steps` of them carry the information of one.
     information = (slope / (1.0 + np.square(left))) @ slope.T / cfg.steps
     covariance = np.linalg.inv(information + 0.01 * np.eye(2)) + cfg.model**2 * np.eye(2)
     return PhysicalParameters(float(np.exp(best[0])), float(np.exp(best[1]))), covariance
 
 
 def balance_error(found: Balance, beliefs: Sequence[PhysicalParameters], cfg: BalanceCfg) -> Array:
-    """Mean of log(1 + r^2) over the stretches, r the residual in units of its deviation, Shape=(beliefs,)."""
+    """Compute the mean of log(1 + r^2) over the windows, r the residual in standard deviations, Shape=(beliefs,)."""
     theta = np.log([[one.mass_kg, one.friction] for one in beliefs])
     return np.asarray(np.log1p(np.square(_residuals(theta, found, cfg))).mean(axis=1))
 
 
 def _residuals(theta: Array, found: Balance, cfg: BalanceCfg) -> Array:
-    """Residual of each balance in units of its deviation, Shape=(beliefs, stretches)."""
+    """Compute the residual of each balance in standard deviations, Shape=(beliefs, windows)."""
     mass, friction = (np.exp(theta[:, k, None]) for k in (0, 1))
     push, press, gain = found.dragged.T
     weight, pull = found.held.T

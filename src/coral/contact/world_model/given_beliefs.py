@@ -1,4 +1,4 @@
-"""Masses and frictions that are believed at first, as the command line gives them: `board=2,0.9;cup=0.2,0.4`."""
+"""Initial beliefs of mass and friction from the command line: `board=2,0.9;cup=0.2,0.4`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FORM = "NAME=MASS,FRICTION, more than one separated by semicolons"
 def parse_beliefs(
     text: str, task: Task, where: str = "--believe", cfg: ParameterBoundsCfg | None = None
 ) -> dict[str, PhysicalParameters]:
-    """What is believed of a task's objects.
+    """Parse the beliefs about a task's objects.
 
     Args:
         text: The words.

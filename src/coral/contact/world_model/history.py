@@ -1,4 +1,4 @@
-"""What was done and what came of it, step by step, and the stretches of it that say something about an object."""
+"""Actions and measurements step by step, and the windows that are informative about an object."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Window:
 
     @property
     def start(self) -> Observation:
-        """Measured at its beginning."""
+        """The observation at its start."""
         return self.steps[0].before
 
 
@@ -32,7 +32,7 @@ def windows(
     force_n: float = 0.3,
     usable: Callable[[Observation], bool] = lambda start: True,
 ) -> list[Window]:
-    """The stretches of a history in which the object was pushed or slid, the most telling ones, in order of time.
+    """Select the windows of a history in which the object was pushed or slid, the most informative ones, in time order.
 
     Args:
         steps: The history.
@@ -60,7 +60,7 @@ def windows(
 
 
 def most_informative_object(steps: Sequence[Transition]) -> str | None:
-    """The object that moved farthest, or the nearest one to a hand that felt something; None without any."""
+    """Return the object that moved farthest, or the one nearest to a hand that felt a force; None without any."""
     if not steps:
         return None
     names = list(steps[0].before.objects)

@@ -1,4 +1,4 @@
-"""How well a belief explains what happened: logged actions replayed in the planning world, against measurements."""
+"""How well a belief explains the history: logged actions replayed in the planning world, compared with measurements."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class HistoryReplay:
         self.world.edges = True
 
     def parts(self, beliefs: Sequence[Mapping[str, PhysicalParameters]], name: str) -> Array:
-        """Root mean square errors in their units, Shape=(beliefs, windows, kinds); diverged rehearsals are infinite.
+        """Compute root mean square errors in their units, Shape=(beliefs, windows, kinds); inf if a replay diverges.
 
         Args:
             beliefs: Each one complete.
@@ -64,14 +64,14 @@ class HistoryReplay:
         """
         self.world.believe(list(beliefs))
         for model in self.world.models:
-            # A replay has time for what a rehearsal at every step has not: contacts that neither creep nor chatter, and
-            # what hardly moves is not taken to be at rest.
+            # A replay can afford what planning at every step cannot: contacts that neither creep nor chatter, and
+            # no sleeping of objects that hardly move.
             model.opt.cone, model.opt.impratio, model.opt.iterations = mujoco.mjtCone.mjCONE_ELLIPTIC, 10.0, 50
             model.opt.enableflags &= ~SLEEP
         return np.stack([self._parts(window, name, len(beliefs)) for window in self.windows], axis=1)
 
     def score(self, parts: Array, floor: Array) -> Array:
-        """Mean squared error of each belief in each window, Shape=(beliefs, windows).
+        """Compute the mean squared error of each belief in each window, Shape=(beliefs, windows).
 
         Args:
             parts: As from `parts`.
@@ -86,7 +86,7 @@ class HistoryReplay:
     def _parts(self, window: Window, name: str, count: int) -> Array:
         cfg, steps = self.cfg, window.steps
         stiffness = float(np.median([step.command.stiffness for step in steps]))
-        # The rehearsal has one stiffness and no added force: both become displacements that pull as hard.
+        # A rollout has one stiffness and no added force: both become displacements of equal pull.
         position = np.array([_pulled(step.before.tool.position, step.command, stiffness) for step in steps])
         controls = ControlSequences(
             position[None],
@@ -119,7 +119,7 @@ class HistoryReplay:
 
 
 def _rms(error: Array) -> Array:
-    """Over the steps, Shape=(beliefs, steps) to Shape=(beliefs,)."""
+    """Compute the root mean square over the steps, Shape=(beliefs, steps) to Shape=(beliefs,)."""
     return np.asarray(np.sqrt(np.square(error).mean(axis=1)))
 
 

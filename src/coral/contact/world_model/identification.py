@@ -1,4 +1,4 @@
-"""World-model correction (section 3.4, A.5): mass and friction fitted so that a replay explains the logged history.
+"""World-model correction (section 3.4, A.5): fit mass and friction so that a replay explains the logged history.
 
 What a history can tell: pushed slowly, an object answers with friction x mass x g, whatever the two are; what tells
 them apart is a change of speed (mass), free sliding (friction) or the weight of what is lifted (mass). The fit
@@ -62,7 +62,7 @@ class IdentifyCfg:
 
 @dataclass(frozen=True)
 class Fit:
-    """A proposed correction and what speaks for it.
+    """A proposed correction and the evidence for it.
 
     Args:
         object: Whose parameters.
@@ -85,7 +85,7 @@ class Fit:
     windows: int
 
     def words(self, known: float = 0.15) -> str:
-        """The correction in a sentence."""
+        """Describe the correction in a sentence."""
         what = (
             f"{self.object}: mass {self.before.mass_kg:.3g} to {self.after.mass_kg:.3g} kg, friction "
             f"{self.before.friction:.2g} to {self.after.friction:.2g}; replay error {self.error_before:.2f} to "
@@ -161,7 +161,7 @@ def fit_by_replay(
     cfg: IdentifyCfg,
     rng: np.random.Generator,
 ) -> Fit:
-    """A fit, drawn back to the belief along what the history does not tell.
+    """Fit by replay, then shrink towards the belief along the directions on which the history says little.
 
     Slow pushes tell the product of mass and friction; fitted freely, a block of 1 kg became one of 4.6 kg that slides
     on ice. Belief and fit are taken for normal in the logarithms, and the mean of their product is proposed.
@@ -179,7 +179,7 @@ def fit_by_replay(
 def fit_by_balance(
     found: Balance, replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters], cfg: IdentifyCfg
 ) -> Fit:
-    """What the balance of forces proposes, drawn back as in `fit_by_replay`; the replay says whether it is better.
+    """Fit by the balance of forces, shrunk as in `fit_by_replay`; the replay decides whether it is better.
 
     Args:
         found: One stretch or more.
@@ -202,7 +202,7 @@ def shrink_to_belief(
     cfg: IdentifyCfg,
     forces: Balance | None = None,
 ) -> Fit:
-    """A fit drawn back to the belief, accepted if the replay explains the history better; see `fit_by_replay`.
+    """Shrink a fit towards the belief; accept it if the replay explains the history better. See `fit_by_replay`.
 
     Args:
         fit: As the history alone tells.
@@ -230,7 +230,7 @@ def shrink_to_belief(
 
 
 class Corrections:
-    """Successive fits of one object's parameters, averaged by how much each could tell.
+    """Successive fits of one object's parameters, averaged by their information.
 
     What was believed before the first fit has no weight in the average: it came from looking, not from touching.
     """
@@ -246,7 +246,7 @@ class Corrections:
         cfg: IdentifyCfg,
         rng: np.random.Generator,
     ) -> Fit:
-        """Fit the new history, average with the fits before, and accept if the replay explains it better.
+        """Fit the new history, average with earlier fits, and accept if the replay explains it better.
 
         Args:
             replay: The history since the last fit.
@@ -278,7 +278,7 @@ class Corrections:
 
 
 def _accepted(before: float, after: float, sd: tuple[float, float, float], cfg: IdentifyCfg) -> bool:
-    """Whether errors that fall so far are reason enough, given how well the history tells the parameters."""
+    """Decide whether a drop of the error is large enough, given how well the history determines the parameters."""
     return after < (1.0 - (cfg.better if min(sd) <= cfg.known else cfg.much)) * before
 
 
@@ -290,7 +290,7 @@ def replay_errors(
     cfg: IdentifyCfg,
     found: Balance | None = None,
 ) -> tuple[float, float]:
-    """Errors of a belief and of a proposal: of the replay, and of the balance of forces where that counts.
+    """Compute the errors of a belief and a proposal: of the replay and, if it counts, of the balance of forces.
 
     A rehearsed pinch slips where the real one holds, whatever the mass: beside the balance the replay decides less.
     """
@@ -307,21 +307,21 @@ def compare(
     believed: Mapping[str, PhysicalParameters],
     proposed: Mapping[str, PhysicalParameters],
 ) -> tuple[float, float]:
-    """Replay errors of a belief and of a proposal."""
+    """Compute the replay errors of a belief and of a proposal."""
     found = replay.parts([believed, proposed], name)
     before, after = replay.score(found, found.min(axis=0)).mean(axis=1)
     return float(before), float(after)
 
 
 def _average(values: list[tuple[float, float]]) -> tuple[float, float]:
-    """Geometric mean weighted by inverse variances of the logarithms, and its deviation."""
+    """Compute the geometric mean, weighted by the inverse variances of the logarithms, and its standard deviation."""
     weight = np.array([1.0 / max(sd, 0.1) ** 2 for _, sd in values])
     logs = np.log([value for value, _ in values])
     return float(np.exp((weight * logs).sum() / weight.sum())), float(1.0 / np.sqrt(weight.sum()))
 
 
 def _valley(theta: Array, score: Array, low: Array, high: Array) -> tuple[Array, tuple[float, float, float]]:
-    """The bottom of the valley that the errors lie in, and relative deviations of mass, friction and their product.
+    """Return the minimum of the error valley, and relative deviations of mass, friction and their product.
 
     Chattering contacts make single errors jump; a quadratic through those about the best one does not follow the jumps.
     A deviation is the change that raises the error by as much as the errors scatter about the quadratic, or by a tenth.

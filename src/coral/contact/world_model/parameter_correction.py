@@ -1,4 +1,4 @@
-"""Corrected masses and frictions as an advisor gives them (A.9), and the check of their bounds."""
+"""Corrected masses and frictions from an advisor (A.9), and the check of their bounds."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class ParametersAnswer(BaseModel):
     objects: list[ObjectParameters] = Field(min_length=1, max_length=8)
 
     def physical(self, believed: Mapping[str, PhysicalParameters]) -> dict[str, PhysicalParameters]:
-        """The beliefs with the correction."""
+        """Return the beliefs with the correction applied."""
         return {**believed, **{one.label: PhysicalParameters(one.mass, one.friction) for one in self.objects}}
 
 
 def verify_parameters(
     answer: ParametersAnswer, believed: Mapping[str, PhysicalParameters], cfg: ParameterBoundsCfg | None = None
 ) -> Rejection | None:
-    """Why corrected parameters cannot be tried, or None; whether they are better is for the replay to say."""
+    """Return why corrected parameters cannot be tried, or None; the replay decides whether they are better."""
     cfg = cfg or ParameterBoundsCfg()
     for one in answer.objects:
         if one.label not in believed:

@@ -27,7 +27,7 @@ class ParameterEstimates(RootModel[dict[str, ParameterEstimate]]):
     """The completed table of the paper's A.7, by the objects' names."""
 
     def physical(self) -> dict[str, PhysicalParameters]:
-        """As beliefs of the planning world."""
+        """Convert to beliefs of the planning world."""
         return {
             name: PhysicalParameters(mass_kg=one.mass_kg, friction=one.friction_coeff)
             for name, one in self.root.items()
@@ -52,7 +52,7 @@ class ParameterBoundsCfg:
 def verify_estimates(
     answer: ParameterEstimates, sizes: Mapping[str, Sequence[float]], cfg: ParameterBoundsCfg | None = None
 ) -> Rejection | None:
-    """Why estimates cannot be believed, or None.
+    """Return why estimates are implausible, or None.
 
     Args:
         answer: The estimates.
@@ -98,7 +98,7 @@ def verify_estimates(
 
 
 def belief_prompt(facts: SceneFacts) -> dict[str, Any]:
-    """What the template "physical-parameters" shows: the paper's table, to be completed."""
+    """Fill the template "physical-parameters": the paper's table, to be completed."""
     return {
         "task": facts["instruction"],
         "objects": {

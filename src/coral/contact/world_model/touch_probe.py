@@ -1,4 +1,4 @@
-"""Mass and friction of a pushed board found by touch, from a belief that is far off (Fig. 4).
+"""Identification experiment: mass and friction of a pushed board, from a belief that is far off (Fig. 4).
 
 The board is pushed slowly (friction x mass shows as force) and struck so that it slides on by itself (friction shows as
 braking), from both ends in turn, in an evaluation world that knows the true values; the fit sees poses and forces only.
@@ -82,7 +82,7 @@ def probe(
         for turn in range(cfg.corrections):
             hand.steps.clear()
             for end, speed in ((1.0, cfg.slow_m_s), (-1.0, cfg.fast_m_s), (1.0, cfg.fast_m_s), (-1.0, cfg.slow_m_s)):
-                # Every other round the other way about, so that the board stays where it is.
+                # Alternate the direction so that the board stays in place.
                 hand.push(end * (1.0 if turn % 2 == 0 else -1.0), speed)
             replay = HistoryReplay(planner, windows(hand.steps, name, most=cfg.windows), cfg.identify.replay)
             fit = known.add(replay, name, beliefs, cfg.identify, rng)
@@ -99,7 +99,7 @@ def _known(trial: Trial) -> dict[str, PhysicalParameters]:
 
 
 class _Pusher:
-    """Moves the hand by straight lines and keeps what happened."""
+    """Moves the hand along straight lines and records the history."""
 
     def __init__(self, world: EvaluationWorld, name: str, rear_m: float, front_m: float) -> None:
         self._world, self._name, self._rear, self._front = world, name, rear_m, front_m
@@ -107,7 +107,7 @@ class _Pusher:
         self.steps: list[Transition] = []
 
     def push(self, end: float, speed: float) -> None:
-        """Go over to an end, push it by some centimetres, draw back at once."""
+        """Move to one end, push it by a few centimetres, and draw back."""
         here = self.now.tool.position
         self._go([here[0], here[1], 0.12], 12, 1.0)
         body = self.now.objects[self._name]

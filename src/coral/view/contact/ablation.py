@@ -1,4 +1,4 @@
-"""The paper's Fig. 5 from run folders: the tool's paths and the planning cost, with a contact strategy and without."""
+"""The paper's Fig. 5 from run folders: the tool's paths and the planning cost, with and without a contact strategy."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ HUES = ("#178048", "#c8352b", "#c8862b")
 
 
 def draw_ablation(runs: Mapping[str, Sequence[Path]], path: Path, title: str) -> None:
-    """Write the figure as PNG, whole or not at all.
+    """Write the figure as PNG, atomically.
 
     Args:
         runs: Name of each variant, that with the strategy first, to its run folders, the same seeds in the same order.
@@ -40,7 +40,7 @@ def draw_ablation(runs: Mapping[str, Sequence[Path]], path: Path, title: str) ->
             continue
         if hue == HUES[0]:
             _scene(paths, read[0])
-        # The trial of middling length stands for all; the others are there, but faintly.
+        # Highlight the trial of median length and draw the others faintly.
         order = sorted(range(len(read)), key=lambda k: len(read[k].column("t")))
         shown = order[len(order) // 2]
         for k, run in enumerate(read):
@@ -74,7 +74,7 @@ def draw_ablation(runs: Mapping[str, Sequence[Path]], path: Path, title: str) ->
 
 
 def _scene(axes: Any, run: RunFolder) -> None:
-    """The table, what stands on it and where the objects were at first, from the side."""
+    """Draw the table, the fixtures and the objects' initial places, from the side."""
     from matplotlib.patches import Rectangle
 
     table = run.world.get("table") or {}

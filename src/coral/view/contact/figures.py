@@ -18,7 +18,7 @@ HUES = ("#0b6470", "#c8352b", "#b86e00", "#5a3ea8", "#178048", "#195ae6", "#8a4b
 
 
 def stages_chart(run: RunFolder) -> str:
-    """Active stage and contacts over time."""
+    """Draw the active stage and the contacts over time."""
     axis = time_axis(run.duration_s)
     touches = touching(run)
     pairs = list(dict.fromkeys((touch["first"], touch["second"]) for touch in touches))
@@ -51,7 +51,7 @@ def stages_chart(run: RunFolder) -> str:
 
 
 def cost_chart(run: RunFolder) -> str:
-    """The expected cost of each plan, term by term, and how many samples shared in it."""
+    """Draw the expected cost of each plan, term by term, and the effective number of samples."""
     plans = run.select("plan")
     names = list(dict.fromkeys(name for plan in plans for name in plan.get("terms", {})))
     t = np.array([float(plan["t"]) for plan in plans])
@@ -64,7 +64,7 @@ def _value(value: object) -> float:
 
 
 def samples_chart(run: RunFolder) -> str:
-    """Effective sample size of each plan."""
+    """Draw the effective sample size of each plan."""
     plans = run.select("plan")
     t = np.array([float(plan["t"]) for plan in plans])
     return curves_chart(
@@ -78,7 +78,7 @@ def samples_chart(run: RunFolder) -> str:
 
 
 def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
-    """The hand's net force on each object, with the force that the task asks for."""
+    """Draw the hand's net force on each object, with the force that the task asks for."""
     curves = {f"on the {name}": run.column(f"{name}_hand_force") for name in objects}
     felt = np.sqrt(sum(np.square(run.column(f"f{axis}")) for axis in "xyz"))
     wanted = [c for c in _conditions(run) if c.get("kind") == "steady-force"]
@@ -89,19 +89,19 @@ def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
 
 
 def motion_chart(run: RunFolder, objects: Sequence[str]) -> str:
-    """Heights above the table."""
+    """Draw the heights above the table."""
     curves = {"tool": run.column("z"), **{name: run.column(f"{name}_z") for name in objects}}
     return curves_chart(run, run.column("t"), curves, "height, m", stages=True)
 
 
 def opening_chart(run: RunFolder) -> str:
-    """Distance between the fingers, wanted and measured."""
+    """Draw the distance between the fingers, commanded and measured."""
     curves = {"measured": 1e3 * run.column("opening"), "commanded": 1e3 * run.column("cmd_opening")}
     return curves_chart(run, run.column("t"), curves, "opening, mm", height=150.0, floor=0.0)
 
 
 def tracking_chart(run: RunFolder, objects: Sequence[str]) -> str:
-    """Errors of the tracked poses; "" where none were tracked."""
+    """Draw the errors of the tracked poses; "" if none were tracked."""
     curves = {name: 1e3 * run.column(f"{name}_off_m") for name in objects}
     if not any(np.isfinite(values).any() for values in curves.values()):
         return ""
@@ -109,7 +109,7 @@ def tracking_chart(run: RunFolder, objects: Sequence[str]) -> str:
 
 
 def tracks(run: RunFolder) -> str:
-    """The times at which objects were lost and found again, in a sentence."""
+    """Describe in a sentence when objects were lost and found again."""
     said = [
         f"{event['object']} lost at {event['t']:.2f} s ({event['reason']})"
         if event["lost"]
@@ -130,7 +130,7 @@ def curves_chart(
     bands: Sequence[tuple[float, float]] = (),
     stages: bool = False,
 ) -> str:
-    """Curves over one scale, with a legend above.
+    """Draw curves on one scale, with a legend above.
 
     Args:
         run: The run.
@@ -179,7 +179,7 @@ def curves_chart(
 
 
 def _legend(names: Sequence[str]) -> tuple[list[str], int]:
-    """Names beside their colours, and in how many rows they stand."""
+    """Draw names beside their colours; return also the number of rows."""
     parts, x, row = [], LEFT, 0
     for k, name in enumerate(names):
         width = 34.0 + 7.2 * len(name)
@@ -193,19 +193,19 @@ def _legend(names: Sequence[str]) -> tuple[list[str], int]:
 
 
 def stage_names(run: RunFolder) -> list[str]:
-    """Stages in the order of their first activation."""
+    """Return the stages in the order of their first activation."""
     return list(dict.fromkeys(str(event["stage"]) for event in run.select("stage")))
 
 
 def stage_spans(run: RunFolder) -> list[tuple[float, float, str]]:
-    """Start (s), end (s) and name of every activation of a stage."""
+    """Return start (s), end (s) and name of every activation of a stage."""
     events = run.select("stage")
     ends = [*(float(event["t"]) for event in events[1:]), run.duration_s][: len(events)]
     return [(float(event["t"]), end, str(event["stage"])) for event, end in zip(events, ends, strict=True)]
 
 
 def touching(run: RunFolder) -> list[Record]:
-    """Every contact with its beginning, end, mean and peak; in a killed run those that were on end with the record."""
+    """Return every contact with beginning, end, mean and peak; in a killed run, open contacts end with the record."""
     found: list[Record] = [event for event in run.select("contact_end") if "begun_s" in event]
     known = {(event["first"], event["second"], round(float(event["begun_s"]), 3)) for event in found}
     for event in run.select("contact"):

@@ -1,4 +1,4 @@
-"""Key frames of an episode: its start, each change of stage or contact, its end."""
+"""Key frames of an episode: its start, each change of stage or contact, and its end."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CAPTION = 30
 
 @dataclass(frozen=True)
 class Keyframe:
-    """A moment and why it was chosen."""
+    """A moment and the reason why it was chosen."""
 
     t: float
     why: str
@@ -28,7 +28,7 @@ class Keyframe:
 
 
 def moments(run: RunFolder) -> list[tuple[float, str]]:
-    """Times (s) and why, ascending: at most MOST; where little happened, the widest gaps are halved."""
+    """Choose times (s) with reasons, ascending: at most MOST; if little happened, the widest gaps are halved."""
     end = run.duration_s
     outcome = str(run.metrics.get("end_reason", "") or "end")
     found = [(0.0, "start"), (end, outcome)]
@@ -43,7 +43,7 @@ def moments(run: RunFolder) -> list[tuple[float, str]]:
                 found.append((float(event["t"]), f"touches the {thing}"))
     gap = max(end / 40.0, 0.1)
     kept: list[tuple[float, str]] = []
-    for t, why in found:  # start and end come first, then stages: what is nearer than `gap` to them gives way
+    for t, why in found:  # by priority: start and end, then stages; later ones within `gap` are dropped
         if all(abs(t - other) >= gap for other, _ in kept) and len(kept) < MOST:
             kept.append((t, why))
     while len(kept) < FEWEST:
@@ -56,7 +56,7 @@ def moments(run: RunFolder) -> list[tuple[float, str]]:
 
 
 def keyframes(run: RunFolder) -> list[Keyframe]:
-    """The pictures, of a run that kept its states.
+    """Draw the key frames of a run that kept its states.
 
     Raises:
         InputError: It kept none.
@@ -67,7 +67,7 @@ def keyframes(run: RunFolder) -> list[Keyframe]:
 
 
 def sheet(frames: list[Keyframe]) -> Image:
-    """All of them as one picture."""
+    """Combine the key frames into one picture."""
     width, height = SIZE
     rows = -(-len(frames) // COLUMNS)
     columns = min(COLUMNS, len(frames))

@@ -1,4 +1,4 @@
-"""A recorded episode's scene at any moment, drawn by ray casting; no OpenGL."""
+"""The scene of a recorded episode at any moment, drawn by ray casting without OpenGL."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class ReplayedScene:
         )
 
     def at(self, t: float) -> Image:
-        """The picture of the last state until `t`, Shape=(H, W, 3) RGB."""
+        """Draw the last state until `t`, Shape=(H, W, 3) RGB."""
         row = max(0, int(np.searchsorted(self.times, t + 1e-6)) - 1)
         self._data.qpos[:] = self._places[row]
         mujoco.mj_kinematics(self._model, self._data)
@@ -79,7 +79,7 @@ class ReplayedScene:
 
 
 def _overview(run: RunFolder, trial: Trial) -> Array:
-    """T_world_camera from which all that moved is seen, Shape=(4, 4)."""
+    """Compute a T_world_camera that shows everything that moved, Shape=(4, 4)."""
     prefixes = ("", *(f"{name}_" for name in trial.objects))
     paths = [[run.column(f"{prefix}{axis}") for axis in "xyz"] for prefix in prefixes]
     points = np.concatenate([np.stack(path, axis=1) for path in paths])

@@ -59,7 +59,7 @@ ENDED = {
 
 
 def write_contact_report(run_folder: str | Path) -> Path:
-    """Write `report.html` and, where states were kept, `keyframes.png` into a run folder; returns the page's path.
+    """Write `report.html` and, if states were kept, `keyframes.png` into a run folder; return the page's path.
 
     The page holds its pictures and styles; it loads nothing from anywhere. What is there already is replaced.
 
@@ -86,7 +86,7 @@ def write_contact_report(run_folder: str | Path) -> Path:
 
 
 def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[str]) -> str:
-    """The whole page as text."""
+    """Render the whole page as text."""
     try:
         trial: Trial | None = trial_of_run(run)
     except InputError as error:
@@ -141,7 +141,7 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
 
 
 def _metrics(run: RunFolder) -> Mapping[str, Any]:
-    """The run's own metrics, or what can be computed from the part that was recorded."""
+    """Return the run's own metrics, or those that the recorded part allows."""
     if run.metrics:
         return run.metrics
     names = list(run.trajectory)
@@ -179,7 +179,7 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
 
 
 def _deciding(run: RunFolder, metrics: Mapping[str, Any]) -> str:
-    """Who decided, if not the advisor alone."""
+    """Describe who decided, unless it was the advisor alone."""
     try:
         policy: Fallback = run.config["episode"]["think"]["fallback"]
     except (KeyError, TypeError):
@@ -189,7 +189,7 @@ def _deciding(run: RunFolder, metrics: Mapping[str, Any]) -> str:
 
 
 def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """(Value, remark, name, state) of the key numbers."""
+    """Return (value, remark, name, state) of the key numbers."""
     if not metrics:
         return []
     success, reason = bool(metrics.get("success")), str(metrics.get("end_reason", ""))
@@ -253,7 +253,7 @@ def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
 
 
 def _beliefs(run: RunFolder, start: Record) -> list[tuple[str, str, str, str, str, str]]:
-    """For each object: size, true mass, believed mass, true friction, believed friction."""
+    """Return for each object: size, true mass, believed mass, true friction, believed friction."""
     truth = start.get("trial")
     held = [event["beliefs"] for event in run.select("strategy") if event.get("beliefs")]
     if not isinstance(truth, dict) or not held:

@@ -1,4 +1,4 @@
-"""The reasoning of a contact episode (paper, Fig. 6), and every answer that the advisor gave."""
+"""The reasoning of a contact episode (paper, Fig. 6), and every answer of the advisor."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Thought:
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """One attempt at a question: when it was asked is not known, only in which order."""
+    """One attempt at a question, with its order among the attempts instead of a time."""
 
     number: str
     asked: str
@@ -84,14 +84,14 @@ class Answer:
 
 
 def thoughts(run: RunFolder) -> list[Thought]:
-    """The reasoning of a run, moment by moment."""
+    """Return the reasoning of a run, moment by moment."""
     moments: dict[tuple[int, float], list[Record]] = {}
     for event in run.select(*_PARTS):
         moments.setdefault((int(event.get("step", 0)), float(event["t"])), []).append(event)
     found = []
     for (step, t), events in moments.items():
         kinds = [str(event["event"]) for event in events]
-        # What is said of a strategy alone, as in runs without an advisor, is told by the stages already.
+        # A strategy's description alone, as in runs without an advisor, repeats the stages.
         if set(kinds) == {"strategy"}:
             continue
         title, state = _why(kinds, step)
@@ -101,7 +101,7 @@ def thoughts(run: RunFolder) -> list[Thought]:
 
 
 def answers(run: RunFolder) -> list[Answer]:
-    """Every answer of the advisor, accepted or not."""
+    """Return every answer of the advisor, accepted or not."""
     found = []
     for entry in run.attempts:
         spoilt = [
@@ -125,7 +125,7 @@ def answers(run: RunFolder) -> list[Answer]:
 
 
 def counted(given: list[Answer]) -> str:
-    """Answers in a sentence."""
+    """Count the answers in a sentence."""
     if not given:
         return ""
     wrong = [one for one in given if one.verdict in ("rejected", "malformed")]
@@ -143,7 +143,7 @@ def counted(given: list[Answer]) -> str:
 
 
 def seen(run: RunFolder) -> str:
-    """The first picture that went with a question, as a data URL; "" where there was none."""
+    """Return the first picture that went with a question, as a data URL; "" if there was none."""
     for entry in run.attempts:
         for digest in entry.get("pictures", ()):
             path = run.picture(str(digest))

@@ -59,13 +59,13 @@ def write_contact_video(run_folder: str | Path) -> Path:
 
 
 def moments(duration_s: float) -> list[float]:
-    """Times (s) that the film shows: real time, or faster where that would take too long."""
+    """Choose the times (s) that the film shows: real time, or faster if that would take too long."""
     count = max(2, round(min(duration_s, LONGEST_S) * FPS) + 1)
     return [float(t) for t in np.linspace(0.0, duration_s, count)]
 
 
 def pictures(run: RunFolder, scene: ReplayedScene) -> Iterator[Image]:
-    """The film picture by picture, Shape=(HEIGHT + STRIP, WIDTH, 3) RGB each."""
+    """Draw the film picture by picture, Shape=(HEIGHT + STRIP, WIDTH, 3) RGB each."""
     spans = stage_spans(run)
     times = run.column("t")
     forces = np.stack([run.column(f"{name}_hand_force") for name in scene.trial.objects]).max(axis=0)

@@ -35,14 +35,14 @@ class ViewPanel:
     height: float
 
     def __call__(self, points: Array) -> Array:
-        """Pixels, Shape=(n, 2), of points, Shape=(n, 3) m."""
+        """Convert points, Shape=(n, 3) m, to pixels, Shape=(n, 2)."""
         x = self.left + (points[:, self.across] - self.low[self.across]) * self.scale
         y = self.top + self.height - (points[:, self.up] - self.low[self.up]) * self.scale
         return np.stack([x, y], axis=1)
 
 
 def three_views(run: RunFolder, trial: Trial) -> str:
-    """Paths of the tool and the objects, with the objects' first and last places, from above and from two sides."""
+    """Draw the paths of tool and objects, with the objects' first and last places, from above and from two sides."""
     paths = {"tool": _path(run, ""), **{name: _path(run, f"{name}_") for name in trial.objects}}
     paths = {name: points for name, points in paths.items() if len(points)}
     if not paths:
@@ -89,7 +89,7 @@ def three_views(run: RunFolder, trial: Trial) -> str:
 
 
 def touch_views(run: RunFolder, trial: Trial, name: str) -> str:
-    """Where the hand touched an object, in the object's own frame, from three sides; "" where it never did."""
+    """Draw where the hand touched an object, in the object's frame, from three sides; "" if it never did."""
     points = np.stack([run.column(f"{name}_touch_{axis}") for axis in "xyz"], axis=1)
     force = run.column(f"{name}_hand_force")
     touched = np.isfinite(points).all(axis=1)
@@ -123,7 +123,7 @@ def _path(run: RunFolder, prefix: str) -> Array:
 
 
 def _outline(run: RunFolder, trial: Trial, name: str, row: int) -> Array:
-    """The object's corners as it stood at a row of the trajectory."""
+    """Return the object's corners at a row of the trajectory."""
     pose = np.array([run.column(f"{name}_{part}")[row] for part in ("x", "y", "z", "qw", "qx", "qy", "qz")])
     return np.asarray(trial.corners(name) @ rotation_of(pose[3:]).T + pose[:3])
 
@@ -152,7 +152,7 @@ def _polyline(points: Array, hue: str) -> str:
 
 
 def _ramp(share: float) -> str:
-    """Early is blue, late is red."""
+    """Colour samples by time: early is blue, late is red."""
     early, late = np.array([25, 90, 230]), np.array([200, 53, 43])
     red, green, blue = np.rint(early + share * (late - early)).astype(int)
     return f"#{red:02x}{green:02x}{blue:02x}"

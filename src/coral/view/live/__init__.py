@@ -1,1 +1,1 @@
-"""A page in the browser that shows a mission while it runs, or a recorded one again."""
+"""A browser page that shows a running mission, or replays a recorded one."""

@@ -22,7 +22,7 @@ SMALL = "font-size:11px;opacity:.72;"
 
 
 def head(state: LiveState) -> str:
-    """Title, status, simulated time and the numbers."""
+    """Render title, status, simulated time and the numbers."""
     tone = "#5d6b7a" if state.status.startswith("ended") else "#b26a00" if state.status == "paused" else "#0b6470"
     until = f" <span style='{SMALL}'>of {clock(state.until_s)}</span>" if state.until_s else ""
     tiles = "".join(
@@ -45,7 +45,7 @@ def head(state: LiveState) -> str:
 
 
 def decision(state: LiveState) -> str:
-    """The open question, and the last verdict with its reason."""
+    """Render the open question, and the last verdict with its reason."""
     return (
         f"<div style='padding:2px 12px;line-height:1.4;font-size:13px'>{_asked(state.asked, state.t)}"
         f"{_answered(state.answered)}</div>"
@@ -77,19 +77,19 @@ def _answered(answered: Answered | None) -> str:
 
 
 def log(state: LiveState) -> str:
-    """What happened last."""
+    """Render the latest events."""
     rows = "".join(f"<div style='opacity:{1 - 0.08 * k:.2f}'>{escape(line)}</div>" for k, line in enumerate(state.log))
     return f"<div style='padding:0 12px;font-size:12px;line-height:1.45'>{rows}</div>"
 
 
 def legend(state: LiveState) -> str:
-    """What the colours mean."""
+    """Render the meaning of the colours."""
     note = f"<div style='{SMALL}padding:4px 12px 0 12px'>{escape(state.note)}</div>" if state.note else ""
     return keys(state.legend) + note
 
 
 def keys(entries: Iterable[tuple[RGB, str]]) -> str:
-    """Colours with their names."""
+    """Render colours with their names."""
     row = "".join(f"<span style='white-space:nowrap'>{_swatch(color)}{escape(name)}</span>" for color, name in entries)
     return f"<div style='padding:0 12px;font-size:12px;display:flex;flex-wrap:wrap;gap:2px 12px'>{row}</div>"
 

@@ -1,4 +1,4 @@
-"""Curves that grow without end, kept at a size that can be drawn."""
+"""Growing curves, kept at a size that can be drawn."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ POINTS = 400
 
 
 class History:
-    """Samples of several values over time; when full, every second one is dropped and later ones are thinned alike."""
+    """Samples of several values over time; when full, every second one is dropped and later ones thinned alike."""
 
     def __init__(self, names: Sequence[str], *, limit: int = 2 * POINTS) -> None:
         self.names = tuple(names)
@@ -22,7 +22,7 @@ class History:
         self._offered = 0
 
     def add(self, t: float, *values: float) -> None:
-        """One sample at time `t` (s); nan where there is none."""
+        """Add a sample at time `t` (s); nan for missing values."""
         self._offered += 1
         if (self._offered - 1) % self._stride:
             return
@@ -36,14 +36,14 @@ class History:
         self._n += 1
 
     def curves(self, names: Sequence[str]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Times, Shape=(N,), and values, Shape=(len(names), N), of some of the curves; copies."""
+        """Return times, Shape=(N,), and values, Shape=(len(names), N), of some of the curves; copies."""
         columns = [1 + self.names.index(name) for name in names]
         rows = self._rows[: self._n]
         return rows[:, 0].copy(), rows[:, columns].T.copy()
 
 
 def thinned(t: NDArray[np.float64], values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """At most `POINTS` samples of recorded curves, the last one kept. Shapes (N,), (S, N)."""
+    """Thin recorded curves to at most `POINTS` samples, keeping the last one. Shapes (N,), (S, N)."""
     if len(t) <= POINTS:
         return t, values
     keep = np.linspace(0, len(t) - 1, POINTS).round().astype(np.intp)

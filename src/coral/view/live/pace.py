@@ -65,7 +65,7 @@ class Pace:
         self._change()
 
     def stand_still(self, meanwhile: Callable[[], None]) -> bool:
-        """Return when the run may go on; whether it had to wait. Calls `meanwhile` every 0.1 s."""
+        """Wait until the run may continue; return whether it had to wait. Calls `meanwhile` every 0.1 s."""
         if not self._paused or self._stop:
             return False
         while self._paused and not self._stop:
@@ -75,7 +75,7 @@ class Pace:
         return True
 
     def keep(self, t: float) -> None:
-        """Wait until simulated time `t` (s) is due under the speed limit; a late run is never hurried."""
+        """Wait until simulated time `t` (s) is due under the speed limit; a late run does not catch up."""
         while self._speed and not self._paused and not self._stop:
             now = self._clock()
             if self._anchor is None:

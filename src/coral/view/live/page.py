@@ -1,4 +1,4 @@
-"""The live page itself: a web server that shows states at a bounded rate and never makes its caller wait."""
+"""The live page: a web server that shows states at a bounded rate and never blocks its caller."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ FOLLOW_M = 9.0
 
 
 class LivePage:
-    """Shows the latest state to every browser that is connected; states that come too fast are dropped."""
+    """Shows the latest state to every connected browser; states that come too fast are dropped."""
 
     def __init__(self, port: int, controls: PageControls, *, label: str = "CORAL", flag: str = "--port") -> None:
         """Open the page on this machine.
@@ -47,7 +47,7 @@ class LivePage:
         if port and self.port != port:
             self._stop_server()
             raise InputError(flag, "", f"port {port} in use", "a free port, or 0 for any")
-        # Whatever viser still has to say does not belong among a command's results.
+        # Keep viser's own messages out of a command's output.
         rich.reconfigure(stderr=True)
         self._scene = LiveScene(self._server)
         self._panel = LivePanel(self._server, controls, self._hide, self._set_follow)
@@ -65,12 +65,12 @@ class LivePage:
 
     @property
     def url(self) -> str:
-        """Where to look, with the token that the page asks for."""
+        """The page's URL, with the token that it requires."""
         assert self._server.access is not None
         return self._server.access.url
 
     def due(self, *, only_new: bool = False) -> bool:
-        """Whether a new state would be shown now: somebody is watching and the last one is out.
+        """Check whether a new state would be shown now: somebody is watching and the last one has been sent.
 
         Args:
             only_new: Ask only for somebody who has just arrived; nothing has changed for the others.
@@ -80,7 +80,7 @@ class LivePage:
         return self._newcomer or (not only_new and time.monotonic() >= self._next)
 
     def show(self, state: LiveState) -> None:
-        """Show a state as soon as possible, unless a later one comes before; returns at once."""
+        """Show a state as soon as possible, unless a later one replaces it; returns at once."""
         with self._news:
             self._state, self._busy, self._newcomer = state, True, False
             self._news.notify()
@@ -99,7 +99,7 @@ class LivePage:
         self._worker.join(timeout=10.0)
         if self._server.get_clients():
             self._server.flush()
-            time.sleep(0.3)  # the last state is on its way; browsers keep it when the server is gone
+            time.sleep(0.3)  # let the last state arrive; browsers keep it after the server has stopped
         self._stop_server()
 
     def _work(self) -> None:
@@ -142,7 +142,7 @@ class LivePage:
                     camera.look_at = self._tracked
 
     def _track(self, state: LiveState) -> None:
-        """Move every camera along with the body that is followed."""
+        """Move every camera along with the followed body."""
         now = next((np.array(b.position) for b in state.bodies if b.name == state.follow), None)
         if self._follow and now is not None and self._tracked is not None and (now != self._tracked).any():
             for client in self._server.get_clients().values():

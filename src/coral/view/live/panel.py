@@ -1,4 +1,4 @@
-"""The side panels of the live page: numbers, decision, pictures, curves, and what may be switched."""
+"""The side panels of the live page: numbers, decision, pictures, curves, and controls."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ class PageControls(Protocol):
     """The buttons of one kind of page."""
 
     def build(self, gui: Any) -> None:
-        """Put the buttons where the panel is being built."""
+        """Add the buttons to the panel under construction."""
         ...
 
     def show(self, state: LiveState) -> None:
-        """Bring the buttons up to date."""
+        """Update the buttons."""
         ...
 
 
@@ -40,7 +40,7 @@ class MissionControls:
         self.pace = pace
 
     def build(self, gui: Any) -> None:
-        """Put the buttons where the panel is being built."""
+        """Add the buttons to the panel under construction."""
         self._pause = gui.add_button("Pause", icon="player-pause", color="teal")
         self._stop = gui.add_button(
             "Stop the mission",
@@ -60,7 +60,7 @@ class MissionControls:
         self._pause.icon = "player-play" if self.pace.paused else "player-pause"
 
     def show(self, state: LiveState) -> None:
-        """Nothing can be pressed once the mission has ended."""
+        """Disable the buttons once the mission has ended."""
         if state.status.startswith("ended"):
             for handle in (self._pause, self._stop, self._speed):
                 handle.disabled = True
@@ -75,18 +75,18 @@ class ReplayControls:
         self.pace, self.duration_s, self.seek, self.play = pace, duration_s, seek, play
 
     def build(self, gui: Any) -> None:
-        """Put the buttons where the panel is being built."""
+        """Add the buttons to the panel under construction."""
         self._play = gui.add_button("Play", icon="player-play", color="teal")
         self._time = gui.add_slider("Time (s)", 0.0, max(self.duration_s, 0.1), 0.1, 0.0)
         choices = speeds(self.pace.speed)
         self._speed = gui.add_dropdown("Speed", tuple(choices), initial_value=named(self.pace.speed))
         self._play.on_click(lambda _: self.play(self.pace.paused))
-        # The server moves the slider too, without a client.
+        # The server also moves the slider, in which case there is no client.
         self._time.on_update(lambda event: event.client is not None and self.seek(float(self._time.value)))
         self._speed.on_update(lambda _: setattr(self.pace, "speed", choices[self._speed.value]))
 
     def show(self, state: LiveState) -> None:
-        """The slider follows the recording."""
+        """Move the slider along with the recording."""
         self._time.value = round(min(max(state.t, 0.0), max(self.duration_s, 0.1)), 1)
         paused = self.pace.paused
         if (self._play.label == "Play") != paused:
@@ -125,7 +125,7 @@ class LivePanel:
         side.set_width(256)
 
     def show(self, state: LiveState) -> None:
-        """Bring every element up to date; those that stay the same are not sent."""
+        """Update every element; unchanged ones are not sent."""
         for handle, content in (
             (self._head, cards.head(state)),
             (self._decision, cards.decision(state)),
@@ -180,10 +180,10 @@ class LivePanel:
 
 
 def named(speed: float) -> str:
-    """A speed limit in words; 0 is none."""
+    """Format a speed limit; 0 is none."""
     return UNLIMITED if speed <= 0 else "real time" if speed == 1 else f"{speed:g} × real time"
 
 
 def speeds(begun_with: float) -> dict[str, float]:
-    """Names and values of the speeds that can be chosen, the first one among them."""
+    """Return names and values of the available speeds, including the initial one."""
     return {named(speed): speed for speed in sorted({*SPEEDS, begun_with} - {0.0})}

@@ -1,4 +1,4 @@
-"""A recorded run folder on the live page, also one that was killed: any moment of it, or as a film."""
+"""A recorded run folder, possibly killed, on the live page: any moment of it, or played like a film."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class RecordedRun:
         self._about = ", ".join([*words, "recorded" if run.complete else "recorded, cut off while it ran"])
 
     def at(self, t: float, *, playing: bool = False) -> LiveState:
-        """The run as it was at simulated time `t` (s)."""
+        """Return the run as it was at simulated time `t` (s)."""
         run = self.run
         times = run.column("t")
         k = int(np.searchsorted(times, t + 1e-6))
@@ -111,7 +111,7 @@ class RecordedRun:
 
 
 class Player:
-    """Where in the recording the page is; the page's slider and buttons change it, from other threads."""
+    """The playback position of the page; the page's slider and buttons change it from other threads."""
 
     def __init__(self, recording: RecordedRun, pace: Pace, t: float = 0.0) -> None:
         self.recording, self.pace = recording, pace
@@ -124,14 +124,14 @@ class Player:
         self._stale = True
 
     def play(self, playing: bool) -> None:
-        """Play on, from the beginning when the end was reached; or stand still."""
+        """Play, from the beginning if the end was reached, or pause."""
         if playing and self.t >= self.recording.duration_s:
             self.seek(0.0)
         self.pace.paused = not playing
         self._stale = True
 
     def advance(self, wall_s: float) -> None:
-        """Let `wall_s` seconds of wall time pass."""
+        """Advance by `wall_s` seconds of wall time."""
         if self.pace.paused:
             return
         self.t = min(self.t + wall_s * self.pace.speed, self.recording.duration_s)
@@ -140,7 +140,7 @@ class Player:
             self.pace.paused = True
 
     def run(self, page: LivePage, clock: Callable[[], float], wait: Callable[[float], object]) -> None:
-        """Play to whoever watches, until interrupted."""
+        """Play to all viewers until interrupted."""
         before = clock()
         while not self.pace.stop:
             now = clock()
@@ -153,6 +153,6 @@ class Player:
 
 
 def _last(values: np.ndarray) -> float:  # type: ignore[type-arg]
-    """The last number that was recorded; 0 without one."""
+    """Return the last recorded number; 0 if there is none."""
     known = values[np.isfinite(values)]
     return float(known[-1]) if len(known) else 0.0

@@ -33,7 +33,7 @@ COST_COLORS: tuple[RGB, ...] = (
 
 
 class LiveMission:
-    """Observes one mission. Nothing that it does reaches the mission's random numbers or its simulated time."""
+    """Observes one mission without changing its random numbers or its simulated time."""
 
     def __init__(self, mission: Mission, page: LivePage, pace: Pace) -> None:
         self.page, self.pace = page, pace
@@ -44,7 +44,7 @@ class LiveMission:
         self._factor = math.nan
         mission.listeners.append(self.hear)
         if isinstance(mission.driver, DdpMppi):
-            # Here and not in the mission's configuration: to watch a mission is no part of its definition.
+            # Not in the mission's configuration: watching a mission is not part of its definition.
             mission.driver.cfg = replace(mission.driver.cfg, keep_rollouts=True)
         page.show(LiveState(title=mission.world.name, about=self._about(mission), lines=self._truth))
 
@@ -53,7 +53,7 @@ class LiveMission:
         self.story = told(self.story, event)
 
     def tick(self, mission: Mission) -> None:
-        """After each control tick: show it when the page has time, then wait as the page demands."""
+        """Show a control tick if the page is ready, then wait as the page demands."""
         state, plan = mission.simulator.vehicle.state, mission.pilot.plan
         costs = plan.costs if plan is not None else {}
         command = plan.command[0] if plan is not None else math.nan
@@ -76,7 +76,7 @@ class LiveMission:
             self.page.show(self.state(mission, status=f"ended: {self.pace.stop}"))
 
     def stop_requested(self) -> str:
-        """Why the operator ended the mission, or ""."""
+        """The reason why the operator ended the mission, or ""."""
         return self.pace.stop
 
     def _meanwhile(self, mission: Mission) -> None:
@@ -84,7 +84,7 @@ class LiveMission:
             self.page.show(self.state(mission))
 
     def state(self, mission: Mission, status: str = "") -> LiveState:
-        """The mission as it is now."""
+        """Return the present state of the mission."""
         belief, plan, story = mission.belief, mission.pilot.plan, self.story
         rollouts = plan.rollouts if plan is not None else None
         if rollouts is not None and plan is not None and plan.feasible is not None:

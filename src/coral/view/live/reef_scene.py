@@ -1,4 +1,4 @@
-"""A survey map, the robot on it and the true reef, as things the live page can show."""
+"""A survey map, the robot and the true reef, as elements of the live page."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ PLANNED: tuple[tuple[RGB, str], ...] = ((PLAN, "plan"), (ROLLOUT, "rollouts"), (
 
 
 def _rov() -> tuple[LivePart, ...]:
-    """A BlueROV2 from boxes: blue floats on black side plates, a clear dome in front, thrusters; metres, body FLU."""
+    """Draw a BlueROV2 from boxes: blue floats on black side plates, a clear dome in front, thrusters; m, body FLU."""
     blue, black, gray = (28, 110, 190), (34, 36, 40), (120, 126, 134)
     parts = [
         LivePart(shape="box", center=(0.0, 0.0, 0.0), size=(0.34, 0.12, 0.11), color=(225, 228, 232)),
@@ -70,12 +70,12 @@ HEADING = (
 
 
 def ground(scene: MapScene) -> Ground:
-    """The map in the paper's colours; obstacles and oysters stand up a little."""
+    """Draw the map in the paper's colours, with slightly raised obstacles and oysters."""
     return Ground(cells=scene.cells, palette=CELL_COLORS, cell_m=scene.cell_m, origin=scene.origin, heights=HEIGHTS)
 
 
 def robot(pose: Pose | None) -> tuple[LiveBody, ...]:
-    """The vehicle where it is."""
+    """Draw the vehicle in its present pose."""
     if pose is None:
         return ()
     half = 0.5 * pose.theta
@@ -91,7 +91,7 @@ def robot(pose: Pose | None) -> tuple[LiveBody, ...]:
 
 
 def lines(scene: MapScene, plan: NDArray[np.float64] | None = None) -> tuple[Line, ...]:
-    """Everything that is drawn on the map, in the colours of the paper's pictures.
+    """Draw all lines on the map, in the colours of the paper's pictures.
 
     Args:
         scene: The map and what lies on it.
@@ -117,7 +117,7 @@ def lines(scene: MapScene, plan: NDArray[np.float64] | None = None) -> tuple[Lin
 
 
 def markers(scene: MapScene) -> tuple[Marker, ...]:
-    """The centroid chain's dots with their labels, pale once visited."""
+    """Draw the centroid chain's dots with their labels, pale once visited."""
     dots = np.asarray(scene.centroids, np.float64).reshape(-1, 2)
     names = scene.indices if scene.indices is not None else range(len(dots))
     seen = scene.visited if scene.visited is not None else [False] * len(dots)
@@ -128,7 +128,7 @@ def markers(scene: MapScene) -> tuple[Marker, ...]:
 
 
 def truth(world: ReefWorld | None) -> tuple[Line, ...]:
-    """Outlines of the real oysters and obstacles: what the robot and its advisor never see."""
+    """Draw outlines of the true oysters and obstacles, which the robot and its advisor never see."""
     if world is None:
         return ()
     scene = Scene.from_world(world)
@@ -143,7 +143,7 @@ def _outline(shapes: Footprints, k: int) -> NDArray[np.float64]:
 
 
 def cameras(frame: Frame | None) -> tuple[tuple[str, Image], ...]:
-    """What the front camera sees."""
+    """Return the picture of the front camera."""
     if frame is None:
         return ()
     return (
@@ -153,7 +153,7 @@ def cameras(frame: Frame | None) -> tuple[tuple[str, Image], ...]:
 
 
 def numbers(story: Story, coverage: float, speed_m_s: float) -> tuple[Number, ...]:
-    """The head of the page. `coverage`: 0 to 1."""
+    """Return the numbers at the head of the page. `coverage`: 0 to 1."""
     repeated = f" ({story.requeries} again)" if story.requeries else ""
     return (
         Number(name="coverage", value=f"{100 * coverage:.0f} %", tone="good" if coverage >= 1 - 1e-9 else "plain"),

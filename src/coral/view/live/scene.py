@@ -1,4 +1,4 @@
-"""The three-dimensional part of the live page: ground, lines, markers and bodies, changed only where they changed."""
+"""The 3D part of the live page: ground, lines, markers and bodies; only changes are sent."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FACES: NDArray[np.uint32] = np.array(
 def blocks(
     mask: NDArray[np.bool_], cell_m: float, origin: tuple[float, float], height: float
 ) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
-    """Cells as upright blocks, one for every run of cells in a row.
+    """Build upright blocks from cells, one for every run of cells in a row.
 
     Args:
         mask: Shape=(H, W), the cells that stand up; row 0 is the smallest y.
@@ -46,7 +46,7 @@ def blocks(
 
 
 class LiveScene:
-    """Keeps what a viser server draws equal to the last state it was shown."""
+    """Keeps the drawing of a viser server equal to the last state shown."""
 
     def __init__(self, server: Any) -> None:
         self._server, self._scene = server, server.scene
@@ -71,7 +71,7 @@ class LiveScene:
             self._show_body(body)
 
     def hide(self, layer: str, hidden: bool) -> None:
-        """Hide or show one layer."""
+        """Set the visibility of one layer."""
         (self._hidden.add if hidden else self._hidden.discard)(layer)
         for handle, line in list(self._lines.values()):
             handle.visible = line.layer not in self._hidden and len(line.segments) > 0
@@ -121,7 +121,7 @@ class LiveScene:
             )
 
     def _frame(self, center: tuple[float, float], size: tuple[float, float]) -> None:
-        """Look at the whole ground from the south, and put an edge and a metre grid about it."""
+        """Look at the whole ground from the south, and draw an edge and a metre grid around it."""
         span, (cx, cy) = max(size), center
         camera = self._server.initial_camera
         camera.position = (cx, cy - 0.56 * span, 0.78 * span)

@@ -1,4 +1,4 @@
-"""Viser's server behind our rules of access: no request and no WebSocket reaches it before they have been checked."""
+"""Viser's server with access control: every request and WebSocket is checked before it gets through."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _starting = threading.Lock()
 
 
 class GuardedServer(viser.ViserServer):  # type: ignore[misc]
-    """A viser server on this machine that asks for a token, its own name and its own origin.
+    """A local viser server that requires a token, its own host name and its own origin.
 
     Its way out is closed too: no browser may ask it for a public address.
     """
@@ -51,13 +51,13 @@ class GuardedServer(viser.ViserServer):  # type: ignore[misc]
         self.access = Access(HOST, self.get_port(), new_token())
 
     def request_share_url(self, verbose: bool = True) -> None:
-        """Refuse."""
+        """Refuse to share the page."""
 
     def _check(self, request: Request) -> Response | None:
-        """The response to a request that does not get through."""
+        """Return the response to a rejected request; None to let it through."""
         if self.access is None:
             return _response(Instead(HTTPStatus.SERVICE_UNAVAILABLE, "The page is about to open."))
-        # A header that is there twice becomes one that no rule accepts.
+        # Join duplicate headers, so that no rule accepts them.
         headers = {name: ", ".join(request.headers.get_all(name)) for name in LOOKED_AT if name in request.headers}
         instead = self.access.instead("GET", request.path, headers)
         return None if instead is None else _response(instead)
@@ -65,14 +65,14 @@ class GuardedServer(viser.ViserServer):  # type: ignore[misc]
 
 @contextlib.contextmanager
 def silent() -> Iterator[None]:
-    """Nothing that viser prints as it starts and stops."""
+    """Suppress what viser prints as it starts and stops."""
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         yield
 
 
 @contextlib.contextmanager
 def _guarded(check: Any) -> Iterator[list[int]]:
-    """Put `check` before every request of the server that is made meanwhile; yields the ports that were tried so.
+    """Run `check` before every request of a server created in this context; yield the ports that were tried.
 
     Viser has no place for this, so the function with which it opens its port is ours as long as it starts.
     """
@@ -97,7 +97,7 @@ def _guarded(check: Any) -> Iterator[list[int]]:
 
 
 def _logger() -> logging.Logger:
-    """Whoever knocks with something that is no request is nothing to report."""
+    """Return a logger that ignores malformed requests."""
     return logging.Logger("coral.live", level=logging.CRITICAL)
 
 

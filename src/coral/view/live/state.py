@@ -1,4 +1,4 @@
-"""What the live page shows at one moment: plain values that any system can fill."""
+"""The content of the live page at one moment: plain values that any system can fill."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Layer = Literal["", "rollouts", "shapes", "truth"]
 
 @dataclass(frozen=True, kw_only=True)
 class Ground:
-    """A map that lies on the ground: a picture, of which some classes stand up as simple shapes."""
+    """A map on the ground: a picture, some classes of which are raised as simple shapes."""
 
     cells: NDArray[np.uint8]
     """Shape=(H, W) classes; row 0 is the smallest y."""
@@ -67,7 +67,7 @@ class LivePart:
 
 @dataclass(frozen=True, kw_only=True)
 class LiveBody:
-    """Something that moves as a whole. Its parts and lines never change."""
+    """A rigid moving thing, whose parts and lines never change."""
 
     name: str
     parts: tuple[LivePart, ...]
@@ -79,7 +79,7 @@ class LiveBody:
 
 @dataclass(frozen=True, kw_only=True)
 class Number:
-    """One value of the head of the page."""
+    """One value at the head of the page."""
 
     name: str
     value: str
@@ -88,7 +88,7 @@ class Number:
 
 @dataclass(frozen=True, kw_only=True)
 class Asked:
-    """A question that is open."""
+    """An open question."""
 
     title: str
     mode: str
@@ -125,7 +125,7 @@ class Chart:
 
 @dataclass(frozen=True, kw_only=True)
 class LiveState:
-    """One moment of a run. Everything in it is complete and never changed afterwards."""
+    """One moment of a run: complete and immutable."""
 
     title: str
     about: str = ""

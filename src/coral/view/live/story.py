@@ -1,4 +1,4 @@
-"""The events of a reef mission folded into what a watcher wants to know now."""
+"""The events of a reef mission, reduced to what a viewer wants to know now."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ KEPT = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Story:
-    """What has happened so far."""
+    """The mission's history so far."""
 
     asked: Asked | None = None
     answered: Answered | None = None
@@ -40,7 +40,7 @@ class Story:
 
 
 def told(story: Story, event: Record) -> Story:
-    """The story after one more event of `events.jsonl`; events that say nothing to a watcher change nothing."""
+    """Return the story after one more event of `events.jsonl`; events of no interest to a viewer leave it unchanged."""
     fold = _FOLDS.get(str(event.get("event")))
     return story if fold is None else fold(story, event)
 
@@ -105,7 +105,7 @@ def _end(story: Story, event: Record) -> Story:
 
 
 def _noted(story: Story, event: Record, text: str) -> Story:
-    if story.log and story.log[0].partition(" ")[2] == text:  # a failure is reported at every tick that it lasts
+    if story.log and story.log[0].partition(" ")[2] == text:  # a lasting failure is reported at every tick
         return story
     return replace(story, log=(f"{clock(float(event['t']))} {text}", *story.log)[:KEPT])
 

@@ -1,4 +1,4 @@
-"""Polylines, bundles, rings and crosses as the line segments that the live page draws."""
+"""Polylines, bundles, rings and crosses as line segments of the live page."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ NONE: Segments = np.zeros((0, 2, 3), np.float32)
 
 
 def path(points: NDArray[np.float64], z: float) -> Segments:
-    """A polyline through `points`, Shape=(N, 2), at height `z` (m). Shape=(N - 1, 2, 3)."""
+    """Make a polyline through `points`, Shape=(N, 2), at height `z` (m). Shape=(N - 1, 2, 3)."""
     return bundle(np.asarray(points, np.float64).reshape(1, -1, 2), z)
 
 
 def bundle(paths: NDArray[np.float64], z: float) -> Segments:
-    """Polylines of equal length, Shape=(K, N, 2), at height `z` (m). Shape=(K (N - 1), 2, 3)."""
+    """Make polylines of equal length, Shape=(K, N, 2), at height `z` (m). Shape=(K (N - 1), 2, 3)."""
     k, n = paths.shape[:2]
     if n < 2:
         return NONE
@@ -26,12 +26,12 @@ def bundle(paths: NDArray[np.float64], z: float) -> Segments:
 
 
 def ring(x: float, y: float, radius: float, z: float, sides: int = 32) -> Segments:
-    """A circle. Shape=(sides, 2, 3)."""
+    """Make a circle. Shape=(sides, 2, 3)."""
     return path(oval(np.array([x, y]), np.array([radius, radius]), 0.0, sides), z)
 
 
 def crosshair(x: float, y: float, radius: float, z: float) -> Segments:
-    """A ring with four arms, as goals are drawn on maps."""
+    """Make a ring with four arms, the symbol of goals on maps."""
     inner, outer = 0.6 * radius, 1.5 * radius
     arms = np.array(
         [
@@ -43,7 +43,7 @@ def crosshair(x: float, y: float, radius: float, z: float) -> Segments:
 
 
 def arrow(start: NDArray[np.float64], end: NDArray[np.float64], z: float) -> Segments:
-    """A line with a head. `start`, `end`: Shape=(2,), metres."""
+    """Make a line with a head. `start`, `end`: Shape=(2,), metres."""
     along = np.asarray(end, np.float64) - start
     across = np.array([-along[1], along[0]])
     barbs = [np.array([end, end - 0.3 * along + side * 0.18 * across]) for side in (1.0, -1.0)]
@@ -51,13 +51,13 @@ def arrow(start: NDArray[np.float64], end: NDArray[np.float64], z: float) -> Seg
 
 
 def oval(center: NDArray[np.float64], half: NDArray[np.float64], yaw: float, sides: int = 24) -> NDArray[np.float64]:
-    """Closed outline of an ellipse with half-axes `half` (m), turned by `yaw` (rad). Shape=(sides + 1, 2)."""
+    """Make the outline of an ellipse with half-axes `half` (m), turned by `yaw` (rad). Shape=(sides + 1, 2)."""
     angle = np.linspace(0.0, 2.0 * np.pi, sides + 1)
     return _turned(center, np.stack([half[0] * np.cos(angle), half[1] * np.sin(angle)], 1), yaw)
 
 
 def rectangle(center: NDArray[np.float64], half: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
-    """Closed outline of a rectangle with half edges `half` (m), turned by `yaw` (rad). Shape=(5, 2)."""
+    """Make the outline of a rectangle with half edges `half` (m), turned by `yaw` (rad). Shape=(5, 2)."""
     return _turned(center, np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * half, yaw)
 
 
