@@ -69,7 +69,7 @@ def made_of(task: Task, seed: int) -> Trial:
                 }
             )
         )
-    trial = sample_trial(task.model_copy(update={"objects": objects}), seed)
+    trial = sample_trial(task.model_copy(update={"objects": tuple(objects)}), seed)
     physical = {}
     for name, material in materials.items():
         density, friction = np.array([material.density_kg_m3, material.friction]) * np.exp(JITTER * rng.normal(size=2))
