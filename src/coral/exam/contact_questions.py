@@ -34,7 +34,7 @@ from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt
 from coral.contact.worlds.registry import make_world
 from coral.exam.contact_outcome import FollowedPlan, PlanFollower, episode_cfg
-from coral.exam.contact_scenes import made_of, trial_to_json
+from coral.exam.contact_scenes import looks_like, made_of, trial_to_json
 from coral.exam.contact_touch import touches
 from coral.exam.item import ExamItem
 
@@ -156,7 +156,7 @@ def _poses(task: str, seed: int) -> ExamItem:
         poses[name] = {
             "position": [float(v) for v in item.pose.position + rotate(item.pose.quaternion, middle)],
             "quaternion": [float(v) for v in item.pose.quaternion],
-            "symmetry": str(seen.trial.task.object(name).symmetry or ""),
+            "symmetry": looks_like(seen.trial, name),
         }
     return _item("object-poses", pose_prompt(facts), facts, {"poses": poses}, *seen.pictures)
 
