@@ -71,9 +71,15 @@ class AdvisorBench:
 
     def __call__(self) -> Mapping[str, Any]:
         """Ask and score."""
-        for flag, value in (("--at-once", self.at_once), ("--jobs", self.jobs), ("--limit", self.limit or 1)):
+        for flag, value in (
+            ("--at-once", self.at_once),
+            ("--jobs", self.jobs),
+            ("--limit", 1 if self.limit is None else self.limit),
+        ):
             if value < 1:
                 raise InputError(flag, "", value, "a number from 1 on")
+        asking = self.export is None and self.answers is None
+        made = {name: self._advisor(name) for name in self._names()} if asking else {}
         items, about = self._items()
         if self.export is not None:
             return {"exported": export(items, self.export, about), "inbox": str(self.export)}
@@ -83,10 +89,10 @@ class AdvisorBench:
         if self.answers is not None:
             results = [Result(name=self.name, graded=tuple(grader.grade(answers(items, self.answers))))]
         else:
-            results = self._ask(items, grader)
+            results = self._ask(made, items, grader)
         rows = [result.row() for result in results]
-        made = {} if self.out is None else self._write(results, rows, about)
-        return {"sets": about, "questions": len(items), "rows": rows, **made}
+        written = {} if self.out is None else self._write(results, rows, about)
+        return {"sets": about, "questions": len(items), "rows": rows, **written}
 
     def _items(self) -> tuple[list[ExamItem], str]:
         only = tuple(kind.strip() for kind in self.only.split(",") if kind.strip())
@@ -95,13 +101,17 @@ class AdvisorBench:
             raise InputError("--sets", "", repr(self.sets), "each set once")
         return [item for one in sets for item in one.items], ",".join(one.name for one in sets)
 
-    def _ask(self, items: list[ExamItem], grader: Grader) -> list[Result]:
+    def _names(self) -> list[str]:
         names = [name.strip() for name in self.advisors.split(",") if name.strip()]
-        made = [self._advisor(name) for name in names]
-        for advisor in made if self.preflight else ():
+        if not names or len(set(names)) < len(names):
+            raise InputError("--advisors", "", repr(self.advisors), "one advisor or more, each once")
+        return names
+
+    def _ask(self, made: Mapping[str, Advisor], items: list[ExamItem], grader: Grader) -> list[Result]:
+        for advisor in made.values() if self.preflight else ():
             preflight(advisor, pictures=any(i.pictures for i in items), where="--advisors", quiet=self.quiet)
         results = []
-        for name, advisor in zip(names, made, strict=True):
+        for name, advisor in made.items():
             sheets = sit(advisor, items, self.at_once)
             if not self.quiet:
                 print(f"{name}: {len(sheets)} questions asked", file=sys.stderr, flush=True)

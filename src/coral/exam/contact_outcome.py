@@ -32,7 +32,7 @@ SAMPLES = 16
 
 
 @dataclass(frozen=True)
-class Plan:
+class FollowedPlan:
     """A plan, what is believed while it is followed, and where it touches."""
 
     answer: PlanAnswer
@@ -48,7 +48,7 @@ class PlanFollower(FixedStrategist):
         load: How its programs are made.
     """
 
-    def __init__(self, plan: Plan, load: Loader) -> None:
+    def __init__(self, plan: FollowedPlan, load: Loader) -> None:
         self._plan, self._load = plan, load
         self.taken: list[Transition] = []
         self.costs: list[tuple[float, float]] = []
@@ -81,7 +81,9 @@ def episode_cfg() -> EpisodeCfg:
     return replace(cfg, controller=controller, record=replace(cfg.record, states=False, report=False))
 
 
-def follow(trial: Trial, plan: Plan, load: Loader = in_process, observers: Sequence[Any] = ()) -> dict[str, Any]:
+def follow(
+    trial: Trial, plan: FollowedPlan, load: Loader = in_process, observers: Sequence[Any] = ()
+) -> dict[str, Any]:
     """Follow a plan to its end; the metrics of the episode, and `detail`, why it ended."""
     short = trial.task.model_copy(update={"time_limit_s": LIMIT_S})
     with tempfile.TemporaryDirectory() as folder:
@@ -99,7 +101,7 @@ def score_plan(key: Mapping[str, Any], facts: Mapping[str, Any], answer: PlanAns
         name: one.model_copy(update={"regions": [r.model_copy(update={"stage": ""}) for r in one.regions]})
         for name, one in regions.root.items()
     }
-    return _outcome(key, Plan(answer, _physical(key["beliefs"]), RegionsAnswer(held)))
+    return _outcome(key, FollowedPlan(answer, _physical(key["beliefs"]), RegionsAnswer(held)))
 
 
 def score_unified(key: Mapping[str, Any], facts: Mapping[str, Any], answer: UnifiedAnswer) -> Worth:
@@ -108,12 +110,12 @@ def score_unified(key: Mapping[str, Any], facts: Mapping[str, Any], answer: Unif
     parts = [score_estimates(key, facts, answer.estimates), score_regions(key, scene, answer.places)]
     if any(part.why.startswith("refused") for part in parts):
         return Worth(0.0, "; ".join(part.why for part in parts))
-    outcome = _outcome(key, Plan(answer.plan, answer.estimates.physical(), answer.places))
+    outcome = _outcome(key, FollowedPlan(answer.plan, answer.estimates.physical(), answer.places))
     why = "; ".join([outcome.why, *(part.why for part in parts)])
     return Worth(0.5 * outcome.score + 0.25 * (parts[0].score + parts[1].score), why)
 
 
-def _outcome(key: Mapping[str, Any], plan: Plan) -> Worth:
+def _outcome(key: Mapping[str, Any], plan: FollowedPlan) -> Worth:
     with CostWorker() as worker:
         try:
             metrics = follow(trial_from_json(key["trial"]), plan, worker.load)

@@ -33,8 +33,8 @@ from coral.contact.thinker.scene_facts import interface_text, scene_facts
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt
 from coral.contact.worlds.registry import make_world
-from coral.exam.contact_outcome import Plan, PlanFollower, episode_cfg
-from coral.exam.contact_scenes import made_of, trial_to_json
+from coral.exam.contact_outcome import FollowedPlan, PlanFollower, episode_cfg
+from coral.exam.contact_scenes import looks_like, made_of, trial_to_json
 from coral.exam.contact_touch import touches
 from coral.exam.item import ExamItem
 
@@ -156,7 +156,7 @@ def _poses(task: str, seed: int) -> ExamItem:
         poses[name] = {
             "position": [float(v) for v in item.pose.position + rotate(item.pose.quaternion, middle)],
             "quaternion": [float(v) for v in item.pose.quaternion],
-            "symmetry": str(seen.trial.task.object(name).symmetry or ""),
+            "symmetry": looks_like(seen.trial, name),
         }
     return _item("object-poses", pose_prompt(facts), facts, {"poses": poses}, *seen.pictures)
 
@@ -197,7 +197,7 @@ def _repair(task: str, seed: int) -> ExamItem | None:
     seen = _see(sample_trial(load_task(task), seed + 70))
     plan, regions = _by_rules(_plan_facts(seen))
     bad = _spoilt(plan, seed)
-    felt = _felt(seen.trial, Plan(bad, seen.beliefs, regions), BAD_S)
+    felt = _felt(seen.trial, FollowedPlan(bad, seen.beliefs, regions), BAD_S)
     if felt is None or not felt.follower.taken:
         return None
     name = next(iter(seen.trial.objects))
@@ -232,7 +232,7 @@ def _correction(task: str, seed: int) -> ExamItem | None:
     plan, regions = _by_rules(_plan_facts(seen))
     beliefs = {**seen.beliefs, name: wrong}
     capture = _Capture()
-    felt = _felt(seen.trial, Plan(plan, beliefs, regions), PUSHED_S, _corrector(capture, name, seen))
+    felt = _felt(seen.trial, FollowedPlan(plan, beliefs, regions), PUSHED_S, _corrector(capture, name, seen))
     if felt is None or capture.asked is None:
         return None
     facts, prompt = capture.asked
@@ -331,7 +331,7 @@ def _corrector(capture: _Capture, name: str, seen: Seen) -> Callable[[Episode, P
 
 
 def _felt(
-    trial: Trial, plan: Plan, seconds: float, then: Callable[[Episode, PlanFollower], None] | None = None
+    trial: Trial, plan: FollowedPlan, seconds: float, then: Callable[[Episode, PlanFollower], None] | None = None
 ) -> _Felt | None:
     """Follow a plan for a while; None where it ends before, or is refused."""
     follower = PlanFollower(plan, in_process)

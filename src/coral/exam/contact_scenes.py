@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.observation import BodyState
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters, Trial, TrialObject, part_size, sample_trial
@@ -69,7 +70,7 @@ def made_of(task: Task, seed: int) -> Trial:
                 }
             )
         )
-    trial = sample_trial(task.model_copy(update={"objects": objects}), seed)
+    trial = sample_trial(task.model_copy(update={"objects": tuple(objects)}), seed)
     physical = {}
     for name, material in materials.items():
         density, friction = np.array([material.density_kg_m3, material.friction]) * np.exp(JITTER * rng.normal(size=2))
@@ -77,8 +78,19 @@ def made_of(task: Task, seed: int) -> Trial:
             mass_kg=float(np.clip(density * _volume(trial, name), *STATED_KG)), friction=float(friction)
         )
     return replace(
-        trial, objects={name: replace(item, physical=physical[name]) for name, item in trial.objects.items()}
+        trial,
+        objects={
+            name: replace(item, physical=physical[name], pose=_turned(trial, name, bool(rng.random() < 0.5)))
+            for name, item in trial.objects.items()
+        },
     )
+
+
+def looks_like(trial: Trial, name: str) -> str:
+    """Symmetry of what is seen of an object: a plain box is one, whatever its task says of it."""
+    item = trial.task.object(name)
+    plain = [part.shape for part in item.parts] == ["box"]
+    return "box" if plain and item.symmetry == "none" else str(item.symmetry)
 
 
 def trial_to_json(trial: Trial) -> dict[str, Any]:
@@ -113,6 +125,17 @@ def trial_from_json(given: Mapping[str, Any]) -> Trial:
             for name, item in given["objects"].items()
         },
     )
+
+
+def _turned(trial: Trial, name: str, half: bool) -> BodyState:
+    """The pose, of a box that looks the same either way half a turn about the vertical further on if asked for.
+
+    Without it the face that a task wants touched would always be the same one in the object's frame.
+    """
+    pose = trial.objects[name].pose
+    if not half or looks_like(trial, name) not in ("box", "square-box", "cube"):
+        return pose
+    return replace(pose, quaternion=multiply(from_rotvec([0.0, 0.0, math.pi]), pose.quaternion))
 
 
 def _volume(trial: Trial, name: str) -> float:

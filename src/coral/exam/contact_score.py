@@ -13,6 +13,7 @@ from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.geometry import conjugate, multiply, rotation_of
+from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.pose_question import PosesAnswer
 from coral.contact.world_model.parameter_correction import ParametersAnswer, verify_parameters
 from coral.contact.world_model.parameter_estimates import ParameterEstimates, verify_estimates
@@ -70,7 +71,7 @@ def score_correction(key: Facts, facts: Facts, answer: ParametersAnswer) -> Wort
         return Worth(0.0, f"refused: {refusal.code}")
     name, true = key["object"], key["parameters"]
     after, before = answer.physical(believed)[name], believed[name]
-    errors = [_off(one.mass_kg, true["mass_kg"]) + _off(one.friction, true["friction"]) for one in (before, after)]
+    errors = [_wrong(one, true) for one in (before, after)]
     return Worth(share_left(errors[1], errors[0]), f"error {errors[1]:.2f}, believed before {errors[0]:.2f}")
 
 
@@ -105,6 +106,12 @@ def score_regions(key: Facts, facts: Facts, answer: RegionsAnswer) -> Worth:
         for name, region in answer.each()
     ]
     return Worth(sum(right) / len(right), f"{sum(right)} of {len(right)} places on the right side")
+
+
+def _wrong(believed: PhysicalParameters, true: Mapping[str, float]) -> float:
+    """Error of a belief: of mass, friction and their product, which is all that a slow push can tell."""
+    logs = [math.log(believed.mass_kg / true["mass_kg"]), math.log(believed.friction / true["friction"])]
+    return abs(logs[0]) + abs(logs[1]) + abs(logs[0] + logs[1])
 
 
 def _off(value: float, true: float) -> float:

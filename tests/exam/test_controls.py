@@ -1,0 +1,33 @@
+import asyncio
+
+import numpy as np
+import pytest
+
+from coral.advisor.rules import RuleAdvisor
+from coral.contact.rules.answers import RULES
+from coral.exam.controls import CONTROLS, control
+from coral.exam.grading import Grader
+from coral.exam.question_set import load_set
+from coral.exam.result import Result
+from coral.exam.sitting import sit
+from coral.reef.heuristic import REEF_RULES
+
+QUICK = ("reef-centroid", "reef-waypoint", "physical-parameters", "contact-regions", "object-poses")
+
+
+@pytest.mark.parametrize("name", CONTROLS)
+def test_controls_give_valid_answers_to_every_kind(name, few):
+    advisor = control(name, np.random.default_rng(0))
+    for item in few.items:
+        answer = asyncio.run(advisor.answer(item.question(), ())).value
+        assert isinstance(answer, item.question().answer_type)
+
+
+def test_who_knows_nothing_scores_far_below_the_rules():
+    items = load_set("public", QUICK, 10).items
+    scores = {}
+    for name in ("random", "constant", "rules"):
+        advisor = RuleAdvisor({**REEF_RULES, **RULES}) if name == "rules" else control(name, np.random.default_rng(0))
+        scores[name] = Result(name=name, graded=tuple(Grader().grade(sit(advisor, items)))).row()
+    assert scores["random"]["high"] < 0.5 * scores["rules"]["low"]
+    assert scores["constant"]["high"] < scores["rules"]["low"]

@@ -1,0 +1,60 @@
+import json
+
+import pytest
+
+from coral.advisor.rules import RuleAdvisor
+from coral.desk.inbox import Inbox
+from coral.errors import InputError
+from coral.exam.grading import Grader
+from coral.exam.paper_inbox import answers, export
+from coral.exam.question_set import load_set
+from coral.exam.result import Result
+from coral.exam.sitting import sit
+from coral.reef.heuristic import REEF_RULES, choose_centroid
+
+
+def answer_all(inbox):
+    """The ten-line program."""
+    for question in sorted(inbox.glob("*/question.json")):
+        facts = json.loads(question.read_text())["facts"]
+        choice = choose_centroid(facts, ())
+        (question.parent / "answer.json").write_text(choice.model_dump_json())
+
+
+def test_answers_from_an_inbox_score_as_those_given_directly(tmp_path):
+    items = load_set("public", ["reef-centroid"], 8).items
+    assert export(items, tmp_path / "inbox", "public") == 8
+    answer_all(tmp_path / "inbox")
+    offline = Result(name="a", graded=tuple(Grader().grade(answers(items, tmp_path / "inbox")))).row()
+    direct = Result(name="a", graded=tuple(Grader().grade(sit(RuleAdvisor(REEF_RULES), items)))).row()
+    assert offline["by_kind"] == direct["by_kind"]
+    assert 0.0 < offline["score"] == direct["score"]
+
+
+def test_the_desk_shows_what_was_laid_out_and_no_key(tmp_path):
+    items = load_set("public", limit=1).items
+    export(items, tmp_path, "public")
+    assert {entry.state for entry in Inbox(tmp_path).entries()} == {"open"}
+    for folder, item in zip(sorted(tmp_path.glob("*-*")), items, strict=True):
+        question = json.loads((folder / "question.json").read_text())
+        assert (question["kind"], question["prompt"]) == (item.kind, item.prompt)
+        assert question["answer_schema"] == item.question().answer_type.model_json_schema()
+        assert not set(item.key) & set(question) - {"id"}
+
+
+def test_missing_and_malformed_answers_are_worth_nothing(tmp_path):
+    items = load_set("public", ["reef-centroid"], 2).items
+    export(items, tmp_path, "public")
+    (sorted(tmp_path.glob("*-*"))[0] / "answer.json").write_text("I am sorry")
+    sheets = answers(items, tmp_path)
+    assert [sheet.failure.partition(":")[0] for sheet in sheets][1] == "missing"
+    assert [one.worth.score for one in Grader().grade(sheets)] == [0.0, 0.0]
+
+
+def test_refuses_a_folder_that_holds_something(tmp_path):
+    items = load_set("public", ["reef-centroid"], 1).items
+    export(items, tmp_path, "public")
+    with pytest.raises(InputError, match="holds something"):
+        export(items, tmp_path, "public")
+    with pytest.raises(InputError, match="no exported set"):
+        answers(items, tmp_path / "elsewhere")
