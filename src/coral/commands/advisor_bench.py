@@ -148,7 +148,7 @@ class AdvisorBench:
         return {"report": str(write_report(folder / "report.html", results, rows, about))}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """A line for each advisor, the best kind of answer last."""
+        """Return a line for each advisor, the best kind of answer last."""
         if "exported" in result:
             return f"{result['exported']} questions lie in {result['inbox']}; `coral desk {result['inbox']}` shows them"
         kinds = list(result["rows"][0]["by_kind"])

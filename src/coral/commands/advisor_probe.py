@@ -23,16 +23,16 @@ class AdvisorProbe:
     """Time-outs and retries."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Probe it."""
+        """Probe the endpoint."""
         from coral.advisor.probe import probe
 
         report = probe(self.model, self.cfg)
         return {**asdict(report), "usable": report.usable, "lines": report.lines()}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """A line for each finding."""
+        """Return a line for each finding."""
         return "\n".join(result["lines"])
 
     def exit_code(self, result: Mapping[str, Any]) -> int:
-        """1 when the model cannot be used."""
+        """Return 1 if the model cannot be used."""
         return 0 if result["usable"] else 1

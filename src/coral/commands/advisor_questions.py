@@ -32,7 +32,7 @@ class AdvisorQuestions:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Make it."""
+        """Make the questions."""
         if not 0.0 < self.share <= 1.0:
             raise InputError("--share", "", self.share, "a number above 0, at most 1")
         for flag, value in (("--seed", self.seed), ("--reefs", self.reefs)):
@@ -57,7 +57,7 @@ class AdvisorQuestions:
             print(text, file=sys.stderr, flush=True)
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """How many of each kind, and where."""
+        """Return how many questions of each kind were made, and where they are."""
         each = ", ".join(f"{count} {kind}" for kind, count in result["questions"].items())
         total = sum(result["questions"].values())
         return f"{total} questions ({each}) in {result['file']}, {result['bytes'] / 1e6:.1f} MB"

@@ -31,7 +31,7 @@ class AdvisorShow:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Render, and write if asked to."""
+        """Render the prompt, and write the pictures if asked to."""
         if self.kind == "list":
             return {"kinds": kinds()}
         if self.kind not in kinds():
@@ -67,7 +67,7 @@ class AdvisorShow:
         return [str(folder / "prompt.md"), *(str(folder / f"{name}.png") for name in pictures)]
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """The prompt itself."""
+        """Return the prompt itself."""
         if "kinds" in result:
             return "\n".join(result["kinds"])
         return "\n".join([result["prompt"], *(f"wrote {path}" for path in result["written"])])
@@ -80,15 +80,15 @@ class _UntilAsked:
         self._log, self._mark = log, f'"kind": "{kind}"'
 
     def tick(self, mission: Any) -> None:
-        """Nothing to show."""
+        """Show nothing."""
 
     def stop_requested(self) -> str:
-        """Whether the question is in the log."""
+        """Stop once the question is in the log."""
         return "asked" if self._mark in self._log.read_text(encoding="utf-8") else ""
 
 
 def _asked_in_a_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str, Path]]:
-    """Prompt and pictures of the first question of a kind that comes up in a simulated mission."""
+    """Return prompt and pictures of the first question of a kind in a simulated mission."""
     from coral.advisor.rules import RuleAdvisor
     from coral.reef.heuristic import REEF_RULES
     from coral.reef.mission import Mission, MissionCfg

@@ -1,4 +1,4 @@
-"""What `coral reef bench` and `coral contact bench` share: flags, running what is missing, results and tables."""
+"""Shared by `coral reef bench` and `coral contact bench`: flags, running pending episodes, results and tables."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class CampaignFlags:
 
 @dataclass(frozen=True)
 class Results:
-    """What a campaign's folder holds."""
+    """The content of a campaign's folder."""
 
     rows: Sequence[Row]
     """One for each recorded episode, as read back from results.parquet."""
@@ -58,7 +58,7 @@ class Results:
 
     @property
     def done(self) -> list[Mapping[str, Any]]:
-        """Records of the episodes that ran to their end."""
+        """Return the records of the finished episodes."""
         return [record for record in self.records if record["status"] == "done"]
 
 
@@ -114,7 +114,7 @@ def read_results(store: Store, noun: str, command: str) -> Results:
 def write_tables(
     store: Store, results: Results, tables: Sequence[Table], title: str, summary: Summary | None
 ) -> dict[str, Any]:
-    """Write the tables as Markdown, LaTeX and HTML; returns what a bench tells of its campaign."""
+    """Write the tables as Markdown, LaTeX and HTML; return the bench's result."""
     for form in ("md", "tex", "html"):
         write_whole(store.folder / f"tables.{form}", document(tables, form, title).encode())
     return {
@@ -131,7 +131,7 @@ def write_tables(
 
 
 def describe_campaign(out: Path, result: Mapping[str, Any], noun: str, files: Sequence[str]) -> str:
-    """The tables, how many episodes there are, and where the files lie.
+    """Describe the tables, the number of episodes, and where the files are.
 
     Args:
         out: Folder of the campaign.

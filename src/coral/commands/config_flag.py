@@ -14,7 +14,7 @@ C = TypeVar("C")
 
 
 def configured(words: Sequence[str], default: C) -> C | None:
-    """The configuration of the file that `--config FILE` or `--config=FILE` names; None where neither is there.
+    """Return the configuration of the file that `--config FILE` or `--config=FILE` names; None without that flag.
 
     Raises:
         InputError: The file cannot be read, or something in it is wrong.
@@ -28,7 +28,7 @@ def configured(words: Sequence[str], default: C) -> C | None:
 
 
 def config_words(cfg: C, default: C, file: Path | None, prefix: str = "cfg") -> list[str]:
-    """The words of a command that make a configuration: the file, and the flags for what differs from it."""
+    """Return the command-line words that reproduce a configuration: the file, and flags for what differs from it."""
     base = default if file is None else read_config(file, default)
     named = ["--config", str(file)] if file is not None else []
     return named + [
@@ -39,7 +39,7 @@ def config_words(cfg: C, default: C, file: Path | None, prefix: str = "cfg") -> 
 
 
 def _words(key: str, value: Any) -> list[str]:
-    """A flag as the command line takes it."""
+    """Format a flag for the command line."""
     if isinstance(value, bool):
         group, _, last = key.rpartition(".")
         return [f"--{group}.{'' if value else 'no-'}{last}"]

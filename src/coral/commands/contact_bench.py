@@ -1,4 +1,4 @@
-"""`coral contact bench`: variants compared over many trials, and the paper's Table 1 made of them."""
+"""`coral contact bench`: compare variants over many trials, and make the paper's Table 1 from them."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ from coral.runs import provenance
 
 @dataclass(frozen=True)
 class ContactEpisode:
-    """A spec into an episode. The tasks travel along, so that a worker needs none of the caller's files."""
+    """Runs the episode of a spec. It carries the tasks, so that a worker needs none of the caller's files."""
 
     cfg: EpisodeCfg
     model: ModelCfg
@@ -69,7 +69,7 @@ class ContactEpisode:
     memory: Mapping[str, Any] | None = None
 
     def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
-        """Run it."""
+        """Run the episode."""
         task, world = self.tasks[spec.world], dict(spec.overrides)["world"]
         if spec.variant in self.policies:
             return run_policy_episode(
@@ -89,7 +89,7 @@ class ContactEpisode:
 
 
 def episode_alone() -> EpisodeCfg:
-    """The episode of a campaign, in which the advisor stands alone."""
+    """Return the default episode configuration of a campaign, in which the advisor stands alone."""
     return with_fallback(EpisodeCfg(), FOR_BENCHES)
 
 
@@ -135,12 +135,12 @@ class ContactBench(CampaignFlags):
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactBench | None:
-        """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
+        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
         cfg = configured(words, episode_alone())
         return None if cfg is None else cls(cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
-        """Run what is missing, then make the tables."""
+        """Run the missing episodes, then make the tables."""
         if self.fallback is not None:
             return dataclasses.replace(self, cfg=with_fallback(self.cfg, self.fallback), fallback=None)()
         store = Store(self.out)
@@ -153,7 +153,7 @@ class ContactBench(CampaignFlags):
         tasks = {name: load_task(name) for name in names}
         cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
         cfg = checked(cfg, "--cfg")
-        if cfg.poses == "tracked" and self.executor == "local":  # a cluster may reach what this machine does not
+        if cfg.poses == "tracked" and self.executor == "local":  # a cluster may reach servers that this machine cannot
             cfg.tracked.choice().check()
         specs, memory = self._specs(tasks), None if self.memory is None else read_memory(self.memory)
         if self.preflight:
@@ -170,11 +170,11 @@ class ContactBench(CampaignFlags):
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """The tables, and where everything is."""
+        """Describe the tables and where everything is."""
         return describe_campaign(self.out, result, "episode", ("data", "tables", "memory", "figures"))
 
     def _advisor(self, name: str) -> Advisor:
-        """The advisor of a row, as far as it can be checked here."""
+        """Make the advisor of a row, as far as it can be checked here."""
         model = checked(self.model, "--model")
         return make_advisor(
             name, rules={}, rng=np.random.default_rng(0), cfg=model, where="--advisors", mistakes=CONTACT_MISTAKES
@@ -192,7 +192,7 @@ class ContactBench(CampaignFlags):
         for variant in variants:
             check_variant(variant, "--variants")
             for task in tasks.values():
-                make_strategist(variant, task)  # what it lacks is told now, not by every worker
+                make_strategist(variant, task)  # report what is missing here, not in every worker
         for world in worlds:
             check_world(world, "--worlds")
         for advisor in advisors:
@@ -219,11 +219,11 @@ class ContactBench(CampaignFlags):
     def _conditions(
         self, cfg: EpisodeCfg, tasks: Mapping[str, Task], memory: Mapping[str, Any] | None
     ) -> dict[str, str]:
-        """What must be the same for every episode of a table, as digests."""
+        """Return digests of everything that must be the same for every episode of a table."""
         content = to_mapping(cfg)
         content.pop("record")
-        content["planning"].pop("threads")  # changes how long it takes, and nothing else
-        content["tracked"]["by"] = cfg.tracked.choice().name  # nor does it matter where a server is
+        content["planning"].pop("threads")  # affects only the run time
+        content["tracked"]["by"] = cfg.tracked.choice().name  # a server's address does not matter either
         drop_addresses(content["tracked"])
         whole = {"episode": content, "model": to_mapping(self.model)}
         return {
@@ -258,7 +258,7 @@ class ContactBench(CampaignFlags):
         }
 
     def _remembered(self, store: Store) -> str:
-        """What all trials of `full` have added to their memories, in their order, as one file; "" for nothing.
+        """Collect what all trials of `full` added to their memories, in order, as one file; "" for nothing.
 
         Plans without regions, as `unguided` and `no-regions` make them, would be no help to a variant that has some.
         """
@@ -274,7 +274,7 @@ class ContactBench(CampaignFlags):
         return str(path)
 
     def _draw(self, store: Store, rows: Sequence[Row]) -> list[str]:
-        """Fig. 5 of every task that was run both with and without a contact strategy."""
+        """Draw Fig. 5 for every task that was run both with and without a contact strategy."""
         from coral.view.contact.ablation import draw_ablation
 
         folders = {
@@ -303,7 +303,7 @@ class ContactBench(CampaignFlags):
         return figures
 
     def _command(self) -> str:
-        """The command that makes this campaign, without what does not change its results."""
+        """Return the command that makes this campaign, without flags that do not change its results."""
         words = [
             "coral",
             "contact",
@@ -330,7 +330,7 @@ class ContactBench(CampaignFlags):
 
 
 def _task_digest(task: Task) -> str:
-    """Of all that the task says, meshes by what is in their files, wherever they lie."""
+    """Compute a digest of a task file, with meshes represented by their content."""
     content = task.model_dump(mode="json")
     for item in content["objects"]:
         for part in item["parts"]:
@@ -340,7 +340,7 @@ def _task_digest(task: Task) -> str:
 
 
 def read_memory(where: str | Path) -> dict[str, Any]:
-    """What is remembered in a memory, or in an export of one.
+    """Read the experiences of a memory, or of an export of one.
 
     Raises:
         InputError: It is neither.
@@ -363,6 +363,6 @@ def read_memory(where: str | Path) -> dict[str, Any]:
         content = None
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise InputError("--memory", "", str(file), "a memory, or an export of one")
-    with tempfile.TemporaryDirectory() as aside:  # what is wrong in it is told now, not by every worker
+    with tempfile.TemporaryDirectory() as aside:  # report its errors here, not in every worker
         Memory(Path(aside) / "memory.sqlite", embedder=HashedWords()).load(content, str(file))
     return content

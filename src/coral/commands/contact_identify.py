@@ -98,7 +98,7 @@ class ContactIdentify:
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Every correction, and what is left of the error."""
+        """Describe every correction and the remaining error."""
         lines = [
             f"{index}. {'accepted' if row['accepted'] else 'refused '}  "
             f"{'at {t:.1f} s, '.format(**row) if 't' in row else ''}{row['text']}"

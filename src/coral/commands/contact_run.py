@@ -103,7 +103,7 @@ class ContactRun:
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactRun | None:
-        """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
+        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
         cfg = configured(words, EpisodeCfg())
         return None if cfg is None else cls(task=tyro.MISSING, cfg=cfg)
 
@@ -189,7 +189,7 @@ class ContactRun:
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 
     def _driven(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
-        """An episode that a served policy drives."""
+        """Run an episode driven by a served policy."""
         address = parse_address(policy, VARIANTS)
         with serving(address, cfg.policy.client) as client:
             folder = self.out or new_run_folder(Path("runs"), trial.task.name)
@@ -202,7 +202,7 @@ class ContactRun:
         return {**result, "run": str(folder), **render(folder, cfg)}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """The outcome in a few lines, and where to look."""
+        """Describe the outcome in a few lines, and where the files are."""
         reason = str(result["end_reason"])
         why = "" if result["success"] else f" ({END_REASONS.get(reason.partition(':')[0], '')})"
         whole_s = result["time_with_thinking_s"]
@@ -224,13 +224,13 @@ def _count(result: Mapping[str, Any]) -> str:
 
 
 class StandInNotice:
-    """Says on standard error, at the first time, that the advisor did not decide."""
+    """Reports once on standard error that the advisor did not decide."""
 
     def __init__(self) -> None:
         self._said = False
 
     def __call__(self, event: Mapping[str, Any]) -> None:
-        """Hear an event of the episode."""
+        """Handle an event of the episode."""
         if event["event"] == "fallback" and not self._said:
             self._said = True
             stands_in = event["policy"] == "rules"
@@ -244,7 +244,7 @@ class StandInNotice:
 
 
 def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
-    """The configuration with another number of rehearsals.
+    """Return the configuration with another number of rollouts.
 
     Raises:
         InputError: It is no count.
@@ -258,19 +258,19 @@ def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
 
 
 def with_fallback(cfg: EpisodeCfg, fallback: Fallback | None) -> EpisodeCfg:
-    """The configuration with another fallback; None leaves it as configured."""
+    """Return the configuration with another fallback; None leaves it as configured."""
     if fallback is None:
         return cfg
     return dataclasses.replace(cfg, think=dataclasses.replace(cfg.think, fallback=fallback))
 
 
 def with_poses(cfg: EpisodeCfg, poses: Literal["tracked", "ground-truth"] | None) -> EpisodeCfg:
-    """The configuration with another source of poses."""
+    """Return the configuration with another source of poses."""
     return cfg if poses is None else dataclasses.replace(cfg, poses=poses)
 
 
 def with_tracker(cfg: EpisodeCfg, tracker: str | None) -> EpisodeCfg:
-    """The configuration with another tracker.
+    """Return the configuration with another tracker.
 
     Raises:
         InputError: There is none of this name, or none is asked for poses.
@@ -284,7 +284,7 @@ def with_tracker(cfg: EpisodeCfg, tracker: str | None) -> EpisodeCfg:
 
 
 def render(folder: Path, cfg: EpisodeCfg) -> dict[str, str]:
-    """Pictures, report and video of a finished run, as configured."""
+    """Make pictures, report and video of a finished run, as configured."""
     made: dict[str, str] = {}
     if cfg.record.report:
         from coral.view.contact.report import write_contact_report

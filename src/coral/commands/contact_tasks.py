@@ -27,7 +27,7 @@ class ContactTasks:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Describe."""
+        """Load and check the tasks."""
         tasks = {name: load_task(name) for name in self.tasks or shipped_tasks()}
         for name, task in tasks.items():
             for seed in range(DRAWN):
@@ -35,7 +35,7 @@ class ContactTasks:
         return {"tasks": [described(task) for task in tasks.values()]}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """A list, or each task in full."""
+        """Return a list, or each task in full."""
         if not self.tasks:
             width = max((len(task["name"]) for task in result["tasks"]), default=0)
             return "\n".join(f"{task['name']:<{width}}  {task['instruction']}" for task in result["tasks"])
@@ -43,7 +43,7 @@ class ContactTasks:
 
 
 def described(task: Task) -> dict[str, Any]:
-    """A task as plain values, ranges as [low, high]."""
+    """Return a task as plain values, ranges as [low, high]."""
     return {
         "name": task.name,
         "title": task.title,

@@ -42,7 +42,7 @@ class ContactTrack:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Measure."""
+        """Run the measurements."""
         from coral.contact.perception.camera import RgbdCameraCfg
         from coral.contact.perception.depth_noise import DepthNoise
         from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure_accuracy
@@ -87,7 +87,7 @@ class ContactTrack:
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Two tables."""
+        """Return two tables."""
         lines = [
             "Errors modulo symmetry, but for ADD, over all pictures: median and what 95 % stay below.",
             "",

@@ -55,7 +55,7 @@ class Desk:
             }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """How many answers went through."""
+        """Return how many answers were accepted."""
         n = result["answered"]
         return f"the desk is closed; {n} {'answer' if n == 1 else 'answers'} went into {result['inbox']}"
 

@@ -80,7 +80,7 @@ class Doctor:
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """One line for each check."""
+        """Return one line for each check."""
         lines = [f"{'ok     ' if good else 'MISSING'}  {name}" for name, good in result["checks"].items()]
         lines += [f"MISSING  package {name}" for name, found in result["packages"].items() if not found]
         lines += [

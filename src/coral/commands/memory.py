@@ -20,7 +20,7 @@ FILE = "memory.sqlite"
 
 
 def _existing(file: str) -> Memory:
-    """A memory that is there; texts are not embedded by these commands.
+    """Open an existing memory; these commands do not embed texts.
 
     Raises:
         InputError: There is none.
@@ -65,7 +65,7 @@ class MemoryList:
         return {"file": self.file, "experiences": [_row(stored) for stored in _existing(self.file).all()]}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """One line each."""
+        """Return one line for each experience."""
         rows = [
             f"{row['id']:>4}  {row['task']:<18} {row['world']!s:<6} seed {row['seed']!s:<5} used {row['used']}, "
             f"helped {row['helped']}  {', '.join(row['stages'])}"
@@ -86,7 +86,7 @@ class MemoryShow:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Read it."""
+        """Read the experience."""
         stored = _existing(self.file).get(self.id)
         return {
             **_row(stored),
@@ -95,7 +95,7 @@ class MemoryShow:
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Its record, then its programs."""
+        """Return its record, then its programs."""
         head = [f"{key}: {value}" for key, value in result.items() if key not in ("experience", "programs")]
         return "\n".join([*head, "", result["programs"]])
 
@@ -112,12 +112,12 @@ class MemoryForget:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Delete it."""
+        """Delete the experience."""
         _existing(self.file).forget(self.id)
         return {"file": self.file, "forgotten": self.id}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """What was done."""
+        """Report the deletion."""
         return f"{result['file']}: {result['forgotten']} is forgotten"
 
 
@@ -133,7 +133,7 @@ class MemoryExport:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Write it."""
+        """Write the file."""
         content = _existing(self.file).export()
         try:
             with open(self.to, "x", encoding="utf-8") as out:
@@ -143,7 +143,7 @@ class MemoryExport:
         return {"file": str(self.to), "experiences": len(content["experiences"])}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """What was written."""
+        """Report what was written."""
         return f"{result['file']}: {many(result['experiences'], 'experience')}"
 
 
@@ -159,7 +159,7 @@ class MemoryImport:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Read it."""
+        """Read the file."""
         try:
             content = json_text.loads(self.source.read_text(encoding="utf-8"))
         except (OSError, ValueError, RecursionError) as error:
@@ -169,5 +169,5 @@ class MemoryImport:
         return {"file": self.file, "added": Memory(self.file).load(content, str(self.source))}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """What was added."""
+        """Report what was added."""
         return f"{result['file']}: {result['added']} added"

@@ -1,4 +1,4 @@
-"""Before a campaign: each of its models is asked one small question, if an episode of it is still to run."""
+"""Preflight of a campaign: one small question to each of its models that still has an episode to run."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def preflight_campaign(
     retry_failed: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Ask the models of the episodes that are not recorded yet; nothing is written.
+    """Ask the models of the pending episodes; write nothing.
 
     Args:
         store: Of the campaign; it need not exist yet.

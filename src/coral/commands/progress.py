@@ -32,7 +32,7 @@ class RunBar:
         self._bar.start()
 
     def show(self, name: str, t: float, time_limit_s: float, status: str) -> None:
-        """Bring the bar up to date.
+        """Update the bar.
 
         Args:
             name: Of the world or the task.
@@ -51,7 +51,7 @@ class RunBar:
         )
 
     def stop_requested(self) -> str:
-        """A progress bar never stops a run."""
+        """Return "": a progress bar never stops a run."""
         return ""
 
     def close(self) -> None:
@@ -63,7 +63,7 @@ class MissionProgress(RunBar):
     """The bar of a mission: coverage, collisions, advisor calls."""
 
     def tick(self, mission: Mission) -> None:
-        """Bring the bar up to date, once a simulated second at most."""
+        """Update the bar, once per simulated second at most."""
         if mission.step % 10 and not mission.end_reason:
             return
         status = f"{100 * mission.coverage:.0f} % covered · {mission.collisions} collisions · {mission.calls} calls"
@@ -71,7 +71,7 @@ class MissionProgress(RunBar):
 
 
 class RunningEpisode(Protocol):
-    """An episode, driven by a planner or by a served policy, as far as the bar looks at it."""
+    """What the bar reads of an episode, whether a planner or a served policy drives it."""
 
     t: float
     time_limit_s: float
@@ -88,7 +88,7 @@ class EpisodeProgress(RunBar):
     """The bar of a contact episode: its stage, and how many conditions hold."""
 
     def tick(self, episode: RunningEpisode) -> None:
-        """Bring the bar up to date."""
+        """Update the bar."""
         holding = episode.judge.holding
         status = f"{printable(episode.stage, 30)} · {sum(holding)} of {len(holding)} conditions"
         self.show(episode.trial.task.name, episode.t, episode.time_limit_s, status)

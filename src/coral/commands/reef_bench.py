@@ -1,4 +1,4 @@
-"""`coral reef bench`: variants compared over many missions, and the paper's tables made of them."""
+"""`coral reef bench`: compare variants over many missions, and make the paper's tables from them."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ from coral.view.questions import question_pictures
 
 @dataclass(frozen=True)
 class ReefEpisode:
-    """A spec into a mission. The worlds travel along, so that a worker needs none of the caller's files."""
+    """Runs the mission of a spec. It carries the worlds, so that a worker needs none of the caller's files."""
 
     cfg: MissionCfg
     model: ModelCfg
     worlds: Mapping[str, ReefWorld]
 
     def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
-        """Run it."""
+        """Run the mission."""
         cfg, world = mission_of(spec, self.cfg, self.worlds[spec.world])
         advisor = "heuristic" if spec.advisor == NO_ADVISOR else spec.advisor
         sees = not rules_alone(advisor)
@@ -72,7 +72,7 @@ class ReefEpisode:
 
 
 def mission_alone() -> MissionCfg:
-    """The mission of a campaign, in which the advisor stands alone."""
+    """Return the default mission configuration of a campaign, in which the advisor stands alone."""
     return with_fallback(MissionCfg(), FOR_BENCHES)
 
 
@@ -107,12 +107,12 @@ class ReefBench(CampaignFlags):
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefBench | None:
-        """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
+        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
         cfg = configured(words, mission_alone())
         return None if cfg is None else cls(cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
-        """Run what is missing, then make the tables."""
+        """Run the missing missions, then make the tables."""
         if self.fallback is not None:
             return replace(self, cfg=with_fallback(self.cfg, self.fallback), fallback=None)()
         store = Store(self.out)
@@ -135,7 +135,7 @@ class ReefBench(CampaignFlags):
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """The tables, and where everything is."""
+        """Describe the tables and where everything is."""
         return describe_campaign(self.out, result, "mission", ("data", "tables", "figure", "sweep"))
 
     def _worlds(self) -> dict[str, ReefWorld]:
@@ -143,7 +143,7 @@ class ReefBench(CampaignFlags):
         return {name: load_world(name) for name in names}
 
     def _advisor(self, name: str) -> Advisor:
-        """The advisor of a row, as far as it can be checked here."""
+        """Make the advisor of a row, as far as it can be checked here."""
         return make_advisor(
             name, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors", mistakes=REEF_MISTAKES
         )
@@ -166,11 +166,11 @@ class ReefBench(CampaignFlags):
             overrides=parse_sweeps(self.sweep),
         )
         for spec in {(spec.variant, spec.overrides): spec for spec in specs}.values():
-            mission_of(spec, self.cfg, worlds[spec.world])  # a bad value is told now, not by every worker
+            mission_of(spec, self.cfg, worlds[spec.world])  # reject a bad value here, not in every worker
         return specs
 
     def _conditions(self, worlds: Mapping[str, ReefWorld]) -> dict[str, str]:
-        """What must be the same for every mission of a table, as digests."""
+        """Return digests of everything that must be the same for every mission of a table."""
         cfg = {"mission": to_mapping(self.cfg), "model": to_mapping(self.model)}
         cfg["mission"].pop("record")
         return {
@@ -195,7 +195,7 @@ class ReefBench(CampaignFlags):
             return ""
         seed = min(spec.seed for spec in specs)
         advisor = next((spec.advisor for spec in specs if spec.advisor != NO_ADVISOR), NO_ADVISOR)
-        overrides = min((spec.overrides for spec in specs), key=len)  # the nominal setting where it is there
+        overrides = min((spec.overrides for spec in specs), key=len)  # the nominal setting if present
         there = list(dict.fromkeys(spec.variant for spec in specs))
         variants = [name for name in TABLE_I if name in there]
         variants = variants if len(variants) > 1 else there[:4]
@@ -218,7 +218,7 @@ class ReefBench(CampaignFlags):
         return str(self.out / "trajectories.png")
 
     def _draw_sweep(self, rows: Sequence[Mapping[str, Any]]) -> str:
-        """The sweep's figure under the first advisor, or "" where nothing was swept."""
+        """Draw the sweep's figure under the first advisor; return "" if nothing was swept."""
         from coral.campaign.sweep_figure import draw_sweep
 
         done = [row for row in rows if row["status"] == "done"]
@@ -232,7 +232,7 @@ class ReefBench(CampaignFlags):
         return str(self.out / "sweep.png") if drawn else ""
 
     def _command(self) -> str:
-        """The command that makes this campaign, without what does not change its results."""
+        """Return the command that makes this campaign, without flags that do not change its results."""
         words = [
             "coral",
             "reef",
@@ -253,7 +253,7 @@ class ReefBench(CampaignFlags):
 
 
 def mission_of(spec: Spec, cfg: MissionCfg, world: ReefWorld) -> tuple[MissionCfg, ReefWorld]:
-    """Configuration and world of a mission: the campaign's, the spec's setting, then its variant.
+    """Return configuration and world of a mission: the campaign's, then the spec's setting, then its variant.
 
     Raises:
         InputError: An unknown key or a bad value.

@@ -1,4 +1,4 @@
-"""`coral reef envs`: the reefs that can be run, and what they look like."""
+"""`coral reef envs`: list and preview the available reefs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class ReefEnvs:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Describe, and draw."""
+        """Describe and draw the reefs."""
         worlds = [load_world(name) for name in self.worlds or shipped_worlds()]
         described = [
             {
@@ -54,7 +54,7 @@ class ReefEnvs:
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """A table."""
+        """Return a table."""
         lines = ["name  topology  size (m)   clusters  oysters  obstacles  current (m/s)"]
         for w in result["worlds"]:
             size = f"{w['size_m'][0]:g} x {w['size_m'][1]:g}"

@@ -33,7 +33,7 @@ class ReefGenerate:
     """What the reef is like."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Generate, write, draw."""
+        """Generate, write and draw the reef."""
         cfg = self.cfg
         if self.polyline:
             cfg = replace(cfg, spine=(_points(self.polyline),))
@@ -51,7 +51,7 @@ class ReefGenerate:
         return {"world": str(self.out), "clusters": len(world.clusters), "obstacles": len(world.obstacles)}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """One line."""
+        """Return one line."""
         return (
             f"{result['world']}: {many(result['clusters'], 'cluster')}, {many(result['obstacles'], 'obstacle')}; "
             f"run it with: coral reef run {result['world']}"

@@ -84,7 +84,7 @@ class ReefRun:
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefRun | None:
-        """Defaults of the flags from the file that `--config` names, before the flags themselves are read."""
+        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
         cfg = configured(words, MissionCfg())
         return None if cfg is None else cls(world=tyro.MISSING, cfg=cfg)
 
@@ -148,7 +148,7 @@ class ReefRun:
 
     @contextmanager
     def _page(self) -> Iterator[Callable[[Mission], list[Observer[Mission]]]]:
-        """What makes the observers that show a mission in a browser; none without `--live`."""
+        """Make the observers that show a mission in a browser; none without `--live`."""
         if not self.live:
             yield lambda mission: []
             return
@@ -169,7 +169,7 @@ class ReefRun:
             yield watched
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """The outcome in a few lines, and where to look."""
+        """Describe the outcome in a few lines, and where the files are."""
         lines = [
             f"{self.world}: {result['clusters_covered']} of {result['clusters_total']} oyster clusters covered "
             f"({100 * result['coverage']:.0f} %), {many(result['collisions'], 'collision')}, "
@@ -184,13 +184,13 @@ class ReefRun:
 
 
 class FallbackNotice:
-    """Says on standard error, at the first time, that the advisor did not decide."""
+    """Reports once on standard error that the advisor did not decide."""
 
     def __init__(self, policy: Fallback) -> None:
         self._policy, self._said = policy, False
 
     def __call__(self, event: Mapping[str, Any]) -> None:
-        """Hear an event of the mission."""
+        """Handle an event of the mission."""
         if event["event"] == "fallback" and not self._said:
             self._said = True
             then = {"rules": "the fallback's rules decide", "hold": "the goal is kept", "fail": "the mission ends"}
@@ -203,14 +203,14 @@ class FallbackNotice:
 
 
 def with_fallback(cfg: MissionCfg, fallback: Fallback | None) -> MissionCfg:
-    """The configuration with another fallback; None leaves it as configured."""
+    """Return the configuration with another fallback; None leaves it as configured."""
     return (
         cfg if fallback is None else dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, fallback=fallback))
     )
 
 
 def render(folder: Path, cfg: MissionCfg) -> dict[str, str]:
-    """Map, report and video of a finished run, as configured."""
+    """Make map, report and video of a finished run, as configured."""
     made: dict[str, str] = {}
     if cfg.record.report:
         from coral.view.report import write_report

@@ -1,4 +1,4 @@
-"""`coral replay`: a recorded mission, on the page that shows running ones."""
+"""`coral replay`: a recorded mission on the live page."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Replay:
             }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """What was shown."""
+        """Describe what was shown."""
         return f"the page is closed; {result['duration_s']:.0f} s of {result['run']} could be watched"
 
 

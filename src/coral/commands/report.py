@@ -1,4 +1,4 @@
-"""`coral report`: the report of a run folder, made again."""
+"""`coral report`: make the report of a run folder again."""
 
 from __future__ import annotations
 
@@ -49,5 +49,5 @@ class Report:
         return made
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Where the files are."""
+        """Return where the files are."""
         return "\n".join(f"{name}: {path}" for name, path in result.items())

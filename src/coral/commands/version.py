@@ -17,9 +17,9 @@ class Version:
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """The installed version."""
+        """Return the installed version."""
         return {"version": __version__}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """One line."""
+        """Return one line."""
         return f"coral {result['version']}"

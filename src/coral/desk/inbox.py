@@ -1,4 +1,4 @@
-"""The inbox as the desk sees it: which questions are open, what they show, and one answer to each."""
+"""The desk's view of the inbox: the open questions, their content, and one answer to each."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class NoSuchQuestion(LookupError):
 
 
 class NotOpen(Exception):
-    """The question cannot be answered any more; the message says why."""
+    """The question can no longer be answered; the message says why."""
 
 
 class Unfit(Exception):
@@ -67,7 +67,7 @@ class InboxEntry:
 
 
 class Inbox:
-    """Reads and answers the questions in one folder. Safe to use from several threads, and beside other programs."""
+    """Reads and answers the questions in one folder. Safe to use from several threads and beside other programs."""
 
     def __init__(self, folder: Path) -> None:
         """Open an inbox.
@@ -91,7 +91,7 @@ class Inbox:
         self._questions: dict[str, Mapping[str, Any]] = {}
 
     def entries(self) -> list[InboxEntry]:
-        """All questions in the order in which they were asked."""
+        """Return all questions in the order in which they were asked."""
         found: list[InboxEntry] = []
         last: dict[str, int] = {}
         for question_id in sorted(self._ids(), key=lambda name: (int(name.partition("-")[0]), name)):
@@ -106,7 +106,7 @@ class Inbox:
         return found
 
     def missions(self) -> list[dict[str, Any]]:
-        """Notices that missions left in the inbox, the latest started last; of those gone without a word, "stopped"."""
+        """Return the notices of missions, the latest started last; those that ended without a word are "stopped"."""
         notices = []
         for path in self.folder.glob("mission-*.json"):
             notice = _document(path)
@@ -123,7 +123,7 @@ class Inbox:
         return sorted(notices, key=lambda notice: _number(notice["started_at"]) or 0.0)
 
     def question(self, question_id: str) -> Mapping[str, Any]:
-        """A question as it was asked: the content of its question.json.
+        """Return a question as it was asked: the content of its question.json.
 
         Raises:
             NoSuchQuestion: There is none under this name.
@@ -137,7 +137,7 @@ class Inbox:
         return content
 
     def picture(self, question_id: str, name: str) -> bytes:
-        """A picture of a question, PNG.
+        """Return a picture of a question, PNG.
 
         Raises:
             NoSuchQuestion: The question lists no such picture, or it is no PNG.
@@ -151,7 +151,7 @@ class Inbox:
         return content
 
     def answer(self, question_id: str, answer: Any, operator: str = "") -> None:
-        """Answer a question, unless somebody else has.
+        """Answer a question, unless someone else has.
 
         The answer appears whole or not at all, and only one of several that arrive at once appears.
 
@@ -210,7 +210,7 @@ class Inbox:
         return folder
 
     def _entry(self, question_id: str) -> tuple[InboxEntry, str]:
-        """A question in brief, and who asked it; one whose state is final is read only once."""
+        """Return a question in brief, and its asker; a question in a final state is read only once."""
         if question_id in self._settled:
             return self._settled[question_id]
         try:
@@ -219,7 +219,7 @@ class Inbox:
             return InboxEntry(id=question_id, kind=question_id.partition("-")[2], state="unreadable"), question_id
         asker = question.get("asker")
         rejections = question.get("rejections")
-        # The close is looked for first: an answer that is there once it is seen was there before.
+        # Look for the close first: an answer found after that was there before the close.
         closed = _document(folder / "closed.json")
         answered = (folder / "answer.json").exists()
         state: State = "open"
@@ -240,7 +240,7 @@ class Inbox:
             answer=_shown(folder / "answer.json") if answered else None,
         )
         key = json.dumps(asker, sort_keys=True)
-        # Who answered is noted a moment after the answer; after that moment nothing about the question changes.
+        # The answerer is recorded shortly after the answer; from then on nothing about the question changes.
         if closed is not None and (by or state == "withdrawn" or time.time() - _modified(folder / "closed.json") > 5.0):
             self._settled[question_id] = (entry, key)
         return entry, key
@@ -251,12 +251,12 @@ class Inbox:
 
 
 def entry_json(entry: InboxEntry) -> dict[str, Any]:
-    """An entry as JSON."""
+    """Convert an entry to JSON."""
     return asdict(entry)
 
 
 def _claim(partial: Path, target: Path) -> None:
-    """Give a whole file its name, unless the name is taken.
+    """Move a complete file to its name, unless the name is taken.
 
     Raises:
         FileExistsError: It is.
@@ -266,7 +266,7 @@ def _claim(partial: Path, target: Path) -> None:
     except FileExistsError:
         raise
     except OSError:
-        # A file system without hard links: the claim is a file that only one can create.
+        # A file system without hard links: claim the name with a file that only one process can create.
         os.close(os.open(target.with_name("answer.claim"), os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
         if target.exists():
             raise FileExistsError(target) from None
@@ -285,7 +285,7 @@ def _asker_lives(asker: Mapping[str, Any]) -> bool:
 
 
 def _content(path: Path, limit: int) -> bytes | None:
-    """Bytes of a plain file that is no larger than `limit`; None when it is not one."""
+    """Read a plain file of at most `limit` bytes; None if it is not one."""
     try:
         if path.is_symlink() or not path.is_file() or path.stat().st_size > limit:
             return None
@@ -295,14 +295,14 @@ def _content(path: Path, limit: int) -> bytes | None:
 
 
 def _shown(path: Path) -> Any:
-    """An answer as the history shows it; one that no desk would have taken only as the start of its text."""
+    """Return an answer for the history; one that a desk would not have accepted is cut to the start of its text."""
     text = (_content(path, QUESTION_LIMIT) or b"").decode("utf-8", "replace")
     simple = len(text) <= MAX_CHARS and text.count("[") + text.count("{") <= MAX_BRACKETS
     return _any(path) if simple else text[:400]
 
 
 def _modified(path: Path) -> float:
-    """Unix time (s) of the last change of a file; now when it is gone."""
+    """Return the Unix time (s) of a file's last change; now if the file is gone."""
     try:
         return path.stat().st_mtime
     except OSError:
@@ -310,7 +310,7 @@ def _modified(path: Path) -> float:
 
 
 def _any(path: Path) -> Any:
-    """What a JSON file holds; its text when it is no JSON, as answers of other programs may be."""
+    """Read a JSON file; if it is not JSON, as another program's answer may be, return its text."""
     content = _content(path, QUESTION_LIMIT)
     if content is None:
         return None
@@ -322,7 +322,7 @@ def _any(path: Path) -> Any:
 
 
 def _document(path: Path) -> dict[str, Any] | None:
-    """The object that a JSON file holds; None when there is none, or nothing like it."""
+    """Read the object in a JSON file; None if there is none."""
     content = _any(path)
     return content if isinstance(content, dict) else None
 

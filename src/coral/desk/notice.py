@@ -1,4 +1,4 @@
-"""A mission's notice in the inbox: that it runs, and how it ended, for the people at the desk."""
+"""A mission's notice in the inbox for the people at the desk: that it runs, and how it ended."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def mission_notice(inbox: Path, **about: Any) -> Iterator[Callable[[str], None]]
 
 
 def is_alive(host: str, pid: int) -> bool:
-    """Whether a process runs; True when it is on another machine and nobody here can tell."""
+    """Check whether a process runs; True if it is on another machine, where that cannot be checked."""
     if host != socket.gethostname():
         return True
     try:

@@ -1,4 +1,4 @@
-"""Does a JSON value fit a JSON schema? The part of the standard that answer models use, with reasons for people."""
+"""Validation of a JSON value against a JSON schema: the subset that answer models use, with readable reasons."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _NAMES = {
 
 @dataclass(frozen=True)
 class SchemaFault:
-    """One thing that is wrong with a value."""
+    """One mismatch between a value and its schema."""
 
     path: Path
     """Keys and positions that lead to the bad part; () is the whole value."""
@@ -41,12 +41,12 @@ class SchemaFault:
 
     @property
     def place(self) -> str:
-        """The path as people write it, such as "objects.0.mass"."""
+        """The path in readable form, such as "objects.0.mass"."""
         return ".".join(map(str, self.path))
 
 
 def faults(value: Any, schema: Mapping[str, Any]) -> list[SchemaFault]:
-    """What keeps a value from fitting a schema, at most `MAX_FAULTS` of it; [] when it fits.
+    """Return the mismatches between a value and a schema, at most `MAX_FAULTS`; [] if it fits.
 
     Understood are types, enum and const, bounds on numbers, lengths, patterns, objects, lists, tuples, `anyOf`,
     `oneOf`, `allOf` and references into the schema itself; other keywords are left to the model that reads the answer.
@@ -101,7 +101,7 @@ def _check(value: Any, schema: Any, root: Mapping[str, Any], path: Path, depth: 
 
 
 def _either(value: Any, options: list[Any], root: Mapping[str, Any], path: Path, depth: int) -> Iterator[SchemaFault]:
-    """The faults of the option that comes nearest: the one whose first fault lies deepest."""
+    """Return the faults of the option that fits best: the one whose first fault lies deepest."""
     tried = []
     for option in options:
         wrong = list(_check(value, option, root, path, depth + 1))
@@ -136,7 +136,7 @@ def _text(value: str, schema: Mapping[str, Any], path: Path) -> Iterator[SchemaF
         yield SchemaFault(path, f"must have {schema['minLength']} characters or more, not {len(value)}")
     if len(value) > schema.get("maxLength", math.inf):
         yield SchemaFault(path, f"must have {schema['maxLength']} characters or fewer, not {len(value)}")
-    with contextlib.suppress(re.error):  # patterns are JavaScript's; one that Python cannot read is left to the model
+    with contextlib.suppress(re.error):  # patterns are JavaScript's; skip one that Python cannot read
         if "pattern" in schema and not re.search(schema["pattern"], value):
             yield SchemaFault(path, f"must match {schema['pattern']}, which {_short(value)} does not")
 
@@ -167,7 +167,7 @@ def _object(
 
 
 def _resolve(reference: str, root: Mapping[str, Any]) -> Any:
-    """The part of the schema that "#/..." points at; what points elsewhere is not checked."""
+    """Return the part of the schema that "#/..." refers to; other references are not checked."""
     part: Any = root
     if not reference.startswith("#"):
         return True

@@ -1,4 +1,4 @@
-"""The desk's web server: one page, the questions behind it, and nothing else of the machine."""
+"""The desk's web server: one page and its questions, and nothing else of the machine."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ PAGE = (Path(__file__).parent / "page.html").read_text(encoding="utf-8")
 
 
 def _content_policy(page: str) -> str:
-    """Content-Security-Policy under which a page runs its own style and script, and loads nothing from elsewhere."""
+    """Return the Content-Security-Policy of a page that runs its own style and script and loads nothing else."""
 
     def digest(tag: str) -> str:
         match = re.search(rf"<{tag}>(.*?)</{tag}>", page, re.DOTALL)
@@ -104,7 +104,7 @@ class DeskServer(ThreadingHTTPServer):
 
     @property
     def url(self) -> str:
-        """Where to point a browser, token included."""
+        """The URL for a browser, token included."""
         return self.access.url
 
     def serve_forever(self, poll_interval: float = 0.2) -> None:
@@ -113,13 +113,13 @@ class DeskServer(ThreadingHTTPServer):
         super().serve_forever(poll_interval)
 
     def server_close(self) -> None:
-        """Release the port and let go of every page."""
+        """Release the port and disconnect every page."""
         if hasattr(self, "watch"):
             self.watch.stop()
         super().server_close()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A page that goes away in the middle of something is nothing to report."""
+        """Ignore pages that disconnect in the middle of a request."""
         if not isinstance(sys.exception(), OSError):
             super().handle_error(request, client_address)
 
@@ -133,7 +133,7 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = 20.0
 
     def do_GET(self) -> None:
-        """The page, its state, live or at once, a question, or a picture."""
+        """Serve the page, its state (live or at once), a question, or a picture."""
         if not self._admitted():
             return
         parts = self._parts
@@ -159,12 +159,12 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.NOT_FOUND, "There is nothing here.")
 
     def do_POST(self) -> None:
-        """An answer."""
-        # Until the body has been read, nothing else can follow on this connection.
+        """Accept an answer."""
+        # The connection cannot be reused before the body has been read.
         self.close_connection = True
         if not self._admitted():
             return
-        # Pages of other sites cannot set a header of their own without asking first, and we never agree.
+        # Pages of other sites need a CORS preflight to set a custom header, and we never grant one.
         if self._headers.get("X-Coral-Desk") != "1":
             self._refuse(
                 HTTPStatus.FORBIDDEN, "Answers are taken from the desk's own page, or with the header X-Coral-Desk: 1."
@@ -207,7 +207,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.server.watch.look()
 
     def _body(self) -> Mapping[str, Any] | None:
-        """The JSON object that was sent; None after refusing it."""
+        """Read the JSON object that was sent; None after refusing it."""
         if self._headers.get("Content-Type", "").partition(";")[0].strip().lower() != "application/json":
             self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "Answers are sent as application/json.")
             return None
@@ -229,7 +229,7 @@ class _Handler(BaseHTTPRequestHandler):
         return content
 
     def _admitted(self) -> bool:
-        """Whether to go on; otherwise the request has been answered."""
+        """Check whether to continue; if not, the request has been answered."""
         instead = self.server.access.instead(self.command, self.path, self._headers)
         if instead is None:
             return True
@@ -240,7 +240,7 @@ class _Handler(BaseHTTPRequestHandler):
         return False
 
     def _events(self) -> None:
-        """Server-sent events: the state now, and again whenever it changes."""
+        """Send server-sent events: the state now, and again whenever it changes."""
         if not self.server.pages.acquire(blocking=False):
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, f"{PAGES} pages are connected already.")
             return
@@ -272,7 +272,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     @property
     def _parts(self) -> list[str]:
-        """Decoded parts of the path; what a part holds is looked up by name, never joined to a path unchecked."""
+        """Return the decoded parts of the path; each is looked up by name, never joined to a path unchecked."""
         return [urllib.parse.unquote(part) for part in self._url.path.split("/") if part]
 
     def _json(self, status: HTTPStatus, content: Any) -> None:
@@ -307,7 +307,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_header(name, value)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Requests are not worth a line each, and could hold the token."""
+        """Log nothing: a request line could hold the token."""
 
 
 def _no_constant(name: str) -> Any:

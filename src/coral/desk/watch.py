@@ -1,4 +1,4 @@
-"""One thread that looks at the inbox, and everybody who waits for it to change."""
+"""One thread that watches the inbox, and notifies everyone who waits for a change."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class InboxWatch:
     """The state of an inbox as JSON text, with a version that grows when it changes."""
 
     def __init__(self, inbox: Inbox, period_s: float = 0.2) -> None:
-        """Read the inbox once; `start` goes on.
+        """Read the inbox once; `start` keeps it up to date.
 
         Args:
             inbox: What to watch.
@@ -30,11 +30,11 @@ class InboxWatch:
         self.look()
 
     def start(self) -> None:
-        """Look again and again, on a thread of its own."""
+        """Poll the inbox on a separate thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread and let go of everybody who waits."""
+        """End the thread and release all waiting callers."""
         self._stop.set()
         with self._changed:
             self._changed.notify_all()
@@ -55,7 +55,7 @@ class InboxWatch:
                     self._changed.notify_all()
 
     def wait(self, seen: int, timeout_s: float) -> tuple[int, str]:
-        """Version and state as soon as the version is not `seen` any more, at the latest after a time.
+        """Wait until the version differs from `seen`, or until a time-out; return version and state.
 
         Raises:
             ConnectionAbortedError: The watch was stopped.

@@ -1,4 +1,4 @@
-"""What the reef's questions are answered with."""
+"""Answers to the reef's questions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ REASON_LIMIT = 4000
 
 
 def _no_bool(value: Any) -> Any:
-    """True is no number, although Python takes it for 1."""
+    """Reject True, which Python accepts as 1."""
     if isinstance(value, bool):
         raise PydanticCustomError("number_type", "Input should be a whole number, not true or false")
     return value

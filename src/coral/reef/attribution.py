@@ -1,4 +1,4 @@
-"""Who decided in a mission, from its events."""
+"""Attribution of a mission's decisions, from its events."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from coral.advisor.attribution import Attribution, Spent
 
 
 def attribution_of(events: Iterable[Mapping[str, Any]]) -> Attribution:
-    """Counts over the events of a mission, or over those of one of its robots.
+    """Count over the events of a mission, or over those of one of its robots.
 
     A decision is a goal that was adopted, or held because none could be (events `goal` and `held`). The initial
     waypoint is nobody's, and a question that was withdrawn, or that found nothing left to explore, decides nothing.

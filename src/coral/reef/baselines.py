@@ -1,4 +1,4 @@
-"""Deciders to compare with: what a user would do without a foundation model (paper IV-C, IV-D, and beyond).
+"""Baseline deciders: what a user would do without a foundation model (paper IV-C, IV-D, and beyond).
 
 They answer the same questions from the same facts as any advisor, at once, and are driven by the same controller.
 """
@@ -19,7 +19,7 @@ Fact = Mapping[str, Any]
 
 
 def nearest_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
-    """Rule-Based Selection (paper IV-D): the nearest unvisited centroid, whatever the map says about it."""
+    """Choose by Rule-Based Selection (paper IV-D): the nearest unvisited centroid, whatever the map says about it."""
     refused = {r.details.get("index") for r in rejections}
     open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
     best = min([c for c in open_ if c["index"] not in refused] or open_ or facts["centroids"], key=_straight)
@@ -27,7 +27,7 @@ def nearest_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCh
 
 
 def nearest_frontier(facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
-    """Frontier exploration (Yamauchi 1997): make for the nearest border of the explored water."""
+    """Choose by frontier exploration (Yamauchi 1997): the nearest border of the explored water."""
     refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
     aims = facts["frontiers"] or [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
     if not aims:
@@ -37,15 +37,15 @@ def nearest_frontier(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCh
 
 
 class Lawnmower:
-    """A boustrophedon survey of the whole area: the plan is made before the dive, obstacles are only avoided."""
+    """A boustrophedon survey of the whole area, planned before the dive; obstacles are only avoided."""
 
     def __init__(self, spacing_m: float = 6.0, stride_m: float = 4.0, border_m: float = 2.0) -> None:
-        """Lanes `spacing_m` apart (the sensing range), waypoints every `stride_m` along them."""
+        """Plan lanes `spacing_m` apart (the sensing range), with waypoints every `stride_m`."""
         self._spacing, self._stride, self._border = spacing_m, stride_m, border_m
         self._points: list[tuple[float, float]] | None = None
 
     def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
-        """The next waypoint of the lanes; one that cannot be approached is skipped."""
+        """Return the next waypoint of the lanes, skipping those that cannot be approached."""
         robot = facts["robot"]
         if self._points is None:
             self._points = self._lanes(facts["area_m"], robot["x"], robot["y"])
@@ -81,7 +81,7 @@ NEAR_M = 2.6
 
 
 def _towards(facts: Fact, forward: float, left: float, refused: set[tuple[Any, Any]], name: str) -> WaypointChoice:
-    """The waypoint option that leads best to a point in the robot frame."""
+    """Return the waypoint option that leads best to a point in the robot frame."""
     open_ = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
     if not open_:
         return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
@@ -99,20 +99,20 @@ def _straight(c: Fact) -> float:
 
 
 class Chance:
-    """Chooses uniformly among the candidates: what a decision is worth shows in the distance to it."""
+    """Chooses uniformly among the candidates; the distance to it shows what a decision is worth."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
 
     def centroid(self, facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
-        """One of the unvisited clusters within reach that have not been refused, each as likely as the others."""
+        """Choose one of the unvisited clusters within reach that have not been refused, with equal probability."""
         refused = {r.details.get("index") for r in rejections}
         open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
         chosen = self._draw([c for c in open_ if c["index"] not in refused] or open_ or list(facts["centroids"]))
         return CentroidChoice(selected_centroid_index=chosen["index"], reason="drawn by lot")
 
     def waypoint(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
-        """One of the waypoints that may be named and have not been refused, each as likely as the others."""
+        """Choose one of the admissible waypoints that have not been refused, with equal probability."""
         refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
         open_ = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
         if not open_:
@@ -125,7 +125,7 @@ class Chance:
 
 
 def baseline_rules(name: str, rng: np.random.Generator | None = None) -> dict[str, Rule]:
-    """Rules of a baseline by name: "nearest", "frontier", "lawnmower", or "random", which draws from `rng`."""
+    """Return the rules of a baseline: "nearest", "frontier", "lawnmower", or "random", which draws from `rng`."""
     if name == "random":
         chance = Chance(rng or np.random.default_rng(0))
         return {"reef-centroid": chance.centroid, "reef-waypoint": chance.waypoint}

@@ -1,4 +1,4 @@
-"""Everything the robot knows, and nothing else: the only thing that decisions are made from."""
+"""Everything the robot knows, and nothing else: the only input of its decisions."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Belief:
         self._found: list[Component] = []
 
     def companion(self) -> Belief:
-        """The belief of a further robot: the same map and chain, with what both have seen and visited.
+        """Make the belief of a further robot: the same map and chain, with what both have seen and visited.
 
         Its pose, trajectory, goals and their failures are its own.
         """
@@ -74,7 +74,7 @@ class Belief:
         self._ticks += 1
 
     def _components(self) -> list[Component]:
-        """Oyster regions of the map; looked for again only when an oyster cell has changed."""
+        """Find the oyster regions of the map; repeated only when an oyster cell has changed."""
         target = self.map.target
         if self._seen is None or not np.array_equal(self._seen, target):
             self._seen, self._found = target.copy(), components(target, self.map.cfg.cell_m, self.cfg.chain)
@@ -82,7 +82,7 @@ class Belief:
 
     @property
     def trajectory(self) -> NDArray[np.float64]:
-        """Where the robot has been. Shape=(N, 2), metres, oldest first."""
+        """The robot's past positions. Shape=(N, 2), metres, oldest first."""
         return np.array(self._trail, dtype=float).reshape(-1, 2)
 
     @property
@@ -91,7 +91,7 @@ class Belief:
         return self.tracker.tracks
 
     def unvisited(self) -> list[Track]:
-        """Clusters still to be visited; those whose goals failed too often, or that others go to, are left out."""
+        """Return the clusters still to be visited, without those whose goals failed too often or that others go to."""
         return [
             t
             for t in self.tracks
@@ -99,25 +99,25 @@ class Belief:
         ]
 
     def ahead(self, forward_m: float) -> list[Track]:
-        """Unvisited clusters with a forward projection of at least `forward_m`."""
+        """Return unvisited clusters with a forward projection of at least `forward_m`."""
         return [t for t in self.unvisited() if to_robot(self.pose, t.x, t.y)[0] >= forward_m]
 
     def taken(self, x: float, y: float, index: int | None = None) -> bool:
-        """Whether another robot is going to a point (within d_merge of it) or to the cluster with this label."""
+        """Check whether another robot is going to a point (within d_merge of it) or to the cluster with this label."""
         return any(n.is_going_to(x, y, index, self.cfg.chain.merge_distance_m) for n in self.others)
 
     def nearer_to_another(self, x: float, y: float) -> bool:
-        """Whether another robot, or the goal it is going to, is nearer to a point than this robot and its goal."""
+        """Check whether another robot, or its goal, is nearer to a point than this robot and its goal."""
         if not self.others:
             return False
         own = min(math.dist(p, (x, y)) for p in (self.pose[:2], self.goal or self.pose[:2]))
         return any(n.distance_m(x, y) < own for n in self.others)
 
     def goal_failed(self) -> None:
-        """Remember that the present goal could not be reached."""
+        """Record that the present goal could not be reached."""
         if self.goal is not None:
             self._failed.append(self.goal)
 
     def failures(self, x: float, y: float) -> int:
-        """How many goals near a point have failed."""
+        """Count the failed goals near a point."""
         return sum(math.dist(p, (x, y)) < self.cfg.chain.merge_distance_m for p in self._failed)

@@ -1,4 +1,4 @@
-"""The oracle's tour of a world, planned once and kept: in this process, and in the user's cache folder."""
+"""The oracle's tour of a world, planned once and cached in this process and in the user's cache folder."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _CODE = (
 
 @dataclass(frozen=True)
 class Bound:
-    """What is kept of a tour.
+    """The cached part of a tour.
 
     times: When 50, 80 and 90 % are inspected (s), by share; None where never.
     commands: Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s) of each tick.
@@ -57,7 +57,7 @@ def oracle_bound(
     vehicle: VehicleCfg,
     dt: float = 0.1,
 ) -> Bound:
-    """The oracle's tour and its times; the arguments are those of `plan_tour`.
+    """Return the oracle's tour and its times; the arguments are those of `plan_tour`.
 
     Deterministic. Planned anew only when the world, the camera, what counts as inspected or the planner has changed.
     """

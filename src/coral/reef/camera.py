@@ -88,7 +88,7 @@ def T_world_camera(
 
 
 class Camera:
-    """Renders a scene. Exact for every solid: what it returns is what a ray caster with one ray per pixel returns."""
+    """Renders a scene, exact for every solid: the result equals that of a ray caster with one ray per pixel."""
 
     def __init__(self, scene: Scene, cfg: CameraCfg | None = None) -> None:
         self.scene = scene
@@ -104,7 +104,7 @@ class Camera:
         self._radius = np.select([scene.kind == ELLIPSOID, scene.kind == CYLINDER], [widest, upright], diagonal)
 
     def render(self, pose: Pose, altitude: float | None = None, *, roll: float = 0.0, pitch: float = 0.0) -> Frame:
-        """Picture from a body pose; the arguments are those of `T_world_camera`."""
+        """Render the picture from a body pose; the arguments are those of `T_world_camera`."""
         cfg, scene = self.cfg, self.scene
         transform = T_world_camera(pose, cfg, seabed_z=scene.seabed_z, altitude=altitude, roll=roll, pitch=pitch)
         shape = (cfg.height, cfg.width)

@@ -123,7 +123,7 @@ def _seabed(
     depth: NDArray[np.float32],
     ids: NDArray[np.int32],
 ) -> None:
-    """Plane at `drop` (m, negative when below the camera), seen from above only; starts the z-buffer."""
+    """Intersect the plane at `drop` (m, negative when below the camera), seen from above only; starts the z-buffer."""
     for v in range(q.size):
         e = turn[2, 1] * q[v] + turn[2, 2]
         slope = turn[2, 0]

@@ -1,4 +1,4 @@
-"""One mission as a campaign runs it: no pictures kept, everything that the tables need returned."""
+"""One mission of a campaign: no pictures kept, everything that the tables need returned."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class Component:
 
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """One cluster as the advisor knows it: `index` is its label for as long as it lives."""
+    """A cluster as the advisor knows it: `index` is its label throughout its life."""
 
     index: int
     x: float
@@ -53,7 +53,7 @@ class Track:
 
 
 def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[Component]:
-    """Connected oyster regions of at least A_min, with their centroids (Eq. 2).
+    """Find connected oyster regions of at least A_min, with their centroids (Eq. 2).
 
     Args:
         target: Oyster cells. Shape=(NY, NX).
@@ -161,13 +161,13 @@ class CentroidTracker:
         return survivors
 
     def mark_visited(self, x: float, y: float, radius_m: float) -> None:
-        """Remember the tracks that the vehicle has come within `radius_m` of."""
+        """Mark the tracks that the vehicle has come within `radius_m` of as visited."""
         self.tracks = [
             t if t.visited or np.hypot(t.x - x, t.y - y) > radius_m else replace(t, visited=True) for t in self.tracks
         ]
 
     def chain(self) -> list[Track]:
-        """The tracks in chain order, starting from the end that holds the lowest label."""
+        """Return the tracks in chain order, starting from the end that holds the lowest label."""
         tracks = self.tracks
         order = order_chain(np.array([[t.x, t.y] for t in tracks]).reshape(-1, 2))
         if order and tracks[order[-1]].index < tracks[order[0]].index:

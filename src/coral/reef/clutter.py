@@ -25,7 +25,7 @@ _EDGE_M, _BESIDE_OYSTERS_M, _BEHIND_START_M, _AHEAD_OF_START_M = 0.3, 0.3, 0.9, 
 
 @dataclass(frozen=True, kw_only=True)
 class Room:
-    """What is there before the obstacles come. Metres, radians.
+    """The area before obstacles are placed. Metres, radians.
 
     points: Shape=(N, 2), on the spine.
     oysters: Shape=(M, 3): x, y and reach of every oyster on the ground plane.
@@ -38,7 +38,7 @@ class Room:
 
 
 class Clutter:
-    """Places obstacles one by one so that any two leave a passage between them.
+    """Places obstacles one by one so that a passage remains between any two.
 
     Obstacles count as the circles about their outlines, so that a passage is never narrower than promised. Grown by
     half a passage, no two of them touch: what is left for a hull of that radius is connected.
@@ -50,7 +50,7 @@ class Clutter:
         self._circles: list[tuple[float, float, float]] = []
 
     def field(self, count: int, radius_m: float, name: str) -> None:
-        """The first obstacles: ahead of the start, most of them as near to a neighbour as the passage allows.
+        """Place the first obstacles: ahead of the start, most of them as near to a neighbour as the passage allows.
 
         Args:
             count: How many.
@@ -75,7 +75,7 @@ class Clutter:
         self._demand_half(count, len(self.placed), name)
 
     def along(self, count: int, beyond_m: float, name: str) -> None:
-        """Obstacles about the spine and, one in five, anywhere, farther than `beyond_m` from the start.
+        """Place obstacles around the spine and, one in five, anywhere, farther than `beyond_m` from the start.
 
         Raises:
             InputError: Not even half of them fit.
@@ -100,7 +100,7 @@ class Clutter:
             raise InputError("generator", name, count, f"at most {2 * done} with passages of {self.passage_m:g} m here")
 
     def _place(self, count: int, draw: Callable[[], tuple[float, float]], *, crowd: bool, beyond_m: float) -> bool:
-        """Place up to `count`; whether all found room."""
+        """Place up to `count` obstacles; return whether all found room."""
         before, tries = len(self.placed), min(_TRIES * count, _MOST_TRIES)
         for attempt in range(tries):
             if len(self.placed) == before + count:
@@ -136,7 +136,7 @@ class Clutter:
 
 
 def _solid(rng: np.random.Generator, slim: bool) -> tuple[Shape, tuple[float, float, float], float]:
-    """A rock, post or piece of debris: shape, half-extents (m), radius of the circle about its outline.
+    """Draw a rock, post or piece of debris: shape, half-extents (m), radius of its outline's bounding circle.
 
     Only thin posts once room has become scarce (`slim`). All are rooted in the seabed and 1.2 m high or more: the
     vehicle's camera flies at 1 m.
@@ -158,5 +158,5 @@ def _solid(rng: np.random.Generator, slim: bool) -> tuple[Shape, tuple[float, fl
 
 
 def mm(value: float) -> float:
-    """Rounded to the millimetre or milliradian that a world file keeps."""
+    """Round to the millimetre or milliradian that a world file keeps."""
     return round(float(value), 3)

@@ -10,7 +10,7 @@ from coral.reef.scene import Footprints
 
 
 def nearest(footprints: Footprints, x: float, y: float) -> tuple[float, int]:
-    """Nearest obstacle to a point. The world's border is none.
+    """Find the nearest obstacle to a point. The world's border does not count.
 
     Returns:
         Signed distance (m) from the point to its outline, negative inside, and its index in the world's `obstacles`;
@@ -28,7 +28,7 @@ def clearance(footprints: Footprints, x: float, y: float) -> float:
 
 
 class ContactCounter:
-    """Counts collisions of a disc: one for each time that it comes to touch an obstacle.
+    """Counts collisions of a disc: one for each time that it begins to touch an obstacle.
 
     A contact lasts until the disc is more than `release_m` away again, so that sliding along a rock is one collision.
     """

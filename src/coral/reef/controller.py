@@ -102,7 +102,7 @@ class MppiCfg:
 
 @dataclass(frozen=True)
 class Plan:
-    """What the controller decided at one tick.
+    """The controller's decision at one tick.
 
     command: Forward speed (m/s) and yaw rate (rad/s) to execute now.
     ok: Whether a feasible way was found; otherwise `failure` says why and the command is safe.
@@ -142,7 +142,7 @@ def boundary_points(n: int, n_steps: int, p: float) -> NDArray[np.int64]:
 
 
 def schedule(cfg: MppiCfg, vehicle: VehicleCfg) -> Schedule:
-    """Tables of a configuration: intervals, integration steps and boundary points of every step."""
+    """Compute the intervals, integration steps and boundary points of every step of a configuration."""
     n = cfg.n_steps
     dt = intervals(cfg.horizon_s, n, 1.0 if cfg.uniform else cfg.p)
     points = np.full(n, cfg.n_points) if cfg.uniform else boundary_points(cfg.n_points, n, cfg.p)
@@ -238,7 +238,7 @@ class DdpMppi:
         *,
         cell_m: float = 0.05,
     ) -> Plan:
-        """Decide the command of this tick.
+        """Compute the command of this tick.
 
         Args:
             state: Pose and ground-relative velocity, as estimated.
@@ -352,7 +352,7 @@ class DdpMppi:
         return np.asarray(np.where(self._feasible, self._costs @ self._weights, np.inf))
 
     def _one(self, start: Array, controls: Array, scene: RolloutScene) -> tuple[Array, Array, bool]:
-        """Path, cost terms and feasibility of a single sequence."""
+        """Evaluate path, cost terms and feasibility of a single sequence."""
         path, costs, free = np.empty((1, len(controls) + 1, 3)), np.empty((1, N_COSTS)), np.empty(1, np.bool_)
         rollout(
             start, self._executed, controls[None].copy(), np.zeros(1), self.schedule, scene, self._model,

@@ -95,7 +95,7 @@ def hull_is_free(
     circle: Array,
     n: int,
 ) -> bool:
-    """Whether n points (N_t of Eq. 11) on the hull's boundary all keep the margin.
+    """Check whether n points (N_t of Eq. 11) on the hull's boundary all keep the margin.
 
     Args:
         distance: Shape=(H, W) distance to the nearest known obstacle (m).

@@ -1,4 +1,4 @@
-"""Geodesic cost-to-go: how far it is to the goal around the known obstacles, from every point of the map."""
+"""Geodesic cost-to-go: the distance to the goal around the known obstacles, from every point of the map."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class CostField:
         cell_m: float = 0.05,
         cfg: CostFieldCfg | None = None,
     ) -> CostField:
-        """Cost-to-go over a map; unknown water is traversable and the map's edge is not.
+        """Compute the cost-to-go over a map; unknown water is traversable and the map's edge is not.
 
         Args:
             distance: Shape=(H, W) float32 distance (m) of the map's cells to the nearest known obstacle, inf for none.
@@ -90,7 +90,7 @@ class CostField:
 
     @classmethod
     def straight(cls, shape: tuple[int, int], goal: tuple[float, float], *, cell_m: float = 0.05) -> CostField:
-        """Euclidean distance to the goal as a field over a map of `shape`: what a planner without a map would use."""
+        """Return the Euclidean distance to the goal over a map of `shape`: what a planner without a map would use."""
         cell = 2.0 * cell_m
         h, w = (shape[0] + 1) // 2, (shape[1] + 1) // 2
         x, y = (np.arange(w) + 0.5) * cell - goal[0], (np.arange(h) + 0.5) * cell - goal[1]
@@ -98,7 +98,7 @@ class CostField:
 
     @property
     def ok(self) -> bool:
-        """Whether there is a way to the goal."""
+        """Whether the goal can be reached."""
         return not self.failure
 
     def lookup(self, x: float, y: float) -> float:
@@ -106,12 +106,12 @@ class CostField:
         return float(lookup(self.value, self.cell_m, x, y)[0])
 
     def descent(self, x: float, y: float) -> float:
-        """World direction (rad) in which the cost-to-go falls fastest."""
+        """Return the world direction (rad) in which the cost-to-go falls fastest."""
         _, gx, gy = lookup(self.value, self.cell_m, x, y)
         return math.atan2(-gy, -gx)
 
     def reaches(self, x: float, y: float, within_m: float = 0.0) -> bool:
-        """Whether a way leads from a cell within `within_m` of the point to the goal."""
+        """Check whether a path leads from a cell within `within_m` of the point to the goal."""
         if self.reached is None:
             return True
         h, w = self.reached.shape
@@ -120,7 +120,7 @@ class CostField:
         return bool(self.reached[max(j - n, 0) : j + n + 1, max(i - n, 0) : i + n + 1].any())
 
     def lengths(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Cost-to-go (m) at many world points, Shape=(N,); inf where no way leads to the goal."""
+        """Return the cost-to-go (m) at many world points, Shape=(N,); inf where no path leads to the goal."""
         values = lookup_many(self.value, self.cell_m, np.ascontiguousarray(xs), np.ascontiguousarray(ys))
         if self.reached is None:
             return np.asarray(values)
@@ -130,7 +130,7 @@ class CostField:
         return np.where(self.reached[j, i], values, np.inf)
 
     def path_from(self, x: float, y: float, step_m: float = 0.1, length_m: float = 100.0) -> NDArray[np.float64]:
-        """Way of steepest descent to the goal: the reference a robot's path is compared with.
+        """Return the path of steepest descent to the goal, the reference for the robot's executed path.
 
         Returns:
             Shape=(n, 2) world points about `step_m` apart, the first at (x, y), the last at `target` when it is

@@ -143,7 +143,7 @@ def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy
 
 @njit(cache=True, error_model="numpy")
 def extend(value: Grid, cell_m: float, steepness: float) -> None:
-    """Give every unreached cell a value that rises into it from the reached ones, in place (two raster sweeps, twice).
+    """Extrapolate the values of reached cells to every unreached cell, in place (two raster sweeps, twice).
 
     A robot found inside the blocked band then still has a downhill direction: out.
     """
@@ -172,7 +172,7 @@ def extend(value: Grid, cell_m: float, steepness: float) -> None:
 
 @njit(cache=True)
 def nearest_free(slowness: Grid, j0: int, i0: int) -> tuple[int, int]:
-    """(row, column) of the free cell nearest to a cell; (-1, -1) when none is free."""
+    """Return (row, column) of the free cell nearest to a cell; (-1, -1) when none is free."""
     h, w = slowness.shape
     best, bj, bi = 1 << 60, -1, -1
     for j in range(h):

@@ -45,7 +45,7 @@ class CoverageCfg:
 
 
 class CoverageMeter:
-    """Watches the true pose and marks the true oyster area that it has seen; no decision reads it.
+    """Marks the true oyster area seen from the true pose; no decision reads it.
 
     A cell is seen when its centre lies within range and field of view of the body's origin and the straight line to it,
     on the ground plane, crosses no obstacle's outline, whatever the obstacle's height. Cells under an obstacle can
@@ -71,7 +71,7 @@ class CoverageMeter:
         self._scratch = np.empty((len(hiders), 7))
 
     def update(self, pose: Pose) -> None:
-        """Mark what is seen from a true pose."""
+        """Mark the area seen from a true pose."""
         cfg, hiders = self.cfg, self._hiders
         coverage_kernels.observe(
             (float(pose.x), float(pose.y), float(pose.theta)),
@@ -91,7 +91,7 @@ class CoverageMeter:
 
     @property
     def fractions(self) -> NDArray[np.float64]:
-        """Share of every cluster's area seen so far. Shape=(n_clusters,), in the world's order."""
+        """Return the share of every cluster's area seen so far. Shape=(n_clusters,), in the world's order."""
         return 1.0 - self._left / self._size
 
     def covered(self, threshold: float | None = None) -> NDArray[np.bool_]:
@@ -105,7 +105,7 @@ class CoverageMeter:
         return float(self.covered().mean())
 
     def area(self, cluster: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Cells of a cluster's true area, for pictures.
+        """Return the cells of a cluster's true area, for pictures.
 
         Returns:
             Their centres (m), Shape=(M, 2), and whether each has been seen, Shape=(M,).
@@ -117,7 +117,7 @@ class CoverageMeter:
 
 
 def rasterise(outlines: Footprints, cell_m: float, closing_m: float) -> NDArray[np.float64]:
-    """Centres of the cells in the closed union of some ellipses. Shape=(M, 2), metres, row by row.
+    """Return the centres of the cells in the closed union of some ellipses. Shape=(M, 2), metres, row by row.
 
     A cell belongs to an ellipse when its centre lies inside, or the ellipse's centre in the cell.
     """
@@ -151,6 +151,6 @@ def _distance(footprints: Footprints, x: float, y: float) -> float:
 
 
 def _circle(cells: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Circle (x, y, radius) that holds some points."""
+    """Return a bounding circle (x, y, radius) of points."""
     middle = (cells.min(axis=0) + cells.max(axis=0)) / 2
     return float(middle[0]), float(middle[1]), float(np.linalg.norm(cells - middle, axis=1).max())

@@ -83,7 +83,7 @@ def observe(
 
 @njit(cache=True)
 def _hidden(dx: float, dy: float, unit: NDArray[np.float64]) -> bool:
-    """Whether the segment from the eye to the eye + (dx, dy) passes through an outline."""
+    """Check whether the segment from the eye to the eye + (dx, dy) passes through an outline."""
     for k in range(unit.shape[0]):
         gx, gy = unit[k, 0] * dx + unit[k, 1] * dy, unit[k, 2] * dx + unit[k, 3] * dy
         ex, ey = unit[k, 4], unit[k, 5]

@@ -73,7 +73,7 @@ PARAMETER_SETS: dict[str, Parameters] = {
 
 
 def parameter_set(name: str) -> Parameters:
-    """The named set; raises InputError with the nearest name when there is none."""
+    """Return the named set; raises InputError with the nearest name if there is none."""
     if name not in PARAMETER_SETS:
         expected = f"one of {', '.join(PARAMETER_SETS)}{nearest(name, PARAMETER_SETS)}"
         raise InputError("vehicle", "parameters", name, expected)
@@ -126,7 +126,7 @@ THRUST_MAX_N = float(thrust_n(1.0))
 
 
 def thruster_input(force_n: NDArray[np.float64] | float) -> NDArray[np.float64]:
-    """Normalised input whose static thrust is `force_n` (N): the inverse of `thrust_n`, saturating."""
+    """Compute the normalised input whose static thrust is `force_n` (N): the inverse of `thrust_n`, saturating."""
     force = np.asarray(force_n, dtype=np.float64)
     return np.asarray(np.sign(force) * np.interp(np.abs(force), _THRUSTS, _INPUTS))
 
@@ -152,7 +152,7 @@ def planar(parameters: Parameters, thrusters: Thrusters, thrust_max_n: float = T
 
 
 def allocate_horizontal(wrench: tuple[float, float, float], model: Planar) -> NDArray[np.float64]:
-    """Forces (N) of the four horizontal thrusters that make a planar wrench (N, N, N m).
+    """Allocate a planar wrench (N, N, N m) to the four horizontal thrusters: their forces (N).
 
     Returns:
         Shape=(4,): front left, front right, rear left, rear right. The four are the least-squares solution; a wrench

@@ -20,13 +20,13 @@ Array = NDArray[np.float64]
 
 @njit(cache=True, error_model="numpy")
 def clip(value: float, limit: float) -> float:
-    """Value limited to [-limit, limit]."""
+    """Clip a value to [-limit, limit]."""
     return min(max(value, -limit), limit)
 
 
 @njit(cache=True, error_model="numpy")
 def limit_wrench(fx: float, fy: float, n: float, model: Planar) -> tuple[float, float, float]:
-    """Wrench (N, N, N m) the four horizontal thrusters can make of the one asked for.
+    """Limit a wrench (N, N, N m) to what the four horizontal thrusters can produce.
 
     Yaw is served first, then sway, then surge with what is left of each thruster: a vehicle that cannot hold its
     heading cannot be steered away from anything.
@@ -108,7 +108,7 @@ def velocity_loop(
     model: Planar,
     asked: Array,
 ) -> None:
-    """One period of the velocity loop: the wrench to ask for, and the disturbance learnt on the way.
+    """Run one period of the velocity loop: the wrench to ask for, and the estimated disturbance.
 
     The disturbance moves towards what the last period's motion shows beyond the model's explanation.
 
@@ -171,7 +171,7 @@ def planar_drive(
     h: float,
     trace: Array,
 ) -> None:
-    """Velocity loop and motion over a whole control tick, nothing in the way.
+    """Run velocity loop and motion over a whole control tick, without obstacles.
 
     Args:
         s: As in `velocity_loop`, updated in place.
@@ -198,7 +198,7 @@ def planar_drive(
 
 @njit(cache=True)
 def limit_six(wrench: Array, model: SixDof) -> Array:
-    """Wrench Shape=(6,) that the eight thrusters can make of the one asked for.
+    """Limit a wrench, Shape=(6,), to what the eight thrusters can produce.
 
     Horizontal thrusters as in `limit_wrench`. They sit below the centre of gravity, so their forces tip the vehicle;
     the vertical ones counter that: pitch first, then roll, then heave.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 
 class Encounters:
-    """Watches the true tracks of all robots; a contact lasts until the pair is more than `release_m` apart again."""
+    """Tracks all robots' true motion; a contact lasts until the pair is more than `release_m` apart again."""
 
     def __init__(self, radius_m: float = 0.3, release_m: float = 0.05) -> None:
         self.count = 0
@@ -20,7 +20,7 @@ class Encounters:
     def follow(
         self, robot: int, track: NDArray[np.float64], positions: Sequence[tuple[float, float]]
     ) -> list[tuple[float, float, int]]:
-        """Move one robot along a track, Shape=(N, 2), metres, past the others where they are.
+        """Move one robot along a track, Shape=(N, 2), metres, past the others at their present positions.
 
         Args:
             robot: Which one moves.

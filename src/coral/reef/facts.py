@@ -1,4 +1,4 @@
-"""What the pictures show, as numbers: for advisors without eyes, from the robot's own belief alone."""
+"""The content of the pictures as numbers, for advisors without vision, from the robot's own belief alone."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def describe(
     options: Sequence[dict[str, float]] | None,
     places: Sequence[Place] = (),
 ) -> dict[str, Any]:
-    """Facts of a question, in plain JSON; points in the robot frame (m forward, m left).
+    """Return the facts of a question in plain JSON; points in the robot frame (m forward, m left).
 
     Args:
         belief: What the robot knows.
@@ -62,7 +62,7 @@ def describe(
 
 
 def waypoint_options(belief: Belief, left: Survey, step_m: int, separation_m: float) -> list[dict[str, float]]:
-    """Whole-metre steps that lead to reachable water (paper III-C.2), with their way and what they would show."""
+    """Find whole-metre steps to reachable water (paper III-C.2), with their path and the water they would reveal."""
     steps = [
         (f, s)
         for f in range(-step_m, step_m + 1)
@@ -113,7 +113,7 @@ def _frontiers(belief: Belief, left: Survey) -> list[dict[str, Any]]:
 
 
 def _arrival(belief: Belief) -> dict[str, float]:
-    """Where the robot will be when the answer comes, in its present frame: at the goal that it is driving to."""
+    """Predict where the robot will be when the answer comes, in its present frame: at its current goal."""
     if belief.goal is None:
         return {"forward_m": 0.0, "left_m": 0.0, "heading_deg": 0.0}
     forward, to_left = to_robot(belief.pose, *belief.goal)
@@ -136,7 +136,7 @@ def _place(belief: Belief, x: float, y: float) -> dict[str, float]:
 
 
 def _other(belief: Belief, other: Neighbour) -> dict[str, float | None]:
-    """Another robot and its goal, null when it has none."""
+    """Describe another robot and its goal, null if it has none."""
     here = to_robot(belief.pose, other.pose.x, other.pose.y)
     goal = (None, None) if other.goal is None else to_robot(belief.pose, *other.goal)
     names = ("forward_m", "left_m", "goal_forward_m", "goal_left_m")

@@ -1,4 +1,4 @@
-"""What the robots of one mission tell each other, at every tick and without loss or delay."""
+"""What the robots of one mission tell each other, at every tick without loss or delay."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MOST_ROBOTS = 4
 
 @dataclass(frozen=True, kw_only=True)
 class Neighbour:
-    """Another robot, as it describes itself."""
+    """Another robot's description of itself."""
 
     pose: Pose
     """Its own estimate."""
@@ -31,12 +31,12 @@ class Neighbour:
     """When it will be there, in seconds from the moment of planning. Shape=(N,)."""
 
     def is_going_to(self, x: float, y: float, index: int | None, within_m: float) -> bool:
-        """Whether its goal is this cluster, or a point within `within_m` of this one (m)."""
+        """Check whether its goal is this cluster, or a point within `within_m` of this one (m)."""
         if self.goal is None:
             return False
         return (index is not None and index == self.index) or math.dist(self.goal, (x, y)) < within_m
 
     def distance_m(self, x: float, y: float) -> float:
-        """From a point to the robot or to where it is going, whichever is nearer (m)."""
+        """Return the distance from a point to the robot or to its goal, whichever is nearer (m)."""
         here = math.dist(self.pose[:2], (x, y))
         return here if self.goal is None else min(here, math.dist(self.goal, (x, y)))

@@ -160,7 +160,7 @@ def _beds(cfg: GeneratorCfg, lines: Sequence[Line], rng: np.random.Generator) ->
 
 
 def _places(cfg: GeneratorCfg, lines: Sequence[Line], count: int, lead_m: float) -> tuple[Line, Line]:
-    """Middles and directions of `count` clusters, Shape=(N, 3), and each one's distance to the nearest, Shape=(N,)."""
+    """Choose middles and directions of `count` clusters, Shape=(N, 3), and the distance to the nearest, Shape=(N,)."""
     places = np.array(spread(lines, count, lead_m))
     places[:, :2] = np.clip(places[:, :2], _BORDER_M, np.array(cfg.size_m) - _BORDER_M)
     away = np.hypot(*(places[:, None, :2] - places[None, :, :2]).transpose(2, 0, 1))
@@ -192,7 +192,7 @@ def _cluster(name: str, bed: _Bed, cfg: GeneratorCfg, rng: np.random.Generator) 
 
 
 def command_line(cfg: GeneratorCfg, out: str) -> str:
-    """Command that makes a reef again: every setting that is not the default."""
+    """Return the command that makes a reef again: every setting that is not the default."""
     words = ["coral reef generate"]
     for field in fields(cfg):
         value = getattr(cfg, field.name)
@@ -224,7 +224,7 @@ SHIPPED: dict[str, GeneratorCfg] = {
 
 
 def shipped(name: str) -> tuple[ReefWorld, str]:
-    """One of the ten environments, made anew, and the comment at the head of its file."""
+    """Make one of the ten environments again, with the comment at the head of its file."""
     cfg = SHIPPED[name]
     comment = (
         f"{name}: {cfg.topology}-shaped reef. World frame ENU, z up; metres and radians.\n"

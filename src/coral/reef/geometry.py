@@ -49,13 +49,13 @@ def wrap(angle: float) -> float:
 
 
 def to_world(pose: Pose, forward: float, left: float) -> tuple[float, float]:
-    """Point given in the robot frame (m forward, m left) in the world frame."""
+    """Convert a point from the robot frame (m forward, m left) to the world frame."""
     c, s = math.cos(pose.theta), math.sin(pose.theta)
     return pose.x + c * forward - s * left, pose.y + s * forward + c * left
 
 
 def to_robot(pose: Pose, x: float, y: float) -> tuple[float, float]:
-    """World point in the robot frame (m forward, m left)."""
+    """Convert a world point to the robot frame (m forward, m left)."""
     c, s = math.cos(pose.theta), math.sin(pose.theta)
     dx, dy = x - pose.x, y - pose.y
     return c * dx + s * dy, -s * dx + c * dy

@@ -54,7 +54,7 @@ def choose_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCho
 
 
 def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
-    """Answer a free waypoint question: make for the frontier that is worth its way, or for a cluster left behind."""
+    """Answer a free waypoint question: the frontier that is worth its path, or a cluster left behind."""
     refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
     options = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
     if not options:
@@ -86,7 +86,7 @@ def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCho
 
 
 def _leads_on(facts: Fact, point: Fact) -> bool:
-    """Whether a point lies neither back nor off the chain's trend, seen from where the robot will be."""
+    """Check that a point lies neither back nor off the chain's trend, seen from where the robot will be."""
     there, trend = facts["arrival"], facts["trend_deg"]
     if _from_arrival(facts, point)[1] > math.radians(BACK_DEG):
         return False
@@ -97,7 +97,7 @@ def _leads_on(facts: Fact, point: Fact) -> bool:
 
 
 def _from_arrival(facts: Fact, point: Fact) -> tuple[float, float]:
-    """Distance (m) and unsigned bearing (rad) of a point from where the robot will be when the answer comes."""
+    """Return distance (m) and unsigned bearing (rad) of a point from where the robot will be when the answer comes."""
     there = facts["arrival"]
     dx, dy = point["forward_m"] - there["forward_m"], point["left_m"] - there["left_m"]
     bearing = math.atan2(dy, dx) - math.radians(there["heading_deg"])
@@ -121,7 +121,7 @@ def _frontier_cost(facts: Fact, f: Fact) -> float:
 
 
 def _nearer_to_others(facts: Fact, point: Fact) -> float:
-    """How much nearer (m) another robot or its goal is to a point than this robot and its own; 0 when none is."""
+    """Return how much nearer (m) another robot or its goal is to a point than this robot and its own; 0 if none is."""
     others = facts.get("others", ())
     if not others:
         return 0.0

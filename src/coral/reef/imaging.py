@@ -1,4 +1,4 @@
-"""Coverage by what was imaged: how much of every cluster's oyster area the true camera has had in its picture."""
+"""Imaging coverage: the share of every cluster's oyster area that the true camera has pictured."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LEVELS = {"imaged": imaging_kernels.IMAGED, "inspected": imaging_kernels.INSPECT
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingCfg:
-    """At which distance oysters count as imaged, and at which resolution as inspected."""
+    """The distance at which oysters count as imaged, and the resolution at which they count as inspected."""
 
     range_m: Positive = 6.0
     """`imaged`: the paper's detection range, its prompts speak of 0-6 m. Measured along the line of sight."""
@@ -40,7 +40,7 @@ class ImagingCfg:
 
 
 class ImagingMeter:
-    """Knows the true oyster area, point by point, and how well each point has been seen; no decision reads it.
+    """Holds the true oyster area, point by point, and how well each point has been seen; no decision reads it.
 
     A point counts when it lies inside both angles of view of the true camera, within the range and the water's
     visibility along the line of sight, and no obstacle stands in between. Oysters are too low to hide one another.
@@ -55,7 +55,7 @@ class ImagingMeter:
         *,
         visibility_m: float | None = None,
     ) -> None:
-        """Take up the truth.
+        """Build the true points.
 
         Args:
             scene: The world's solids.
@@ -101,7 +101,7 @@ class ImagingMeter:
         roll: float = 0.0,
         pitch: float = 0.0,
     ) -> None:
-        """The same on somebody else's record: `level`, Shape=(M,), and `count`, Shape=(3, n_clusters), in place."""
+        """Count on an external record: `level`, Shape=(M,), and `count`, Shape=(3, n_clusters), in place."""
         transform = T_world_camera(
             pose, self.camera, seabed_z=self._seabed_z, altitude=altitude, roll=roll, pitch=pitch
         )
@@ -131,7 +131,7 @@ class ImagingMeter:
         every: int = 1,
         target: float = math.inf,
     ) -> int | None:
-        """Take in the pictures of a level drive until a share is inspected.
+        """Count the pictures of a level drive until a share is inspected.
 
         Args:
             poses: Shape=(K, 3), x, y, theta of the body.
@@ -170,12 +170,12 @@ class ImagingMeter:
 
     @property
     def imaged(self) -> float:
-        """Mean over the clusters of the share that came into the picture within the detection range, 0 to 1."""
+        """Return the mean over clusters of the share pictured within the detection range, 0 to 1."""
         return float(self.fractions("imaged").mean())
 
     @property
     def inspected(self) -> float:
-        """Mean over the clusters of the share that came into the picture near enough to count oysters, 0 to 1."""
+        """Return the mean over clusters of the share pictured near enough to count oysters, 0 to 1."""
         return float(self.fractions("inspected").mean())
 
 

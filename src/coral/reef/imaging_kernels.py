@@ -1,4 +1,4 @@
-"""Which points of the true oyster area a picture shows, and how well: angles of view, distance, line of sight."""
+"""Visibility of the true oyster points in a picture: angles of view, distance, line of sight."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def image_along(
     count: NDArray[np.int64],
     size: NDArray[np.int64],
 ) -> int:
-    """Take in every `every`-th picture of a level drive, and the last one, until the mean share inspected is `target`.
+    """Process every `every`-th picture of a level drive, and the last one, until the mean share inspected is `target`.
 
     Returns the index of the pose at which the target was met, -1 when it never was. `poses` are x, y, theta of the
     body, Shape=(K, 3); `first` is camera optical frame to world of the body at the origin with heading 0, Shape=(4, 4);
@@ -143,7 +143,7 @@ def image_along(
 
 @njit(cache=True, error_model="numpy")
 def _blocks(kind: int, e0: float, e1: float, e2: float, g0: float, g1: float, g2: float) -> bool:
-    """Whether the segment e + t g, 0 <= t <= 1, passes through the unit ball, cube or upright cylinder."""
+    """Check whether the segment e + t g, 0 <= t <= 1, passes through the unit ball, cube or upright cylinder."""
     if kind == _ELLIPSOID:
         square = g0 * g0 + g1 * g1 + g2 * g2
         t = -(e0 * g0 + e1 * g1 + e2 * g2)

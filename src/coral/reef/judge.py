@@ -1,4 +1,4 @@
-"""What the experimenter, who knows the truth, writes down: the share imaged and inspected, and the way off the reef."""
+"""The judge's record, with access to the truth: the share imaged and inspected, and the distance to the reef."""
 
 from __future__ import annotations
 
@@ -47,20 +47,20 @@ class MissionJudge:
         self._file.write(f"{step},{t:.6g},{meter.imaged:.6g},{meter.inspected:.6g},{reef_m:.4g}\n")
 
     def reef_m(self, x: float, y: float) -> float:
-        """Distance of a point from the reef, to a decimetre (m): from an oyster, or from the line it grew along."""
+        """Return a point's distance from the reef, to a decimetre (m): from an oyster, or from the reef's spine."""
         height, width = self._away.shape
         j, i = min(max(int(y / CELL_M), 0), height - 1), min(max(int(x / CELL_M), 0), width - 1)
         return float(self._away[j, i])
 
     def phantoms(self, tracks: Sequence[Track]) -> int:
-        """How many of the robot's clusters match no true one."""
+        """Count the robot's clusters that match no true one."""
         oysters = self.meter.points[:, :2]
         return sum(
             not len(oysters) or float(np.hypot(*(oysters - (track.x, track.y)).T).min()) > MATCH_M for track in tracks
         )
 
     def clusters(self) -> list[dict[str, Any]]:
-        """Share of every true cluster that was imaged and inspected."""
+        """Return the share of every true cluster that was imaged and inspected."""
         shares = zip(self.meter.names, *(self.meter.fractions(n) for n in ("imaged", "inspected")), strict=True)
         return [{"name": name, "imaged": round(float(a), 4), "inspected": round(float(b), 4)} for name, a, b in shares]
 
@@ -74,7 +74,7 @@ def _cells(values: NDArray[np.float64], count: int) -> NDArray[np.int64]:
 
 
 def _dense(line: NDArray[np.float64], step_m: float = 0.2) -> list[tuple[float, float]]:
-    """Points along a polyline."""
+    """Sample points along a polyline."""
     found = [(float(x), float(y)) for x, y in line[:1]]
     for a, b in itertools.pairwise(line):
         n = max(1, math.ceil(math.dist(a, b) / step_m))

@@ -135,7 +135,7 @@ class OccupancyMap:
         return self._whole[1]
 
     def distance_near(self, x: float, y: float, radius_m: float) -> NDArray[np.float32]:
-        """Like `distance`, brought up to date only within `radius_m` of a point: what the controller needs."""
+        """Return `distance`, updated only within `radius_m` of a point: what the controller needs."""
         key = self._near_key
         if key is not None and key[0] == self.version and math.hypot(x - key[1], y - key[2]) < NEAR_SLACK_M:
             return self._near
@@ -151,7 +151,7 @@ class OccupancyMap:
         return min(max(iy, 0), ny - 1), min(max(ix, 0), nx - 1)
 
     def contains(self, x: float, y: float, margin_m: float = 0.0) -> bool:
-        """Whether a world point lies inside the survey area by at least `margin_m`."""
+        """Check whether a world point lies inside the survey area by at least `margin_m`."""
         width, height = self.size_m
         return margin_m <= x <= width - margin_m and margin_m <= y <= height - margin_m
 

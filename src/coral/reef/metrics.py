@@ -1,4 +1,4 @@
-"""The paper's metrics (IV-E), computed from a run folder alone, so that anyone can compute them again."""
+"""The paper's metrics (IV-E), computed from a run folder alone, so that anyone can recompute them."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ OF_EACH = (
 
 
 def compute_metrics(folder: Path) -> dict[str, Any]:
-    """Metrics of a finished or killed run, from events.jsonl and trajectory.csv.
+    """Compute the metrics of a finished or killed run from events.jsonl and trajectory.csv.
 
     Raises:
         InputError: The folder is not a run.
@@ -140,7 +140,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
 
 
 def fleet_metrics(events: Sequence[Mapping[str, Any]], tables: Sequence[Sequence[Mapping[str, str]]]) -> dict[str, Any]:
-    """Metrics of several robots together, and of each.
+    """Compute the metrics of several robots together, and of each.
 
     Args:
         events: Of all robots, in order; what concerns one of them names it. A contact of two counts for either.

@@ -51,7 +51,7 @@ PAPER_LATENCY = "fixed:10"
 
 @dataclass(frozen=True, kw_only=True)
 class MissionCfg:
-    """Everything that defines a mission besides the world, the advisor and the seed."""
+    """The definition of a mission apart from the world, the advisor and the seed."""
 
     time_limit_s: Positive = 600.0
     control_period_s: TimeStep = 0.1
@@ -81,7 +81,7 @@ class MissionCfg:
 
 
 class Mission:
-    """Couples the simulated reef with the pilots of its robots, one by default, and writes what happens."""
+    """Couples the simulated reef with the pilots of its robots, one by default, and records the mission."""
 
     def __init__(
         self,
@@ -135,7 +135,7 @@ class Mission:
             for k in range(cfg.robots)
         ]
         commands = planned(world, cfg)
-        # All that can be refused has been looked at: only now is a folder made.
+        # All inputs have been validated: create the folder only now.
         self.writer = RunWriter(folder, COLUMNS, cfg.robots)
         self.judge = MissionJudge(world, first.imaging, folder)
         self.attempts = AttemptRecorder(folder)
@@ -190,13 +190,13 @@ class Mission:
             hear({"step": self.step, "t": self.t, "event": event, **fields})
 
     def stood_still(self, seconds: float) -> None:
-        """Leave a pause of `seconds` of wall time that ends now out of the run's time and of measured latencies."""
+        """Exclude a pause of `seconds` of wall time, ending now, from the run's time and from measured latencies."""
         self._stood_still_s += seconds
         for robot in self.robots:
             robot.clock.stood_still(seconds)
 
     def run(self, observers: Sequence[Observer[Mission]] = ()) -> dict[str, Any]:
-        """Run to the end; returns metrics and timing together."""
+        """Run to the end; return metrics and timing together."""
         started = time.perf_counter()
         try:
             with stoppable(self):
@@ -208,7 +208,7 @@ class Mission:
                     robot.clock.withdraw()
                 judging = self._judged()
                 self.emit("end", reason=self.end_reason or "failed")
-            finally:  # whatever the disk no longer takes
+            finally:  # even if the disk is full
                 for robot in reversed(self.robots):  # the first one's clock owns the advisor's thread
                     robot.clock.close()
                 self.attempts.close()
@@ -218,7 +218,7 @@ class Mission:
         return self._finish()
 
     def advance(self) -> None:
-        """One control tick: all robots sense, then each thinks, then all act; record."""
+        """Run one control tick: all robots sense, then each thinks, then all act; record."""
         cfg, dt, robots = self.cfg, self.cfg.control_period_s, self.robots
         begun, waited = time.perf_counter(), 0.0
         for robot in robots:
@@ -252,7 +252,7 @@ class Mission:
             self.end_reason = "time limit"
 
     def _given_up(self) -> str:
-        """Why no robot goes on; a robot without a task waits until nobody has one, since others may find some."""
+        """Return why no robot continues; one without a task waits until nobody has one, since others may find some."""
         reasons = [robot.pilot.end_reason for robot in self.robots]
         failed = [reason for reason in reasons if reason not in ("", NOTHING_LEFT)]
         return failed[0] if failed else reasons[0] if all(reasons) else ""
@@ -284,7 +284,7 @@ class Mission:
 
     @property
     def coverage(self) -> float:
-        """Share of the true clusters covered so far."""
+        """Return the share of the true clusters covered so far."""
         return len(self._covered) / len(self.world.clusters)
 
     def _begin(self) -> None:
@@ -314,13 +314,13 @@ class Mission:
         self.judge.note(0, 0.0, [robot.position for robot in self.robots])
 
     def _fleet(self) -> dict[str, Any]:
-        """What the start event tells of several robots."""
+        """Return the fields of the start event about several robots."""
         if len(self.robots) == 1:
             return {}
         return {"robots": len(self.robots), "hull_radius_m": self.cfg.simulator.vehicle.hull_radius_m}
 
     def _judged(self) -> float:
-        """Tell what the experimenter knows at the end; returns the wall time that took (s)."""
+        """Emit the judge's final record; return the wall time that took (s)."""
         begun, sim, meter = time.perf_counter(), self.cfg.simulator, self.simulator.imaging
         # The bound takes seconds to plan: only where there is something to compare with it.
         soon = None

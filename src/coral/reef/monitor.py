@@ -31,7 +31,7 @@ class PathMonitor:
         self._last = (0.0, 0.0, np.inf)
 
     def follow(self, path: NDArray[np.float64], *, new_goal: bool) -> None:
-        """Take a newly planned reference path."""
+        """Set a newly planned reference path."""
         self.path = path
         self._last = (0.0, 0.0, np.inf)
         self.replans = 0 if new_goal else self.replans + 1
@@ -41,7 +41,7 @@ class PathMonitor:
         return distance_to_path(self.path, x, y)
 
     def left_path(self, x: float, y: float) -> bool:
-        """Whether the vehicle has left its path by more than the threshold."""
+        """Check whether the vehicle has left its path by more than the threshold."""
         # The deviation grows by no more than the vehicle moves: most ticks need no look at the whole path.
         last_x, last_y, deviation = self._last
         if deviation + math.hypot(x - last_x, y - last_y) < self.cfg.deviation_m - 1e-6:
@@ -51,7 +51,7 @@ class PathMonitor:
 
     @property
     def exhausted(self) -> bool:
-        """The goal has been replanned for too often."""
+        """Check whether the goal has been replanned too often."""
         return self.replans >= self.cfg.max_replans
 
 

@@ -68,7 +68,7 @@ class SensorNoiseCfg:
 
 
 class SensorNoise:
-    """Spoils camera pictures. With everything off it hands back the very frame it was given and draws nothing."""
+    """Adds noise to camera pictures. With everything off it returns the same frame and draws no random numbers."""
 
     def __init__(self, cfg: SensorNoiseCfg, rng: np.random.Generator, camera: CameraCfg | None = None) -> None:
         """Keep the generator.
@@ -86,7 +86,7 @@ class SensorNoise:
         self._lengths = np.sqrt(1.0 + p[None, :] ** 2 + q[:, None] ** 2)
 
     def apply(self, frame: Frame) -> Frame:
-        """A spoiled copy of a frame. Lost pixels become water at infinite depth.
+        """Return a noisy copy of a frame. Lost pixels become water at infinite depth.
 
         Turbidity looks at the true range; masks are spoiled before pixels are lost and depth is last.
         """
@@ -118,7 +118,7 @@ class SensorNoise:
         return Frame(depth, labels, instances)
 
     def _spoil_masks(self, labels: NDArray[np.uint8], instances: NDArray[np.int32]) -> None:
-        """One number in [0, 1) per patch, at a random offset; a class is wrong where it is below the class's share."""
+        """Draw one number in [0, 1) per patch, at a random offset; a class is wrong below the class's share."""
         cfg, n = self.cfg, self.cfg.patch_px
         height, width = labels.shape
         top, side = self._rng.integers(0, n, 2)
@@ -137,7 +137,7 @@ class SensorNoise:
 
 
 class PoseDrift:
-    """Dead reckoning: the estimated pose is the true one plus a random walk."""
+    """Dead reckoning: the estimated pose is the true pose plus a random walk."""
 
     def __init__(self, cfg: SensorNoiseCfg, rng: np.random.Generator) -> None:
         self.cfg = cfg
@@ -146,7 +146,7 @@ class PoseDrift:
         self._rng = rng
 
     def step(self, true_pose: Pose, dt: float) -> Pose:
-        """The estimate after `dt` seconds; the pose itself, without drawing, when drift is off."""
+        """Return the estimate after `dt` seconds; the pose itself, without drawing, if drift is off."""
         cfg = self.cfg
         if cfg.drift_xy == 0.0 and cfg.drift_theta == 0.0:
             return true_pose

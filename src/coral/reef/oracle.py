@@ -1,4 +1,4 @@
-"""A tour that knows the reef: how soon everything could be inspected. A bound for the judge; no robot has it.
+"""A tour planned with full knowledge of the reef: the earliest time of full inspection, a bound for the judge.
 
 It is a heuristic, not a proven optimum: viewpoints by greedy set cover, an order by nearest neighbour, 2-opt and
 Or-opt over geodesic distances, then a local search on the tour as it would be driven. The best tour may be faster.
@@ -55,7 +55,7 @@ class Tour:
     dt: float
 
     def time_to(self, share: float) -> float | None:
-        """When this share is inspected (s); None when never."""
+        """Return when this share is inspected (s); None if never."""
         reached = np.flatnonzero(self.inspected >= share - 1e-6)
         return round(float(reached[0]) * self.dt, 3) if reached.size else None
 
@@ -69,7 +69,7 @@ def plan_tour(
     vehicle: VehicleCfg | None = None,
     dt: float = 0.1,
 ) -> Tour:
-    """The fastest tour found that inspects everything that can be, up to `SLACK`. Deterministic.
+    """Plan the fastest tour that inspects everything that can be, up to `SLACK`. Deterministic.
 
     Args:
         world: The truth.
@@ -81,14 +81,14 @@ def plan_tour(
     """
     planner = _Planner(world, camera or CameraCfg(), imaging or ImagingCfg(), visibility_m, vehicle or VehicleCfg(), dt)
     tours = [planner.search(spacing) for spacing in GRIDS_M]
-    # All have to see as much: what one start finds within reach, the others must inspect too.
+    # All starts share one target: whatever is within reach of one, the others must inspect too.
     target = max(target for target, _ in tours)
     routes = [planner.improve(planner.complete(route, target), target) for _, route in tours]
     return planner.tour(min(routes, key=lambda route: planner.seconds(route, target)), target)
 
 
 class _Planner:
-    """What does not change while tours in one world are compared."""
+    """The constants of the comparison of tours in one world."""
 
     def __init__(
         self,
@@ -107,14 +107,14 @@ class _Planner:
         outlines = [obstacle_outline(obstacle) for obstacle in world.obstacles]
         space = free_space(world.size_m, outlines, self.start[:2])
         self._cell_m, self._clearance = space.cell_m, distance_to(space.solid, space.cell_m)
-        # Paths keep off obstacles where there is room, since whoever follows one cuts corners by a few centimetres.
+        # Paths keep clear of obstacles where there is room, since following one cuts corners by a few centimetres.
         self._paths = CostFieldCfg(radius_m=vehicle.hull_radius_m + 0.05, band_m=0.2, penalty=1.0)
         self._fields: dict[Place, CostField] = {}
         self._legs: dict[tuple[float, ...], NDArray[np.float64]] = {}
         self._views: list[tuple[NDArray[np.float64], NDArray[np.bool_]]] = []
 
     def search(self, spacing_m: float) -> tuple[float, list[Stop]]:
-        """The share that can be inspected, less the slack, and stops that cover it in a short order."""
+        """Return the share that can be inspected, less the slack, and stops that cover it in a short order."""
         poses, seen = self._candidates(spacing_m)
         self._views.append((poses, seen))
         stops = [(float(x), float(y), math.nan) for x, y, _ in poses[greedy_cover(seen, self.weight)]]
@@ -122,7 +122,7 @@ class _Planner:
         return target, [stops[k] for k in order_stops(self._distances(stops))]
 
     def _candidates(self, spacing_m: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Viewpoints that the hull can get to, Shape=(V, 3), and which points each inspects, Shape=(V, M)."""
+        """Return viewpoints that the hull can reach, Shape=(V, 3), and the points each inspects, Shape=(V, M)."""
         xy, reach = self.meter.points[:, :2], self.meter.inspection_m
         low, high = xy.min(axis=0) - reach, xy.max(axis=0) + reach
         axes = [np.arange(a, b + spacing_m, spacing_m) for a, b in zip(low, high, strict=True)]
@@ -147,13 +147,13 @@ class _Planner:
         return np.array(poses).reshape(-1, 3), np.array(seen, np.bool_).reshape(-1, len(xy))
 
     def _distances(self, stops: Sequence[Stop]) -> NDArray[np.float64]:
-        """Lengths of the ways (m) from the start and every stop to every stop. Shape=(N + 1, N)."""
+        """Compute path lengths (m) from the start and every stop to every stop. Shape=(N + 1, N)."""
         x, y = np.array([self.start[:2], *(stop[:2] for stop in stops)]).T
         columns = [self._field(stop[:2]).lengths(x, y) for stop in stops]
         return np.stack(columns, axis=1) if stops else np.empty((1, 0))
 
     def complete(self, route: list[Stop], target: float) -> list[Stop]:
-        """Add stops with a heading until the target is met; each where it costs the least time."""
+        """Add stops with a heading until the target is met, each where it costs the least time."""
         poses, seen = (np.concatenate(parts) for parts in zip(*self._views, strict=True))
         while True:
             _, level = self._drive(route, target)
@@ -165,7 +165,7 @@ class _Planner:
             route = min(options, key=self._length)
 
     def improve(self, route: list[Stop], target: float) -> list[Stop]:
-        """Leave out, turn or move stops as long as the tour, as it is driven, gets faster."""
+        """Remove, turn or move stops as long as the driven tour gets faster."""
         best, evaluations, better = self.seconds(route, target), 0, True
         while better and evaluations < EVALUATIONS:
             better = False
@@ -185,11 +185,11 @@ class _Planner:
         return route
 
     def seconds(self, route: Sequence[Stop], target: float) -> float:
-        """How long the tour takes, as it is driven, until the target is met (s); inf when it never is."""
+        """Return how long the driven tour takes until the target is met (s); inf if it never is."""
         return self._drive(route, target)[0]
 
     def tour(self, route: Sequence[Stop], target: float) -> Tour:
-        """The tour tick by tick, until the target is met."""
+        """Return the tour tick by tick, until the target is met."""
         commands, poses = self._follow(route)
         level, count = self._nothing()
         shares = []
@@ -202,14 +202,14 @@ class _Planner:
         return Tour(commands[: n - 1], poses[:n], np.array(shares), tuple(route), self.dt)
 
     def _drive(self, route: Sequence[Stop], target: float) -> tuple[float, NDArray[np.uint8]]:
-        """When the target is met (s; inf: never), and the level of every point by then or at the end."""
+        """Return when the target is met (s; inf: never), and the level of every point by then or at the end."""
         _, poses = self._follow(route)
         level, count = self._nothing()
         met = self.meter.look_along(poses, level, count, every=LOOK_PERIOD, target=target)
         return math.inf if met is None else met * self.dt, level
 
     def _follow(self, route: Sequence[Stop]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Commands and poses of the drive to all stops; where a stop has a heading, it is turned to there."""
+        """Return commands and poses of the drive to all stops; at a stop with a heading the vehicle turns to it."""
         commands, poses = np.empty((0, 2)), np.array([self.start])
         path, at = [poses[:, :2]], self.start[:2]
         for k, (x, y, theta) in enumerate(route):
@@ -246,11 +246,11 @@ class _Planner:
         return sum(self._way_m(a, b) for a, b in itertools.pairwise(places))
 
     def _way_m(self, a: Place, b: Place) -> float:
-        """Length of the way between two places (m), from whichever field is there already."""
+        """Return the path length between two places (m), from either cached field."""
         return self._field(a).lookup(*b) if a in self._fields and b not in self._fields else self._field(b).lookup(*a)
 
     def _leg(self, a: Place, b: Place) -> NDArray[np.float64]:
-        """The way from one place to another. Shape=(N, 2), metres."""
+        """Return the path from one place to another. Shape=(N, 2), metres."""
         if (*a, *b) not in self._legs:
             if a in self._fields and b not in self._fields:
                 way = self._field(a).path_from(*b, step_m=0.05, length_m=400.0)[::-1]

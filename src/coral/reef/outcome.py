@@ -1,4 +1,4 @@
-"""Figures of what was imaged, of the path driven and of the position believed, from a run folder alone."""
+"""Metrics of imaging, path and position estimate, from a run folder alone."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ DEFINITIONS = {
 def outcome_metrics(
     folder: Path, events: Iterable[Mapping[str, Any]], tables: Sequence[Sequence[Row]]
 ) -> dict[str, Any]:
-    """The judge's figures; None where what they need was not recorded.
+    """Compute the judge's metrics; None where their input was not recorded.
 
     Args:
         folder: Of the run.
@@ -100,13 +100,13 @@ def outcome_metrics(
 
 
 def time_to(t: NDArray[np.float64], share: NDArray[np.float64], wanted: float) -> float | None:
-    """When a growing share first reached the wanted one (s); None when never. t, share: Shape=(N,)."""
+    """Return when a growing share first reached the wanted one (s); None if never. t, share: Shape=(N,)."""
     reached = np.flatnonzero(share >= wanted - 1e-6)
     return round(float(t[reached[0]]), 3) if reached.size else None
 
 
 def area_under(t: NDArray[np.float64], share: NDArray[np.float64], horizon_s: float = HORIZON_S) -> float | None:
-    """Mean of a step function over the first `horizon_s`, its last value held; t, share: Shape=(N,)."""
+    """Return the mean of a step function over the first `horizon_s`, its last value held; t, share: Shape=(N,)."""
     if not len(t):
         return None
     ends = np.minimum(np.append(t[1:], max(horizon_s, float(t[-1]))), horizon_s)
@@ -114,7 +114,7 @@ def area_under(t: NDArray[np.float64], share: NDArray[np.float64], horizon_s: fl
 
 
 def excursions(reef_m: NDArray[np.float64]) -> int:
-    """How often a robot left the reef. reef_m: its distance at every tick (m), Shape=(N,)."""
+    """Count how often a robot left the reef. reef_m: its distance at every tick (m), Shape=(N,)."""
     count, out = 0, False
     for distance in reef_m.tolist():
         if not out and distance > OFF_ROUTE_M:
@@ -125,7 +125,7 @@ def excursions(reef_m: NDArray[np.float64]) -> int:
 
 
 def driven_back(path: NDArray[np.float64]) -> tuple[float, int]:
-    """Way (m) driven back along a path's own earlier course, and in how many stretches. path: Shape=(N, 2), metres."""
+    """Measure the path (m) driven back along its own earlier course, and the stretches. path: Shape=(N, 2), metres."""
     if len(path) < 2:
         return 0.0, 0
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
@@ -156,7 +156,7 @@ def _position_errors(rows: Sequence[Row]) -> list[float]:
 
 
 def _all_covered(events: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """When the experimenter would stop, and the calls by then."""
+    """Return when the experimenter would stop, and the calls by then."""
     total, covered, calls = 0, 0, 0
     for event in events:
         if event["event"] == "start":

@@ -39,7 +39,7 @@ class PdController:
         self.vehicle = vehicle or VehicleCfg()
 
     def reset(self) -> None:
-        """Nothing to forget."""
+        """Do nothing: there is no state to reset."""
 
     def plan(
         self,

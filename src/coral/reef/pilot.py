@@ -89,7 +89,7 @@ class Pilot:
         cfg: PilotCfg | None = None,
         numbers: Iterator[int] | None = None,
     ) -> None:
-        """`numbers` gives each decision its number; robots that share a log share them too."""
+        """Set up a robot; `numbers` numbers its decisions, and robots that share a log share it too."""
         self.cfg = cfg or PilotCfg()
         self.belief, self.planner, self.driver = belief, planner, driver
         self.advisor, self.fallback, self.clock = advisor, fallback, clock
@@ -115,7 +115,7 @@ class Pilot:
         self._acting_until = -math.inf
 
     def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
-        """One control period: take in what was sensed at time `t` (s), return what to do until the next."""
+        """Run one control period: take in the data sensed at time `t` (s), return the command until the next."""
         self.belief.update(frame, pose)
         if self.belief.goal is None:
             self.belief.goal = to_world(pose, self.cfg.initial_m, 0.0)
@@ -148,7 +148,7 @@ class Pilot:
 
     @property
     def pending(self) -> bool:
-        """Whether a decision is being made."""
+        """Whether a decision is under way."""
         return self._task is not None
 
     def _watch(self, t: float, speed: float) -> None:
@@ -161,7 +161,7 @@ class Pilot:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
         self._last_firing = firing
         if firing is not None and firing.held_by == "pending" and firing.cause in ("failure", "deviation"):
-            self.clock.withdraw()  # the open question shows a way that has since proved closed
+            self.clock.withdraw()  # the open question shows a path that has since proved blocked
             self._collect()
         if firing is None or not firing.fired:
             return
@@ -237,7 +237,7 @@ class Pilot:
         self._acting_until = self.clock.now() + self.cfg.action_s
 
     def _fall_back(self, outcome: Outcome[Any]) -> None:
-        """The advisor stayed silent or wrong past its budget: the named policy decides."""
+        """Apply the named policy after the advisor was silent or wrong past its budget."""
         self._emit("fallback", policy=self.cfg.fallback, failure=outcome.failure, decision=self._decision)
         if self.cfg.fallback == "fail":
             self.end_reason = failed(outcome.failure)
@@ -259,7 +259,7 @@ class Pilot:
         self._hold("the rules found no goal that passes")
 
     def _hold(self, reason: str) -> None:
-        """The goal stays as it is: that too is a decision, and not the advisor's."""
+        """Keep the present goal, which also is a decision, and not the advisor's."""
         self._emit("held", source="fallback", decision=self._decision, reason=reason)
 
     def _adopt(self, goal: Goal | Rejection, source: Source, reason: str) -> None:
@@ -279,7 +279,7 @@ class Pilot:
         )
 
     def _route(self, t: float) -> None:
-        """Keep the cost-to-go and the reference path up to date; notice when the path was left."""
+        """Update the cost-to-go and the reference path; detect when the path was left."""
         belief, monitor, goal = self.belief, self.monitor, self.belief.goal
         assert goal is not None
         new_goal = not self._field_key or self._field_key[0] != goal

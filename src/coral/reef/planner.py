@@ -1,4 +1,4 @@
-"""The high-level planner: what to ask, in which mode, and whether the answer may be driven to (paper III-C, Alg. 2)."""
+"""The high-level planner: what to ask, in which mode, and whether the answer is admissible (paper III-C, Alg. 2)."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Goal:
 
 
 class HighLevelPlanner:
-    """Turns the belief into questions and answers into verified goals."""
+    """Turns the belief into questions, and answers into verified goals."""
 
     def __init__(
         self, belief: Belief, fields: CostFieldCfg, prompts: Prompts, draw: Draw, cfg: PlannerCfg | None = None
@@ -67,7 +67,7 @@ class HighLevelPlanner:
         """Nothing is left that the robot could visit or explore, and that no other robot is going to."""
 
     def observe(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
-        """Make the question from the map as it is now; None when nothing is left to choose."""
+        """Make the question from the present map; None when nothing is left to choose."""
         left = self.survey = survey(self.belief, self.fields, self.cfg.forward_m, self.cfg.survey)
         reachable = [t for t in self.belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
         self.finished = not reachable and not left.frontiers
@@ -94,13 +94,13 @@ class HighLevelPlanner:
         )
 
     def _mode(self, left: Survey, reachable: bool) -> Mode:
-        """Autonomous mode switching (paper III-C.3)."""
+        """Choose the mode autonomously (paper III-C.3)."""
         if not self.cfg.centroid_selection or not reachable:
             return "waypoint"
         return "centroid" if self.belief.ahead(self.cfg.forward_m) or left.dead_end else "waypoint"
 
     def locate(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> Goal | Rejection:
-        """The point in the world that an answer means."""
+        """Return the point in the world that an answer means."""
         if isinstance(answer, CentroidChoice):
             track = next((t for t in self.belief.tracks if t.index == answer.selected_centroid_index), None)
             if track is None:
@@ -204,7 +204,7 @@ class HighLevelPlanner:
         return not around.dead_end and violation((goal.x, goal.y), around, self.cfg.verify) is not None
 
     def _surroundings(self, left: Survey) -> Surroundings:
-        """What the verifiers judge by now. Where nothing that is left would pass, turning round is allowed."""
+        """Return the inputs of the verifiers. If no remaining choice would pass, turning round is allowed."""
         belief, cfg = self.belief, self.cfg.verify
         around = Surroundings(
             pose=belief.pose,

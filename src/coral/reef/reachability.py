@@ -1,4 +1,4 @@
-"""Where the hull can get to: flood fill of a world's free space from the start."""
+"""Reachability of the hull: flood fill of a world's free space from the start."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class FreeSpace:
     reachable: NDArray[np.bool_]
 
     def sees(self, points: NDArray[np.float64], range_m: float = VIEW_M) -> bool:
-        """Whether the hull can get within `range_m` of one of the points, nothing solid in between.
+        """Check whether the hull can get within `range_m` of one of the points in line of sight.
 
         Args:
             points: Shape=(N, 2), metres.
@@ -79,7 +79,7 @@ def free_space(
     start: tuple[float, float],
     radius_m: float = HULL_RADIUS_M + MARGIN_M,
 ) -> FreeSpace:
-    """Flood the free space from the start; obstacles block whatever their height.
+    """Flood the free space from the start; obstacles block at any height.
 
     Args:
         size_m: Width and height of the world.
@@ -116,7 +116,7 @@ def unreachable_clusters(world: ReefWorld) -> list[int]:
 
 
 def obstacle_outline(obstacle: Obstacle, corners: int = 48) -> NDArray[np.float64]:
-    """Polygon of an obstacle on the ground plane, a box's rectangle or a round shape's ellipse.
+    """Return the polygon of an obstacle on the ground plane, a box's rectangle or a round shape's ellipse.
 
     Returns:
         Shape=(K, 2), metres, counter-clockwise; an ellipse gets `corners` of them.
@@ -131,7 +131,7 @@ def obstacle_outline(obstacle: Obstacle, corners: int = 48) -> NDArray[np.float6
 
 
 def distance_to(polygon: NDArray[np.float64], x: float, y: float) -> float:
-    """Distance (m) of a point to a polygon, negative inside."""
+    """Compute the distance (m) of a point to a polygon, negative inside."""
     begin, along = polygon, np.roll(polygon, -1, axis=0) - polygon
     offset = np.array([x, y]) - begin
     share = np.clip((offset * along).sum(1) / np.maximum((along**2).sum(1), 1e-18), 0.0, 1.0)

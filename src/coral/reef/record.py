@@ -1,4 +1,4 @@
-"""Writes a reef mission into its run folder while it runs."""
+"""Records a reef mission in its run folder while it runs."""
 
 from __future__ import annotations
 
@@ -53,14 +53,14 @@ class RecordCfg:
 
 
 class FrameRecorder:
-    """Keeps the map as known and the camera pictures, every few seconds of simulated time."""
+    """Keeps the known map and the camera pictures, every few seconds of simulated time."""
 
     def __init__(self, writer: RunWriter, cfg: RecordCfg) -> None:
         self._writer, self._cfg = writer, cfg
         self._due = 0.0
 
     def offer(self, step: int, t: float, cells: Any, frame: Frame) -> None:
-        """Write one set of pictures when it is time; `cells()` returns the map's classes, Shape=(NY, NX)."""
+        """Write one set of pictures if it is due; `cells()` returns the map's classes, Shape=(NY, NX)."""
         if not self._cfg.frames or t < self._due - 1e-9:
             return
         self._due = t + self._cfg.frame_period_s

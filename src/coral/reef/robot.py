@@ -18,7 +18,7 @@ Build = Callable[["Robot"], Pilot]
 
 
 class Robot:
-    """Couples one vehicle with its pilot; what happens to it is told to `emit`."""
+    """Couples one vehicle with its pilot; its events go to `emit`."""
 
     def __init__(
         self,
@@ -38,7 +38,7 @@ class Robot:
         self.pilot = build(self)
 
     def emit(self, event: str, **fields: Any) -> None:
-        """Tell of an event; it carries the number of the robot when there are several."""
+        """Emit an event, with the number of the robot if there are several."""
         self._emit(event, **(fields if self._alone else {"robot": self.number, **fields}))
 
     def sense(self, dt: float) -> Sensed:
@@ -47,7 +47,7 @@ class Robot:
         return self.sensed
 
     def think(self, t: float, others: Iterable[Neighbour]) -> float:
-        """Settle the next command at time `t` (s); returns the wall time spent waiting for a reply (s)."""
+        """Choose the next command at time `t` (s); return the wall time spent waiting for a reply (s)."""
         assert self.sensed is not None
         waited, self.belief.others = self.clock.waited_s, tuple(others)
         self.command = self.pilot.tick(t, self.sensed.frame, self.sensed.pose, self.sensed.velocity)
@@ -59,7 +59,7 @@ class Robot:
             self.emit("collision", x=round(x, 3), y=round(y, 3), obstacle=obstacle)
 
     def says(self) -> Neighbour:
-        """What it tells the other robots."""
+        """Return what it tells the other robots."""
         assert self.sensed is not None
         about, plan, belief = self.pilot, self.pilot.plan, self.belief
         busy = not about.end_reason

@@ -1,4 +1,4 @@
-"""The simulated reef: the only place that knows the truth. It moves the vehicle, takes pictures, counts contacts."""
+"""The simulated reef, the only holder of the truth: it moves the vehicle, takes pictures, counts contacts."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Sensed:
 
 
 class ReefSimulator:
-    """Truth about one mission."""
+    """The true state of one mission."""
 
     def __init__(
         self,
@@ -112,7 +112,7 @@ class ReefSimulator:
         return free
 
     def _attitude(self) -> tuple[float | None, float, float]:
-        """Height above the seabed (m; None: as configured), roll and pitch (rad) of the camera."""
+        """Return the camera's height above the seabed (m; None: as configured), roll and pitch (rad)."""
         if self.cfg.vehicle.model != "six_dof":
             return None, 0.0, 0.0
         z, roll, pitch = self.vehicle.attitude
@@ -135,13 +135,13 @@ class ReefSimulator:
         return contacts
 
     def _judge(self) -> None:
-        """Count what is in view now."""
+        """Count the area now in view."""
         self.coverage.update(self.pose)
         height, roll, pitch = self._attitude()
         self.imaging.update(self.pose, height, roll=roll, pitch=pitch)
 
 
 def _through_water(cfg: SimulatorCfg) -> CoverageCfg:
-    """What counts as covered: no more than can be seen through the water."""
+    """Limit the coverage range to what can be seen through the water."""
     limit = cfg.noise.visibility_m
     return cfg.coverage if limit is None else replace(cfg.coverage, range_m=min(cfg.coverage.range_m, limit))

@@ -67,7 +67,7 @@ TOPOLOGIES = tuple(_SPINES)
 
 
 def spread(lines: Sequence[Line], count: int, lead_m: float) -> list[tuple[float, float, float]]:
-    """Places on the lines, as evenly spaced as their number allows; every line gets one at least.
+    """Place points on the lines, as evenly spaced as their number allows; every line gets one at least.
 
     Args:
         lines: Polylines, Shape=(K, 2), m; the others branch off the first.

@@ -1,4 +1,4 @@
-"""Where the robots of a fleet start: beside the first one, in open water."""
+"""Start poses of a fleet: beside the first robot, in open water."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RINGS_M = (APART_M, 1.5, 1.8, 2.4, 3.0, 3.6)
 def starts_beside(
     first: Pose, count: int, footprints: Footprints, size_m: tuple[float, float], radius_m: float
 ) -> list[Pose]:
-    """Start poses of `count` robots, the first one's included; all look the same way.
+    """Return start poses of `count` robots, the first one's included; all share its heading.
 
     Each lies in sight of the first, at least `APART_M` from every other and a hull's radius clear of obstacles and
     of the border. The same world gives the same places.

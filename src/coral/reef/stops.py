@@ -1,4 +1,4 @@
-"""Few viewpoints that see everything, a short order for them, and the changes that a local search tries on a route."""
+"""Few viewpoints that see everything, a short order for them, and the moves of a local search on a route."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Route = list[Stop]
 
 
 def greedy_cover(seen: NDArray[np.bool_], weight: NDArray[np.float64]) -> list[int]:
-    """Few rows that together have all that any row has: always the row that adds most.
+    """Choose few rows that together cover what all rows cover: always the row that adds most.
 
     Args:
         seen: Shape=(V, M).
@@ -37,7 +37,7 @@ def greedy_cover(seen: NDArray[np.bool_], weight: NDArray[np.float64]) -> list[i
 
 
 def order_stops(distance: NDArray[np.float64]) -> list[int]:
-    """A short open tour: nearest neighbour, then 2-opt and Or-opt until neither shortens it.
+    """Find a short open tour: nearest neighbour, then 2-opt and Or-opt until neither shortens it.
 
     Args:
         distance: Shape=(N + 1, N), from the start (row 0) and from stop k (row k + 1) to every stop (m).
@@ -66,7 +66,7 @@ def order_stops(distance: NDArray[np.float64]) -> list[int]:
 
 
 def neighbours(route: Sequence[int]) -> Iterator[list[int]]:
-    """Every route with one stretch reversed (2-opt), or up to three stops in a row moved elsewhere (Or-opt)."""
+    """Yield every route with one stretch reversed (2-opt), or up to three stops in a row moved elsewhere (Or-opt)."""
     n = len(route)
     for i, j in itertools.combinations(range(n + 1), 2):
         if j - i >= 2:
@@ -78,13 +78,13 @@ def neighbours(route: Sequence[int]) -> Iterator[list[int]]:
 
 
 def without(route: Route) -> Iterator[Route]:
-    """Every route with one stop less."""
+    """Yield every route with one stop removed."""
     for k in range(len(route)):
         yield [*route[:k], *route[k + 1 :]]
 
 
 def unturned(route: Route) -> Iterator[Route]:
-    """Every route in which one stop loses its heading."""
+    """Yield every route in which one stop loses its heading."""
     for k, (x, y, theta) in enumerate(route):
         if math.isfinite(theta):
             yield [*route[:k], (x, y, math.nan), *route[k + 1 :]]

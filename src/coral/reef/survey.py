@@ -1,4 +1,4 @@
-"""What is left to explore, read off the robot's own map: frontiers, dead ends, distances along known water."""
+"""What is left to explore, from the robot's own map: frontiers, dead ends, distances along known water."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Frontier:
 
 @dataclass(frozen=True)
 class Survey:
-    """What is left, at one moment."""
+    """What is left to explore at one moment."""
 
     frontiers: tuple[Frontier, ...]
     field: CostField
@@ -75,7 +75,7 @@ class Survey:
 
 
 def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg) -> Survey:
-    """Look at the map as it is now.
+    """Analyse the present map.
 
     Args:
         belief: What the robot knows.

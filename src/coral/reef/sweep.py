@@ -1,4 +1,4 @@
-"""Settings of a robustness sweep: a word that makes the world or the sensors worse, as a change of the mission."""
+"""Settings of a robustness sweep: each makes the world or the sensors worse."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Overrides = Sequence[tuple[str, Any]]
 
 
 def apply_setting(overrides: Overrides, cfg: MissionCfg, world: ReefWorld) -> tuple[MissionCfg, ReefWorld]:
-    """The mission and the world under a setting; without one, the very same objects.
+    """Apply a setting to mission and world; without one, return the very same objects.
 
     Args:
         overrides: Pairs of a key and its JSON value: `current`, a word of `SHORT`, or a dotted configuration key.

@@ -38,7 +38,7 @@ class TopologyCfg:
 
 @dataclass(frozen=True, kw_only=True)
 class Place:
-    """Something that is left: an unvisited cluster (with its label) or a frontier (None)."""
+    """A remaining place: an unvisited cluster (with its label) or a frontier (None)."""
 
     x: float
     y: float
@@ -48,7 +48,7 @@ class Place:
 
 
 def places_left(belief: Belief, left: Survey, fields: CostFieldCfg, cfg: TopologyCfg) -> tuple[Place, ...]:
-    """The graph of what is left, each place with its regret; empty when the memory is off or nothing is left."""
+    """Build the graph of remaining places, each with its regret; empty if the memory is off or nothing is left."""
     if not cfg.enabled:
         return ()
     # The tour is this robot's own: what is nearer to another robot is that one's to visit.
@@ -77,7 +77,7 @@ def places_left(belief: Belief, left: Survey, fields: CostFieldCfg, cfg: Topolog
 
 
 def tours_from(between: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Length of the shortest open tour of all places from each place, by dynamic programming over subsets.
+    """Compute the shortest open tour of all places from each place, by dynamic programming over subsets.
 
     Args:
         between: Shape=(N, N), symmetric distances (m).

@@ -1,4 +1,4 @@
-"""Vehicles that follow a plan made before the dive and decide nothing: the oracle's tour, and a blind sweep's lanes."""
+"""Vehicles that follow a plan made before the dive: the oracle's tour, and a blind sweep's lanes."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ BORDER_M = 1.0
 
 
 class TourPilot(Pilot):
-    """Gives one command after the other, whatever the sensors say; the map is kept for the report alone."""
+    """Gives one command after the other, ignoring the sensors; the map is kept for the report alone."""
 
     commands: NDArray[np.float64] = np.empty((0, 2))
     """Forward speed (m/s) and yaw rate (rad/s) of each tick. Shape=(K, 2)."""
     _next = 0
 
     def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
-        """The next command of the plan."""
+        """Return the next command of the plan."""
         self.belief.update(frame, pose)
         if self._next >= len(self.commands):
             self.end_reason = "the tour is done"
@@ -36,7 +36,7 @@ class TourPilot(Pilot):
 
 
 def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose) -> NDArray[np.float64]:
-    """Straight lanes along x, `spacing_m` apart, so many that no place is farther than half of that from one.
+    """Return straight lanes along x, `spacing_m` apart, so that no place is farther than half of that from one.
 
     They lie symmetrically in the area, and begin at the corner nearest to the start.
 

@@ -1,4 +1,4 @@
-"""Following a path at cruise speed with a limited yaw rate, without inertia: a unicycle, exactly integrated."""
+"""Path following at cruise speed with a limited yaw rate, without inertia: a unicycle, exactly integrated."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def planned(world: ReefWorld, cfg: MissionCfg) -> NDArray[np.float64] | None:
-    """Commands of the oracle's tour or of a blind sweep, Shape=(K, 2); None for missions that decide.
+    """Plan the oracle's tour or a blind sweep: commands, Shape=(K, 2); None for missions that decide.
 
     Raises:
         InputError: Several robots: a tour is for one.

@@ -1,4 +1,4 @@
-"""Other robots as moving obstacles: the water that they are about to use, in the controller's distances only."""
+"""Other robots as moving obstacles: the water they are about to use, in the controller's distances only."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class TrafficCfg:
 
 
 class Traffic:
-    """One robot's copy of the distances to obstacles, with the other robots in it. The shared map never holds them."""
+    """One robot's copy of the distances to obstacles, other robots included. The shared map never holds them."""
 
     def __init__(self, cfg: TrafficCfg | None = None) -> None:
         self.cfg = cfg or TrafficCfg()
@@ -40,7 +40,7 @@ class Traffic:
     def stamped(
         self, distance: NDArray[np.float32], cell_m: float, pose: Pose, others: Sequence[Neighbour]
     ) -> NDArray[np.float32]:
-        """Distances to obstacles and to the water that the others are about to use.
+        """Return distances to obstacles and to the water that the others are about to use.
 
         Every robot keeps clear of what the others have reserved and reserves what it plans, one after the other, so
         that no two reservations overlap and each can always stop within its own.
@@ -64,7 +64,7 @@ class Traffic:
         return self._own
 
     def held(self, command: tuple[float, float], pose: Pose, others: Sequence[Neighbour]) -> tuple[float, float]:
-        """The command, without its speed where it would bring this robot nearer to one that is close already.
+        """Return the command, stopped where it would bring this robot nearer to one that is already close.
 
         Args:
             command: Forward speed (m/s) and yaw rate (rad/s).
@@ -79,7 +79,7 @@ class Traffic:
         return command
 
     def reserved(self, other: Neighbour, pose: Pose) -> NDArray[np.float64]:
-        """Line that another robot's centre is about to follow, from where it is now. Shape=(N, 2), metres.
+        """Return the line that another robot's centre is about to follow. Shape=(N, 2), metres.
 
         It ends before it reaches this robot, whose water the other keeps clear of in its turn.
         """
@@ -95,7 +95,7 @@ class Traffic:
 def lower_to_path(
     distance: NDArray[np.float32], cell_m: float, line: NDArray[np.float64], radius_m: float, reach_m: float
 ) -> None:
-    """Lower distances, in place, to those from a band about a line; nothing changes beyond `reach_m` of the band.
+    """Lower distances, in place, to those from a band around a line; nothing changes beyond `reach_m` of the band.
 
     Args:
         distance: Shape=(H, W), metres; cell (0, 0) at the world's origin.

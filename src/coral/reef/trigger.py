@@ -45,7 +45,7 @@ class Firing:
 
 
 class SmartTrigger:
-    """Watches the vehicle and says when to ask."""
+    """Decides when to ask the advisor."""
 
     def __init__(self, cfg: TriggerCfg | None = None) -> None:
         self.cfg = cfg or TriggerCfg()
@@ -60,16 +60,16 @@ class SmartTrigger:
         self._failures = 0 if ok else self._failures + 1
 
     def deviation(self) -> None:
-        """The path feasibility monitor gave up on the current waypoint."""
+        """Record that the path feasibility monitor gave up on the current waypoint."""
         self._deviated = True
 
     def asked(self, t: float) -> None:
-        """Start the cooldown; forget what led here."""
+        """Start the cooldown and clear the counters."""
         self._last_query = t
         self.new_goal()
 
     def new_goal(self) -> None:
-        """Judge progress from here on: standing still while the answer was awaited is not being stuck."""
+        """Restart the progress check: waiting for the answer does not count as being stuck."""
         self._failures = 0
         self._deviated = False
         self._history.clear()
@@ -128,5 +128,5 @@ class SmartTrigger:
 
 
 def separated(new: tuple[float, float], previous: tuple[float, float] | None, separation_m: float) -> bool:
-    """Whether a new waypoint lies at least `separation_m` from the previous one (Delta d_min)."""
+    """Check whether a new waypoint lies at least `separation_m` from the previous one (Delta d_min)."""
     return previous is None or math.hypot(new[0] - previous[0], new[1] - previous[1]) >= separation_m

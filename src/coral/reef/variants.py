@@ -23,7 +23,7 @@ def _no_centroid_selection(cfg: MissionCfg) -> MissionCfg:
 
 
 def _no_topology(cfg: MissionCfg) -> MissionCfg:
-    """Every choice is judged by what is near alone, as in the paper."""
+    """Judge every choice by its surroundings alone, as in the paper."""
     return replace(cfg, planner=replace(cfg.planner, topology=replace(cfg.planner.topology, enabled=False)))
 
 

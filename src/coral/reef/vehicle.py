@@ -158,7 +158,7 @@ class Vehicle:
         return trace.reshape(-1, 2)
 
     def _glide(self, v: float, omega: float, count: int, h: float, contact: Clearance | None) -> NDArray[np.float64]:
-        """Move exactly as commanded, in `count` steps of `h` seconds; returns the positions, Shape=(count, 2)."""
+        """Move exactly as commanded, in `count` steps of `h` seconds; return the positions, Shape=(count, 2)."""
         trace = np.empty((count, 2))
         for k in range(count):
             x, y, theta = advance(float(self._s[0]), float(self._s[1]), float(self._s[2]), v, omega, h)
@@ -169,7 +169,7 @@ class Vehicle:
         return trace
 
     def _stays_clear(self, clearance: Clearance, before: NDArray[np.float64], trace: NDArray[np.float64]) -> bool:
-        """Whether no obstacle was near enough to be met on the way: a clearance shrinks by no more than is moved."""
+        """Check that no obstacle could have been met: a clearance shrinks by no more than the distance moved."""
         x, y = before[:2].tolist()
         moved = math.sqrt(float(((trace - before[:2]) ** 2).sum(axis=-1).max()))
         return clearance(x, y) > self.cfg.hull_radius_m + moved + 1e-6
@@ -186,7 +186,7 @@ class Vehicle:
     def _integrate_six(
         self, asked: NDArray[np.float64], relative: NDArray[np.float64], water: NDArray[np.float64], h: float
     ) -> NDArray[np.float64]:
-        """The same planar request on the full model, with depth held and roll and pitch levelled."""
+        """Run the same planar request on the full model, with depth held and roll and pitch levelled."""
         s, six = self._full, self._six
         assert six is not None
         s[[0, 1, 5]] = self._s[:3]

@@ -38,7 +38,7 @@ class VerifyCfg:
 
 @dataclass(frozen=True, kw_only=True)
 class Surroundings:
-    """What the verifiers know: the robot's own map and memory, nothing else."""
+    """The verifiers' inputs: the robot's own map and memory, nothing else."""
 
     pose: Pose
     previous: Point | None
@@ -120,7 +120,7 @@ def verify_waypoint(p: Point, around: Surroundings, cfg: VerifyCfg) -> Rejection
 
 
 def violation(p: Point, around: Surroundings, cfg: VerifyCfg) -> Rejection | None:
-    """The first predicate of Eqs. 4-8 that the waypoint violates, whatever exemption may apply."""
+    """Return the first predicate of Eqs. 4-8 that the waypoint violates, ignoring exemptions."""
     forward, left = to_robot(around.pose, *p)
     bearing = math.degrees(math.atan2(left, forward))
     where = f"it lies {math.hypot(forward, left):.1f} m away at a bearing of {bearing:+.0f}° (left is positive)"

@@ -1,4 +1,4 @@
-"""Faults of a world that its types cannot show: objects outside it, a start in a rock, a cluster nobody reaches."""
+"""Faults of a world that its types cannot express: objects outside it, a start in a rock, an unreachable cluster."""
 
 from __future__ import annotations
 
