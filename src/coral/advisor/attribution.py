@@ -1,4 +1,4 @@
-"""Who decided: a count of decisions by their source, of answers by their fate, and of what they cost."""
+"""Attribution: counts of decisions by source and of answers by verdict, and their cost."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ DEFINITIONS = {
 
 
 def source_of(advisor: Any) -> Source:
-    """To whom an advisor's accepted answers belong: what its attribute `source` says, else to the advisor itself."""
+    """Return the source of an advisor's accepted answers: its attribute `source` if set, else the advisor itself."""
     source: Source = getattr(advisor, "source", "advisor")
     return source
 
 
 @dataclass(frozen=True, kw_only=True)
 class Attribution:
-    """What a run can say of who decided. `decided` and `attempted` return it with one more in it.
+    """Counts of a run's decisions by source. `decided` and `attempted` return a copy with one more.
 
     Spending of a single model, and its bounds, are in `Ledger`; this is of a whole run, whoever answered.
     """
@@ -60,15 +60,15 @@ class Attribution:
     thinking_s: float = 0.0
 
     def decided(self, source: Source) -> Attribution:
-        """One more decision."""
+        """Count one more decision."""
         return replace(self, decided_by={**self.decided_by, source: self.decided_by[source] + 1})
 
     def attempted(self, attempt: Attempt) -> Attribution:
-        """One more question, as `consult` logs it."""
+        """Count one more question, as `consult` logs it."""
         return self.heard(attempt.verdict, spent(attempt), attempt.answered_at_s - attempt.asked_at_s)
 
     def heard(self, verdict: Verdict, cost: Spent, seconds: float) -> Attribution:
-        """One more question, by its verdict.
+        """Count one more question by its verdict.
 
         Args:
             verdict: Of the attempt.
@@ -86,7 +86,7 @@ class Attribution:
         )
 
     def to_json(self) -> dict[str, Any]:
-        """The keys of `metrics.json`."""
+        """Return the keys of `metrics.json`."""
         return {
             "decided_by": dict(self.decided_by),
             "answers": dict(self.answers),
@@ -99,7 +99,7 @@ class Attribution:
 
 @dataclass(frozen=True)
 class Spent:
-    """What one attempt cost, as far as it is known."""
+    """Cost of one attempt, as far as it is known."""
 
     tokens_in: int | None = None
     tokens_out: int | None = None
@@ -107,7 +107,7 @@ class Spent:
 
 
 def spent(attempt: Attempt) -> Spent:
-    """Cost of an attempt.
+    """Compute the cost of an attempt.
 
     A reply that came over the wire and counts no tokens is one that did not tell; so is a price of nothing. Where no
     request was made (rules), or none was answered, nothing was spent.
@@ -123,7 +123,7 @@ def spent(attempt: Attempt) -> Spent:
 
 
 def who_decided(metrics: Mapping[str, Any], *, things: str, fallback: Fallback, advisor: str = "the advisor") -> str:
-    """A sentence on who decided, without its full stop; "" where the advisor decided everything that was decided.
+    """Say who decided, without a full stop; "" if the advisor made every decision.
 
     Such as "the advisor decided 5 of 7 goals, the fallback's rules 2".
 

@@ -28,7 +28,7 @@ MOST_STEPS = 100_000
 
 @dataclass
 class _Request:
-    """One question under way."""
+    """One request under way."""
 
     future: Future[Any]
     parked: asyncio.Future[Any]
@@ -45,7 +45,7 @@ class _Request:
 
 
 class SimulatedClock:
-    """Simulated seconds, moved on by the mission's own loop, which no advisor can stall in simulated time.
+    """Simulated seconds, advanced by the mission's own loop, which no advisor can stall in simulated time.
 
     Coroutines started here run on a private event loop inside `start` and `advance`, that is in the mission's
     thread and between two ticks: they may read the map without locks. The advisor thinks on its own thread, and its
@@ -97,11 +97,11 @@ class SimulatedClock:
 
     @property
     def pending_measured(self) -> bool:
-        """Whether a question is under way whose latency is being measured in wall time."""
+        """Whether a question is under way whose latency is measured in wall time."""
         return any(not r.wait and r.due_s is None and not r.future.done() for r in self._requests)
 
     def owns(self, loop: asyncio.AbstractEventLoop) -> bool:
-        """Whether `loop` is this clock's private one."""
+        """Check whether `loop` is this clock's private one."""
         return loop is self._loop
 
     def start(self, coroutine: Coroutine[Any, Any, R]) -> asyncio.Task[R]:
@@ -173,7 +173,7 @@ class SimulatedClock:
         return result
 
     def stood_still(self, seconds: float) -> None:
-        """Leave a pause of `seconds` of wall time that ends now out of every latency that is being measured.
+        """Exclude a pause of `seconds` of wall time, ending now, from every latency under measurement.
 
         An advisor may think on through a pause of the run. Its reply then counts as given when the pause began.
         """
@@ -186,7 +186,7 @@ class SimulatedClock:
                 request.wall_s = min(request.wall_s, started - request.asked_wall_s)
 
     def withdraw(self) -> None:
-        """Cancel every request under way, because its question is outdated; the asking coroutines end as withdrawn."""
+        """Cancel every request under way because its question is outdated; the asking coroutines end as withdrawn."""
         for request in self._requests:
             if not request.parked.done():
                 request.parked.set_exception(Withdrawn())
@@ -228,7 +228,7 @@ class SimulatedClock:
         raise RuntimeError("a coroutine started on this clock waits for something other than its reply()")
 
     def _deliver(self, request: _Request) -> bool:
-        """Hand over one reply if it is due now, or its time-out."""
+        """Deliver one reply if it is due now, or its time-out."""
         future, parked = request.future, request.parked
         if parked.done():
             return False
@@ -258,7 +258,7 @@ class SimulatedClock:
         return False
 
     def _learn_due(self, request: _Request) -> None:
-        """Settle when a reply is due, now that it is here: it may say itself how late it is (a recording)."""
+        """Determine when a reply is due once it has arrived: a recorded reply may state its own latency."""
         result, error = _outcome(request.future)
         latency = getattr(result if error is None else error, "latency_s", None)
         if latency is not None:
@@ -270,7 +270,7 @@ class SimulatedClock:
 
 
 def _outcome(future: Future[Any]) -> tuple[Any, BaseException | None]:
-    """Result and error of a finished request; one of them is None."""
+    """Return result and error of a finished request; one of them is None."""
     if future.cancelled():
         return None, AdvisorUnavailable("closed", "the advisor was shut down", final=True)
     error = future.exception()
@@ -278,7 +278,7 @@ def _outcome(future: Future[Any]) -> tuple[Any, BaseException | None]:
 
 
 class WallClock:
-    """Wall seconds since it was made: for a real vehicle, and wherever a program may simply wait.
+    """Wall seconds since creation: for a real vehicle, and for programs that may simply wait.
 
     With `start` and `advance` it is used like `SimulatedClock`, from a control loop that keeps its own period and is
     never blocked. Its `reply` also works inside any other running event loop (`asyncio.run(consult(...))`).
@@ -308,7 +308,7 @@ class WallClock:
         return self._stepped.start(coroutine)
 
     def advance(self) -> None:
-        """Deliver what has arrived; never waits."""
+        """Deliver what has arrived, without waiting."""
         if self._stepped is not None:
             self._stepped.advance(self.now())
 

@@ -72,7 +72,7 @@ def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> tuple[Model, 
         return OpenAIChatModel(
             model, provider=OpenAIProvider(openai_client=AsyncOpenAI(api_key=key, max_retries=0, http_client=client))
         ), client
-    # What a local server can do does not follow from its model's name: the output mode asked for is tried.
+    # A local server's capabilities do not follow from its model's name: try the requested output mode.
     profile = OpenAIModelProfile(
         supports_json_schema_output=True,
         supports_json_object_output=True,

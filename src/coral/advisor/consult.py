@@ -33,13 +33,13 @@ class BudgetCfg:
     application gives, by what is asked and whether a person answers."""
 
     def within(self, deadline_s: float) -> BudgetCfg:
-        """The same, with a deadline where none is set."""
+        """Return the same budget, with a deadline if none is set."""
         return self if self.deadline_s is not None else replace(self, deadline_s=deadline_s)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Attempt:
-    """One line of the attempt log: what was asked, what came back, what became of it."""
+    """One line of the attempt log: the question, the reply, and the verdict."""
 
     decision: int
     """Number of the decision this attempt belongs to, from 0 in each run."""
@@ -173,7 +173,7 @@ async def consult(
                 )
             continue
         except Exception as error:
-            # A fault in somebody's advisor costs its answer, not the vehicle.
+            # An exception in an advisor must cost its answer only, not the vehicle.
             fault = Rejection(code="advisor-error", reason=f"{type(error).__name__}: {error}")
             record("unavailable", rejection=fault)
             continue

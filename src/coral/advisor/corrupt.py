@@ -1,4 +1,4 @@
-"""Spoiling an answer by its schema and the facts of its question."""
+"""Corrupting an answer, given its schema and the facts of its question."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from coral.advisor.question import Question
 
 
 def corrupt(error: str, question: Question[Any], answer: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
-    """Another answer with one kind of error in it.
+    """Return another answer with one kind of error in it.
 
     Args:
         error: "wrong_type", "out_of_range", "backward" or "stale" (with no earlier answer to repeat).
@@ -23,7 +23,7 @@ def corrupt(error: str, question: Question[Any], answer: dict[str, Any], rng: np
     spoilt = dict(answer)
     numbers = _number_fields(question)
     if not numbers:
-        # Nothing to count wrong in: drop a field instead.
+        # There is no count to corrupt: drop a field instead.
         for field in list(spoilt)[:1]:
             del spoilt[field]
         return spoilt
@@ -38,7 +38,7 @@ def corrupt(error: str, question: Question[Any], answer: dict[str, Any], rng: np
 
 
 def _number_fields(question: Question[Any]) -> dict[str, dict[str, Any]]:
-    """Number fields of the answer, at the top of its schema: name to the schema of the number."""
+    """Return the number fields at the top of the answer's schema: name to the schema of the number."""
     fields = {}
     for name, schema in question.answer_type.model_json_schema().get("properties", {}).items():
         for choice in (schema, *schema.get("anyOf", ())):
@@ -48,7 +48,7 @@ def _number_fields(question: Question[Any]) -> dict[str, dict[str, Any]]:
 
 
 def _beyond(name: str, schema: dict[str, Any], question: Question[Any], rng: np.random.Generator) -> int:
-    """A number just outside its range."""
+    """Return a number just outside its range."""
     more = int(rng.integers(1, 6))
     if "index" in name and (count := _count(question)) is not None:
         return count - 1 + more
@@ -60,7 +60,7 @@ def _beyond(name: str, schema: dict[str, Any], question: Question[Any], rng: np.
 
 
 def _count(question: Question[Any]) -> int | None:
-    """How many things can be chosen, from facts such as `n_centroids` or `centroids`."""
+    """Return how many things can be chosen, from facts such as `n_centroids` or `centroids`."""
     for key, value in question.facts.items():
         if key.startswith("n_") and isinstance(value, int):
             return value
@@ -71,7 +71,7 @@ def _count(question: Question[Any]) -> int | None:
 
 
 def _behind(numbers: dict[str, dict[str, Any]], question: Question[Any], rng: np.random.Generator) -> dict[str, Any]:
-    """Field values that lead back: behind the robot, or to where it has been."""
+    """Return field values that lead back: behind the robot, or to where it has been."""
     for name in numbers:
         if "forward" in name:
             return {name: -int(rng.integers(1, 7))}
@@ -85,7 +85,7 @@ def _behind(numbers: dict[str, dict[str, Any]], question: Question[Any], rng: np
 
 
 def _is_behind(centroid: Any, robot: Any) -> bool:
-    """Whether a centroid of the facts lies behind the robot, as far as the facts tell."""
+    """Check whether a centroid of the facts lies behind the robot, as far as the facts say."""
     if "forward_m" in centroid:
         return bool(centroid["forward_m"] < 0)
     if not robot or "x" not in centroid:

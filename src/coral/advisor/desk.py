@@ -1,4 +1,4 @@
-"""A person, or any program, answers: every open question is a folder in an inbox."""
+"""The inbox advisor: a person, or any program, answers; every open question is a folder."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class DeskAdvisor:
         return Reply(value=parse_answer(text, question.answer_type, usage), raw=text, usage=usage)
 
     def _post(self, question: Question[Any], rejections: Sequence[Rejection]) -> Path:
-        """Write a question folder; its number is the first free one."""
+        """Write a question folder, numbered with the first free number."""
         self._inbox.mkdir(parents=True, exist_ok=True)
         numbers = [int(p.name.partition("-")[0]) for p in self._inbox.iterdir() if p.name.partition("-")[0].isdigit()]
         number = max(numbers, default=0) + 1
@@ -153,7 +153,7 @@ def _write(path: Path, content: bytes) -> None:
 
 
 def make_desk(name: str, rest: str, setting: Setting) -> DeskAdvisor:
-    """Whoever answers in an inbox.
+    """Make the inbox advisor.
 
     Raises:
         InputError: There is no inbox, or it cannot be written.

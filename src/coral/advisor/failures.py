@@ -1,4 +1,4 @@
-"""What a client library's exception means: whose fault it is, what to call it, and whether to try again."""
+"""Diagnosis of a client library's exception: whose fault it is, its name, and whether to try again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What decides where the advisor did not: one policy, chosen for a run or a campaign, the same in both systems."""
+"""The fallback policy: what decides if the advisor does not; chosen per run or campaign, the same in both systems."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ one that never decides covers what it sees from its first goal."""
 
 
 def failed(failure: str) -> str:
-    """The end of a run under `fail`.
+    """Return the end reason of a run under `fail`.
 
     Args:
         failure: Of the decision, as `consult` names it.

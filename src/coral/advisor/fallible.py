@@ -55,7 +55,7 @@ class FallibleCfg:
 
     @classmethod
     def total(cls, probability: float) -> FallibleCfg:
-        """All kinds equally often, `probability` together.
+        """Make all kinds equally likely, `probability` in total.
 
         Raises:
             ValueError: It is not from 0 to 1.
@@ -147,7 +147,7 @@ class FallibleAdvisor:
         previous: dict[str, Any] | None,
         rng: np.random.Generator,
     ) -> str:
-        """The text of a spoilt answer."""
+        """Return the text of a corrupted answer."""
         text = json.dumps(right)
         if error == "empty":
             return ""
@@ -161,7 +161,7 @@ class FallibleAdvisor:
 
 
 def make_fallible(name: str, rest: str, setting: Setting) -> FallibleAdvisor:
-    """Another advisor with errors, fallible:P:INNER.
+    """Make an advisor with errors, fallible:P:INNER.
 
     Raises:
         InputError: P is no probability, or there is no such inner advisor.

@@ -1,4 +1,4 @@
-"""Running a coroutine to its end where an event loop may be running already, as in a notebook's cell."""
+"""Running a coroutine to its end where an event loop may already be running, as in a notebook's cell."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def run_alone(coroutine: Coroutine[Any, Any, R]) -> R:
 
 @contextlib.contextmanager
 def _outer_loop_aside() -> Iterator[None]:
-    """Take the running loop and its task from the thread for a while.
+    """Detach the running loop and its task from the thread for a while.
 
     Python refuses to run a second loop in a thread only because the first one is noted there; asyncio offers these
     functions to those who write event loops.

@@ -1,4 +1,4 @@
-"""How long an advisor takes to answer, in seconds of the world's clock."""
+"""Latency of an advisor, in seconds of the world's clock."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class LatencyCfg:
     """Standard deviation of the natural logarithm of the reply time (lognormal only)."""
 
     def draw(self, rng: np.random.Generator) -> float | None:
-        """Reply time of one question (s); None when only the reply can tell."""
+        """Draw the reply time of one question (s); None if only the reply can tell."""
         if self.kind == "fixed":
             return self.median_s
         if self.kind == "lognormal":
@@ -66,12 +66,12 @@ def parse_latency(spec: str, where: str = "--cfg.latency") -> LatencyCfg:
 
 
 def default_latency(advisor: Any) -> LatencyCfg:
-    """What an advisor says of its own latency (attribute `latency`, a spec); measured when it says nothing."""
+    """Return an advisor's own latency (attribute `latency`, a spec); measured if it has none."""
     return parse_latency(str(getattr(advisor, "latency", "measured")), f"advisor {getattr(advisor, 'name', '?')}")
 
 
 def latency_for(advisor: Any, spec: str = "auto") -> LatencyCfg:
-    """The latency a mission simulates for an advisor.
+    """Return the latency that a mission simulates for an advisor.
 
     Args:
         advisor: Who is asked. A recording always keeps its recorded latencies.

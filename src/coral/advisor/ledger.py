@@ -1,4 +1,4 @@
-"""What a run has spent on its models, and where it stops."""
+"""Spending of a run on its models, and its limits."""
 
 from __future__ import annotations
 
@@ -34,6 +34,6 @@ class Ledger:
         self.calls += 1
 
     def add(self, tokens: int, usd: float) -> None:
-        """Book what a reply cost."""
+        """Record the cost of a reply."""
         self.tokens += tokens
         self.usd += usd

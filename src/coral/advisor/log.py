@@ -35,7 +35,7 @@ def prompt_digest(prompt: str) -> str:
 
 
 def question_key(question: Question[Any]) -> dict[str, Any]:
-    """What makes two questions the same, as JSON: a recording is looked up by it.
+    """Return what identifies a question, as JSON: the key of a recording.
 
     Facts count only where there is no picture, because then nothing else tells one state of the world from another.
     """
@@ -107,7 +107,7 @@ def _digest(text: str) -> str:
 
 
 def plain_json(value: Any, indent: int | None = None) -> str:
-    """JSON text of a value whose numbers may be NumPy's; what is not finite becomes null, half letters U+FFFD."""
+    """Encode a value as JSON, NumPy's numbers included; non-finite ones become null, lone surrogates U+FFFD."""
     return json.dumps(_plain(value), allow_nan=False, indent=indent)
 
 

@@ -1,4 +1,4 @@
-"""How real models are called: deadlines, retries, output mode, and what a run may spend."""
+"""How to call real models: deadlines, retries, output mode, and spending limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Real models: one question, one request, at most a retry or a repair, and a hard deadline."""
+"""Real models: one question, one request, at most one retry or repair, and a hard deadline."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ REPAIRED = ("empty", "not-json", "missing-field", "wrong-type", "out-of-range", 
 
 @dataclass
 class _Spent:
-    """What one answer has cost so far."""
+    """Running cost of one answer."""
 
     usage: Usage = field(default_factory=lambda: Usage(requests=0))
 
@@ -56,7 +56,7 @@ class ModelAdvisor:
     latency = "measured"
 
     def __init__(self, provider: str, model: str, cfg: ModelCfg, url: str = "") -> None:
-        """Describe a model; it is connected to on the first answer or on `warm_up`.
+        """Describe a model; it connects on the first answer or on `warm_up`.
 
         Args:
             provider: "openai", "anthropic", "google" or "local".
@@ -73,12 +73,12 @@ class ModelAdvisor:
 
     @classmethod
     def local(cls, url: str, model: str, cfg: ModelCfg) -> ModelAdvisor:
-        """A model on an OpenAI-compatible server (vLLM, Ollama, llama.cpp)."""
+        """Make a model on an OpenAI-compatible server (vLLM, Ollama, llama.cpp)."""
         return cls("local", model, cfg, url)
 
     @classmethod
     def provider(cls, provider: str, model: str, cfg: ModelCfg, where: str = "--advisor") -> ModelAdvisor:
-        """A provider's model.
+        """Make a provider's model.
 
         Raises:
             InputError: The environment holds no key for it.
@@ -87,7 +87,7 @@ class ModelAdvisor:
         return cls(provider, model, cfg)
 
     def with_cfg(self, cfg: ModelCfg) -> ModelAdvisor:
-        """The same model, called differently; it keeps accounts of its own."""
+        """Return the same model with another configuration and accounts of its own."""
         return ModelAdvisor(self._provider, self._model_name, cfg, self._url)
 
     async def warm_up(self) -> None:
@@ -152,7 +152,7 @@ class ModelAdvisor:
         raise AssertionError("the last repair returns or raises")
 
     def _content(self, question: Question[Any], rejections: Sequence[Rejection], repair: str) -> list[UserContent]:
-        """The user message: what does not change first, pictures next, what is new last."""
+        """Build the user message: constant parts first, then pictures, then what is new."""
         from pydantic_ai.messages import BinaryContent
 
         content: list[UserContent] = [question.prompt]
@@ -171,7 +171,7 @@ class ModelAdvisor:
         return content
 
     def _parameters(self, answer_type: type[BaseModel]) -> ModelRequestParameters:
-        """How the form of the answer is asked for."""
+        """Return the request parameters for the output mode."""
         from pydantic_ai.models import ModelRequestParameters
         from pydantic_ai.output import OutputObjectDefinition
         from pydantic_ai.tools import ToolDefinition
@@ -188,13 +188,13 @@ class ModelAdvisor:
         if mode == "plain":
             return ModelRequestParameters()
         shape = OutputObjectDefinition(json_schema=schema, name="answer")
-        # The prompt says what to return; the library's own words about it stay out.
+        # The prompt says what to return; leave the library's own instructions out.
         return ModelRequestParameters(output_mode=mode, output_object=shape, prompted_output_template=False)
 
     async def _request(
         self, content: list[UserContent], parameters: ModelRequestParameters, spent: _Spent, deadline: float
     ) -> ModelResponse:
-        """One reply, after as many retries as it takes and the configuration allows."""
+        """Return one reply, after as many retries as needed and configured."""
         from pydantic_ai.messages import ModelRequest, UserPromptPart
         from pydantic_ai.settings import ModelSettings
 
@@ -234,7 +234,7 @@ class ModelAdvisor:
         raise AssertionError("the last retry returns or raises")
 
     def _book(self, response: ModelResponse, spent: _Spent) -> None:
-        """Count tokens and money, as far as the reply and the price list tell."""
+        """Count tokens and money, as far as the reply and the price list provide them."""
         try:
             usd = float(response.cost().total_price)
         except (LookupError, ValueError, AssertionError):
@@ -245,13 +245,13 @@ class ModelAdvisor:
 
 
 def _plain_if_text(content: list[UserContent]) -> str | list[UserContent]:
-    """One string where there are no pictures: the chat templates of many local models know nothing else."""
+    """Return a single string if there are no pictures: many local models' chat templates accept nothing else."""
     texts = [part for part in content if isinstance(part, str)]
     return "\n\n".join(texts) if len(texts) == len(content) else content
 
 
 def _raw(response: ModelResponse) -> str:
-    """What the model said: its text, and the arguments of its tool call."""
+    """Return the model's text, and the arguments of its tool call."""
     texts = [part.content for part in response.parts if part.part_kind == "text"]
     calls = [part.args_as_json_str() for part in response.parts if part.part_kind == "tool-call"]
     return "\n".join([*texts, *calls])
@@ -270,7 +270,7 @@ def _parse(response: ModelResponse, raw: str, answer_type: type[A]) -> A:
 
 
 def make_provider(name: str, rest: str, setting: Setting) -> ModelAdvisor:
-    """A provider's model, PROVIDER:MODEL.
+    """Make a provider's model, PROVIDER:MODEL.
 
     Raises:
         InputError: The environment holds no key for it.
@@ -279,7 +279,7 @@ def make_provider(name: str, rest: str, setting: Setting) -> ModelAdvisor:
 
 
 def make_local(name: str, rest: str, setting: Setting) -> ModelAdvisor:
-    """A model on a server of one's own, local:URL#MODEL.
+    """Make a model on one's own server, local:URL#MODEL.
 
     Raises:
         InputError: The address is incomplete, or holds a secret.

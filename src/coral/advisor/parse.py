@@ -1,4 +1,4 @@
-"""Reading an answer out of whatever text a model returned, without trusting it."""
+"""Parsing an answer from whatever text a model returned, without trusting it."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) ->
     first_error: ValidationError | None = None
     for value in _values(encodable(text), answer_type):
         try:
-            # JSON may spell out half a letter, which no file takes.
+            # JSON may escape a lone surrogate, which no file can hold.
             return _validate(encodable_values(value), answer_type)
         except ValidationError as error:
             first_error = first_error or error
@@ -68,7 +68,7 @@ def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) ->
 
 
 def _values(text: str, answer_type: type[BaseModel]) -> Iterator[Any]:
-    """Everything in the text that reads as an object or a list, the most likely answer first."""
+    """Find everything in the text that reads as an object or a list, the most likely answer first."""
     whole = _read(text.strip())
     if isinstance(whole, dict | list):
         yield whole
@@ -85,7 +85,7 @@ def _values(text: str, answer_type: type[BaseModel]) -> Iterator[Any]:
 
 
 def _bracketed(text: str) -> list[tuple[int, int]]:
-    """Outermost balanced {...} and [...] passages of a text, in order, in one pass.
+    """Find the outermost balanced {...} and [...] passages of a text, in order, in one pass.
 
     Quotes are honoured inside brackets only, and double ones only: an apostrophe in prose opens no string. A bracket
     that never closes hides nothing: what it encloses is found as well.
@@ -116,7 +116,7 @@ def _bracketed(text: str) -> list[tuple[int, int]]:
 
 
 def _read(passage: str) -> Any:
-    """Value of a passage as JSON or as a Python literal; None when it is neither."""
+    """Parse a passage as JSON or as a Python literal; None if it is neither."""
     if _depth(passage) > MAX_DEPTH:
         return None
     try:
@@ -133,7 +133,7 @@ def _read(passage: str) -> Any:
 
 
 def _depth(passage: str) -> int:
-    """Upper bound on the nesting of a passage (brackets in strings count too)."""
+    """Bound the nesting of a passage from above (brackets in strings count too)."""
     depth = deepest = 0
     for c in passage:
         if c in "{[(":
@@ -145,7 +145,7 @@ def _depth(passage: str) -> int:
 
 
 def _as_literal(passage: str) -> str | None:
-    """The passage as Python source of plain literals, or None when it holds anything else.
+    """Return the passage as Python source of plain literals, or None if it holds anything else.
 
     Python's own reader can be brought down by long chains of operators; here no operator gets through.
     """
@@ -177,7 +177,7 @@ def _validate(value: Any, answer_type: type[A]) -> A:
 
 
 def _explain(error: ValidationError) -> tuple[str, str]:
-    """Code and reason of the first faults of an answer, in words that a model can act on."""
+    """Return code and reason of the first faults of an answer, in words that a model can act on."""
     faults = error.errors(include_url=False, include_context=False)
     reasons = []
     for fault in faults[:3]:

@@ -1,4 +1,4 @@
-"""One small question before a run with a model, so that a run that cannot succeed is refused before it begins."""
+"""Preflight: one small question before a run with a model, so that a run that cannot succeed is refused."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SmallAnswer(BaseModel):
 
 
 def model_of(advisor: Any) -> ModelAdvisor | None:
-    """The real model behind an advisor, also inside those that spoil its answers; None where there is none."""
+    """Return the real model behind an advisor, also inside those that corrupt its answers; None if there is none."""
     while not isinstance(advisor, ModelAdvisor):
         advisor = getattr(advisor, "inner", None)
         if advisor is None:
@@ -39,7 +39,7 @@ def model_of(advisor: Any) -> ModelAdvisor | None:
 
 
 def preflight(advisor: Any, *, pictures: bool, where: str = "--advisor", quiet: bool = False) -> None:
-    """Ask the model of a run one small question, with a small picture if it is going to be sent pictures.
+    """Ask the model of a run one small question, with a small picture if the run sends pictures.
 
     Nothing happens where no model is asked. A retry at most, whatever the configuration allows later; its tokens are in
     no account of the run.
@@ -67,7 +67,7 @@ def preflight(advisor: Any, *, pictures: bool, where: str = "--advisor", quiet: 
 
 
 async def _ask(model: ModelAdvisor, seeing: bool) -> str:
-    """What is wrong with the model, or ""."""
+    """Return what is wrong with the model, or ""."""
     color = "the color that fills the picture (red, green, blue, yellow, white or black)" if seeing else '"none"'
     question = Question(
         kind="preflight",
@@ -91,7 +91,7 @@ async def _ask(model: ModelAdvisor, seeing: bool) -> str:
 
 
 def patch(rgb: tuple[int, int, int]) -> bytes:
-    """PNG of one colour, 64 x 64 pixels."""
+    """Make a PNG of one colour, 64 x 64 pixels."""
     image = np.full((64, 64, 3), rgb, np.uint8)
     return bytes(cv2.imencode(".png", image[:, :, ::-1])[1])
 

@@ -1,4 +1,4 @@
-"""Finding out what a model's endpoint can do: output modes, pictures, how fast."""
+"""Probing a model's endpoint: output modes, pictures, speed."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Finding:
 
 @dataclass(frozen=True, kw_only=True)
 class ProbeReport:
-    """What an endpoint can do."""
+    """The capabilities of an endpoint."""
 
     advisor: str
     modes: dict[str, Finding]
@@ -59,7 +59,7 @@ class ProbeReport:
         return self.recommended is not None
 
     def lines(self) -> list[str]:
-        """The report as text."""
+        """Return the report as text."""
         rows = [f"{self.advisor}"]
         rows += [f"  {mode:<9} {finding.wall_s:6.1f} s  {finding.says}" for mode, finding in self.modes.items()]
         if self.pictures is not None:
@@ -113,7 +113,7 @@ async def _probe(advisor: ModelAdvisor, base: ModelCfg) -> ProbeReport:
 
 
 async def _ask(advisor: ModelAdvisor, number: int, color: str) -> tuple[Finding, str]:
-    """One small question; returns also the code of the failure, if any."""
+    """Ask one small question; return also the code of the failure, if any."""
     what = "the color that fills the picture (red, green or blue)" if color else '"none"'
     question = Question(
         kind="probe",
@@ -132,7 +132,7 @@ async def _ask(advisor: ModelAdvisor, number: int, color: str) -> tuple[Finding,
             if right
             else f"wrong answer: number {answer.number} for {number}, color {answer.color} for {color or 'none'}"
         )
-        # A format is a matter of form: a weak model that errs in what it says can still have it.
+        # Only the format matters here: a weak model may support it although its content is wrong.
         works = right if color else True
     except BadAnswer as bad:
         works, says = False, f"{bad.rejection.code}: {bad.rejection.reason}"

@@ -26,13 +26,13 @@ _environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "default": str
 
 
 def kinds() -> list[str]:
-    """Kinds of question that have a template."""
+    """Return the kinds of question that have a template."""
     return sorted(path.stem for path in FOLDER.glob("*.md"))
 
 
 @cache
 def version(kind: str) -> str:
-    """Version of a template: the one its first line states, and a digest of the file, such as "1+3f2a9c04".
+    """Return a template's version: the one its first line states, and a digest of the file, such as "1+3f2a9c04".
 
     Raises:
         InputError: There is no such kind, or its first line is not `{# version: N #}`.
@@ -48,7 +48,7 @@ def version(kind: str) -> str:
 
 
 def render(kind: str, context: Mapping[str, Any] | None = None, /, **more: Any) -> tuple[str, str]:
-    """The prompt of one kind of question.
+    """Render the prompt of one kind of question.
 
     Args:
         kind: Name of a template, such as "reef-centroid".
@@ -72,7 +72,7 @@ def render(kind: str, context: Mapping[str, Any] | None = None, /, **more: Any) 
 
 
 def render_rejections(rejections: Sequence[Rejection]) -> str:
-    """Why earlier answers were refused, as the last part of a prompt; "" when none was.
+    """Render why earlier answers were refused, as the last part of a prompt; "" if none was.
 
     Advisors add this themselves, so that a template need not.
     """

@@ -1,4 +1,4 @@
-"""What is asked of an advisor, and what comes back."""
+"""Questions to an advisor, and its replies."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Question(Generic[A]):
 
 @dataclass(frozen=True, kw_only=True)
 class Rejection:
-    """Why an answer was refused, in words that the model can act on."""
+    """The reason why an answer was refused, in words that the model can act on."""
 
     code: str
     """Stable identifier for logs and tests, such as "backward" or "not-json"."""
@@ -61,7 +61,7 @@ class Rejection:
 
 @dataclass(frozen=True, kw_only=True)
 class Usage:
-    """What one reply cost."""
+    """Cost of one reply."""
 
     input_tokens: int = 0
     output_tokens: int = 0
@@ -112,7 +112,7 @@ class AdvisorUnavailable(Exception):
 
 
 class Withdrawn(Exception):
-    """The question was withdrawn while it was under way: the world no longer needs an answer."""
+    """The question was withdrawn while it was under way: its answer is no longer needed."""
 
 
 class Advisor(Protocol):

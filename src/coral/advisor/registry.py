@@ -1,4 +1,4 @@
-"""Every advisor that a string can name: one entry each, which parsing, suggestions, help and documentation read."""
+"""The registry of advisors: one entry each, which parsing, suggestions, help and documentation read."""
 
 from __future__ import annotations
 
@@ -100,17 +100,17 @@ _BY_NAME = {entry.name: entry for entry in ENTRIES}
 
 
 def forms() -> str:
-    """All forms, for help and errors."""
+    """Return all forms, for help and errors."""
     return ", ".join(entry.form for entry in ENTRIES)
 
 
 def advisor_help(first: str) -> str:
-    """Help of a flag that takes an advisor: a sentence of the command's own, then what can be named."""
+    """Return the help of a flag that takes an advisor: the command's own sentence, then the available names."""
     return f"{first}: {forms()}."
 
 
 def innermost(spec: str) -> tuple[AdvisorEntry | None, str]:
-    """Who really answers, inside all that wrap it: its entry and its own string; no entry where it names nobody."""
+    """Return entry and string of the advisor that really answers, inside all wrappers; no entry if it names none."""
     spec = spec.strip()
     entry, rest = _split(spec)
     while entry is not None and entry.wraps:
@@ -120,7 +120,7 @@ def innermost(spec: str) -> tuple[AdvisorEntry | None, str]:
 
 
 def rules_alone(advisor: str) -> bool:
-    """Whether only rules answer for an advisor, spoilt or not: no model, no person, no recording of either.
+    """Check whether only rules answer, corrupted or not: no model, no person, no recording of either.
 
     Args:
         advisor: As on the command line.
@@ -130,7 +130,7 @@ def rules_alone(advisor: str) -> bool:
 
 
 def asks_person(advisor: str) -> bool:
-    """Whether a person may answer for an advisor, spoilt or not.
+    """Check whether a person may answer, corrupted or not.
 
     Args:
         advisor: As on the command line.
@@ -191,7 +191,7 @@ def make_advisor(
 
 
 def _split(spec: str) -> tuple[AdvisorEntry | None, str]:
-    """The entry that a string names, and what follows its name; none where it lacks or has too much."""
+    """Return the entry that a string names, and its argument; none if the argument is missing or superfluous."""
     name, _, rest = spec.partition(":")
     entry = _BY_NAME.get(name.strip())
     fits = entry is not None and (bool(rest) if entry.takes else ":" not in spec)
@@ -199,7 +199,7 @@ def _split(spec: str) -> tuple[AdvisorEntry | None, str]:
 
 
 def _expected(spec: str) -> str:
-    """What might have been meant by a string that names no advisor."""
+    """Suggest what a string that names no advisor might have meant."""
     name, colon, rest = spec.partition(":")
     entry = _BY_NAME.get(name)
     if entry is not None and entry.takes and not rest:

@@ -106,7 +106,7 @@ class ReplayAdvisor:
         self._recorded: dict[str, deque[dict[str, Any]]] = {}
         for entry in _read(self._file, where):
             if entry["code"] == "deadline" and entry["asked_at_s"] == entry["answered_at_s"]:
-                continue  # The deadline had passed already: nobody was asked, and nobody will be.
+                continue  # The deadline had already passed: no advisor was asked, and none will be.
             key = {part: entry[part] for part in _PARTS}
             text = json.dumps(key, sort_keys=True)
             if text not in self._recorded:
@@ -114,7 +114,7 @@ class ReplayAdvisor:
             self._recorded.setdefault(text, deque()).append(entry)
 
     def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
-        """Repeat what was recorded for this question.
+        """Repeat the recorded answer to this question.
 
         The recording is advanced here, before the first await, so that a question withdrawn at once counts too.
 
@@ -153,7 +153,7 @@ class ReplayAdvisor:
         return Reply(value=value, raw=raw, usage=usage, latency_s=latency_s)
 
     def _missing(self, key: dict[str, Any], known: bool) -> str:
-        """Why a question is not in the recording, compared with the nearest one that is."""
+        """Explain why a question is not in the recording, compared with the nearest one that is."""
         if known:
             return f"{self._file}: this {key['kind']} question was asked more often than when it was recorded"
         if not self._keys:
@@ -211,7 +211,7 @@ def _read(file: Path, where: str) -> list[dict[str, Any]]:
 
 
 def make_replay(name: str, rest: str, setting: Setting) -> ReplayAdvisor:
-    """A recording, replay:FILE.
+    """Make the advisor of a recording, replay:FILE.
 
     Raises:
         InputError: The file is missing or unreadable.

@@ -1,4 +1,4 @@
-"""The embedded default advisor: rules of the application, read from facts alone. Not a VLM, not an LLM."""
+"""The embedded default advisor: the application's rules, applied to facts alone. Not a VLM, not an LLM."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Rule = Callable[[Mapping[str, Any], Sequence[Rejection]], BaseModel]
 
 
 class RuleAdvisor:
-    """Answers each kind of question with a function of the application's own."""
+    """Answers each kind of question with one of the application's functions."""
 
     latency = "0"
 
@@ -49,5 +49,5 @@ class RuleAdvisor:
 
 
 def make_rules(name: str, rest: str, setting: Setting) -> RuleAdvisor:
-    """The application's rules."""
+    """Make the advisor of the application's rules."""
     return RuleAdvisor(setting.rules)

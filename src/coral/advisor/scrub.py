@@ -1,4 +1,4 @@
-"""Keeping keys out of every log and run folder."""
+"""Removal of keys from every log and run folder."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _SECRET_SHAPE = re.compile(r"\b(?:sk-[\w*-]{6,}|AIza[\w*-]{10,})|(?<=[Bb]earer )
 
 
 def scrub(text: str) -> str:
-    """The text without anything that is, or looks like, a key of this environment."""
+    """Remove from a text everything that is, or looks like, a key of this environment."""
     for name, value in os.environ.items():
         if len(value) >= 8 and _SECRET_NAME.search(name):
             text = text.replace(value, "***")
@@ -19,7 +19,7 @@ def scrub(text: str) -> str:
 
 
 def public_url(url: str) -> str:
-    """A URL without user name, password, query and fragment, for names and logs."""
+    """Return a URL without user name, password, query and fragment, for names and logs."""
     parts = urlsplit(url)
     host = parts.hostname or ""
     if ":" in host:

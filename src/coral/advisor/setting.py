@@ -1,4 +1,4 @@
-"""What an advisor may need besides its name: rules, random numbers, an inbox, how models are called."""
+"""Context for making an advisor: rules, random numbers, an inbox, and how to call models."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """Passed to whatever makes an advisor from its string."""
+    """The context passed to the maker of an advisor."""
 
     rules: Mapping[str, Rule]
     """The application's own, kind of question to function of its facts."""

@@ -1,4 +1,4 @@
-"""An advisor that errs plausibly, at rates given by kind: its wrong answers look right, and most pass every check."""
+"""An advisor with plausible errors at rates given by kind: its wrong answers look right, and most pass every check."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ KEPT = 64
 
 @dataclass(frozen=True, kw_only=True)
 class Earlier:
-    """What was right when a question of the same kind was asked before."""
+    """The right answer to an earlier question of the same kind."""
 
     at_s: float
     """When it was asked, on the clock of the world."""
@@ -45,7 +45,7 @@ or None where this mistake cannot be made here."""
 
 @dataclass(frozen=True, kw_only=True)
 class Mistake:
-    """One kind of plausible error, of an application."""
+    """One kind of plausible error in an application."""
 
     name: str
     """As on the command line."""
@@ -60,7 +60,7 @@ class Mistake:
 
 @dataclass(frozen=True, kw_only=True)
 class Rates:
-    """How often an answer is wrong; at most one mistake is made in it."""
+    """Error rates; an answer has at most one mistake."""
 
     level: float | None = None
     """Probability that an answer is wrong, whatever the question: every mistake that can be made there is as likely."""
@@ -74,7 +74,7 @@ class Rates:
 
 
 def parse_rates(text: str, mistakes: Sequence[Mistake], where: str = "--advisor") -> Rates:
-    """Rates as on the command line: `0.3`, or `mirrored=0.2+stale=0.1`.
+    """Parse rates from the command line: `0.3`, or `mirrored=0.2+stale=0.1`.
 
     Raises:
         InputError: A kind is not known, a rate is no probability, or rates of one question sum to more than 1.
@@ -146,7 +146,7 @@ class SloppyAdvisor:
         return self._answer(question, rejections, self._chosen(able, chance, rng), rng)
 
     def _chosen(self, able: Sequence[Mistake], chance: float, rng: np.random.Generator) -> list[Mistake]:
-        """The mistakes to try in turn, of those that can happen to a question; none for a right answer."""
+        """Return the mistakes to try in turn, of those possible for a question; none for a right answer."""
         if self._rates.level is not None:
             return [able[k] for k in rng.permutation(len(able))] if chance < self._rates.level else []
         below = 0.0
@@ -176,7 +176,7 @@ class SloppyAdvisor:
 
 
 def make_sloppy(name: str, rest: str, setting: Setting) -> SloppyAdvisor:
-    """Another advisor with plausible errors, sloppy:ERRORS:INNER.
+    """Make an advisor with plausible errors, sloppy:ERRORS:INNER.
 
     Raises:
         InputError: The errors are not written as they should be, or there is no such inner advisor.

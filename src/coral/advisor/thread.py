@@ -1,4 +1,4 @@
-"""The one thread on which advisors think, so that the control loop never waits for a network."""
+"""The thread on which advisors run, so that the control loop never waits for a network."""
 
 from __future__ import annotations
 
@@ -66,11 +66,11 @@ class AdvisorThread:
             raise
 
     def close(self) -> None:
-        """Cancel what is under way and stop the thread."""
+        """Cancel pending work and stop the thread."""
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._loop.stop)
             self._thread.join(timeout=5.0)
 
 
 async def _nothing() -> None:
-    """Proves that the loop runs."""
+    """Show that the loop runs."""

@@ -47,7 +47,7 @@ def http_client(max_reply_bytes: int, timeout_s: float) -> httpx2.AsyncClient:
 
 
 def caused_by(error: BaseException, kind: type[BaseException]) -> bool:
-    """Whether an error of a client library goes back to one of this kind."""
+    """Check whether a client library's error was caused by one of this kind."""
     cause: BaseException | None = error
     for _ in range(10):
         if cause is None:

@@ -22,7 +22,7 @@ LEVELS = {"imaged": imaging_kernels.IMAGED, "inspected": imaging_kernels.INSPECT
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingCfg:
-    """The distance at which oysters count as imaged, and the resolution at which they count as inspected."""
+    """At which distance oysters count as imaged, and at which resolution as inspected."""
 
     range_m: Positive = 6.0
     """`imaged`: the paper's detection range, its prompts speak of 0-6 m. Measured along the line of sight."""

@@ -51,7 +51,7 @@ PAPER_LATENCY = "fixed:10"
 
 @dataclass(frozen=True, kw_only=True)
 class MissionCfg:
-    """The definition of a mission apart from the world, the advisor and the seed."""
+    """Everything that defines a mission besides the world, the advisor and the seed."""
 
     time_limit_s: Positive = 600.0
     control_period_s: TimeStep = 0.1
