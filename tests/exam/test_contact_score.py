@@ -1,10 +1,10 @@
 import math
 
 import pytest
-from coral.contact.world_model.parameter_answer import ParametersAnswer
 
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.thinker.pose_question import PosesAnswer
+from coral.contact.world_model.parameter_correction import ParametersAnswer
 from coral.contact.world_model.parameter_estimates import ParameterEstimates
 from coral.exam.contact_score import score_correction, score_estimates, score_poses, score_regions
 

@@ -19,6 +19,7 @@ from coral.advisor.registry import advisor_help, make_advisor
 from coral.config import checked
 from coral.contact.episode.variants import contact_model
 from coral.contact.rules.answers import RULES
+from coral.contact.rules.mistakes import CONTACT_MISTAKES
 from coral.contact.rules.spoilt_answers import SPOILT
 from coral.errors import InputError
 from coral.exam.controls import CONTROLS, control
@@ -130,7 +131,7 @@ class AdvisorBench:
             cfg=checked(self.model, "--model"),
             where="--advisors",
             spoil=SPOILT,
-            mistakes=REEF_MISTAKES,
+            mistakes=(*REEF_MISTAKES, *CONTACT_MISTAKES),
         )
 
     def _write(self, results: list[Result], rows: list[dict[str, Any]], about: str) -> dict[str, str]:

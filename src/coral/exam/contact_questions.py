@@ -41,7 +41,7 @@ from coral.exam.item import ExamItem
 TASKS = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
 SHORT = ("flip-box", "pick-box", "push-force")
 """Tasks that a plan finishes in a few seconds: the outcome of plans is tried in these."""
-HIDDEN = ("stated_mass_kg", "stated_friction", "solid_share", "parts")
+HIDDEN = ("solid_share", "parts")
 """What prompts of episodes leave out of objects: facts of the default advisor alone."""
 BAD_S, PUSHED_S = 2.0, 4.0
 """Simulated time after which a bad plan is asked about, and after which a wrong belief is."""
@@ -50,17 +50,14 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Seen:
-    """The first look at a trial: what the sensors say, the picture, and the scene as facts.
-
-    Args:
-        beliefs: By the rules, from the facts; they are what later questions state.
-    """
+    """The first look at a trial: what the sensors say, the picture, and the scene as facts."""
 
     trial: Trial
     now: Observation
     frame: RgbdFrame
     facts: dict[str, Any]
     beliefs: dict[str, PhysicalParameters]
+    """By the rules, from the facts; they are what later questions state."""
 
     @property
     def pictures(self) -> tuple[Picture, ...]:

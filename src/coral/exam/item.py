@@ -33,29 +33,26 @@ ANSWERS: Mapping[str, type[BaseModel]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class ExamItem:
-    """One question and its key.
-
-    Args:
-        id: Unique within its set, such as "reef-centroid-007"; also the name of its folder in an inbox.
-        kind: Of question.
-        group: World or task that it comes from: questions of one group resemble each other.
-        prompt: As an advisor reads it.
-        prompt_version: Of the template when the set was made.
-        facts: For advisors without eyes; from the robot's own map and sensors.
-        pictures: For advisors with eyes.
-        asked_at_s: When it came up, on the clock of its world.
-        key: What the answer is scored by: ground truth. `question` leaves it out.
-    """
+    """One question and its key."""
 
     id: str
+    """Unique within its set, such as "reef-centroid-007"; also the name of its folder in an inbox."""
     kind: str
+    """Of question."""
     group: str
+    """World or task that it comes from: questions of one group resemble each other."""
     prompt: str
+    """As an advisor reads it."""
     prompt_version: str
+    """Of the template when the set was made."""
     facts: Mapping[str, Any]
+    """For advisors without eyes; from the robot's own map and sensors."""
     pictures: tuple[Picture, ...] = ()
+    """For advisors with eyes."""
     asked_at_s: float = 0.0
+    """When it came up, on the clock of its world."""
     key: Mapping[str, Any] = field(default_factory=dict)
+    """What the answer is scored by: ground truth. `question` leaves it out."""
 
     def question(self) -> Question[Any]:
         """What an advisor is shown, and nothing else."""

@@ -28,17 +28,14 @@ SHIPPED = ("public",)
 
 @dataclass(frozen=True, kw_only=True)
 class QuestionSet:
-    """Questions that belong together.
-
-    Args:
-        name: For tables and reports.
-        about: How it was made: seed and command.
-        items: Its questions.
-    """
+    """Questions that belong together."""
 
     name: str
+    """For tables and reports."""
     about: Mapping[str, Any]
+    """How it was made: seed and command."""
     items: tuple[ExamItem, ...]
+    """Its questions."""
 
 
 def save_set(path: Path, made: QuestionSet) -> None:

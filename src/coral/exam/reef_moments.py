@@ -40,20 +40,17 @@ WAYWARD = 0.35
 
 @dataclass(frozen=True)
 class Moment:
-    """A question, where it came up, and what each answer to it means.
-
-    Args:
-        question: As an advisor is asked.
-        pose: Of the robot.
-        left: Indices of the true clusters that the robot has not been near to.
-        options: Answers (label of a dot, or metres forward and to the left) to their points (m), or to the verifiers'
-            code of refusal.
-    """
+    """A question, where it came up, and what each answer to it means."""
 
     question: Question[Any]
+    """As an advisor is asked."""
     pose: Pose
+    """Of the robot."""
     left: tuple[int, ...]
+    """Indices of the true clusters that the robot has not been near to."""
     options: dict[str, tuple[float, float] | str]
+    """Answers (label of a dot, or metres forward and to the left) to their points (m), or to the verifiers' code of
+    refusal."""
 
 
 class LedPlanner(HighLevelPlanner):

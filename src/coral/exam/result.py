@@ -17,15 +17,12 @@ RESAMPLES, SEED, LEVEL = 4000, 20260314, 0.95
 
 @dataclass(frozen=True, kw_only=True)
 class Result:
-    """One row.
-
-    Args:
-        name: Of the advisor.
-        graded: Every question with its answer and worth.
-    """
+    """One row."""
 
     name: str
+    """Of the advisor."""
     graded: tuple[Graded, ...]
+    """Every question with its answer and worth."""
 
     def row(self) -> dict[str, Any]:
         """As JSON.

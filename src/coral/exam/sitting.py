@@ -16,23 +16,20 @@ from coral.exam.item import ExamItem
 
 @dataclass(frozen=True, kw_only=True)
 class Sheet:
-    """What came back for one question.
-
-    Args:
-        item: The question.
-        answer: What validated; None where nothing did.
-        raw: The reply as text.
-        failure: Why there is no answer: a code and words; "" where there is one.
-        seconds: From question to reply, wall time or what a recording says; None where nobody knows.
-        usage: Tokens and cost.
-    """
+    """What came back for one question."""
 
     item: ExamItem
+    """The question."""
     answer: BaseModel | None
+    """What validated; None where nothing did."""
     raw: str = ""
+    """The reply as text."""
     failure: str = ""
+    """Why there is no answer: a code and words; "" where there is one."""
     seconds: float | None = None
+    """From question to reply, wall time or what a recording says; None where nobody knows."""
     usage: Usage = field(default_factory=lambda: Usage(requests=0))
+    """Tokens and cost."""
 
 
 def sit(

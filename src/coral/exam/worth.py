@@ -8,15 +8,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Worth:
-    """A score and why.
-
-    Args:
-        score: From 0 (no use) to 1 (as good as it gets).
-        why: In a few words, for the report.
-    """
+    """A score and why."""
 
     score: float
+    """From 0 (no use) to 1 (as good as it gets)."""
     why: str
+    """In a few words, for the report."""
 
 
 def share_left(error: float, worthless: float) -> float:

@@ -20,50 +20,42 @@ Evaluate = Callable[[Array], Array]
 
 @dataclass(frozen=True, kw_only=True)
 class KnotMppiCfg:
-    """The sampler of the CoRAL paper, over knots.
-
-    Args:
-        samples: K (paper, section 4).
-        temperature: lambda (paper, section 4), in units of the spread of the costs, so that it means the same for every
-            cost.
-        knots: Values over the horizon that are sampled; between them the sequence is interpolated.
-        spline: How.
-        ramp: The noise's factor at the first and at the last knot: near actions are refined, far ones explored.
-        iterations: Sample-and-average rounds in one plan.
-        shrink: Factor on the noise from one iteration to the next.
-        spread_quantile: Costs above this quantile do not count for the spread: one mad rollout must not flatten the
-            others.
-    """
+    """The sampler of the CoRAL paper, over knots."""
 
     samples: Annotated[int, Field(ge=1, le=100_000)] = 200
+    """K (paper, section 4)."""
     temperature: Positive = 0.1
+    """lambda (paper, section 4), in units of the spread of the costs, so that it means the same for every cost."""
     knots: Annotated[int, Field(ge=2, le=1000)] = 6
+    """Values over the horizon that are sampled; between them the sequence is interpolated."""
     spline: Kind = "linear"
+    """How."""
     ramp: tuple[NonNegative, NonNegative] = (0.4, 1.4)
+    """The noise's factor at the first and at the last knot: near actions are refined, far ones explored."""
     iterations: Count = 1
+    """Sample-and-average rounds in one plan."""
     shrink: Positive = 0.6
+    """Factor on the noise from one iteration to the next."""
     spread_quantile: Positive = 0.9
+    """Costs above this quantile do not count for the spread: one mad rollout must not flatten the others."""
 
 
 @dataclass(frozen=True)
 class Update:
-    """The result of one update.
-
-    Args:
-        knots: Shape=(n, nu), the weighted mean.
-        sampled: Shape=(K, n, nu) of the last iteration; the first row is the plan before.
-        costs: Shape=(K,); inf where a rollout does not count.
-        weights: Shape=(K,).
-        effective_samples: 1 to K.
-        ok: False when no rollout counted, and the plan before was kept.
-    """
+    """The result of one update."""
 
     knots: Array
+    """Shape=(n, nu), the weighted mean."""
     sampled: Array
+    """Shape=(K, n, nu) of the last iteration; the first row is the plan before."""
     costs: Array
+    """Shape=(K,); inf where a rollout does not count."""
     weights: Array
+    """Shape=(K,)."""
     effective_samples: float
+    """1 to K."""
     ok: bool
+    """False when no rollout counted, and the plan before was kept."""
 
 
 class KnotMppi:

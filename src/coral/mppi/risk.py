@@ -15,15 +15,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class RiskCfg:
-    """How costs under several beliefs become one.
-
-    Args:
-        measure: "mean"; "worst"; "cvar", the mean of the worst share.
-        share: Of the beliefs, in "cvar".
-    """
+    """How costs under several beliefs become one."""
 
     measure: Literal["mean", "worst", "cvar"] = "mean"
+    """"mean"; "worst"; "cvar", the mean of the worst share."""
     share: Fraction = 0.5
+    """Of the beliefs, in "cvar"."""
 
 
 def risk(costs: Array, cfg: RiskCfg) -> Array:

@@ -39,14 +39,12 @@ _CODE = (
 
 @dataclass(frozen=True)
 class Bound:
-    """The cached part of a tour.
-
-    times: When 50, 80 and 90 % are inspected (s), by share; None where never.
-    commands: Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s) of each tick.
-    """
+    """The cached part of a tour."""
 
     times: dict[float, float | None]
+    """When 50, 80 and 90 % are inspected (s), by share; None where never."""
     commands: NDArray[np.float64]
+    """Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s) of each tick."""
 
 
 def oracle_bound(

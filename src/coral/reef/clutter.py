@@ -25,16 +25,14 @@ _EDGE_M, _BESIDE_OYSTERS_M, _BEHIND_START_M, _AHEAD_OF_START_M = 0.3, 0.3, 0.9, 
 
 @dataclass(frozen=True, kw_only=True)
 class Room:
-    """The area before obstacles are placed. Metres, radians.
-
-    points: Shape=(N, 2), on the spine.
-    oysters: Shape=(M, 3): x, y and reach of every oyster on the ground plane.
-    """
+    """The area before obstacles are placed. Metres, radians."""
 
     size_m: tuple[float, float]
     start: tuple[float, float, float]
     points: NDArray[np.float64]
+    """Shape=(N, 2), on the spine."""
     oysters: NDArray[np.float64]
+    """Shape=(M, 3): x, y and reach of every oyster on the ground plane."""
 
 
 class Clutter:

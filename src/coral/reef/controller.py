@@ -26,29 +26,24 @@ NO_FEASIBLE = "no feasible rollout"
 
 @dataclass(frozen=True, kw_only=True)
 class CostCfg:
-    """Weights of the cost terms. Each term is normalised by a fixed scale, so that lambda means the same at every tick.
-
-    goal: mean of the cost-to-go at the end and along the rollout, less the one now, over the farthest a rollout can
-        get (-1 full progress, 0 none).
-    obstacle: mean over time of ((1 - clearance / soft_m)+)^2.
-    speed: mean of 1 - u / v_max.
-    path: (metres driven + cost-to-go at the end - cost-to-go now) / farthest: metres that did not shorten the way.
-    heading: mean of (1 - cos) / 2 of the angle between heading and the cost-to-go's descent.
-    smooth: mean squared change of the command, in units of its limits.
-    """
+    """Weights of the cost terms. Each term is normalised by a fixed scale, so that lambda means the same at every tick."""
 
     goal: float = 0.6
-    """Paper IV-F."""
+    """Mean of the cost-to-go at the end and along the rollout, less the one now, over the farthest that a rollout can get
+    (-1 full progress, 0 none). Paper IV-F."""
     obstacle: float = 0.5
-    """Paper IV-F."""
+    """Mean over time of ((1 - clearance / soft_m)+)^2. Paper IV-F."""
     speed: float = 0.3
-    """Paper IV-F."""
+    """Mean of 1 - u / v_max. Paper IV-F."""
     path: float = 0.0
-    """Alg. 3 names it and the paper gives no value; the cost-to-go already prices detours."""
+    """(Metres driven + cost-to-go at the end - cost-to-go now) / farthest: metres that did not shorten the way. Alg. 3
+    names it and the paper gives no value; the cost-to-go already prices detours."""
     heading: float = 0.2
-    """Ours: the camera looks forward and the vehicle only drives forward, so that a goal behind needs a turn first."""
+    """Mean of (1 - cos) / 2 of the angle between heading and the cost-to-go's descent. Ours: the camera looks forward and
+    the vehicle only drives forward, so that a goal behind needs a turn first."""
     smooth: float = 0.05
-    """Ours; the paper names smoothness in the text (III-E) and not in Alg. 3."""
+    """Mean squared change of the command, in units of its limits. Ours; the paper names smoothness in the text (III-E)
+    and not in Alg. 3."""
     soft_m: Positive = 0.4
 
 
@@ -102,31 +97,29 @@ class MppiCfg:
 
 @dataclass(frozen=True)
 class Plan:
-    """The controller's decision at one tick.
-
-    command: Forward speed (m/s) and yaw rate (rad/s) to execute now.
-    ok: Whether a feasible way was found; otherwise `failure` says why and the command is safe.
-    path: Shape=(T + 1, 3) poses of the plan in the world.
-    controls: Shape=(T, 2) the plan's commands; the first is `command`.
-    times: Shape=(T + 1,) seconds from now at which the poses hold.
-    costs: Weighted cost terms of the plan by name.
-    n_feasible: Rollouts without a collision.
-    effective_samples: 1 / sum of squared weights.
-    mean_feasible: Whether the weighted mean itself was free; if not, the plan is the best rollout.
-    rollouts: Shape=(K, T + 1, 3) when asked for, and `feasible` Shape=(K,).
-    """
+    """The controller's decision at one tick."""
 
     command: tuple[float, float]
+    """Forward speed (m/s) and yaw rate (rad/s) to execute now."""
     ok: bool
+    """Whether a feasible way was found; otherwise `failure` says why and the command is safe."""
     failure: str
     path: Array
+    """Shape=(T + 1, 3) poses of the plan in the world."""
     controls: Array
+    """Shape=(T, 2) the plan's commands; the first is `command`."""
     times: Array
+    """Shape=(T + 1,) seconds from now at which the poses hold."""
     costs: dict[str, float] = field(default_factory=dict)
+    """Weighted cost terms of the plan by name."""
     n_feasible: int = 0
+    """Rollouts without a collision."""
     effective_samples: float = 0.0
+    """1 / sum of squared weights."""
     mean_feasible: bool = True
+    """Whether the weighted mean itself was free; if not, the plan is the best rollout."""
     rollouts: Array | None = None
+    """Shape=(K, T + 1, 3) when asked for, and `feasible` Shape=(K,)."""
     feasible: NDArray[np.bool_] | None = None
 
 

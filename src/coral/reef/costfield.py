@@ -32,22 +32,20 @@ class CostFieldCfg:
 
 @dataclass(frozen=True)
 class CostField:
-    """Cost-to-go to one goal.
-
-    value: Shape=(h, w) float32, metres of open water to go; finite everywhere.
-    cell_m: Edge of a field cell (m); cell (0, 0) at the world's origin.
-    goal: (x, y) that was asked for.
-    target: (x, y) the field leads to: the goal, or the free cell nearest to it.
-    reached: Shape=(h, w), cells with a way to the goal; None for a straight field.
-    failure: "" or why there is no field.
-    """
+    """Cost-to-go to one goal."""
 
     value: NDArray[np.float32]
+    """Shape=(h, w) float32, metres of open water to go; finite everywhere."""
     cell_m: float
+    """Edge of a field cell (m); cell (0, 0) at the world's origin."""
     goal: tuple[float, float]
+    """(x, y) that was asked for."""
     target: tuple[float, float]
+    """(x, y) the field leads to: the goal, or the free cell nearest to it."""
     reached: NDArray[np.bool_] | None = None
+    """Shape=(h, w), cells with a way to the goal; None for a straight field."""
     failure: str = ""
+    """"" or why there is no field."""
 
     @classmethod
     def compute(

@@ -30,17 +30,15 @@ class Label(IntEnum):
 
 @dataclass(frozen=True)
 class Frame:
-    """One camera picture.
-
-    depth: Shape=(H, W) float32, metres along the optical axis (z, not range); inf where nothing is seen.
-    labels: Shape=(H, W) uint8 of `Label`.
-    instances: Shape=(H, W) int32, index of the object in the scene, -1 for seabed and water; for tests and
-        metrics only, no decision reads it.
-    """
+    """One camera picture."""
 
     depth: NDArray[np.float32]
+    """Shape=(H, W) float32, metres along the optical axis (z, not range); inf where nothing is seen."""
     labels: NDArray[np.uint8]
+    """Shape=(H, W) uint8 of `Label`."""
     instances: NDArray[np.int32]
+    """Shape=(H, W) int32, index of the object in the scene, -1 for seabed and water; for tests and metrics only, no
+    decision reads it."""
 
 
 def wrap(angle: float) -> float:

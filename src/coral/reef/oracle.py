@@ -39,20 +39,18 @@ LOOK_PERIOD = 4
 
 @dataclass(frozen=True)
 class Tour:
-    """A tour, tick by tick.
-
-    commands: Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s).
-    poses: Shape=(K + 1, 3), at the start and after each tick.
-    inspected: Shape=(K + 1,), share inspected by then.
-    stops: In their order.
-    dt: Control period (s).
-    """
+    """A tour, tick by tick."""
 
     commands: NDArray[np.float64]
+    """Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s)."""
     poses: NDArray[np.float64]
+    """Shape=(K + 1, 3), at the start and after each tick."""
     inspected: NDArray[np.float64]
+    """Shape=(K + 1,), share inspected by then."""
     stops: tuple[Stop, ...]
+    """In their order."""
     dt: float
+    """Control period (s)."""
 
     def time_to(self, share: float) -> float | None:
         """Return when this share is inspected (s); None if never."""

@@ -31,16 +31,14 @@ _TRIED = 200
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """What is solid and what the hull can reach, on a grid with its origin at (0, 0).
-
-    cell_m: Edge of a cell.
-    solid: Shape=(NY, NX) bool, the cell touches an obstacle's outline.
-    reachable: Shape=(NY, NX) bool, the hull's centre can get there from the start.
-    """
+    """What is solid and what the hull can reach, on a grid with its origin at (0, 0)."""
 
     cell_m: float
+    """Edge of a cell."""
     solid: NDArray[np.bool_]
+    """Shape=(NY, NX) bool, the cell touches an obstacle's outline."""
     reachable: NDArray[np.bool_]
+    """Shape=(NY, NX) bool, the hull's centre can get there from the start."""
 
     def sees(self, points: NDArray[np.float64], range_m: float = VIEW_M) -> bool:
         """Check whether the hull can get within `range_m` of one of the points in line of sight.

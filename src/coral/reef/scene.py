@@ -20,18 +20,16 @@ _KINDS = {"sphere": ELLIPSOID, "ellipsoid": ELLIPSOID, "box": BOX, "cylinder": C
 
 @dataclass(frozen=True)
 class Footprints:
-    """Outlines on the ground plane, K of them; world frame, metres, radians.
-
-    kind: Shape=(K,) int8, ELLIPSE or RECTANGLE.
-    center: Shape=(K, 2).
-    half: Shape=(K, 2), half-axes of the ellipse or half edges of the rectangle, along its own axes.
-    yaw: Shape=(K,), of the outline's first axis, counter-clockwise from +x.
-    """
+    """Outlines on the ground plane, K of them; world frame, metres, radians."""
 
     kind: NDArray[np.int8]
+    """Shape=(K,) int8, ELLIPSE or RECTANGLE."""
     center: NDArray[np.float64]
+    """Shape=(K, 2)."""
     half: NDArray[np.float64]
+    """Shape=(K, 2), half-axes of the ellipse or half edges of the rectangle, along its own axes."""
     yaw: NDArray[np.float64]
+    """Shape=(K,), of the outline's first axis, counter-clockwise from +x."""
 
     def __len__(self) -> int:
         return len(self.kind)
@@ -39,24 +37,22 @@ class Footprints:
 
 @dataclass(frozen=True)
 class Scene:
-    """Every solid of a world, N of them: the oysters cluster by cluster, then the obstacles; world frame, metres.
-
-    kind: Shape=(N,) int8, ELLIPSOID, BOX or CYLINDER.
-    center: Shape=(N, 3).
-    half: Shape=(N, 3), half-extents along the solid's own axes (cylinder: r, r, half height).
-    rotation: Shape=(N, 3, 3), object to world.
-    label: Shape=(N,) uint8 of `Label`.
-    cluster: Shape=(N,) int32, index into `cluster_names`; -1 for obstacles.
-    seabed_z: Height of the flat sea floor (m).
-    """
+    """Every solid of a world, N of them: the oysters cluster by cluster, then the obstacles; world frame, metres."""
 
     kind: NDArray[np.int8]
+    """Shape=(N,) int8, ELLIPSOID, BOX or CYLINDER."""
     center: NDArray[np.float64]
+    """Shape=(N, 3)."""
     half: NDArray[np.float64]
+    """Shape=(N, 3), half-extents along the solid's own axes (cylinder: r, r, half height)."""
     rotation: NDArray[np.float64]
+    """Shape=(N, 3, 3), object to world."""
     label: NDArray[np.uint8]
+    """Shape=(N,) uint8 of `Label`."""
     cluster: NDArray[np.int32]
+    """Shape=(N,) int32, index into `cluster_names`; -1 for obstacles."""
     seabed_z: float
+    """Height of the flat sea floor (m)."""
     cluster_names: tuple[str, ...]
 
     @classmethod

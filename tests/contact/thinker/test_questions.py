@@ -13,7 +13,7 @@ from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
 
-HIDDEN = ("stated_mass_kg", "stated_friction", "solid_share")
+HIDDEN = ("solid_share",)
 
 
 class Careless:

@@ -23,28 +23,24 @@ FLANGE_TO_TOOL_M = 0.1034
 
 @dataclass(frozen=True, kw_only=True)
 class HandCfg:
-    """The hand's apparent dynamics.
-
-    Args:
-        mass_kg: Apparent mass at the tool; what a Panda shows at mid reach (measured 3.4 to 6.1).
-        inertia_kg_m2: Apparent rotational inertia (measured 0.08 to 0.38).
-        stiffness_n_m: Translational stiffness when nothing else is asked for.
-        lever_m2: Rotational stiffness in N m/rad for each N/m of translational stiffness.
-        damping_ratio: 1 is critical.
-        axis_force_limit_n, axis_torque_limit_n_m: Bounds of the impedance along each axis; `reactive.force_limit_n`
-            bounds the whole pull.
-        finger_stiffness_n_m, finger_force_n: Of each finger (the Panda's gripper holds with about 20 N).
-    """
+    """The hand's apparent dynamics."""
 
     mass_kg: Positive = 4.5
+    """Apparent mass at the tool; what a Panda shows at mid reach (measured 3.4 to 6.1)."""
     inertia_kg_m2: Positive = 0.1
+    """Apparent rotational inertia (measured 0.08 to 0.38)."""
     stiffness_n_m: Positive = 600.0
+    """Translational stiffness when nothing else is asked for."""
     lever_m2: Positive = 0.05
+    """Rotational stiffness in N m/rad for each N/m of translational stiffness."""
     damping_ratio: Positive = 1.0
+    """1 is critical."""
     axis_force_limit_n: Positive = 60.0
     axis_torque_limit_n_m: Positive = 10.0
+    """Bounds of the impedance along each axis; `reactive.force_limit_n` bounds the whole pull."""
     finger_stiffness_n_m: Positive = 1000.0
     finger_force_n: Positive = 20.0
+    """Of each finger (the Panda's gripper holds with about 20 N)."""
 
 
 def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = True) -> None:

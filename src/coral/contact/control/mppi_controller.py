@@ -26,42 +26,38 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class ControllerCfg:
-    """The planner of hand motions.
-
-    Args:
-        horizon: H control steps (paper, section 4).
-        mppi: The sampler; K and lambda are in it.
-        sigma_m: Noise on the target's x, y, z (measured to work, with a table 5 cm below the hand as without).
-        sigma_rad: On its rotation about x, y, z of the hand.
-        sigma_opening_m: On the opening.
-        speed_m_s, turn_rad_s, opening_m_s: How fast a target may move.
-        lead_m, lead_rad: How far the target may be ahead of the measured hand when a plan begins (no wind-up).
-        workspace_low_m, workspace_high_m: Corners of the box that targets stay in.
-        shoulder_m, reach_m: The wrist is led no further from there: the Panda's shoulder in robosuite, and how far its
-            flange can be from it by its data sheet. 0: no such limit. Within it, too, joint limits and its own links
-            keep the arm from some poses.
-        guided: Share of the samples that head for points of contact, where a stage has any.
-        terminal: Weight of the last state (phi of Eq. 4) against the mean over the horizon.
-        risk: Over several beliefs.
-    """
+    """The planner of hand motions."""
 
     horizon: Annotated[int, Field(ge=1, le=10_000)] = 50
+    """H control steps (paper, section 4)."""
     mppi: KnotMppiCfg = field(default_factory=KnotMppiCfg)
+    """The sampler; K and lambda are in it."""
     sigma_m: tuple[NonNegative, NonNegative, NonNegative] = (0.04, 0.04, 0.04)
+    """Noise on the target's x, y, z (measured to work, with a table 5 cm below the hand as without)."""
     sigma_rad: tuple[NonNegative, NonNegative, NonNegative] = (0.12, 0.12, 0.2)
+    """On its rotation about x, y, z of the hand."""
     sigma_opening_m: NonNegative = 0.025
+    """On the opening."""
     speed_m_s: Positive = 0.5
     turn_rad_s: Positive = 2.5
     opening_m_s: Positive = 0.2
+    """How fast a target may move."""
     lead_m: Positive = 0.06
     lead_rad: Positive = 0.5
+    """How far the target may be ahead of the measured hand when a plan begins (no wind-up)."""
     workspace_low_m: tuple[Signed, Signed, Signed] = (-0.35, -0.45, -0.15)
     workspace_high_m: tuple[Signed, Signed, Signed] = (0.4, 0.5, 0.6)
+    """Corners of the box that targets stay in."""
     shoulder_m: tuple[Signed, Signed, Signed] = (-0.5, 0.0, 0.333)
     reach_m: NonNegative = 0.855
+    """The wrist is led no further from there: the Panda's shoulder in robosuite, and how far its flange can be from it
+    by its data sheet. 0: no such limit. Within it, too, joint limits and its own links keep the arm from some poses."""
     guided: Fraction = 0.2
+    """Share of the samples that head for points of contact, where a stage has any."""
     terminal: NonNegative = 1.0
+    """Weight of the last state (phi of Eq. 4) against the mean over the horizon."""
     risk: RiskCfg = field(default_factory=RiskCfg)
+    """Over several beliefs."""
 
     def __post_init__(self) -> None:
         """Check that the corners make a box."""
@@ -76,29 +72,26 @@ class ControllerCfg:
 
 @dataclass(frozen=True)
 class HandPlan:
-    """One plan and what its rehearsals expect.
-
-    Args:
-        targets: One for each control step of the horizon.
-        expected_position: Shape=(H, 3) m, where the rehearsals expect the tool.
-        expected_quaternion: Shape=(H, 4), how they expect it turned.
-        expected_force: Shape=(H, 3) N, what they expect the hand to feel.
-        expected_torque: Shape=(H, 3) N m, likewise.
-        update: The sampler's account.
-        terms: The expected value of each term of the cost, over the horizon.
-        now: The state after one step, a batch of one: what a stage's tests read.
-        diverged: Rehearsals that were left out.
-    """
+    """One plan and what its rehearsals expect."""
 
     targets: tuple[HandTarget, ...]
+    """One for each control step of the horizon."""
     expected_position: Array
+    """Shape=(H, 3) m, where the rehearsals expect the tool."""
     expected_quaternion: Array
+    """Shape=(H, 4), how they expect it turned."""
     expected_force: Array
+    """Shape=(H, 3) N, what they expect the hand to feel."""
     expected_torque: Array
+    """Shape=(H, 3) N m, likewise."""
     update: Update
+    """The sampler's account."""
     terms: dict[str, float]
+    """The expected value of each term of the cost, over the horizon."""
     now: Context
+    """The state after one step, a batch of one: what a stage's tests read."""
     diverged: int
+    """Rehearsals that were left out."""
 
     @property
     def cost(self) -> float:

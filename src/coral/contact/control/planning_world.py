@@ -38,48 +38,41 @@ SANE_SPEED_M_S = 8.0
 
 @dataclass(frozen=True, kw_only=True)
 class PlanningCfg:
-    """Time steps and approximations of rehearsals.
-
-    Args:
-        step_s: One control step of the plan.
-        physics_dt_s: Step of the physics; a whole number of them makes a control step. 10 ms keeps the box within 12 mm
-            of a 1 ms reference over a second of pushing (measured), and costs a fifth of 2 ms.
-        inland_m: While the hand and everything that moves are this far from the table's edges, it is rehearsed as a
-            plane: where a cylinder touches a box is a general search, where it touches a plane a formula. That matters
-            for cylinders that do not sleep. A hand at full speed goes so far in a quarter of the horizon; by then it is
-            planned anew six times.
-        rest_m_s: Among several objects, one that lies still is asleep in a rehearsal until something touches it: half
-            of the time of pick-clutter is saved (benchmarks/planning_parts.py). Still is what no point of its rim
-            exceeds this speed in; 0 keeps all awake.
-        threads: Of the rollout; 0 takes every core.
-        hand: The hand's apparent dynamics.
-        uncertainty: Other beliefs that a plan is rehearsed under, over which its risk is taken.
-    """
+    """Time steps and approximations of rehearsals."""
 
     step_s: TimeStep = 0.02
+    """One control step of the plan."""
     physics_dt_s: TimeStep = 0.01
+    """Step of the physics; a whole number of them makes a control step. 10 ms keeps the box within 12 mm of a 1 ms
+    reference over a second of pushing (measured), and costs a fifth of 2 ms."""
     inland_m: Positive = 0.12
+    """While the hand and everything that moves are this far from the table's edges, it is rehearsed as a plane: where a
+    cylinder touches a box is a general search, where it touches a plane a formula. That matters for cylinders that do
+    not sleep. A hand at full speed goes so far in a quarter of the horizon; by then it is planned anew six times."""
     rest_m_s: NonNegative = 0.01
+    """Among several objects, one that lies still is asleep in a rehearsal until something touches it: half of the time
+    of pick-clutter is saved (benchmarks/planning_parts.py). Still is what no point of its rim exceeds this speed in; 0
+    keeps all awake."""
     threads: Annotated[int, Field(ge=0, le=1024)] = 0
+    """Of the rollout; 0 takes every core."""
     hand: HandCfg = field(default_factory=HandCfg)
+    """The hand's apparent dynamics."""
     uncertainty: UncertaintyCfg = field(default_factory=UncertaintyCfg)
+    """Other beliefs that a plan is rehearsed under, over which its risk is taken."""
 
 
 @dataclass(frozen=True)
 class ControlSequences:
-    """Hand targets of a batch of rehearsals, one for each control step.
-
-    Args:
-        position: Shape=(K, H, 3) m, target of the tool.
-        quaternion: Shape=(K, H, 4).
-        opening: Shape=(K, H) m.
-        stiffness: N/m, for all.
-    """
+    """Hand targets of a batch of rehearsals, one for each control step."""
 
     position: Array
+    """Shape=(K, H, 3) m, target of the tool."""
     quaternion: Array
+    """Shape=(K, H, 4)."""
     opening: Array
+    """Shape=(K, H) m."""
     stiffness: float
+    """N/m, for all."""
 
 
 class PlanningWorld:

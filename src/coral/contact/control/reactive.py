@@ -19,35 +19,33 @@ class ReactiveCfg:
     Every plan begins at the measured state, so that x_des - x_measured is only what went otherwise than rehearsed
     during one control step. It is therefore summed with a leak: what is fed back is the error of the last `memory_s`,
     as it would be had the plan not been renewed.
-
-    Args:
-        enabled: Whether K_f is anything but zero; the limits hold in any case.
-        pose_gain: K_f on the position, m/m. Below 1, as the planner answers the same error at its next plan.
-        turn_gain: K_f on the orientation, rad/rad. Off: a hand that touches is turned by what it touches, and what that
-            feedback is worth was not measured.
-        force_gain: K_f on the force, N/N.
-        torque_gain: K_f on the torque, N m/N m. Off, as for the orientation.
-        memory_s: Time constant of the leak.
-        most_m: The position's feedback is no larger: a contact's uncertainty, so that it cannot drag the hand away from
-            the plan.
-        most_rad: The orientation's feedback is no larger.
-        most_n: The force's feedback is no larger.
-        most_n_m: The torque's feedback is no larger.
-        force_limit_n: The impedance never pulls harder than this, and yields where the hand feels more. The usual
-            lead of the spring (6 cm at 600 N/m) just stays within it.
     """
 
     enabled: bool = True
+    """Whether K_f is anything but zero; the limits hold in any case."""
     pose_gain: NonNegative = 0.3
+    """K_f on the position, m/m. Below 1, as the planner answers the same error at its next plan."""
     turn_gain: NonNegative = 0.0
+    """K_f on the orientation, rad/rad. Off: a hand that touches is turned by what it touches, and what that feedback is
+    worth was not measured."""
     force_gain: NonNegative = 0.1
+    """K_f on the force, N/N."""
     torque_gain: NonNegative = 0.0
+    """K_f on the torque, N m/N m. Off, as for the orientation."""
     memory_s: Positive = 0.1
+    """Time constant of the leak."""
     most_m: NonNegative = 0.005
+    """The position's feedback is no larger: a contact's uncertainty, so that it cannot drag the hand away from the
+    plan."""
     most_rad: NonNegative = 0.05
+    """The orientation's feedback is no larger."""
     most_n: NonNegative = 3.0
+    """The force's feedback is no larger."""
     most_n_m: NonNegative = 0.3
+    """The torque's feedback is no larger."""
     force_limit_n: Positive = 45.0
+    """The impedance never pulls harder than this, and yields where the hand feels more. The usual lead of the spring (6
+    cm at 600 N/m) just stays within it."""
 
 
 class Reactive:

@@ -31,17 +31,14 @@ NEAR_M = 1e-3
 
 @dataclass(frozen=True)
 class RolloutStart:
-    """Where all rollouts of a model begin.
-
-    Args:
-        model: What is rolled out.
-        state: Shape=(S,), MuJoCo's full physics state.
-        data: What every rollout has a copy of; None where nothing can sleep, and the state is all there is.
-    """
+    """Where all rollouts of a model begin."""
 
     model: mujoco.MjModel
+    """What is rolled out."""
     state: Array
+    """Shape=(S,), MuJoCo's full physics state."""
     data: mujoco.MjData | None = None
+    """What every rollout has a copy of; None where nothing can sleep, and the state is all there is."""
 
     @classmethod
     def at(cls, model: mujoco.MjModel, state: Array) -> RolloutStart:
@@ -82,17 +79,14 @@ def _for_a_moment(model: mujoco.MjModel) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Rolled:
-    """Results of a batch of rollouts.
-
-    Args:
-        states: Shape=(N, T, S), full physics states.
-        sensors: Shape=(N, T, M).
-        sane: Shape=(N,), which hold.
-    """
+    """Results of a batch of rollouts."""
 
     states: Array
+    """Shape=(N, T, S), full physics states."""
     sensors: Array
+    """Shape=(N, T, M)."""
     sane: NDArray[np.bool_]
+    """Shape=(N,), which hold."""
 
 
 Mend = Callable[[Array, Array], NDArray[np.bool_]]

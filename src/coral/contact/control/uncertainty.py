@@ -13,18 +13,15 @@ from coral.contact.scene.trial import PhysicalParameters
 
 @dataclass(frozen=True, kw_only=True)
 class UncertaintyCfg:
-    """How many sampled beliefs a plan is rehearsed under, and their spread.
-
-    Args:
-        sets: Beliefs: what is believed, and others drawn around it. Each costs as many rehearsals again. 1: the belief
-            alone, as in the paper; `risk` then has nothing to weigh.
-        mass: Standard deviation of the logarithm of a mass: about the share by which it may be off.
-        friction: Of a friction.
-    """
+    """How many sampled beliefs a plan is rehearsed under, and their spread."""
 
     sets: Count = 1
+    """Beliefs: what is believed, and others drawn around it. Each costs as many rehearsals again. 1: the belief alone,
+    as in the paper; `risk` then has nothing to weigh."""
     mass: NonNegative = 0.3
+    """Standard deviation of the logarithm of a mass: about the share by which it may be off."""
     friction: NonNegative = 0.2
+    """Of a friction."""
 
 
 def sample_beliefs(

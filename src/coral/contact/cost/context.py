@@ -24,21 +24,18 @@ Terms = dict[str, Array]
 
 @dataclass(frozen=True)
 class Quantity:
-    """One name that a cost may read.
-
-    Args:
-        size: 0 for a number per state, n for a vector of n.
-        unit: SI unit, or "" where there is none.
-        text: What it is, in which frame.
-        truth: Whether it is a yes or no (0 or 1 in the array).
-        constant: Whether it stays the same during a rollout.
-    """
+    """One name that a cost may read."""
 
     size: int
+    """0 for a number per state, n for a vector of n."""
     unit: str
+    """SI unit, or "" where there is none."""
     text: str
+    """What it is, in which frame."""
     truth: bool = False
+    """Whether it is a yes or no (0 or 1 in the array)."""
     constant: bool = False
+    """Whether it stays the same during a rollout."""
 
 
 Schema = Mapping[str, Quantity]

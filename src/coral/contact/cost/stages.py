@@ -17,41 +17,35 @@ Test = Callable[[Context], bool]
 
 @dataclass(frozen=True)
 class Guide:
-    """Points that some of the samples head for (the candidates of Eq. 3, or any others).
-
-    Args:
-        points: From the state now, Shape=(n, 3) m in the world for the tool to reach.
-        quaternion: From the state now, Shape=(4,) for the tool to take there; None leaves it.
-        opening_m: Wanted there; None leaves it.
-    """
+    """Points that some of the samples head for (the candidates of Eq. 3, or any others)."""
 
     points: Callable[[Context], Array]
+    """From the state now, Shape=(n, 3) m in the world for the tool to reach."""
     quaternion: Callable[[Context], Array] | None = None
+    """From the state now, Shape=(4,) for the tool to take there; None leaves it."""
     opening_m: float | None = None
+    """Wanted there; None leaves it."""
 
 
 @dataclass(frozen=True)
 class Stage:
-    """One phase of a task.
-
-    Args:
-        name: For logs.
-        cost: Running cost (Eq. 5) as named terms.
-        guides: Where to touch.
-        stiffness_n_m: Of the hand; soft where a force matters.
-        until: Over when this holds of the state now; None: never.
-        back: Another stage to return to when its test holds, as after a lost grasp.
-        sigma: Factor on the sampling noise; or seven, for the target's x, y, z, its rotation about x, y, z of the hand
-            and the opening.
-    """
+    """One phase of a task."""
 
     name: str
+    """For logs."""
     cost: CostFunction
+    """Running cost (Eq. 5) as named terms."""
     guides: tuple[Guide, ...] = ()
+    """Where to touch."""
     stiffness_n_m: float = 600.0
+    """Of the hand; soft where a force matters."""
     until: Test | None = None
+    """Over when this holds of the state now; None: never."""
     back: tuple[str, Test] | None = None
+    """Another stage to return to when its test holds, as after a lost grasp."""
     sigma: float | tuple[float, float, float, float, float, float, float] = 1.0
+    """Factor on the sampling noise; or seven, for the target's x, y, z, its rotation about x, y, z of the hand and the
+    opening."""
 
 
 @dataclass(frozen=True)

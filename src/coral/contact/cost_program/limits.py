@@ -16,54 +16,48 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True)
 class LimitsCfg:
-    """Bounds on one program. The paper's example (A.6) takes about 550 steps and 350 arrays.
-
-    Args:
-        characters: Longest source text.
-        nodes: Most syntax nodes in it.
-        depth: Deepest nesting of expressions and blocks.
-        steps: Most nodes evaluated for one batch.
-        arrays: Most arrays made for one batch, so that memory stays below arrays * K * H * 8 bytes.
-        loop: Most turns of one loop.
-        items: Most entries of one list, tuple, dict or vector, nested ones counted.
-        calls: Deepest nesting of the program's own functions.
-        terms: Most named terms.
-    """
+    """Bounds on one program. The paper's example (A.6) takes about 550 steps and 350 arrays."""
 
     characters: int = 20_000
+    """Longest source text."""
     nodes: int = 6_000
+    """Most syntax nodes in it."""
     depth: int = 48
+    """Deepest nesting of expressions and blocks."""
     steps: int = 20_000
+    """Most nodes evaluated for one batch."""
     arrays: int = 4_000
+    """Most arrays made for one batch, so that memory stays below arrays * K * H * 8 bytes."""
     loop: int = 64
+    """Most turns of one loop."""
     items: int = 1_024
+    """Most entries of one list, tuple, dict or vector, nested ones counted."""
     calls: int = 8
+    """Deepest nesting of the program's own functions."""
     terms: int = 64
+    """Most named terms."""
 
 
 @dataclass
 class Meter:
-    """One evaluation: its inputs, its current line, and the resources it has used.
-
-    Args:
-        context: The batch of states.
-        cfg: The bounds.
-        line: Line being evaluated.
-        mask: States for which the present statement counts, Shape=(K, H); None for all.
-        steps: Nodes evaluated so far.
-        arrays: Arrays made so far.
-        cache: Components of the quantities read so far.
-        trace: Notes for the checks, where they are asked for.
-    """
+    """One evaluation: its inputs, its current line, and the resources it has used."""
 
     context: Context
+    """The batch of states."""
     cfg: LimitsCfg
+    """The bounds."""
     line: int = 0
+    """Line being evaluated."""
     mask: Mask | None = None
+    """States for which the present statement counts, Shape=(K, H); None for all."""
     steps: int = 0
+    """Nodes evaluated so far."""
     arrays: int = 0
+    """Arrays made so far."""
     cache: dict[str, object] = field(default_factory=dict)
+    """Components of the quantities read so far."""
     trace: Trace | None = None
+    """Notes for the checks, where they are asked for."""
 
     def step(self, line: int) -> None:
         """Count one node of the syntax tree.

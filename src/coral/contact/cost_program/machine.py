@@ -24,56 +24,50 @@ Exit = tuple[Mask | None, Snapshot]
 
 @dataclass
 class Loop:
-    """A running loop.
-
-    Args:
-        sources: Containers that it runs over.
-        turn: The present turn, from 0.
-        continues: States that left the present turn.
-        breaks: States that left the loop.
-    """
+    """A running loop."""
 
     sources: tuple[Value, ...] = ()
+    """Containers that it runs over."""
     turn: int = 0
+    """The present turn, from 0."""
     continues: list[Exit] = field(default_factory=list)
+    """States that left the present turn."""
     breaks: list[Exit] = field(default_factory=list)
+    """States that left the loop."""
 
 
 @dataclass
 class Machine:
-    """One evaluation of one program.
-
-    Args:
-        meter: What it has used, and where it is.
-        space: What `self` answers.
-        bullet: What `p` answers.
-        terms: Names of the addends.
-        sums: Variables of the cost function whose addends are kept.
-        own_names: Variables of every function, by the identity of its node.
-        run: Runs the body of a function.
-        stack: Frames of the running functions, the present one last.
-        loops: Loops of the present function, the innermost last.
-        running: Loops of all running functions.
-        pending: Containers that an expression which is still being evaluated holds.
-        exited: How often some states have left a block so far.
-        guarded: Depth of `try` blocks that are being run.
-        branching: Depth of expressions that count for some states only.
-    """
+    """One evaluation of one program."""
 
     meter: Meter
+    """What it has used, and where it is."""
     space: StateSpace
+    """What `self` answers."""
     bullet: PyBullet
+    """What `p` answers."""
     terms: TermNames
+    """Names of the addends."""
     sums: frozenset[str]
+    """Variables of the cost function whose addends are kept."""
     own_names: Mapping[int, frozenset[str]]
+    """Variables of every function, by the identity of its node."""
     run: Callable[[Machine, list[ast.stmt]], bool]
+    """Runs the body of a function."""
     stack: list[Scope] = field(default_factory=list)
+    """Frames of the running functions, the present one last."""
     loops: list[Loop] = field(default_factory=list)
+    """Loops of the present function, the innermost last."""
     running: list[Loop] = field(default_factory=list)
+    """Loops of all running functions."""
     pending: list[Value] = field(default_factory=list)
+    """Containers that an expression which is still being evaluated holds."""
     exited: int = 0
+    """How often some states have left a block so far."""
     guarded: int = 0
+    """Depth of `try` blocks that are being run."""
     branching: int = 0
+    """Depth of expressions that count for some states only."""
 
     @property
     def frame(self) -> Scope:

@@ -107,17 +107,14 @@ BRACKETS = 60
 
 @dataclass(frozen=True)
 class Parsed:
-    """A program that passed the checks.
-
-    Args:
-        source: Its text, to which line numbers refer.
-        tree: Its module.
-        entry: The cost function.
-    """
+    """A program that passed the checks."""
 
     source: str
+    """Its text, to which line numbers refer."""
     tree: ast.Module
+    """Its module."""
     entry: ast.FunctionDef
+    """The cost function."""
 
 
 def parse(text: str, cfg: LimitsCfg) -> Parsed:

@@ -26,19 +26,16 @@ from coral.contact.cost_program.values import NUMBER, DictValue, Scope, Seq, Sta
 
 @dataclass(frozen=True, eq=False)
 class Evaluated:
-    """The cost of a batch.
-
-    Args:
-        cost: What the function returns, Shape=(K, H).
-        terms: Its named terms, each Shape=(K, H); they add up to the cost but for rounding.
-        steps: Syntax nodes evaluated.
-        arrays: Arrays made.
-    """
+    """The cost of a batch."""
 
     cost: Array
+    """What the function returns, Shape=(K, H)."""
     terms: Terms
+    """Its named terms, each Shape=(K, H); they add up to the cost but for rounding."""
     steps: int
+    """Syntax nodes evaluated."""
     arrays: int
+    """Arrays made."""
 
 
 class CostProgram:

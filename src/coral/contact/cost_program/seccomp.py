@@ -18,23 +18,20 @@ PROT_EXEC = 4
 
 @dataclass(frozen=True)
 class Calls:
-    """System call numbers of one machine architecture.
-
-    Args:
-        arch: The kernel's number for it.
-        read: May be called on file descriptor 0.
-        write: May be called on file descriptor 1.
-        memory: mmap and mprotect, allowed unless they ask for executable pages.
-        free: Allowed.
-        fatal: Kill the process at once: files, processes, network.
-    """
+    """System call numbers of one machine architecture."""
 
     arch: int
+    """The kernel's number for it."""
     read: int
+    """May be called on file descriptor 0."""
     write: int
+    """May be called on file descriptor 1."""
     memory: tuple[int, ...]
+    """mmap and mprotect, allowed unless they ask for executable pages."""
     free: tuple[int, ...]
+    """Allowed."""
     fatal: tuple[int, ...]
+    """Kill the process at once: files, processes, network."""
 
 
 MACHINES = {

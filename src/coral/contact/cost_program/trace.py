@@ -14,17 +14,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Distance:
-    """One vector length that the program computed.
-
-    Args:
-        line: Line of the call.
-        vector: Components, each broadcastable to Shape=(K, H).
-        value: Length, broadcastable to Shape=(K, H).
-    """
+    """One vector length that the program computed."""
 
     line: int
+    """Line of the call."""
     vector: tuple[Floats, ...]
+    """Components, each broadcastable to Shape=(K, H)."""
     value: Floats
+    """Length, broadcastable to Shape=(K, H)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,17 +34,14 @@ class Traced:
 
 @dataclass
 class Trace:
-    """Record of one evaluation.
-
-    Args:
-        zeroed: Number of the distance to answer with 0 instead, as if the hand were at its target; -1 for none.
-        distances: In the order of evaluation, which is the same for every batch.
-        lost: Line and text of the first expression that was not finite in some state in which it counted.
-    """
+    """Record of one evaluation."""
 
     zeroed: int = -1
+    """Number of the distance to answer with 0 instead, as if the hand were at its target; -1 for none."""
     distances: list[Distance] = field(default_factory=list)
+    """In the order of evaluation, which is the same for every batch."""
     lost: tuple[int, str] | None = None
+    """Line and text of the first expression that was not finite in some state in which it counted."""
 
     def distance(self, line: int, vector: tuple[object, ...], value: object) -> object:
         """Record a distance; return the value to continue with."""

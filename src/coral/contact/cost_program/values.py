@@ -69,15 +69,12 @@ class DictValue:
 
 @dataclass(frozen=True, eq=False)
 class Partial:
-    """A value that is set in some states only.
-
-    Args:
-        value: The value.
-        mask: Where it is set, Shape=(K, H).
-    """
+    """A value that is set in some states only."""
 
     value: Value
+    """The value."""
     mask: Mask
+    """Where it is set, Shape=(K, H)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,32 +118,26 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Builtin:
-    """A built-in function of the language.
-
-    Args:
-        name: Its name.
-        call: What it does.
-        bound: The value whose method it is.
-    """
+    """A built-in function of the language."""
 
     name: str
+    """Its name."""
     call: Callable[[Meter, list[Value], dict[str, Value]], Value]
+    """What it does."""
     bound: Value = None
+    """The value whose method it is."""
 
 
 @dataclass(eq=False)
 class Scope:
-    """The variables of one running function.
-
-    Args:
-        parent: Frame of the function around its definition.
-        names: Names that are its own.
-        entry: Whether it is the cost function itself, whose sums are kept as named terms.
-    """
+    """The variables of one running function."""
 
     parent: Scope | None
+    """Frame of the function around its definition."""
     names: frozenset[str]
+    """Names that are its own."""
     entry: bool = False
+    """Whether it is the cost function itself, whose sums are kept as named terms."""
     variables: dict[str, Value] = field(default_factory=dict)
     exits: list[tuple[Mask | None, Value, Value]] = field(default_factory=list)
 

@@ -36,25 +36,22 @@ KEPT_ENVIRONMENT = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # nothing else, so that AP
 
 @dataclass(frozen=True, kw_only=True)
 class WorkerCfg:
-    """One process for costs.
-
-    Args:
-        cpu_s: Processor time of one batch, after which the process is killed; a cost takes some 0.01 s.
-        wait_s: Longest wait for one batch, on a machine that is busy with other things.
-        start_s: Longest wait for the process to start.
-        memory_bytes: What it may use beyond what it starts with.
-        shared_bytes: Size of the shared arrays; it grows when a batch needs more.
-        limits: Bounds on a program.
-        allow_unfiltered: Whether to run costs where the machine cannot filter system calls; else that is an error.
-    """
+    """One process for costs."""
 
     cpu_s: float = 1.0
+    """Processor time of one batch, after which the process is killed; a cost takes some 0.01 s."""
     wait_s: float = 10.0
+    """Longest wait for one batch, on a machine that is busy with other things."""
     start_s: float = 60.0
+    """Longest wait for the process to start."""
     memory_bytes: int = 1 << 30
+    """What it may use beyond what it starts with."""
     shared_bytes: int = 32 << 20
+    """Size of the shared arrays; it grows when a batch needs more."""
     limits: LimitsCfg = field(default_factory=LimitsCfg)
+    """Bounds on a program."""
     allow_unfiltered: bool = field(default_factory=lambda: os.environ.get(ALLOW_UNFILTERED) == "1")
+    """Whether to run costs where the machine cannot filter system calls; else that is an error."""
 
 
 class CostWorker:

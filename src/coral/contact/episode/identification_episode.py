@@ -22,17 +22,14 @@ from coral.run_loop import Observer
 
 @dataclasses.dataclass(frozen=True)
 class Found:
-    """Beliefs about the object over the episode.
-
-    Args:
-        corrections: Events `correction` with their time `t`, of those that had something to replay.
-        end_reason: How the episode ended.
-        sim_time_s: How long it took.
-    """
+    """Beliefs about the object over the episode."""
 
     corrections: tuple[Mapping[str, Any], ...]
+    """Events `correction` with their time `t`, of those that had something to replay."""
     end_reason: str
+    """How the episode ended."""
     sim_time_s: float
+    """How long it took."""
 
 
 def probe_episode(

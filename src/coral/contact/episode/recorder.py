@@ -21,19 +21,16 @@ POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 @dataclass(frozen=True, kw_only=True)
 class EpisodeRecordCfg:
-    """Optional contents of a run folder.
-
-    Args:
-        states: Keep the simulator's joint positions at intervals; the report's pictures and the video need them.
-        state_period_s: These intervals.
-        report: Write keyframes.png and report.html at the end.
-        video: Write episode.mp4 at the end.
-    """
+    """Optional contents of a run folder."""
 
     states: bool = True
+    """Keep the simulator's joint positions at intervals; the report's pictures and the video need them."""
     state_period_s: Positive = 0.08
+    """These intervals."""
     report: bool = True
+    """Write keyframes.png and report.html at the end."""
     video: bool = False
+    """Write episode.mp4 at the end."""
 
 
 def columns(objects: Sequence[str]) -> tuple[str, ...]:
@@ -148,13 +145,10 @@ class _Touch:
 
 @dataclass
 class ContactLog:
-    """Contacts as stretches of time.
-
-    Args:
-        gap_s: A contact that is back within this time never ended: touch flickers where a rigid body rocks.
-    """
+    """Contacts as stretches of time."""
 
     gap_s: float = 0.1
+    """A contact that is back within this time never ended: touch flickers where a rigid body rocks."""
     _on: dict[tuple[str, str], _Touch] = field(default_factory=dict)
 
     def update(self, truth: Truth) -> list[tuple[float, str, dict[str, Any]]]:

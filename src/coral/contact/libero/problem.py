@@ -12,21 +12,18 @@ from coral.errors import InputError
 
 @dataclass(frozen=True)
 class Problem:
-    """What we read of it.
-
-    Args:
-        language: The instruction.
-        objects: Kind of every object by its name, in the order of the simulation's state.
-        target: The object to move.
-        container: The object to put it in.
-        region: The container's region, a box in its model.
-    """
+    """What we read of it."""
 
     language: str
+    """The instruction."""
     objects: dict[str, str]
+    """Kind of every object by its name, in the order of the simulation's state."""
     target: str
+    """The object to move."""
     container: str
+    """The object to put it in."""
     region: str
+    """The container's region, a box in its model."""
 
 
 def read_problem(path: Path) -> Problem:

@@ -17,20 +17,17 @@ from coral.contact.scene.shapes import Shape
 
 @dataclass(frozen=True, kw_only=True)
 class SolidCfg:
-    """How far the boxes are simplified.
-
-    Args:
-        most: As many boxes stay as they are. Twenty rehearsals of half a second of the first scene take 63 ms of one
-            core with one box for each object, 65 ms with up to four, 154 ms with up to twelve.
-        covered: Fraction of the boxes' common volume at which enough have been taken.
-        round: Overlap (intersection over union) with the upright cylinder from which an object counts as one.
-        grid: Points along each side by which volumes are compared.
-    """
+    """How far the boxes are simplified."""
 
     most: int = 4
+    """As many boxes stay as they are. Twenty rehearsals of half a second of the first scene take 63 ms of one core with
+    one box for each object, 65 ms with up to four, 154 ms with up to twelve."""
     covered: float = 0.95
+    """Fraction of the boxes' common volume at which enough have been taken."""
     round: float = 0.88
+    """Overlap (intersection over union) with the upright cylinder from which an object counts as one."""
     grid: int = 40
+    """Points along each side by which volumes are compared."""
 
 
 def simplified(boxes: Sequence[Box], cfg: SolidCfg) -> tuple[Shape, ...]:

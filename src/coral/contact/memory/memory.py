@@ -56,58 +56,49 @@ class Experience(BaseModel):
 
 @dataclass(frozen=True)
 class Stored:
-    """An experience in the memory, with the number of its uses and of the uses that ended in success.
-
-    Args:
-        id: Its number.
-        created: When it was stored, UTC.
-        experience: It.
-        used, helped: How often it was used, and how often that ended in success.
-        embedder: Who made the vector.
-        vector: Of the instruction, Shape=(n,); vectors of different embedders cannot be compared.
-    """
+    """An experience in the memory, with the number of its uses and of the uses that ended in success."""
 
     id: int
+    """Its number."""
     created: str
+    """When it was stored, UTC."""
     experience: Experience
+    """It."""
     used: int
     helped: int
+    """How often it was used, and how often that ended in success."""
     embedder: str
+    """Who made the vector."""
     vector: Vector = field(compare=False, repr=False)
+    """Of the instruction, Shape=(n,); vectors of different embedders cannot be compared."""
 
 
 @dataclass(frozen=True)
 class Match:
-    """A remembered experience that matches the scene.
-
-    Args:
-        stored: It.
-        similarity: Cosine of the texts.
-        distance: Largest of the numbers' differences, 1 being the most that is allowed.
-    """
+    """A remembered experience that matches the scene."""
 
     stored: Stored
+    """It."""
     similarity: float
+    """Cosine of the texts."""
     distance: float
+    """Largest of the numbers' differences, 1 being the most that is allowed."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MemoryCfg:
-    """When an experience fits.
-
-    Args:
-        similarity: Least cosine of the instructions.
-        size_factor, mass_factor, friction_factor: Most that a number may differ by, as a factor.
-        number_factor: The same for what the goals ask (heights, forces, tolerances) and the task's own numbers.
-        place_m: Most that places and fixtures may lie apart.
-    """
+    """When an experience fits."""
 
     similarity: Fraction = 0.5
+    """Least cosine of the instructions."""
     size_factor: Positive = 1.35
     mass_factor: Positive = 4.0
     friction_factor: Positive = 2.5
+    """Most that a number may differ by, as a factor."""
     number_factor: Positive = 1.3
+    """The same for what the goals ask (heights, forces, tolerances) and the task's own numbers."""
     place_m: Positive = 0.08
+    """Most that places and fixtures may lie apart."""
 
 
 class Memory:

@@ -12,21 +12,18 @@ BUSY_S = 30.0
 
 @dataclass(frozen=True)
 class Row:
-    """One stored experience.
-
-    Args:
-        id: Its number, from 1.
-        created: When it was stored, UTC.
-        record: The experience as JSON.
-        embedder: Who made the vector.
-        vector: Of the instruction, Shape=(n,); vectors of different embedders cannot be compared.
-        used, helped: How often it was used, and how often that ended in success.
-    """
+    """One stored experience."""
 
     id: int
+    """Its number, from 1."""
     created: str
+    """When it was stored, UTC."""
     record: str
+    """The experience as JSON."""
     embedder: str
+    """Who made the vector."""
     vector: Vector = field(compare=False, repr=False)
+    """Of the instruction, Shape=(n,); vectors of different embedders cannot be compared."""
     used: int = 0
     helped: int = 0
+    """How often it was used, and how often that ended in success."""

@@ -22,14 +22,11 @@ Look = Callable[[], RgbdFrame | None]
 
 @dataclass(frozen=True, kw_only=True)
 class AdvisorCameraCfg:
-    """The pictures that go with questions; the camera stands where the tracker's does.
-
-    Args:
-        width, height: Pixels; 640 by 480 is what vision models see without scaling it down.
-    """
+    """The pictures that go with questions; the camera stands where the tracker's does."""
 
     width: int = 640
     height: int = 480
+    """Pixels; 640 by 480 is what vision models see without scaling it down."""
 
 
 def make_advisor_camera(

@@ -26,17 +26,14 @@ _DOWN = np.diag([-1.0, 1.0, -1.0])
 
 @dataclass(frozen=True)
 class MotionSample:
-    """The poses of everything at one time.
-
-    Args:
-        objects: T_world_object by name, Shape=(4, 4).
-        tool: T_world_tool, Shape=(4, 4).
-        opening_m: Distance of the fingers.
-    """
+    """The poses of everything at one time."""
 
     objects: dict[str, Array]
+    """T_world_object by name, Shape=(4, 4)."""
     tool: Array
+    """T_world_tool, Shape=(4, 4)."""
     opening_m: float
+    """Distance of the fingers."""
 
 
 Phase = tuple[float, Callable[[float], MotionSample]]

@@ -25,20 +25,16 @@ Colours = Literal["none", "shaded", "opengl", "best"]
 
 @dataclass(frozen=True, kw_only=True)
 class RgbdCameraCfg:
-    """Pinhole camera with square pixels; integer (u, v) are pixel centres; x right, y down, z forward.
-
-    Args:
-        width, height: Pixels. The paper gives none; at 0.9 m a pixel is 3 mm wide, and the tracker then needs a third
-            of its 36 ms.
-        vfov_deg: Between the outer edges of the first and last row; close to that of depth cameras used above tables.
-        near_m, far_m: Only surfaces between these depths along the optical axis are seen.
-    """
+    """Pinhole camera with square pixels; integer (u, v) are pixel centres; x right, y down, z forward."""
 
     width: int = 320
     height: int = 240
+    """Pixels. The paper gives none; at 0.9 m a pixel is 3 mm wide, and the tracker then needs a third of its 36 ms."""
     vfov_deg: float = 45.0
+    """Between the outer edges of the first and last row; close to that of depth cameras used above tables."""
     near_m: float = 0.1
     far_m: float = 5.0
+    """Only surfaces between these depths along the optical axis are seen."""
 
     def __post_init__(self) -> None:
         def demand(field: str, holds: bool, expected: str) -> None:
@@ -60,25 +56,22 @@ class RgbdCameraCfg:
 
 @dataclass(frozen=True)
 class RgbdFrame:
-    """One picture.
-
-    Args:
-        depth: Shape=(H, W) m along the optical axis; 0 where nothing was measured.
-        instance: Shape=(H, W), 1 + index into `names` of what is seen; 0 where it has no name.
-        names: Names of things.
-        lens: Shape=(4,): fx, fy, cx, cy in pixels.
-        T_world_camera: Shape=(4, 4), camera optical frame to world.
-        time_s: When it was taken.
-        rgb: Shape=(H, W, 3); None where no colours were asked for.
-    """
+    """One picture."""
 
     depth: NDArray[np.float32]
+    """Shape=(H, W) m along the optical axis; 0 where nothing was measured."""
     instance: NDArray[np.uint8]
+    """Shape=(H, W), 1 + index into `names` of what is seen; 0 where it has no name."""
     names: tuple[str, ...]
+    """Names of things."""
     lens: Array
+    """Shape=(4,): fx, fy, cx, cy in pixels."""
     T_world_camera: Array
+    """Shape=(4, 4), camera optical frame to world."""
     time_s: float = 0.0
+    """When it was taken."""
     rgb: NDArray[np.uint8] | None = None
+    """Shape=(H, W, 3); None where no colours were asked for."""
 
     def mask(self, name: str) -> NDArray[np.bool_]:
         """Shape=(H, W): where `name` is seen.

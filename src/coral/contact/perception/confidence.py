@@ -19,42 +19,35 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class ConfidenceCfg:
-    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md).
-
-    Args:
-        min_pixels: With fewer pixels of depth in its mask an object is not seen.
-        min_visible: Share of the object's drawing below which it is covered. Confidence falls off from twice this
-            share: with less than a fifth visible, one pose in ten is more than a centimetre off.
-        lost_below: Confidence below which a tracked object counts as lost; half covered, a pose 4 cm off still reaches
-            0.5.
-        found_above: Confidence above which a lost object counts as found; a box explains a can of its size by 0.87.
-        found_visible: Share of the drawing that must be visible for that: a smaller part fits in many places.
-        margin_m: Depths agree that differ by less: five standard deviations at 1 m.
-        robot: Name of the robot in pictures whose camera labels it: what it hides is then known to be hidden.
-    """
+    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md)."""
 
     min_pixels: Count = 30
+    """With fewer pixels of depth in its mask an object is not seen."""
     min_visible: Fraction = 0.1
+    """Share of the object's drawing below which it is covered. Confidence falls off from twice this share: with less
+    than a fifth visible, one pose in ten is more than a centimetre off."""
     lost_below: Fraction = 0.6
+    """Confidence below which a tracked object counts as lost; half covered, a pose 4 cm off still reaches 0.5."""
     found_above: Fraction = 0.9
+    """Confidence above which a lost object counts as found; a box explains a can of its size by 0.87."""
     found_visible: Fraction = 0.25
+    """Share of the drawing that must be visible for that: a smaller part fits in many places."""
     margin_m: Positive = 0.012
+    """Depths agree that differ by less: five standard deviations at 1 m."""
     robot: str = "robot"
+    """Name of the robot in pictures whose camera labels it: what it hides is then known to be hidden."""
 
 
 @dataclass(frozen=True)
 class PoseAssessment:
-    """How far a pose can be relied on.
-
-    Args:
-        confidence: From 0 to 1.
-        visible: Share of the object's drawing that is seen.
-        reason: "" where the pose can be relied on; else "not seen", "covered" or "does not fit".
-    """
+    """How far a pose can be relied on."""
 
     confidence: float
+    """From 0 to 1."""
     visible: float
+    """Share of the object's drawing that is seen."""
     reason: str
+    """"" where the pose can be relied on; else "not seen", "covered" or "does not fit"."""
 
 
 def is_unseen(frame: RgbdFrame, mask: NDArray[np.bool_], cfg: ConfidenceCfg) -> bool:

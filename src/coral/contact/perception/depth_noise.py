@@ -21,35 +21,30 @@ class DepthNoiseCfg:
 
     Axial and lateral noise: Nguyen, Izadi, Lovell, "Modeling Kinect sensor noise for improved 3D reconstruction and
     tracking" (3DIMPVT 2012), Eqs. 1-3; they hold for 640 columns.
-
-    Args:
-        axial_m: Standard deviation at 0.4 m, straight on.
-        axial_growth: Its growth with (z - 0.4 m)^2, per metre.
-        uneven_m: Standard deviation at 1 m of an error that neighbouring pixels share, so that averaging does not
-            remove it.
-        lateral_px: Standard deviation of where an outline is seen, in pixels of a picture 640 columns wide.
-        wavy_px: Likewise, of the part that neighbouring pixels share: masks bulge and recede.
-        disparity_step_px: Depth is quantised in disparity, usually to a sixteenth of a pixel by stereo matchers; 0 for
-            no quantisation.
-        baseline_m: Between the two lenses; with 0.05 m the steps at 1 m are 2 mm.
-        grazing_deg: Surfaces whose normal is farther than this from the ray return nothing: the paper's formula
-            diverges there.
-        edge_hole: Share of pixels at jumps of depth that return nothing.
-        hole: Share of all other pixels that return nothing.
-        jump_m: Difference of depth between neighbours that counts as a jump.
     """
 
     axial_m: NonNegative = 0.0012
+    """Standard deviation at 0.4 m, straight on."""
     axial_growth: NonNegative = 0.0019
+    """Its growth with (z - 0.4 m)^2, per metre."""
     uneven_m: NonNegative = 0.001
+    """Standard deviation at 1 m of an error that neighbouring pixels share, so that averaging does not remove it."""
     lateral_px: NonNegative = 0.8
+    """Standard deviation of where an outline is seen, in pixels of a picture 640 columns wide."""
     wavy_px: NonNegative = 0.8
+    """Likewise, of the part that neighbouring pixels share: masks bulge and recede."""
     disparity_step_px: NonNegative = 0.0625
+    """Depth is quantised in disparity, usually to a sixteenth of a pixel by stereo matchers; 0 for no quantisation."""
     baseline_m: NonNegative = 0.05
+    """Between the two lenses; with 0.05 m the steps at 1 m are 2 mm."""
     grazing_deg: NonNegative = 82.0
+    """Surfaces whose normal is farther than this from the ray return nothing: the paper's formula diverges there."""
     edge_hole: Fraction = 0.3
+    """Share of pixels at jumps of depth that return nothing."""
     hole: Fraction = 0.002
+    """Share of all other pixels that return nothing."""
     jump_m: NonNegative = 0.03
+    """Difference of depth between neighbours that counts as a jump."""
 
 
 class DepthNoise:

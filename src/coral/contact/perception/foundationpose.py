@@ -24,22 +24,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class FoundationPoseCfg:
-    """Steps are those of FoundationPose's own demo.
-
-    Args:
-        url: Of the server, as http://127.0.0.1:5070; empty where `--tracker` gives it.
-        register_steps, track_steps: Refinements of a pose.
-        connect_s: To connect.
-        timeout_s: For one answer, from its first byte to its last.
-        confidence: When an object counts as lost.
-    """
+    """Steps are those of FoundationPose's own demo."""
 
     url: str = ""
+    """Of the server, as http://127.0.0.1:5070; empty where `--tracker` gives it."""
     register_steps: Count = 5
     track_steps: Count = 2
+    """Refinements of a pose."""
     connect_s: Positive = 5.0
+    """To connect."""
     timeout_s: Positive = 30.0
+    """For one answer, from its first byte to its last."""
     confidence: ConfidenceCfg = field(default_factory=ConfidenceCfg)
+    """When an object counts as lost."""
 
 
 class FoundationPoseTracker:

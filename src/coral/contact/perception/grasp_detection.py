@@ -13,18 +13,15 @@ from coral.contact.scene.observation import Array
 
 @dataclass(frozen=True, kw_only=True)
 class GraspDetectionCfg:
-    """When a grasp is believed.
-
-    Args:
-        squeeze_m: The commanded distance of the fingers is at least this much smaller than the measured one.
-        slack_m: Each side of the object may be this far from its finger.
-        keep: Hysteresis: for a grasp that is believed already, the slack is multiplied by this and the squeeze divided
-            by it.
-    """
+    """When a grasp is believed."""
 
     squeeze_m: NonNegative = 0.004
+    """The commanded distance of the fingers is at least this much smaller than the measured one."""
     slack_m: NonNegative = 0.008
+    """Each side of the object may be this far from its finger."""
     keep: NonNegative = 2.0
+    """Hysteresis: for a grasp that is believed already, the slack is multiplied by this and the squeeze divided by it.
+    """
 
 
 _PAD_X, _PAD_LOW, _PAD_HIGH = 0.01, -0.044, 0.008

@@ -16,21 +16,18 @@ NEARER = 0.012
 
 
 class ImagePatch(NamedTuple):
-    """A crop of a picture, possibly coarser, as the alignment kernels take it.
-
-    Args:
-        depth: Shape=(H, W) m, 0 where nothing was measured.
-        mask: Shape=(H, W), where the object is seen.
-        mask_distance: Shape=(H, W) pixels, signed distance to the mask: 0 on its rim, negative further inside.
-        occlusion: Shape=(H, W): `ROBOT` outside the mask, `OCCLUDED_RIM` inside it, else 0.
-        lens: Shape=(4,): fx, fy, cx, cy of the patch in its own pixels.
-    """
+    """A crop of a picture, possibly coarser, as the alignment kernels take it."""
 
     depth: NDArray[np.float32]
+    """Shape=(H, W) m, 0 where nothing was measured."""
     mask: NDArray[np.bool_]
+    """Shape=(H, W), where the object is seen."""
     mask_distance: NDArray[np.float32]
+    """Shape=(H, W) pixels, signed distance to the mask: 0 on its rim, negative further inside."""
     occlusion: NDArray[np.uint8]
+    """Shape=(H, W): `ROBOT` outside the mask, `OCCLUDED_RIM` inside it, else 0."""
     lens: Array
+    """Shape=(4,): fx, fy, cx, cy of the patch in its own pixels."""
 
 
 def crop_patch(

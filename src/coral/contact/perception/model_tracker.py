@@ -23,33 +23,30 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class TrackerCfg:
-    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md).
-
-    Args:
-        pixels: Size of the patch that is aligned: all of an object at 320 x 240.
-        steps: Gauss-Newton steps.
-        wide_m: Depth residuals larger than this do not count in the first step.
-        tight_m: Likewise in the last step: four standard deviations at 1 m.
-        outline: Weight of an outline pixel relative to a depth pixel.
-        hold: Weight of the predicted pose, in pixels: it decides what a small visible part leaves open.
-        search_above: Poses nearby are tried too where `misfit` is above this.
-        reluctance: Added there to the misfit for each object diameter, or radian, away from the guesses.
-        search_rad: How far those poses are turned: half of what the alignment corrects by itself.
-        confidence: When the object counts as lost.
-        registration: How it is found without a previous pose.
-    """
+    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md)."""
 
     pixels: Count = 12000
+    """Size of the patch that is aligned: all of an object at 320 x 240."""
     steps: Count = 8
+    """Gauss-Newton steps."""
     wide_m: Positive = 0.025
+    """Depth residuals larger than this do not count in the first step."""
     tight_m: Positive = 0.008
+    """Likewise in the last step: four standard deviations at 1 m."""
     outline: NonNegative = 2.0
+    """Weight of an outline pixel relative to a depth pixel."""
     hold: NonNegative = 3.0
+    """Weight of the predicted pose, in pixels: it decides what a small visible part leaves open."""
     search_above: NonNegative = 0.35
+    """Poses nearby are tried too where `misfit` is above this."""
     reluctance: NonNegative = 0.3
+    """Added there to the misfit for each object diameter, or radian, away from the guesses."""
     search_rad: Positive = 0.25
+    """How far those poses are turned: half of what the alignment corrects by itself."""
     confidence: ConfidenceCfg = field(default_factory=ConfidenceCfg)
+    """When the object counts as lost."""
     registration: RegistrationCfg = field(default_factory=RegistrationCfg)
+    """How it is found without a previous pose."""
 
 
 class ModelTracker:

@@ -17,23 +17,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class MotionFilterCfg:
-    """Chosen by measurement on the six tasks' episodes (docs/contact-perception.md).
-
-    Args:
-        pictures: An object is at rest once this many pictures in a row agree; its pose is then their mean.
-        still_m, still_rad: Pictures agree that lie no farther from their mean: the tracker's scatter with most of the
-            object in view.
-        position_gain: alpha of the filter.
-        velocity_gain: beta of the filter; Kalata (1984): near alpha^2 / (2 - alpha).
-        longest_s: How far ahead of the last picture a motion is extrapolated; contacts change faster than that.
-    """
+    """Chosen by measurement on the six tasks' episodes (docs/contact-perception.md)."""
 
     pictures: Count = 5
+    """An object is at rest once this many pictures in a row agree; its pose is then their mean."""
     still_m: NonNegative = 0.002
     still_rad: NonNegative = 0.035
+    """Pictures agree that lie no farther from their mean: the tracker's scatter with most of the object in view."""
     position_gain: Fraction = 0.7
+    """alpha of the filter."""
     velocity_gain: Fraction = 0.25
+    """beta of the filter; Kalata (1984): near alpha^2 / (2 - alpha)."""
     longest_s: NonNegative = 0.12
+    """How far ahead of the last picture a motion is extrapolated; contacts change faster than that."""
 
 
 class MotionFilter:

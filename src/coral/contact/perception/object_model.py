@@ -31,27 +31,24 @@ _SIDES = 48
 
 @dataclass(frozen=True)
 class ObjectModel:
-    """A rigid object in its own frame.
-
-    Args:
-        name: What it is called in pictures.
-        solids: What a ray hits.
-        triangles: Shape=(m, 3, 3) m, its surface; round parts as prisms.
-        points: Shape=(n, 3) m, spread evenly over the surface.
-        normals: Shape=(n, 3), outward unit normals there.
-        symmetry: Rotations that map it onto itself.
-        diameter: Largest distance (m) between two of its points.
-        pivot: Shape=(3,) m, the middle of its bounding box.
-    """
+    """A rigid object in its own frame."""
 
     name: str
+    """What it is called in pictures."""
     solids: Solids
+    """What a ray hits."""
     triangles: Array
+    """Shape=(m, 3, 3) m, its surface; round parts as prisms."""
     points: Array
+    """Shape=(n, 3) m, spread evenly over the surface."""
     normals: Array
+    """Shape=(n, 3), outward unit normals there."""
     symmetry: Symmetry
+    """Rotations that map it onto itself."""
     diameter: float
+    """Largest distance (m) between two of its points."""
     pivot: Array
+    """Shape=(3,) m, the middle of its bounding box."""
 
 
 def from_primitives(name: str, parts: Sequence[SolidPart], symmetry: Symmetry | None = None) -> ObjectModel:

@@ -11,16 +11,13 @@ from coral.contact.scene.rigid_transform import body_to_matrix
 
 @dataclass(frozen=True)
 class PoseDifference:
-    """The error of one object's pose at one time.
-
-    Args:
-        off_m, off_rad: From the true pose to the one that the planner was given, modulo the object's symmetry.
-        lost: Whether the tracker had lost the object.
-    """
+    """The error of one object's pose at one time."""
 
     off_m: float
     off_rad: float
+    """From the true pose to the one that the planner was given, modulo the object's symmetry."""
     lost: bool
+    """Whether the tracker had lost the object."""
 
 
 def compare_poses(symmetry: Symmetry, believed: BodyState, true: BodyState, lost: bool) -> PoseDifference:

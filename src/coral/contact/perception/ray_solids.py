@@ -26,19 +26,16 @@ _DRAWN = (kinds.PLANE, kinds.MESH, *KINDS.values())
 
 @dataclass(frozen=True)
 class SolidPart:
-    """A primitive of an object.
-
-    Args:
-        kind: "box", "cylinder", "capsule", "sphere" or "ellipsoid".
-        size: As MuJoCo's geom size: half extents; radius and half length; radius; semi-axes (m).
-        position: Shape=(3,) m, in the object's frame.
-        rotation: Shape=(3, 3), part to object.
-    """
+    """A primitive of an object."""
 
     kind: str
+    """"box", "cylinder", "capsule", "sphere" or "ellipsoid"."""
     size: tuple[float, ...]
+    """As MuJoCo's geom size: half extents; radius and half length; radius; semi-axes (m)."""
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Shape=(3,) m, in the object's frame."""
     rotation: Array = field(default_factory=lambda: np.eye(3))
+    """Shape=(3, 3), part to object."""
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:

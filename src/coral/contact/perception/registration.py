@@ -24,31 +24,27 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class RegistrationCfg:
-    """Chosen by measurement on the six tasks' objects (docs/contact-perception.md); the paper uses a network.
-
-    Args:
-        orientations: Spread over all rotations; those that the symmetry makes equal are tried once. FoundationPose
-            starts from 252.
-        headings: Tried for each side that the object may rest on: objects on tables do, and they cost little.
-        coarse_pixels, coarse_steps: Size of the patch and Gauss-Newton steps with which every orientation is tried.
-        kept: Orientations that go on to the fine alignment.
-        fine_pixels, fine_steps: Size of the patch and Gauss-Newton steps there.
-        outline: Weight of an outline pixel relative to a depth pixel.
-        wide_m, tight_m: Depth residuals larger than this do not count, in the first step and in the last one.
-        margin_m: Depths agree that differ by less.
-    """
+    """Chosen by measurement on the six tasks' objects (docs/contact-perception.md); the paper uses a network."""
 
     orientations: Count = 240
+    """Spread over all rotations; those that the symmetry makes equal are tried once. FoundationPose starts from 252."""
     headings: Count = 12
+    """Tried for each side that the object may rest on: objects on tables do, and they cost little."""
     coarse_pixels: Count = 1600
     coarse_steps: Count = 8
+    """Size of the patch and Gauss-Newton steps with which every orientation is tried."""
     kept: Count = 16
+    """Orientations that go on to the fine alignment."""
     fine_pixels: Count = 12000
     fine_steps: Count = 20
+    """Size of the patch and Gauss-Newton steps there."""
     outline: NonNegative = 2.0
+    """Weight of an outline pixel relative to a depth pixel."""
     wide_m: Positive = 0.04
     tight_m: Positive = 0.01
+    """Depth residuals larger than this do not count, in the first step and in the last one."""
     margin_m: Positive = 0.012
+    """Depths agree that differ by less."""
 
 
 def start_orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:

@@ -13,22 +13,19 @@ PLANE, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = 0, 2, 3, 4, 5, 6, 7
 
 
 class Solids(NamedTuple):
-    """N solids in one frame.
-
-    Args:
-        kind: Shape=(N,), a mjtGeom.
-        center: Shape=(N, 3) m.
-        rotation: Shape=(N, 3, 3), solid to frame.
-        size: Shape=(N, 3) m, as MuJoCo's geom_size; for a mesh, half the extents of a box about its origin.
-        first_triangle: Shape=(N,), where a mesh begins in `triangles`.
-        triangle_count: Shape=(N,), of a mesh; 0 for a primitive.
-        triangles: Shape=(M, 3, 3) m, corners in the frame of their solid.
-    """
+    """N solids in one frame."""
 
     kind: NDArray[np.int64]
+    """Shape=(N,), a mjtGeom."""
     center: Array
+    """Shape=(N, 3) m."""
     rotation: Array
+    """Shape=(N, 3, 3), solid to frame."""
     size: Array
+    """Shape=(N, 3) m, as MuJoCo's geom_size; for a mesh, half the extents of a box about its origin."""
     first_triangle: NDArray[np.int64]
+    """Shape=(N,), where a mesh begins in `triangles`."""
     triangle_count: NDArray[np.int64]
+    """Shape=(N,), of a mesh; 0 for a primitive."""
     triangles: Array
+    """Shape=(M, 3, 3) m, corners in the frame of their solid."""

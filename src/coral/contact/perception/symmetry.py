@@ -17,19 +17,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Symmetry:
-    """The rotations about one point that map an object onto itself, declared as in BOP (Hodan et al., 2018).
-
-    Args:
-        rotations: Shape=(n, 3, 3), the finite ones, the identity first.
-        axis: Shape=(3,), unit axis of a continuous symmetry; None without one.
-        center: Shape=(3,) m, the fixed point.
-        sphere: Whether every rotation is a symmetry.
-    """
+    """The rotations about one point that map an object onto itself, declared as in BOP (Hodan et al., 2018)."""
 
     rotations: Array = field(default_factory=lambda: np.eye(3)[None])
+    """Shape=(n, 3, 3), the finite ones, the identity first."""
     axis: Array | None = None
+    """Shape=(3,), unit axis of a continuous symmetry; None without one."""
     center: Array = field(default_factory=lambda: np.zeros(3))
+    """Shape=(3,) m, the fixed point."""
     sphere: bool = False
+    """Whether every rotation is a symmetry."""
 
     def __post_init__(self) -> None:
         r = self.rotations

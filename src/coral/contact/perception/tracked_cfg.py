@@ -32,45 +32,42 @@ _DRAWN = (0,)
 
 @dataclass(frozen=True, kw_only=True)
 class TrackedCfg(TrackerCfgs):
-    """The camera, the tracker, and how its poses are used.
-
-    Args:
-        period_s: Time between two pictures.
-        latency_s: Time from a picture to the poses in it; at most `period_s`, as one picture is processed at a time.
-        camera: Size, field of view and range.
-        eye_m, target_m: Where the camera is and what it looks at; by default where the task's objects are seen best.
-        noise: Whether depth and outlines are noisy, as a real camera's.
-        depth_noise: Amounts of that noise.
-        by: The tracker, as `--tracker` takes it.
-        colours: Where colours come from, for a tracker that wants them: "shaded" by rays, the same everywhere; "best":
-            OpenGL's where it works. Other trackers get no colours.
-        motion: The filter of each object's poses.
-        grip: When an object is believed to be between the fingers, and so to move with the hand.
-        first_pictures: Taken before the clock starts, for a better first pose.
-        search_s: How long objects are searched for at the start.
-        blind_s: After this time without a picture the camera counts as off.
-        retreat_after_s: After an object has been lost for this time the hand retreats upwards; 0 for never.
-        retreat_s: How long it retreats at most; then the plan is followed for `retreat_after_s` again.
-        retreat_m_s: Speed of the retreat.
-    """
+    """The camera, the tracker, and how its poses are used."""
 
     period_s: Positive = 0.04
+    """Time between two pictures."""
     latency_s: NonNegative = 0.04
+    """Time from a picture to the poses in it; at most `period_s`, as one picture is processed at a time."""
     camera: RgbdCameraCfg = field(default_factory=RgbdCameraCfg)
+    """Size, field of view and range."""
     eye_m: Place | None = None
     target_m: Place | None = None
+    """Where the camera is and what it looks at; by default where the task's objects are seen best."""
     noise: bool = True
+    """Whether depth and outlines are noisy, as a real camera's."""
     depth_noise: DepthNoiseCfg = field(default_factory=DepthNoiseCfg)
+    """Amounts of that noise."""
     by: str = "model"
+    """The tracker, as `--tracker` takes it."""
     colours: Literal["shaded", "best"] = "shaded"
+    """Where colours come from, for a tracker that wants them: "shaded" by rays, the same everywhere; "best": OpenGL's
+    where it works. Other trackers get no colours."""
     motion: MotionFilterCfg = field(default_factory=MotionFilterCfg)
+    """The filter of each object's poses."""
     grip: GraspDetectionCfg = field(default_factory=GraspDetectionCfg)
+    """When an object is believed to be between the fingers, and so to move with the hand."""
     first_pictures: Count = 3
+    """Taken before the clock starts, for a better first pose."""
     search_s: NonNegative = 1.0
+    """How long objects are searched for at the start."""
     blind_s: Positive = 0.5
+    """After this time without a picture the camera counts as off."""
     retreat_after_s: NonNegative = 1.0
+    """After an object has been lost for this time the hand retreats upwards; 0 for never."""
     retreat_s: Positive = 1.0
+    """How long it retreats at most; then the plan is followed for `retreat_after_s` again."""
     retreat_m_s: Positive = 0.15
+    """Speed of the retreat."""
 
     def __post_init__(self) -> None:
         if self.latency_s > self.period_s:

@@ -16,23 +16,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PoseEstimate:
-    """Where an object is believed to be.
-
-    Args:
-        T_world_object: Shape=(4, 4). For a lost object, the last pose; before the first one, the expected pose.
-        confidence: In this pose, up to 1; 0 for a lost object.
-        lost: Whether the pose cannot be relied on.
-        visible: Share of the object's drawing that is visible.
-        reason: Why it is lost: "not seen", "covered", "does not fit"; "" otherwise.
-        registered: Whether the pose comes from registration, not from tracking.
-    """
+    """Where an object is believed to be."""
 
     T_world_object: Array
+    """Shape=(4, 4). For a lost object, the last pose; before the first one, the expected pose."""
     confidence: float
+    """In this pose, up to 1; 0 for a lost object."""
     lost: bool = False
+    """Whether the pose cannot be relied on."""
     visible: float = 1.0
+    """Share of the object's drawing that is visible."""
     reason: str = ""
+    """Why it is lost: "not seen", "covered", "does not fit"; "" otherwise."""
     registered: bool = False
+    """Whether the pose comes from registration, not from tracking."""
 
 
 class TrackerFailed(RunError):

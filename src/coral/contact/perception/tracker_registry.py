@@ -21,49 +21,40 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class TrackerCfgs:
-    """One configuration for each tracker.
-
-    Args:
-        tracker: Of `model`, the embedded tracker.
-        foundationpose: Of `foundationpose`.
-    """
+    """One configuration for each tracker."""
 
     tracker: TrackerCfg = field(default_factory=TrackerCfg)
+    """Of `model`, the embedded tracker."""
     foundationpose: FoundationPoseCfg = field(default_factory=FoundationPoseCfg)
+    """Of `foundationpose`."""
 
 
 @dataclass(frozen=True)
 class TrackerChoice:
-    """A tracker that was chosen.
-
-    Args:
-        name: For records.
-        wants_colours: Whether its pictures must have colours.
-        make: Makes one for an object that is expected at T_world_object, Shape=(4, 4), or None: with its axes along
-            the world's.
-        check: Raises TrackerFailed where none could be made.
-    """
+    """A tracker that was chosen."""
 
     name: str
+    """For records."""
     wants_colours: bool
+    """Whether its pictures must have colours."""
     make: Callable[[ObjectModel, Array | None], PoseTracker]
+    """Makes one for an object that is expected at T_world_object, Shape=(4, 4), or None: with its axes along the
+    world's."""
     check: Callable[[], None]
+    """Raises TrackerFailed where none could be made."""
 
 
 @dataclass(frozen=True)
 class TrackerKind:
-    """A tracker as the command line offers it.
-
-    Args:
-        form: What to write after `--tracker`.
-        help: What it is, as half a sentence.
-        choose: The choice for an address (what follows the first colon; None without a colon), the configurations,
-            and the place of the word, for errors; None where the word is not of this form.
-    """
+    """A tracker as the command line offers it."""
 
     form: str
+    """What to write after `--tracker`."""
     help: str
+    """What it is, as half a sentence."""
     choose: Callable[[str | None, TrackerCfgs, tuple[str, str]], TrackerChoice | None]
+    """The choice for an address (what follows the first colon; None without a colon), the configurations, and the place
+    of the word, for errors; None where the word is not of this form."""
 
 
 def _choose_model(address: str | None, cfgs: TrackerCfgs, place: tuple[str, str]) -> TrackerChoice | None:

@@ -31,63 +31,57 @@ MakeTracker = Callable[[ObjectModel], PoseTracker]
 
 @dataclass(frozen=True, kw_only=True)
 class AccuracyCfg:
-    """How the accuracy is measured.
-
-    Args:
-        camera: Of the pictures.
-        noise: Of the depth; None for none.
-        colours: Whether pictures have colours: networks need them.
-        period_s: Between pictures: 10 Hz, the lower end of what closed loops need.
-        registrations: Registrations from scratch, spread evenly over the pictures that show enough.
-        enough: Share of the object that must be visible for one.
-        within_mm, within_deg: A registration with smaller errors than both counts as a success.
-    """
+    """How the accuracy is measured."""
 
     camera: RgbdCameraCfg
+    """Of the pictures."""
     noise: DepthNoise | None
+    """Of the depth; None for none."""
     colours: Colours = "none"
+    """Whether pictures have colours: networks need them."""
     period_s: TimeStep = 0.1
+    """Between pictures: 10 Hz, the lower end of what closed loops need."""
     registrations: Count = 8
+    """Registrations from scratch, spread evenly over the pictures that show enough."""
     enough: Fraction = 0.25
+    """Share of the object that must be visible for one."""
     within_mm: float = 5.0
     within_deg: float = 5.0
+    """A registration with smaller errors than both counts as a success."""
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """The accuracy for one object in one motion. Errors are modulo the object's symmetry, except ADD.
-
-    Args:
-        task: Whose motion it is.
-        object: Which object.
-        frames: Pictures tracked.
-        mm, deg: Median error of the position and of the orientation.
-        mm_95, deg_95: What 95 % of the pictures stay below.
-        add_mm, add_s_mm, mssd_mm: Medians.
-        lost: Pictures that the tracker reported as lost.
-        least_visible: Smallest visible share of the object, at its true pose.
-        update_ms, update_ms_95: Time of one update.
-        registrations, registered: Registrations from scratch, and how many were within the limits.
-        registration_s: Median time of a registration.
-    """
+    """The accuracy for one object in one motion. Errors are modulo the object's symmetry, except ADD."""
 
     task: str
+    """Whose motion it is."""
     object: str
+    """Which object."""
     frames: int
+    """Pictures tracked."""
     mm: float
     deg: float
+    """Median error of the position and of the orientation."""
     mm_95: float
     deg_95: float
+    """What 95 % of the pictures stay below."""
     add_mm: float
     add_s_mm: float
     mssd_mm: float
+    """Medians."""
     lost: int
+    """Pictures that the tracker reported as lost."""
     least_visible: float
+    """Smallest visible share of the object, at its true pose."""
     update_ms: float
     update_ms_95: float
+    """Time of one update."""
     registrations: int
     registered: int
+    """Registrations from scratch, and how many were within the limits."""
     registration_s: float
+    """Median time of a registration."""
 
 
 def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]:

@@ -25,31 +25,28 @@ _SECONDS = 1.0
 
 @dataclass(frozen=True)
 class TrackingLoss:
-    """The loss and recovery of one object.
-
-    Args:
-        task, object: Which.
-        how: "out of view", taken away and put down 8 cm on and turned by 40 degrees; or "covered", moved on by 3 cm
-            behind a hand held before the camera.
-        noticed_frames: Pictures until the tracker reported the loss, counting the first one without the object as 1; 0
-            if it never did.
-        reported: Share of the pictures without the object in which it was reported as lost.
-        reason: What the tracker said.
-        recovered_frames: Likewise, until it reported a pose again.
-        mm, deg: Error one second after, modulo symmetry.
-        slowest_s: Longest update on the way.
-    """
+    """The loss and recovery of one object."""
 
     task: str
     object: str
+    """Which."""
     how: How
+    """"out of view", taken away and put down 8 cm on and turned by 40 degrees; or "covered", moved on by 3 cm behind a
+    hand held before the camera."""
     noticed_frames: int
+    """Pictures until the tracker reported the loss, counting the first one without the object as 1; 0 if it never did.
+    """
     reported: float
+    """Share of the pictures without the object in which it was reported as lost."""
     reason: str
+    """What the tracker said."""
     recovered_frames: int
+    """Likewise, until it reported a pose again."""
     mm: float
     deg: float
+    """Error one second after, modulo symmetry."""
     slowest_s: float
+    """Longest update on the way."""
 
 
 def measure_loss(trial: Trial, make: MakeTracker, cfg: AccuracyCfg, how: How) -> TrackingLoss:

@@ -73,29 +73,25 @@ class RegionsAnswer(RootModel[dict[str, ObjectRegions]]):
 
 @dataclass(frozen=True, kw_only=True)
 class RegionCfg:
-    """What a region may be.
-
-    Args:
-        most: Regions of one object; the paper asks for 1 to 3, a plan of several stages may need more.
-        samples: Most candidates of one region.
-        off_surface_m: How far a centre may lie from the object's surface.
-        extent_m: Largest radius.
-        facing: Least cosine between the region's normal and the surface's at a candidate.
-        buried_m: A candidate, or the tool at it, lies in another thing when it is so deep in it; tracked poses err by
-            as much.
-        reach_low_m, reach_high_m: Corners of the box that the tool stays in; None for the controller's workspace.
-        standoff_m: Candidates are mirrored so far out along the normal: the way in is a way from there.
-    """
+    """What a region may be."""
 
     most: int = 6
+    """Regions of one object; the paper asks for 1 to 3, a plan of several stages may need more."""
     samples: int = 64
+    """Most candidates of one region."""
     off_surface_m: Positive = 0.008
+    """How far a centre may lie from the object's surface."""
     extent_m: Positive = 0.15
+    """Largest radius."""
     facing: Fraction = 0.5
+    """Least cosine between the region's normal and the surface's at a candidate."""
     buried_m: Positive = 0.003
+    """A candidate, or the tool at it, lies in another thing when it is so deep in it; tracked poses err by as much."""
     reach_low_m: Corner | None = None
     reach_high_m: Corner | None = None
+    """Corners of the box that the tool stays in; None for the controller's workspace."""
     standoff_m: Positive = 0.08
+    """Candidates are mirrored so far out along the normal: the way in is a way from there."""
 
 
 def reach_box(cfg: RegionCfg, controller: ControllerCfg | None = None) -> tuple[Corner, Corner]:

@@ -18,21 +18,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Solid:
-    """The intersection of half-spaces with, optionally, a ball or an infinite tube along z.
-
-    Args:
-        planes: Shape=(m, 4): outward normal a and offset b of each half-space a.x <= b, in its own frame, m.
-        radius: Of the ball or tube; None for neither.
-        round_axes: 3 for a ball, 2 for a tube along z.
-        position: Shape=(3,) m, in the frame that it stands in.
-        rotation: Shape=(3, 3), its own frame to that.
-    """
+    """The intersection of half-spaces with, optionally, a ball or an infinite tube along z."""
 
     planes: Array
+    """Shape=(m, 4): outward normal a and offset b of each half-space a.x <= b, in its own frame, m."""
     radius: float | None = None
+    """Of the ball or tube; None for neither."""
     round_axes: int = 2
+    """3 for a ball, 2 for a tube along z."""
     position: Array = field(default_factory=lambda: np.zeros(3))
+    """Shape=(3,) m, in the frame that it stands in."""
     rotation: Array = field(default_factory=lambda: np.eye(3))
+    """Shape=(3, 3), its own frame to that."""
 
     def leave(self, points: Array, direction: Array) -> tuple[Array, Array]:
         """Compute where the straight lines through points leave the solid.

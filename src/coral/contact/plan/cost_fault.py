@@ -11,42 +11,36 @@ from coral.contact.cost_program.trace import Traced
 
 @dataclass(frozen=True)
 class CostFault:
-    """One fault of a cost.
-
-    Args:
-        code: One of `coral.contact.cost_program.CODES`.
-        line: Line of the program; 0 where no line is to blame.
-        reason: A sentence for whoever wrote the cost.
-        fatal: Whether the cost must not be used.
-    """
+    """One fault of a cost."""
 
     code: str
+    """One of `coral.contact.cost_program.CODES`."""
     line: int
+    """Line of the program; 0 where no line is to blame."""
     reason: str
+    """A sentence for whoever wrote the cost."""
     fatal: bool = True
+    """Whether the cost must not be used."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class CostCheckCfg:
-    """Thresholds of the checks.
-
-    Args:
-        states: States of the samples that are looked at closely.
-        reach_m: A reach term that comes as near as this may be said to approach zero; a fingertip is about as thick.
-        near_m: How near the closest states must be for a contact there to be what stops the hand.
-        force_n: Force on the hand that counts as touching.
-        opening_m: Widest opening of the fingers (Panda hand); what is wider cannot be straddled.
-        rise: Rise of the cost on the way to a target that counts as a barrier, relative to its range on the way.
-        paths: Number of approaches tried.
-    """
+    """Thresholds of the checks."""
 
     states: int = 600
+    """States of the samples that are looked at closely."""
     reach_m: float = 0.015
+    """A reach term that comes as near as this may be said to approach zero; a fingertip is about as thick."""
     near_m: float = 0.06
+    """How near the closest states must be for a contact there to be what stops the hand."""
     force_n: float = 0.5
+    """Force on the hand that counts as touching."""
     opening_m: float = 0.08
+    """Widest opening of the fingers (Panda hand); what is wider cannot be straddled."""
     rise: float = 0.05
+    """Rise of the cost on the way to a target that counts as a barrier, relative to its range on the way."""
     paths: int = 16
+    """Number of approaches tried."""
 
 
 @runtime_checkable

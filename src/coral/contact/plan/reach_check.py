@@ -26,21 +26,18 @@ MOST = 24
 
 @dataclass(frozen=True, eq=False)
 class ReachTerm:
-    """A distance from the hand to a target that raises the cost.
-
-    Args:
-        index: Its number in the trace.
-        line: Line of the program.
-        target: Where the hand should be, Shape=(n, 3), m.
-        value: Distance, Shape=(n,), m.
-        saved: What the cost would be less by if it were 0, Shape=(n,).
-    """
+    """A distance from the hand to a target that raises the cost."""
 
     index: int
+    """Its number in the trace."""
     line: int
+    """Line of the program."""
     target: Array
+    """Where the hand should be, Shape=(n, 3), m."""
     value: Array
+    """Distance, Shape=(n,), m."""
     saved: Array
+    """What the cost would be less by if it were 0, Shape=(n,)."""
 
 
 def with_quantities(state: Context, values: Mapping[str, Array], shape: tuple[int, int] | None = None) -> Context:

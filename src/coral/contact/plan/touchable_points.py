@@ -58,15 +58,12 @@ class Scenery:
 
 @dataclass(frozen=True)
 class Candidates:
-    """The candidates of a region that can be touched.
-
-    Args:
-        points: Shape=(n, 3) m, in the object's frame, on its surface.
-        lost: How many were dropped, by the reason.
-    """
+    """The candidates of a region that can be touched."""
 
     points: Array
+    """Shape=(n, 3) m, in the object's frame, on its surface."""
     lost: Mapping[str, int]
+    """How many were dropped, by the reason."""
 
 
 def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array, cfg: RegionCfg) -> Array:

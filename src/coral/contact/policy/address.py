@@ -15,15 +15,12 @@ _EXPECTED = "ws://HOST:PORT or NAME=ws://HOST:PORT"
 
 @dataclass(frozen=True)
 class Address:
-    """A served policy.
-
-    Args:
-        name: For records; `openvla-oft` and `pi05` are compared with the paper's rows of Table 1.
-        url: Of its server.
-    """
+    """A served policy."""
 
     name: str
+    """For records; `openvla-oft` and `pi05` are compared with the paper's rows of Table 1."""
     url: str
+    """Of its server."""
 
 
 def parse_address(text: str, taken: Collection[str] = (), where: str = "--policy") -> Address:

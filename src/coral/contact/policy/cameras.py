@@ -23,26 +23,23 @@ _HIDDEN = 5
 
 @dataclass(frozen=True, kw_only=True)
 class PolicyCamerasCfg:
-    """Configuration of both cameras.
-
-    Args:
-        pixels: Width and height (openpi's LIBERO example sends 224).
-        eye_m, target_m: Of the camera across the table: LIBERO's "agentview" in our frame.
-        vfov_deg: Its field of view (MuJoCo's default, which LIBERO keeps).
-        wrist_m: Position of the wrist camera in the tool frame; it looks out of the palm, its top towards the hand's x.
-        wrist_vfov_deg: Its field of view (robosuite's "eye_in_hand").
-        mirrored: Left and right exchanged. LIBERO's pictures are: OpenGL's rows from bottom to top, turned by half.
-        colours: "shaded" by rays, the same everywhere; "best": OpenGL's where it works, closer to training pictures.
-    """
+    """Configuration of both cameras."""
 
     pixels: Annotated[int, Field(ge=16, le=1024)] = 224
+    """Width and height (openpi's LIBERO example sends 224)."""
     eye_m: tuple[Signed, Signed, Signed] = (0.8186, 0.0, 0.7104)
     target_m: tuple[Signed, Signed, Signed] = (-0.0615, 0.0, 0.0)
+    """Of the camera across the table: LIBERO's "agentview" in our frame."""
     vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 45.0
+    """Its field of view (MuJoCo's default, which LIBERO keeps)."""
     wrist_m: tuple[Signed, Signed, Signed] = (0.05, 0.0, -0.097)
+    """Position of the wrist camera in the tool frame; it looks out of the palm, its top towards the hand's x."""
     wrist_vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 75.0
+    """Its field of view (robosuite's "eye_in_hand")."""
     mirrored: bool = True
+    """Left and right exchanged. LIBERO's pictures are: OpenGL's rows from bottom to top, turned by half."""
     colours: Literal["shaded", "best"] = "shaded"
+    """"shaded" by rays, the same everywhere; "best": OpenGL's where it works, closer to training pictures."""
 
 
 class PolicyCameras:

@@ -11,14 +11,11 @@ from coral.contact.policy.libero_convention import LiberoCfg
 
 @dataclass(frozen=True, kw_only=True)
 class PolicyCfg:
-    """How a served policy is run.
-
-    Args:
-        client: Deadlines and limits.
-        libero: Meaning of observations and actions.
-        eyes: The cameras.
-    """
+    """How a served policy is run."""
 
     client: ClientCfg = field(default_factory=ClientCfg)
+    """Deadlines and limits."""
     libero: LiberoCfg = field(default_factory=LiberoCfg)
+    """Meaning of observations and actions."""
     eyes: PolicyCamerasCfg = field(default_factory=PolicyCamerasCfg)
+    """The cameras."""

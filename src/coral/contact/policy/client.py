@@ -29,21 +29,18 @@ OUTAGES = ("unreachable", "silence", "closed")
 
 @dataclass(frozen=True, kw_only=True)
 class ClientCfg:
-    """Deadlines and limits.
-
-    Args:
-        connect_s: Time to connect and receive the server's metadata.
-        answer_s: Time for one chunk of actions. A server that compiles at its first question may need a minute.
-        attempts: How often a question is sent while the connection fails, each time on a new one.
-        wait_s: Between attempts.
-        most_bytes: Longest message; a chunk of fifty actions has 3 kB.
-    """
+    """Deadlines and limits."""
 
     connect_s: Positive = 10.0
+    """Time to connect and receive the server's metadata."""
     answer_s: Positive = 90.0
+    """Time for one chunk of actions. A server that compiles at its first question may need a minute."""
     attempts: Count = 3
+    """How often a question is sent while the connection fails, each time on a new one."""
     wait_s: NonNegative = 2.0
+    """Between attempts."""
     most_bytes: Count = 4 * 2**20
+    """Longest message; a chunk of fifty actions has 3 kB."""
 
 
 class PolicyError(RuntimeError):

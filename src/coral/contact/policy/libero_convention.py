@@ -25,29 +25,26 @@ MOST_ACTIONS = 1000
 
 @dataclass(frozen=True, kw_only=True)
 class LiberoCfg:
-    """Scales and rates of the convention.
-
-    Args:
-        rate_hz: Actions per second (LIBERO's control frequency).
-        ticks: World steps during one action, each within the reactive layer's limits.
-        execute: Actions of a chunk that are taken before the policy is asked again (openpi's LIBERO example: 5).
-        step_m: What 1 means for the position (robosuite: 0.05).
-        step_rad: What 1 means for the turn about each axis (robosuite: 0.5).
-        opening_m_s: Speed of the fingers' distance; robosuite's gripper goes all the way in eight actions.
-        gripper: Which sign closes: "positive" (LIBERO, robosuite) or "negative".
-        stiffness_n_m: Of the hand; robosuite's gain of 150 for its apparent mass of 4.5 kg.
-        origin_m: Our origin in LIBERO's world, whose table top is 0.9 m high and whose robot stands at x = -0.66.
-    """
+    """Scales and rates of the convention."""
 
     rate_hz: Positive = 20.0
+    """Actions per second (LIBERO's control frequency)."""
     ticks: Count = 5
+    """World steps during one action, each within the reactive layer's limits."""
     execute: Count = 5
+    """Actions of a chunk that are taken before the policy is asked again (openpi's LIBERO example: 5)."""
     step_m: Positive = 0.05
+    """What 1 means for the position (robosuite: 0.05)."""
     step_rad: Positive = 0.5
+    """What 1 means for the turn about each axis (robosuite: 0.5)."""
     opening_m_s: Positive = 0.2
+    """Speed of the fingers' distance; robosuite's gripper goes all the way in eight actions."""
     gripper: Literal["positive", "negative"] = "positive"
+    """Which sign closes: "positive" (LIBERO, robosuite) or "negative"."""
     stiffness_n_m: Positive = 675.0
+    """Of the hand; robosuite's gain of 150 for its apparent mass of 4.5 kg."""
     origin_m: tuple[Signed, Signed, Signed] = (-0.16, 0.0, 0.9)
+    """Our origin in LIBERO's world, whose table top is 0.9 m high and whose robot stands at x = -0.66."""
 
     @property
     def tick_s(self) -> float:

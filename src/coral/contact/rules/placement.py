@@ -20,25 +20,22 @@ HIGHEST_M = 0.4
 
 @dataclass(frozen=True, kw_only=True)
 class Placement:
-    """Where and how an object is set down.
-
-    Args:
-        where: Its position as program text.
-        height_m: Of the object's origin when it is set down.
-        near_m: How near over it the object is lowered.
-        words: What is done there.
-        shift: Shape=(3,) m, from the object's origin to what is to be there, in the world.
-        top_m: What the object is carried over besides what stands on the table.
-        palm_m: The palm comes no lower; from there on the object falls.
-    """
+    """Where and how an object is set down."""
 
     where: str
+    """Its position as program text."""
     height_m: float
+    """Of the object's origin when it is set down."""
     near_m: float
+    """How near over it the object is lowered."""
     words: str
+    """What is done there."""
     shift: Array = field(default_factory=lambda: np.zeros(3))
+    """Shape=(3,) m, from the object's origin to what is to be there, in the world."""
     top_m: float = 0.0
+    """What the object is carried over besides what stands on the table."""
     palm_m: float = 0.0
+    """The palm comes no lower; from there on the object falls."""
 
 
 def placement_of(thing: Thing, facts: SceneFacts, goal: AtGoal | InsideGoal | RestingGoal) -> Placement:

@@ -21,19 +21,16 @@ GRASP_M = 0.074
 
 @dataclass(frozen=True, kw_only=True)
 class SkillAdjustment:
-    """Adjustments of a composed plan in a repair.
-
-    Args:
-        turn: 0 takes the first grasp or side that fits, 1 the second, ...
-        lower_m: How much lower (m) the tool grasps or pushes.
-        press: Factor on what makes the hand press, squeeze or push.
-        careful: Factor on the noise of stages in contact; below 1 moves more carefully.
-    """
+    """Adjustments of a composed plan in a repair."""
 
     turn: int = 0
+    """0 takes the first grasp or side that fits, 1 the second, ..."""
     lower_m: float = 0.0
+    """How much lower (m) the tool grasps or pushes."""
     press: float = 1.0
+    """Factor on what makes the hand press, squeeze or push."""
     careful: float = 1.0
+    """Factor on the noise of stages in contact; below 1 moves more carefully."""
 
 
 @dataclass

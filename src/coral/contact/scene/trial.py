@@ -30,17 +30,14 @@ class PhysicalParameters:
 
 @dataclass(frozen=True)
 class TrialObject:
-    """An object of one trial.
-
-    Args:
-        scale: Shape=(3,) factors on its parts.
-        physical: Its true mass and friction.
-        pose: Its pose at the start.
-    """
+    """An object of one trial."""
 
     scale: Array
+    """Shape=(3,) factors on its parts."""
     physical: PhysicalParameters
+    """Its true mass and friction."""
     pose: BodyState
+    """Its pose at the start."""
 
 
 @dataclass(frozen=True)

@@ -25,15 +25,12 @@ from coral.contact.world_model.parameter_correction import ParametersAnswer, ver
 
 @dataclass(frozen=True)
 class TouchHistory:
-    """The part of an episode's history that is informative about masses and frictions.
-
-    Args:
-        steps: All control steps: what is tried when stuck tells little of a push that went wrong before.
-        recent: The last of it, as prompts show it.
-    """
+    """The part of an episode's history that is informative about masses and frictions."""
 
     steps: Sequence[Transition]
+    """All control steps: what is tried when stuck tells little of a push that went wrong before."""
     recent: Sequence[HistoryRow]
+    """The last of it, as prompts show it."""
 
 
 def correct_beliefs(

@@ -11,15 +11,12 @@ from coral.contact.world_model.history import most_informative_object
 
 @dataclass
 class CorrectionSchedule:
-    """Decides when to correct and for which object, and counts the corrections of an episode.
-
-    Args:
-        every_s: Simulated time between two of them; 0 for none.
-        most: Of an episode. The last is kept for its end: what is lifted is lifted last, and weighs then.
-    """
+    """Decides when to correct and for which object, and counts the corrections of an episode."""
 
     every_s: float
+    """Simulated time between two of them; 0 for none."""
     most: int
+    """Of an episode. The last is kept for its end: what is lifted is lifted last, and weighs then."""
     done: int = 0
     _since: float = 0.0
     _seen: int = 0

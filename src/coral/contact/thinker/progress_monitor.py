@@ -15,58 +15,50 @@ from coral.contact.thinker.strategist import PlanReport
 
 @dataclass(frozen=True, kw_only=True)
 class OuterCfg:
-    """When the outer loop steps in, and what it looks at.
-
-    Args:
-        n_retry: Attempts without progress before the advisor is asked (paper, section 4).
-        attempt_s: Simulated time that counts as one attempt of the inner loop, which replans every 20 to 40 ms: with
-            n_retry it makes the 3 s after which a person would say that it is stuck.
-        progress: The expected cost must fall by this share of what it was when the stage began, to count as progress.
-        progress_m: So does an object that is this much farther than ever from where the stage found it: a slow, steady
-            push does what it should while its cost, of pace and force, stays as it is.
-        refinements: Most refinements in one episode.
-        history_s: How much of the past is looked at.
-        surprise_tau_s: Time constant with which old surprises are forgotten: after it, 37 % of one is left. The default
-            makes it 0.96 from plan to plan where plans are 0.04 s apart, as they are by default.
-        replay_dt_s: Step of the physics in replays, finer than in rehearsals.
-        sunk_m: Stretches at whose beginning an object is seen deeper in the table are not replayed.
-    """
+    """When the outer loop steps in, and what it looks at."""
 
     n_retry: Count = 15
+    """Attempts without progress before the advisor is asked (paper, section 4)."""
     attempt_s: Positive = 0.2
+    """Simulated time that counts as one attempt of the inner loop, which replans every 20 to 40 ms: with n_retry it
+    makes the 3 s after which a person would say that it is stuck."""
     progress: Fraction = 0.02
+    """The expected cost must fall by this share of what it was when the stage began, to count as progress."""
     progress_m: Positive = 0.01
+    """So does an object that is this much farther than ever from where the stage found it: a slow, steady push does
+    what it should while its cost, of pace and force, stays as it is."""
     refinements: NonNegative = 5
+    """Most refinements in one episode."""
     history_s: Positive = 6.0
+    """How much of the past is looked at."""
     surprise_tau_s: Positive = 0.97986393046407
+    """Time constant with which old surprises are forgotten: after it, 37 % of one is left. The default makes it 0.96
+    from plan to plan where plans are 0.04 s apart, as they are by default."""
     replay_dt_s: Positive = 0.004
+    """Step of the physics in replays, finer than in rehearsals."""
     sunk_m: Positive = 0.002
+    """Stretches at whose beginning an object is seen deeper in the table are not replayed."""
 
 
 @dataclass
 class ProgressMonitor:
-    """Detects that the inner loop is stuck: n_retry attempts in which neither the cost fell nor an object moved on.
-
-    Args:
-        cfg: The outer loop.
-        order: The stages' names, in order.
-
-    Attributes:
-        attempts: Attempts since the last progress.
-        returns: Times the plan fell back to an earlier stage.
-        steps: Control steps of the last `history_s`.
-        costs: Costs of its plans, each after the time when it was made.
-        surprise_m: By object, distances between where a plan's first step ended and where its rehearsal had expected
-            it, summed and forgotten with `surprise_tau_s`.
-    """
+    """Detects that the inner loop is stuck: n_retry attempts in which neither the cost fell nor an object moved on."""
 
     cfg: OuterCfg
+    """The outer loop."""
     order: tuple[str, ...]
+    """The stages' names, in order."""
     attempts: int = 0
+    """Attempts since the last progress."""
     returns: int = 0
+    """Times the plan fell back to an earlier stage."""
     steps: list[Transition] = field(default_factory=list)
+    """Control steps of the last `history_s`."""
     costs: list[tuple[float, float]] = field(default_factory=list)
+    """Costs of its plans, each after the time when it was made."""
     surprise_m: Mapping[str, float] = field(default_factory=dict)
+    """By object, distances between where a plan's first step ended and where its rehearsal had expected it, summed and
+    forgotten with `surprise_tau_s`."""
     _stage: int = -1
     _farthest_stage: int = -1
     _first_cost: float = 0.0

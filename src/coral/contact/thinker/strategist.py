@@ -19,36 +19,30 @@ from coral.contact.thinker.thinking_clock import Thinking
 
 @dataclass(frozen=True)
 class StrategistCounts:
-    """Counts of a strategist's actions for the metrics.
-
-    Args:
-        advisor_calls: Times a question was put to an advisor, again after a refusal included.
-        repairs: Times it changed the strategy or the beliefs during the episode.
-        memory_hit: Whether it began with something remembered.
-    """
+    """Counts of a strategist's actions for the metrics."""
 
     advisor_calls: int = 0
+    """Times a question was put to an advisor, again after a refusal included."""
     repairs: int = 0
+    """Times it changed the strategy or the beliefs during the episode."""
     memory_hit: bool = False
+    """Whether it began with something remembered."""
 
 
 @dataclass(frozen=True)
 class PlanReport:
-    """What a strategist sees after each plan: nothing that the robot does not know.
-
-    Args:
-        step: Control steps since the episode began.
-        now: What the sensors say.
-        plan: What came of the plan.
-        stage: Name of the stage that was planned for.
-        taken: The control steps since the plan before.
-    """
+    """What a strategist sees after each plan: nothing that the robot does not know."""
 
     step: int
+    """Control steps since the episode began."""
     now: Observation
+    """What the sensors say."""
     plan: HandPlan
+    """What came of the plan."""
     stage: str
+    """Name of the stage that was planned for."""
     taken: tuple[Transition, ...] = ()
+    """The control steps since the plan before."""
 
 
 class NoStrategy(RuntimeError):

@@ -23,48 +23,44 @@ DESK_S = 86_400.0
 
 @dataclass(frozen=True, kw_only=True)
 class ThinkCfg:
-    """Which parts of the outer loop are enabled; an ablation disables one.
-
-    Args:
-        strategy: Whether plans say where to touch. Off (`unguided`): the cost is of outcomes alone, and no regions are
-            asked for.
-        regions: Whether to ask for contact regions. Off (`no-regions`): the same plan, but nothing guides the samples.
-        refine: Whether to ask for another plan when stuck. Off: `no-refinement`.
-        unified: Whether everything is one question (the paper's unified VLM).
-        tracking: Whether objects are tracked. Off (`no-tracking`): the advisor is asked for their poses once.
-        least_gain: Share by which the best rehearsed way must lower the first stage's cost in a remembered plan.
-        correct_every_s: Simulated time after which the world model is corrected by what was felt, stuck or not;
-            0 for only when stuck.
-        corrections: Most of these in an episode; the last is kept for its end.
-        budget: Attempts and wall time for one decision.
-        fallback: What happens where the advisor does not decide: `rules` stand in for it, or the episode ends (`hold`,
-            and `fail`, whose end reason names the failure).
-        latency: Simulated time of an answer: 0, SECONDS, fixed:SECONDS, lognormal:MEDIAN:SIGMA, measured, recorded;
-            paper for 2.3 s (questions with a picture), 1.5 s (a plan) and 3 s (a repair); auto for 0 of rules and
-            persons, measured of models, recorded of recordings.
-        meanwhile: What the hand does in that time, once there is a plan: go on with it, or hold still.
-        belief: Bounds of what may be believed.
-        region: Bounds of what regions may be.
-        identify: The fit of corrections.
-        outer: The outer loop.
-    """
+    """Which parts of the outer loop are enabled; an ablation disables one."""
 
     strategy: bool = True
+    """Whether plans say where to touch. Off (`unguided`): the cost is of outcomes alone, and no regions are asked for.
+    """
     regions: bool = True
+    """Whether to ask for contact regions. Off (`no-regions`): the same plan, but nothing guides the samples."""
     refine: bool = True
+    """Whether to ask for another plan when stuck. Off: `no-refinement`."""
     unified: bool = False
+    """Whether everything is one question (the paper's unified VLM)."""
     tracking: bool = True
+    """Whether objects are tracked. Off (`no-tracking`): the advisor is asked for their poses once."""
     least_gain: float = 0.05
+    """Share by which the best rehearsed way must lower the first stage's cost in a remembered plan."""
     correct_every_s: NonNegative = 0.0
+    """Simulated time after which the world model is corrected by what was felt, stuck or not; 0 for only when stuck."""
     corrections: Count = 5
+    """Most of these in an episode; the last is kept for its end."""
     budget: BudgetCfg = field(default_factory=BudgetCfg)
+    """Attempts and wall time for one decision."""
     fallback: Fallback = FOR_RUNS
+    """What happens where the advisor does not decide: `rules` stand in for it, or the episode ends (`hold`, and `fail`,
+    whose end reason names the failure)."""
     latency: str = "auto"
+    """Simulated time of an answer: 0, SECONDS, fixed:SECONDS, lognormal:MEDIAN:SIGMA, measured, recorded; paper for 2.3
+    s (questions with a picture), 1.5 s (a plan) and 3 s (a repair); auto for 0 of rules and persons, measured of
+    models, recorded of recordings."""
     meanwhile: Literal["go-on", "hold"] = "go-on"
+    """What the hand does in that time, once there is a plan: go on with it, or hold still."""
     belief: ParameterBoundsCfg = field(default_factory=ParameterBoundsCfg)
+    """Bounds of what may be believed."""
     region: RegionCfg = field(default_factory=RegionCfg)
+    """Bounds of what regions may be."""
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
+    """The fit of corrections."""
     outer: OuterCfg = field(default_factory=OuterCfg)
+    """The outer loop."""
 
 
 def decision_budget(cfg: BudgetCfg, advisor: str) -> BudgetCfg:

@@ -29,51 +29,45 @@ FINGER_M = np.array([0.010, 0.012, 0.008])
 
 @dataclass(frozen=True, kw_only=True)
 class BalanceCfg:
-    """Which stretches count, and how much.
-
-    Args:
-        steps: Of a stretch. A pushed object chatters: pushed in one step, it slides on by itself in the next, so that
-            only over two do push and friction balance. Longer ones leave out how a slide begins and ends.
-        reach: Speeds are differences of places so many steps before and after: a tracker's own come late.
-        slid_m: An object that moved by less within that reach was not dragged.
-        turned_rad: One that turned by more was turned rather than dragged: friction then pulls in all directions.
-        touch_n: A stretch in which less was felt in every step tells nothing.
-        flat_m: An object whose lowest point is seen within so much of the table lies on it.
-        lifted_m: One whose lowest point is seen higher is held up.
-        clear_m, strike_n: A finger nearer to the table may strike it: steps that press harder are left out then.
-        force_n, force_share: What is left over of a right balance, and its part relative to the force.
-        inertia_share: Part of mass times acceleration that is left over.
-        model: Relative deviation that no number of stretches brings down.
-        least: Stretches without which nothing is said.
-    """
+    """Which stretches count, and how much."""
 
     steps: Count = 2
+    """Of a stretch. A pushed object chatters: pushed in one step, it slides on by itself in the next, so that only over
+    two do push and friction balance. Longer ones leave out how a slide begins and ends."""
     reach: Count = 3
+    """Speeds are differences of places so many steps before and after: a tracker's own come late."""
     slid_m: Positive = 0.005
+    """An object that moved by less within that reach was not dragged."""
     turned_rad: Positive = 0.1
+    """One that turned by more was turned rather than dragged: friction then pulls in all directions."""
     touch_n: Positive = 0.1
+    """A stretch in which less was felt in every step tells nothing."""
     flat_m: Positive = 0.008
+    """An object whose lowest point is seen within so much of the table lies on it."""
     lifted_m: Positive = 0.012
+    """One whose lowest point is seen higher is held up."""
     clear_m: NonNegative = 0.003
     strike_n: Positive = 3.0
+    """A finger nearer to the table may strike it: steps that press harder are left out then."""
     force_n: Positive = 0.1
     force_share: Positive = 0.05
+    """What is left over of a right balance, and its part relative to the force."""
     inertia_share: Positive = 0.3
+    """Part of mass times acceleration that is left over."""
     model: NonNegative = 0.03
+    """Relative deviation that no number of stretches brings down."""
     least: Count = 2
+    """Stretches without which nothing is said."""
 
 
 @dataclass(frozen=True)
 class Balance:
-    """Time windows in which the forces on an object balance.
-
-    Args:
-        dragged: Shape=(n, 3), the hand's push along the object's way (N), F_z (N), the object's acceleration (m/s^2).
-        held: Shape=(k, 2), -F_z (N) and g + a_z (m/s^2).
-    """
+    """Time windows in which the forces on an object balance."""
 
     dragged: Array
+    """Shape=(n, 3), the hand's push along the object's way (N), F_z (N), the object's acceleration (m/s^2)."""
     held: Array
+    """Shape=(k, 2), -F_z (N) and g + a_z (m/s^2)."""
 
     def __len__(self) -> int:
         return len(self.dragged) + len(self.held)

@@ -21,25 +21,22 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayCfg:
-    """In what units a replay's error counts: about what a right belief leaves over in a coarse rehearsal.
-
-    Args:
-        position_m: Of the object.
-        angle_rad: Of the object.
-        speed_m_s: Of the object.
-        hand_m: Of the tool.
-        force_n: On the hand, averaged over the window, plus `force_share` of what was measured.
-        force_share: Relative part of that.
-        most: An error beyond so many units counts no more: one slipped contact must not decide.
-    """
+    """In what units a replay's error counts: about what a right belief leaves over in a coarse rehearsal."""
 
     position_m: Positive = 0.0005
+    """Of the object."""
     angle_rad: Positive = 0.01
+    """Of the object."""
     speed_m_s: Positive = 0.03
+    """Of the object."""
     hand_m: Positive = 0.0002
+    """Of the tool."""
     force_n: Positive = 0.5
+    """On the hand, averaged over the window, plus `force_share` of what was measured."""
     force_share: Positive = 0.3
+    """Relative part of that."""
     most: Positive = 6.0
+    """An error beyond so many units counts no more: one slipped contact must not decide."""
 
 
 class HistoryReplay:

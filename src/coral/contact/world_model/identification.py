@@ -25,64 +25,58 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class IdentifyCfg:
-    """The fit.
-
-    Args:
-        mass_kg, friction: Bounds.
-        grid: Coarse values of each in the bounds, tried first: replay errors have several valleys.
-        samples: Beliefs of each refinement (cross-entropy method on log mass and log friction).
-        rounds: Refinements.
-        elite: Share of them that the next round is drawn about.
-        better: A correction is accepted if the windows it was not fitted on are explained better by this share.
-        known: Relative deviation up to which a parameter counts as known.
-        much: A history that tells little of either parameter corrects them only if explained better by this share.
-        mass_doubt, friction_doubt: Relative deviations of what is believed while nobody has touched anything: how far a
-            correction moves along what its history tells nothing of.
-        replay: Units of the error.
-        by: What proposes a correction: "replay", the fit of replayed commands; "balance", the balance of forces on what
-            was dragged or held up, where there was any, else the fit.
-        balance: Which stretches count there.
-    """
+    """The fit."""
 
     mass_kg: tuple[Positive, Positive] = (0.02, 5.0)
     friction: tuple[Positive, Positive] = (0.1, 1.5)
+    """Bounds."""
     grid: Count = 6
+    """Coarse values of each in the bounds, tried first: replay errors have several valleys."""
     samples: Count = 20
+    """Beliefs of each refinement (cross-entropy method on log mass and log friction)."""
     rounds: Count = 3
+    """Refinements."""
     elite: Fraction = 0.25
+    """Share of them that the next round is drawn about."""
     better: Fraction = 0.02
+    """A correction is accepted if the windows it was not fitted on are explained better by this share."""
     known: Positive = 0.15
+    """Relative deviation up to which a parameter counts as known."""
     much: Fraction = 0.3
+    """A history that tells little of either parameter corrects them only if explained better by this share."""
     mass_doubt: Positive = 1.0
     friction_doubt: Positive = 0.4
+    """Relative deviations of what is believed while nobody has touched anything: how far a correction moves along what
+    its history tells nothing of."""
     replay: ReplayCfg = field(default_factory=ReplayCfg)
+    """Units of the error."""
     by: Literal["replay", "balance"] = "replay"
+    """What proposes a correction: "replay", the fit of replayed commands; "balance", the balance of forces on what was
+    dragged or held up, where there was any, else the fit."""
     balance: BalanceCfg = field(default_factory=BalanceCfg)
+    """Which stretches count there."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A proposed correction and the evidence for it.
-
-    Args:
-        object: Whose parameters.
-        before, after: Its parameters.
-        error_before, error_after: Replay error in the windows that the fit has not seen.
-        accepted: Whether the history is explained better.
-        mass_sd, friction_sd, product_sd: Relative deviations (of log values) that the error's curvature leaves.
-        windows: Replayed.
-    """
+    """A proposed correction and the evidence for it."""
 
     object: str
+    """Whose parameters."""
     before: PhysicalParameters
     after: PhysicalParameters
+    """Its parameters."""
     error_before: float
     error_after: float
+    """Replay error in the windows that the fit has not seen."""
     accepted: bool
+    """Whether the history is explained better."""
     mass_sd: float
     friction_sd: float
     product_sd: float
+    """Relative deviations (of log values) that the error's curvature leaves."""
     windows: int
+    """Replayed."""
 
     def words(self, known: float = 0.15) -> str:
         """Describe the correction in a sentence."""

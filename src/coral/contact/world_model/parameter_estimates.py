@@ -36,17 +36,14 @@ class ParameterEstimates(RootModel[dict[str, ParameterEstimate]]):
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterBoundsCfg:
-    """What is possible of something that a hand can move.
-
-    Args:
-        mass_kg: Bounds; those of the task format.
-        friction: Bounds; those of the task format.
-        density_kg_m3: Bounds on mass over the volume of the bounding box: above air-filled foam, below lead.
-    """
+    """What is possible of something that a hand can move."""
 
     mass_kg: tuple[Positive, Positive] = (0.005, 20.0)
+    """Bounds; those of the task format."""
     friction: tuple[Positive, Positive] = (0.02, 2.0)
+    """Bounds; those of the task format."""
     density_kg_m3: tuple[Positive, Positive] = (5.0, 12_000.0)
+    """Bounds on mass over the volume of the bounding box: above air-filled foam, below lead."""
 
 
 def verify_estimates(

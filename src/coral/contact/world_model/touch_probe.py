@@ -30,23 +30,20 @@ ACROSS = np.array([0.0, np.sqrt(0.5), -np.sqrt(0.5), 0.0])
 
 @dataclass(frozen=True, kw_only=True)
 class ProbeCfg:
-    """The experiment.
-
-    Args:
-        corrections: After so many rounds of pushes (paper, Fig. 4: about five).
-        windows: Replayed for each correction.
-        replay_dt_s: Step of the physics in replays; what is fitted is subtler than what a rehearsal needs.
-        slow_m_s: Speed of the slow pushes.
-        fast_m_s: Speed of the blows.
-        identify: The fit.
-    """
+    """The experiment."""
 
     corrections: Count = 5
+    """After so many rounds of pushes (paper, Fig. 4: about five)."""
     windows: Count = 10
+    """Replayed for each correction."""
     replay_dt_s: Positive = 0.002
+    """Step of the physics in replays; what is fitted is subtler than what a rehearsal needs."""
     slow_m_s: Positive = 0.12
+    """Speed of the slow pushes."""
     fast_m_s: Positive = 0.3
+    """Speed of the blows."""
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
+    """The fit."""
 
 
 def probe(

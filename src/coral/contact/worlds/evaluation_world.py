@@ -25,15 +25,12 @@ class WorldError(RuntimeError):
 
 @dataclass(frozen=True)
 class Simulation:
-    """The MuJoCo simulation behind a world.
-
-    Args:
-        model: Bodies, joints and shapes; fixed.
-        data: The present state; the world changes it in place as it steps.
-    """
+    """The MuJoCo simulation behind a world."""
 
     model: mujoco.MjModel
+    """Bodies, joints and shapes; fixed."""
     data: mujoco.MjData
+    """The present state; the world changes it in place as it steps."""
 
 
 class EvaluationWorld(Protocol):

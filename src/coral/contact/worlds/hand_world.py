@@ -24,19 +24,16 @@ from coral.contact.worlds.merged_contacts import merged_contacts
 
 @dataclass(frozen=True, kw_only=True)
 class HandWorldCfg:
-    """Configuration of the light evaluation world.
-
-    Args:
-        physics_dt_s: Step of the physics.
-        control_period_s: How long each target is applied.
-        hand: The hand's dynamics.
-        start_m: Start position of the tool.
-    """
+    """Configuration of the light evaluation world."""
 
     physics_dt_s: TimeStep = 0.002
+    """Step of the physics."""
     control_period_s: TimeStep = 0.02
+    """How long each target is applied."""
     hand: HandCfg = field(default_factory=HandCfg)
+    """The hand's dynamics."""
     start_m: tuple[float, float, float] = (-0.1, 0.0, 0.25)
+    """Start position of the tool."""
 
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])

@@ -33,42 +33,36 @@ FAILED = {
 
 @dataclass(frozen=True, kw_only=True)
 class ThoughtPart:
-    """One step of the reasoning.
-
-    Args:
-        title: What it was.
-        state: "good", "bad", "warn" or "".
-        chips: Short facts.
-        text: A sentence or two, in the advisor's words where it has any.
-        refused: Why answers were refused, in order.
-        code: Programs that came of it.
-        rows: A small table; its first row is the head.
-    """
+    """One step of the reasoning."""
 
     title: str
+    """What it was."""
     state: str = ""
+    """"good", "bad", "warn" or ""."""
     chips: tuple[str, ...] = ()
+    """Short facts."""
     text: str = ""
+    """A sentence or two, in the advisor's words where it has any."""
     refused: tuple[str, ...] = ()
+    """Why answers were refused, in order."""
     code: str = ""
+    """Programs that came of it."""
     rows: tuple[tuple[str, ...], ...] = ()
+    """A small table; its first row is the head."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Thought:
-    """The reasoning at one moment.
-
-    Args:
-        t: Simulated time (s).
-        title: Why it was thought.
-        state: As of a part.
-        parts: In order.
-    """
+    """The reasoning at one moment."""
 
     t: float
+    """Simulated time (s)."""
     title: str
+    """Why it was thought."""
     state: str
+    """As of a part."""
     parts: tuple[ThoughtPart, ...]
+    """In order."""
 
 
 @dataclass(frozen=True, kw_only=True)

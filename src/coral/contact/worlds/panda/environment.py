@@ -31,22 +31,19 @@ MOUNT_HEIGHT_M = 0.912  # from the floor to the arm's foot, on robosuite's pedes
 
 @dataclass(frozen=True, kw_only=True)
 class RobotCfg:
-    """Base and start posture of the robot.
-
-    Args:
-        base: Foot of the arm (link 0), world frame, m. Chosen by a study of inverse kinematics that is kept as a test.
-        joints: Shape=(7,) rad at reset: hand pointing down over the near half of the table, elbow up, mid-range.
-        motor_inertia: Of rotor and gear at each joint, kg m^2; robosuite has 5 to 0.7.
-        link_inertia_factor: Scales robosuite's rotational inertias of links and hand, which would fit bodies three
-            times as long (0.3 kg m^2 for a link of 3 kg).
-        physics_step_s: robosuite's 2 ms keep a stiff grasp stable.
-    """
+    """Base and start posture of the robot."""
 
     base: tuple[float, float, float] = (-0.5, 0.0, 0.0)
+    """Foot of the arm (link 0), world frame, m. Chosen by a study of inverse kinematics that is kept as a test."""
     joints: tuple[float, ...] = (0.0, -0.1, 0.0, -2.35, 0.0, 2.25, np.pi / 4)
+    """Shape=(7,) rad at reset: hand pointing down over the near half of the table, elbow up, mid-range."""
     motor_inertia: float = 0.1
+    """Of rotor and gear at each joint, kg m^2; robosuite has 5 to 0.7."""
     link_inertia_factor: float = 0.1
+    """Scales robosuite's rotational inertias of links and hand, which would fit bodies three times as long (0.3 kg m^2
+    for a link of 3 kg)."""
     physics_step_s: float = 0.002
+    """robosuite's 2 ms keep a stiff grasp stable."""
 
 
 def _robosuite() -> Any:

@@ -14,22 +14,18 @@ from coral.contact.worlds.panda.names import ROBOT_PARTS, part_of
 
 @dataclass(frozen=True, kw_only=True)
 class FailureMonitorCfg:
-    """Limits.
-
-    Args:
-        max_speed: m/s or rad/s of any joint or object; beyond it the simulation has diverged.
-        sunk_m: An object whose centre of mass is farther below the table's top than this has passed through it.
-        reach_error_m, reach_error_rad: A hand that rests this far from its target, touching nothing, for
-            `reach_time_s`, cannot get there.
-        rest_m_s: A hand slower than this is at rest.
-    """
+    """Limits."""
 
     max_speed: float = 100.0
+    """m/s or rad/s of any joint or object; beyond it the simulation has diverged."""
     sunk_m: float = 0.01
+    """An object whose centre of mass is farther below the table's top than this has passed through it."""
     reach_error_m: float = 0.03
     reach_error_rad: float = 0.3
+    """A hand that rests this far from its target, touching nothing, for `reach_time_s`, cannot get there."""
     reach_time_s: float = 1.0
     rest_m_s: float = 0.02
+    """A hand slower than this is at rest."""
 
 
 class FailureMonitor:

@@ -22,26 +22,22 @@ from coral.contact.worlds.panda.names import ARM_ACTUATORS, FINGER_ACTUATORS, JO
 
 @dataclass(frozen=True, kw_only=True)
 class ImpedanceCfg:
-    """Gains besides the commanded stiffness.
-
-    Args:
-        lever_m2: Rotational stiffness (N m/rad) per translational stiffness (N/m), as of the planner's hand.
-        damping_ratio: 1 is critical.
-        max_force_n, max_torque_nm: Limits of the spring, however far the target.
-        posture_stiffness: N m/rad towards the reset posture, in the nullspace.
-        limit_margin_rad, limit_stiffness: Closer to a joint's limit than this, a spring (N m/rad) in the nullspace
-            pushes back.
-        max_effective_mass: kg; bounds the damping near singular postures.
-    """
+    """Gains besides the commanded stiffness."""
 
     lever_m2: float = 0.05
+    """Rotational stiffness (N m/rad) per translational stiffness (N/m), as of the planner's hand."""
     damping_ratio: float = 1.0
+    """1 is critical."""
     max_force_n: float = 60.0
     max_torque_nm: float = 10.0
+    """Limits of the spring, however far the target."""
     posture_stiffness: float = 10.0
+    """N m/rad towards the reset posture, in the nullspace."""
     limit_margin_rad: float = 0.2
     limit_stiffness: float = 60.0
+    """Closer to a joint's limit than this, a spring (N m/rad) in the nullspace pushes back."""
     max_effective_mass: float = 30.0
+    """kg; bounds the damping near singular postures."""
 
 
 class Impedance:

@@ -23,25 +23,22 @@ from coral.contact.worlds.panda.wrist_wrench import WristWrench
 
 @dataclass(frozen=True, kw_only=True)
 class PandaWorldCfg:
-    """Configuration of the Panda world.
-
-    Args:
-        control_period_s: How long each target is applied: the planner's control step.
-        robot: Base and start posture.
-        impedance: The controller's gains.
-        watch: Limits beyond which an episode cannot go on.
-        start_opening_m: Of the fingers at reset.
-        settle_s: Time for the objects to come to rest before the clock starts.
-        settle_stiffness: Stiffness of the hand during that time, N/m.
-    """
+    """Configuration of the Panda world."""
 
     control_period_s: TimeStep = 0.02
+    """How long each target is applied: the planner's control step."""
     robot: RobotCfg = field(default_factory=RobotCfg)
+    """Base and start posture."""
     impedance: ImpedanceCfg = field(default_factory=ImpedanceCfg)
+    """The controller's gains."""
     watch: FailureMonitorCfg = field(default_factory=FailureMonitorCfg)
+    """Limits beyond which an episode cannot go on."""
     start_opening_m: float = 0.08
+    """Of the fingers at reset."""
     settle_s: float = 0.1
+    """Time for the objects to come to rest before the clock starts."""
     settle_stiffness: float = 600.0
+    """Stiffness of the hand during that time, N/m."""
 
 
 class PandaWorld:
