@@ -29,8 +29,8 @@ class CostCfg:
     """Weights of the cost terms. Each term is normalised by a fixed scale, so that lambda means the same at every tick."""
 
     goal: float = 0.6
-    """Mean of the cost-to-go at the end and along the rollout, less the one now, over the farthest that a rollout can get
-    (-1 full progress, 0 none). Paper IV-F."""
+    """Mean of the cost-to-go at the end and along the rollout, less the one now, over the farthest that a rollout can
+    get (-1 full progress, 0 none). Paper IV-F."""
     obstacle: float = 0.5
     """Mean over time of ((1 - clearance / soft_m)+)^2. Paper IV-F."""
     speed: float = 0.3
@@ -39,8 +39,8 @@ class CostCfg:
     """(Metres driven + cost-to-go at the end - cost-to-go now) / farthest: metres that did not shorten the way. Alg. 3
     names it and the paper gives no value; the cost-to-go already prices detours."""
     heading: float = 0.2
-    """Mean of (1 - cos) / 2 of the angle between heading and the cost-to-go's descent. Ours: the camera looks forward and
-    the vehicle only drives forward, so that a goal behind needs a turn first."""
+    """Mean of (1 - cos) / 2 of the angle between heading and the cost-to-go's descent. Ours: the camera looks forward
+    and the vehicle only drives forward, so that a goal behind needs a turn first."""
     smooth: float = 0.05
     """Mean squared change of the command, in units of its limits. Ours; the paper names smoothness in the text (III-E)
     and not in Alg. 3."""
