@@ -21,3 +21,9 @@ def test_no_two_public_classes_share_a_name():
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 homes[node.name].append(str(path.relative_to(ROOT)))
     assert {name: found for name, found in homes.items() if len(found) > 1} == {}
+
+
+def test_every_folder_of_modules_has_its_folder_of_tests():
+    """`tests/` mirrors `src/coral/`: a module is tested in the folder of its name, by itself or through its users."""
+    folders = {path.parent.relative_to(ROOT / "src/coral") for path in (ROOT / "src/coral").rglob("*.py")}
+    assert [str(folder) for folder in sorted(folders) if not (ROOT / "tests" / folder).is_dir()] == []

@@ -26,7 +26,7 @@ NO_FEASIBLE = "no feasible rollout"
 
 @dataclass(frozen=True, kw_only=True)
 class CostCfg:
-    """Weights of the cost terms. Each term is normalised by a fixed scale, so that lambda means the same at every tick."""
+    """Weights of the cost terms. Each term has a fixed scale, so that lambda means the same at every tick."""
 
     goal: float = 0.6
     """Mean of the cost-to-go at the end and along the rollout, less the one now, over the farthest that a rollout can

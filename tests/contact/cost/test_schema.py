@@ -1,0 +1,22 @@
+"""The names that a cost may read."""
+
+from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
+
+
+def test_an_object_has_its_pose_points_and_contacts():
+    names = object_quantities("box", ["handle"], ["table"], ["tin"])
+    assert {"box_pos", "box_quat", "box_handle_pos", "box_table_contact", "box_tin_contact"} <= names.keys()
+    assert names["box_pos"].size == 3
+    assert names["box_hand_contact"].truth
+    assert names["box_mass"].constant
+    assert not names["box_vel"].constant
+
+
+def test_scenery_is_constant():
+    names = scenery_quantities(["wall"], ["goal"], ["lift"])
+    assert {"wall_pos", "wall_size", "goal_pos", "lift", "table_min", "table_max"} == names.keys()
+    assert all(quantity.constant for quantity in names.values())
+
+
+def test_no_name_of_the_hand_is_an_objects_too():
+    assert not HAND.keys() & object_quantities("box").keys()
