@@ -35,8 +35,9 @@ from coral.contact.cost.stages import Stage
 from coral.contact.experts import expert
 from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Observation
+from coral.contact.scene.prior_beliefs import prior_beliefs
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.scene.trial import Trial, prior_beliefs, sample_trial, with_beliefs
+from coral.contact.scene.trial import Trial, sample_trial, with_beliefs
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.mppi.knots import KnotMppiCfg

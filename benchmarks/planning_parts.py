@@ -18,7 +18,8 @@ import mujoco
 import numpy as np
 
 from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
-from coral.contact.scene.trial import prior_beliefs, sample_trial
+from coral.contact.scene.prior_beliefs import prior_beliefs
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 

@@ -20,7 +20,7 @@ class RunBar:
     def __init__(self, *, quiet: bool = False) -> None:
         self._bar = Progress(
             TextColumn("{task.description}", style="bold", markup=False),
-            BarColumn(bar_width=16),
+            BarColumn(bar_width=12),
             TextColumn("{task.fields[status]}", markup=False),
             console=Console(stderr=True),
             transient=False,
@@ -47,7 +47,7 @@ class RunBar:
             description=printable(name),
             completed=t,
             total=time_limit_s,
-            status=f"{t:.0f} s · {status} · {speed}",
+            status=f"{t:.0f} s simulated · {status} · {speed}",
         )
 
     def stop_requested(self) -> str:
