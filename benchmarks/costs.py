@@ -21,7 +21,7 @@ import numpy as np
 from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.cost_program import CostProgram, CostWorker
-from coral.contact.scene.prior_beliefs import prior_beliefs
+from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
@@ -88,7 +88,7 @@ def rehearsed(samples: int, horizon: int) -> tuple[Context, PlanningWorld]:
     """States of a hand that wanders about the board."""
     trial = sample_trial(load_task("push-pick-board"), 0)
     now = HandWorld(trial, HandWorldCfg()).reset()
-    world = PlanningWorld(trial, prior_beliefs(trial), now, PlanningCfg(threads=1))
+    world = PlanningWorld(trial, stated_beliefs(trial), now, PlanningCfg(threads=1))
     steps = np.random.default_rng(0).normal(scale=0.006, size=(samples, horizon, 3))
     way = now.objects["board"].position + np.array([0, 0, 0.02]) + np.cumsum(steps, axis=1)
     turns = np.tile(now.tool.quaternion, (samples, horizon, 1))
@@ -147,9 +147,9 @@ def belief_rows(repeats: int) -> list[dict[str, object]]:
     for task in shipped_tasks():
         trial = sample_trial(load_task(task), 0)
         world = PlanningWorld(
-            trial, prior_beliefs(trial), HandWorld(trial, HandWorldCfg()).reset(), PlanningCfg(threads=1)
+            trial, stated_beliefs(trial), HandWorld(trial, HandWorldCfg()).reset(), PlanningCfg(threads=1)
         )
-        rows.append({"task": task, "believe_ms": timed(partial(world.believe, prior_beliefs(trial)), repeats)})
+        rows.append({"task": task, "believe_ms": timed(partial(world.believe, stated_beliefs(trial)), repeats)})
         world.close()
     return rows
 

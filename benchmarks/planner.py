@@ -35,7 +35,7 @@ from coral.contact.cost.stages import Stage
 from coral.contact.experts import expert
 from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Observation
-from coral.contact.scene.prior_beliefs import prior_beliefs
+from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial, with_beliefs
 from coral.contact.tasks import load_task
@@ -82,7 +82,7 @@ class Problem:
 
     def world(self, threads: int) -> PlanningWorld:
         """Ours."""
-        world = PlanningWorld(self.trial, prior_beliefs(self.trial), self.now, PlanningCfg(threads=threads))
+        world = PlanningWorld(self.trial, stated_beliefs(self.trial), self.now, PlanningCfg(threads=threads))
         world.edges = True  # the same model for everyone, and the one that the peers are given
         return world
 
@@ -138,7 +138,7 @@ def peer(problem: Problem, world: PlanningWorld, python: str, repeats: int) -> d
     ctrl[..., 2:5] = rotate(conjugate(now.tool.quaternion), controls.position - now.tool.position)
     with tempfile.TemporaryDirectory() as folder:
         spec = reduced(
-            with_beliefs(problem.trial, prior_beliefs(problem.trial)), world.cfg.hand, world.cfg.physics_dt_s
+            with_beliefs(problem.trial, stated_beliefs(problem.trial)), world.cfg.hand, world.cfg.physics_dt_s
         )
         spec.compile()
         Path(folder, "model.xml").write_text(spec.to_xml(), encoding="utf-8")
@@ -213,7 +213,7 @@ def task_row(task: str, samples: int, horizon: int, repeats: int) -> dict[str, A
     now = replace(now, tool=replace(now.tool, position=above))
     stage = expert(trial.task, "expert").stages[0]
     cfg = ControllerCfg(horizon=horizon, mppi=KnotMppiCfg(samples=samples))
-    worlds = [PlanningWorld(trial, prior_beliefs(trial), now, PlanningCfg(threads=threads)) for threads in (1, 2)]
+    worlds = [PlanningWorld(trial, stated_beliefs(trial), now, PlanningCfg(threads=threads)) for threads in (1, 2)]
     found = timed(
         {
             f"plan_ms_{threads}": partial(plan, Controller(world, cfg, np.random.default_rng(0)), now, stage)

@@ -18,7 +18,7 @@ import mujoco
 import numpy as np
 
 from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
-from coral.contact.scene.prior_beliefs import prior_beliefs
+from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
@@ -98,7 +98,7 @@ def trial(task: str, part: Part, samples: int, horizon: int) -> Callable[[], obj
         above + walk, np.tile(now.tool.quaternion, (samples, horizon, 1)), np.full((samples, horizon), 0.08), STIFFNESS
     )
     cfg = PlanningCfg(threads=1)
-    world = PlanningWorld(trial, prior_beliefs(trial), now, replace(cfg, rest_m_s=0.0) if part.awake else cfg)
+    world = PlanningWorld(trial, stated_beliefs(trial), now, replace(cfg, rest_m_s=0.0) if part.awake else cfg)
     world.edges = part.edges
     world.rollout(now, controls)
     for model in (*world.models, *world._endless):
