@@ -1,1 +1,1 @@
-"""Is this model good enough? Frozen questions with scored answers, put to any advisor, no simulation in the loop."""
+"""Benchmark of an advisor: frozen questions with scored answers, without a mission or an episode around them."""

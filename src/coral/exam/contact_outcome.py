@@ -1,4 +1,4 @@
-"""What comes of a plan: one short episode with a free-flying hand, the true world and what was believed."""
+"""Score of a plan by its outcome: one short episode with a free-flying hand in the true world."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from coral.exam.contact_score import score_estimates, score_regions
 from coral.exam.worth import Worth
 
 LIMIT_S = 12.0
-"""Simulated time in which a plan has to succeed; the rules need 2 to 9 s for these tasks."""
+"""Simulated time within which a plan must succeed; the rules' plans need 2 to 9 s in these tasks."""
 SAMPLES = 16
 
 
 @dataclass(frozen=True)
 class FollowedPlan:
-    """A plan, what is believed while it is followed, and where it touches."""
+    """A plan with the beliefs and contact regions with which it is followed."""
 
     answer: PlanAnswer
     beliefs: Mapping[str, PhysicalParameters]
@@ -41,11 +41,11 @@ class FollowedPlan:
 
 
 class PlanFollower(FixedStrategist):
-    """Checks one plan and follows it; nobody thinks again. Keeps what was felt.
+    """Verifies one plan and follows it without asking again. Records the transitions and the costs.
 
     Args:
-        plan: The plan.
-        load: How its programs are made.
+        plan: The plan to follow.
+        load: Loads the plan's cost programs.
     """
 
     def __init__(self, plan: FollowedPlan, load: Loader) -> None:
@@ -54,10 +54,10 @@ class PlanFollower(FixedStrategist):
         self.costs: list[tuple[float, float]] = []
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
-        """Believe what is believed; the plan as a strategy.
+        """Set the beliefs and make a strategy of the plan.
 
         Raises:
-            NoStrategy: It is refused; the text is the code of refusal.
+            NoStrategy: The plan is refused; the text is the code of the refusal.
         """
         plan, sizes = self._plan, {name: trial.size(name) for name in trial.objects}
         world.believe(plan.beliefs)
@@ -68,14 +68,14 @@ class PlanFollower(FixedStrategist):
         return make_strategy("answer", plan.answer, plan.regions, world.schema, sizes, self._load)
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
-        """Keep what was felt."""
+        """Record the transitions taken and the plan's cost."""
         self.taken += report.taken
         self.costs.append((report.now.time_s, report.plan.cost))
         return None
 
 
 def episode_cfg() -> EpisodeCfg:
-    """Of short episodes: poses from the simulator, few samples, nothing drawn."""
+    """Return the configuration of a short episode: poses from the simulator, few samples, no report."""
     cfg = EpisodeCfg(poses="ground-truth")
     controller = replace(cfg.controller, mppi=replace(cfg.controller.mppi, samples=SAMPLES))
     return replace(cfg, controller=controller, record=replace(cfg.record, states=False, report=False))
@@ -84,7 +84,7 @@ def episode_cfg() -> EpisodeCfg:
 def follow(
     trial: Trial, plan: FollowedPlan, load: Loader = in_process, observers: Sequence[Any] = ()
 ) -> dict[str, Any]:
-    """Follow a plan to its end; the metrics of the episode, and `detail`, why it ended."""
+    """Follow a plan to its end. Return the episode's metrics with `detail`, the reason of its end."""
     short = trial.task.model_copy(update={"time_limit_s": LIMIT_S})
     with tempfile.TemporaryDirectory() as folder:
         strategist = PlanFollower(plan, load)
@@ -94,9 +94,9 @@ def follow(
 
 
 def score_plan(key: Mapping[str, Any], facts: Mapping[str, Any], answer: PlanAnswer) -> Worth:
-    """A plan: 1 where it succeeds in time, 0 where it does not or is refused."""
+    """Score a plan: 1 if it succeeds in time, 0 if it does not or is refused."""
     regions = RegionsAnswer.model_validate(key["regions"])
-    # The stages are the answer's own: a place is good for all of them.
+    # The regions of the key name other stages than this answer does: each region is valid for all stages.
     held = {
         name: one.model_copy(update={"regions": [r.model_copy(update={"stage": ""}) for r in one.regions]})
         for name, one in regions.root.items()
@@ -105,7 +105,7 @@ def score_plan(key: Mapping[str, Any], facts: Mapping[str, Any], answer: PlanAns
 
 
 def score_unified(key: Mapping[str, Any], facts: Mapping[str, Any], answer: UnifiedAnswer) -> Worth:
-    """Half for what comes of its plan with its own beliefs and places, and a quarter each for these two."""
+    """Score a unified answer: half by the outcome of its plan, a quarter each by its estimates and its regions."""
     scene = {**facts, "stages": answer.plan.names}
     parts = [score_estimates(key, facts, answer.estimates), score_regions(key, scene, answer.places)]
     if any(part.why.startswith("refused") for part in parts):

@@ -1,4 +1,4 @@
-"""The contact questions of a set: scenes of many tasks, their prompts as in an episode, and the truth as their key."""
+"""The contact questions of a set: sampled scenes, the prompts that an episode would render, the truth as key."""
 
 from __future__ import annotations
 
@@ -40,43 +40,43 @@ from coral.exam.item import ExamItem
 
 TASKS = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
 SHORT = ("flip-box", "pick-box", "push-force")
-"""Tasks that a plan finishes in a few seconds: the outcome of plans is tried in these."""
+"""Tasks that a plan finishes in a few seconds: only these are used where an episode scores the answer."""
 HIDDEN = ("solid_share", "parts")
-"""What prompts of episodes leave out of objects: facts of the default advisor alone."""
+"""Facts of an object that prompts leave out: only the default advisor reads them."""
 BAD_S, PUSHED_S = 2.0, 4.0
-"""Simulated time after which a bad plan is asked about, and after which a wrong belief is."""
+"""Simulated time of the question about a bad plan, and of the question about a wrong belief."""
 Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class Seen:
-    """The first look at a trial: what the sensors say, the picture, and the scene as facts."""
+    """The first observation of a trial: measurements, picture, and the scene as facts."""
 
     trial: Trial
     now: Observation
     frame: RgbdFrame
     facts: dict[str, Any]
     beliefs: dict[str, PhysicalParameters]
-    """By the rules, from the facts; they are what later questions state."""
+    """Estimated by the rules from the facts; later questions state them."""
 
     @property
     def pictures(self) -> tuple[Picture, ...]:
-        """What the camera shows."""
+        """Return the camera's pictures."""
         return (to_picture(self.frame),)
 
     @property
     def believed(self) -> dict[str, Any]:
-        """The facts with what is believed."""
+        """Return the facts with the beliefs about masses and frictions filled in."""
         return dict(scene_facts(self.trial, self.now, self.beliefs))
 
 
 def contact_items(seed: int, counts: Mapping[str, int], say: Say = lambda text: None) -> list[ExamItem]:
-    """Questions of all kinds.
+    """Make the questions of all kinds.
 
     Args:
-        seed: Of trials and of what goes wrong in them.
-        counts: How many of each kind.
-        say: Told of each step.
+        seed: Of trials and of the errors put into plans and beliefs.
+        counts: Number of questions of each kind.
+        say: Receives progress messages.
     """
     makers = {
         "physical-parameters": _parameters,
@@ -105,7 +105,7 @@ def contact_items(seed: int, counts: Mapping[str, int], say: Say = lambda text: 
     return found
 
 
-def _see(trial: Trial) -> Seen:
+def _observe(trial: Trial) -> Seen:
     world = make_world("hand", trial, PlanningCfg().step_s)
     try:
         now = world.reset()
@@ -131,7 +131,7 @@ def _item(
     )
 
 
-def _truth(trial: Trial) -> dict[str, Any]:
+def _true_parameters(trial: Trial) -> dict[str, Any]:
     return {
         name: {"mass_kg": item.physical.mass_kg, "friction": item.physical.friction}
         for name, item in trial.objects.items()
@@ -139,13 +139,15 @@ def _truth(trial: Trial) -> dict[str, Any]:
 
 
 def _parameters(task: str, seed: int) -> ExamItem:
-    seen = _see(made_of(load_task(task), seed))
+    seen = _observe(made_of(load_task(task), seed))
     prompt = belief_prompt(cast(Any, seen.facts))
-    return _item("physical-parameters", prompt, seen.facts, {"parameters": _truth(seen.trial)}, *seen.pictures)
+    return _item(
+        "physical-parameters", prompt, seen.facts, {"parameters": _true_parameters(seen.trial)}, *seen.pictures
+    )
 
 
 def _poses(task: str, seed: int) -> ExamItem:
-    seen = _see(made_of(load_task(task), seed))
+    seen = _observe(made_of(load_task(task), seed))
     facts = pose_facts(seen.trial, seen.now, seen.frame)
     poses = {}
     for name, item in seen.trial.objects.items():
@@ -159,42 +161,46 @@ def _poses(task: str, seed: int) -> ExamItem:
 
 
 def _regions(task: str, seed: int) -> ExamItem:
-    seen = _see(made_of(load_task(task), seed))
+    seen = _observe(made_of(load_task(task), seed))
     facts = _plan_facts(seen)
-    facts["stages"] = _by_rules(facts)[0].names
-    prompt = {"task": facts["instruction"], "objects": _shown(facts), "stages": facts["stages"]}
+    facts["stages"] = _apply_rules(facts)[0].names
+    prompt = {"task": facts["instruction"], "objects": _prompt_objects(facts), "stages": facts["stages"]}
     return _item("contact-regions", prompt, facts, {"touches": touches(seen.trial)}, *seen.pictures)
 
 
 def _plan(task: str, seed: int) -> ExamItem:
-    seen = _see(sample_trial(load_task(task), seed))
+    seen = _observe(sample_trial(load_task(task), seed))
     facts = _plan_facts(seen)
     poses = {name: item["pose"] for name, item in facts["objects"].items()} | {"hand": facts["hand"]["pose"]}
-    prompt = {**_about(seen, facts), "poses": poses, "parameters": _shown(facts)}
-    return _item("cost-function", prompt, facts, _plan_key(seen.trial, seen, _by_rules(facts)[1]))
+    prompt = {**_shared_prompt(seen, facts), "poses": poses, "parameters": _prompt_objects(facts)}
+    return _item("cost-function", prompt, facts, _plan_key(seen.trial, seen, _apply_rules(facts)[1]))
 
 
 def _unified(task: str, seed: int) -> ExamItem:
-    seen = _see(sample_trial(load_task(task), seed + 50))
+    seen = _observe(sample_trial(load_task(task), seed + 50))
     facts = {**seen.facts, "diagnoses": [], "contact_strategy": True}
     prompt = {
-        **_about(seen, facts),
-        "objects": {name: {"mass_kg": None, "friction": None, **item} for name, item in _shown(facts).items()},
+        **_shared_prompt(seen, facts),
+        "objects": {name: {"mass_kg": None, "friction": None, **item} for name, item in _prompt_objects(facts).items()},
         "hand": facts["hand"],
         "places": True,
         "code": "",
         "error": "",
     }
-    key = {"trial": trial_to_json(seen.trial), "parameters": _truth(seen.trial), "touches": touches(seen.trial)}
+    key = {
+        "trial": trial_to_json(seen.trial),
+        "parameters": _true_parameters(seen.trial),
+        "touches": touches(seen.trial),
+    }
     return _item("unified", prompt, facts, key, *seen.pictures)
 
 
 def _repair(task: str, seed: int) -> ExamItem | None:
-    """A plan with one thing wrong in it was followed for a while."""
-    seen = _see(sample_trial(load_task(task), seed + 70))
-    plan, regions = _by_rules(_plan_facts(seen))
-    bad = _spoilt(plan, seed)
-    felt = _felt(seen.trial, FollowedPlan(bad, seen.beliefs, regions), BAD_S)
+    """Make a question about a plan that was followed for a while with one error in it; None if its episode fails."""
+    seen = _observe(sample_trial(load_task(task), seed + 70))
+    plan, regions = _apply_rules(_plan_facts(seen))
+    bad = _break_plan(plan, seed)
+    felt = _follow_for(seen.trial, FollowedPlan(bad, seen.beliefs, regions), BAD_S)
     if felt is None or not felt.follower.taken:
         return None
     name = next(iter(seen.trial.objects))
@@ -206,8 +212,8 @@ def _repair(task: str, seed: int) -> ExamItem | None:
     after = replace(seen, trial=later, now=now)
     facts = {**_plan_facts(after), "diagnoses": [diagnose(steps, name, 0, 0.0)]}
     prompt = {
-        **_about(after, facts),
-        "world": _shown(facts),
+        **_shared_prompt(after, facts),
+        "world": _prompt_objects(facts),
         "attempts": 15,
         "history": recent(steps, felt.follower.costs, name),
         "code": bad.text(),
@@ -217,8 +223,8 @@ def _repair(task: str, seed: int) -> ExamItem | None:
 
 
 def _correction(task: str, seed: int) -> ExamItem | None:
-    """What was believed was wrong by a factor, and the object was pushed."""
-    seen = _see(sample_trial(load_task(task), seed + 30))
+    """Make a question about a belief that was wrong by a factor while the object was pushed; None if none came up."""
+    seen = _observe(sample_trial(load_task(task), seed + 30))
     rng = np.random.default_rng([seed, 43])
     name = next(iter(seen.trial.objects))
     true = seen.trial.objects[name].physical
@@ -226,19 +232,19 @@ def _correction(task: str, seed: int) -> ExamItem | None:
         float(np.clip(true.mass_kg * math.exp(rng.choice([-1, 1]) * rng.uniform(0.7, 1.6)), 0.01, 15.0)),
         float(np.clip(true.friction * math.exp(rng.choice([-1, 1]) * rng.uniform(0.4, 0.9)), 0.05, 1.6)),
     )
-    plan, regions = _by_rules(_plan_facts(seen))
+    plan, regions = _apply_rules(_plan_facts(seen))
     beliefs = {**seen.beliefs, name: wrong}
-    capture = _Capture()
-    felt = _felt(seen.trial, FollowedPlan(plan, beliefs, regions), PUSHED_S, _corrector(capture, name, seen))
+    capture = _RecordingAsker()
+    felt = _follow_for(seen.trial, FollowedPlan(plan, beliefs, regions), PUSHED_S, _ask_correction(capture, name, seen))
     if felt is None or capture.asked is None:
         return None
     facts, prompt = capture.asked
-    key = {"object": name, "parameters": _truth(seen.trial)[name]}
+    key = {"object": name, "parameters": _true_parameters(seen.trial)[name]}
     return _item("parameter-repair", prompt, facts, key)
 
 
-def _about(seen: Seen, facts: Mapping[str, Any]) -> dict[str, Any]:
-    """What every prompt about a plan says."""
+def _shared_prompt(seen: Seen, facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the part of the prompt that all questions about a plan share."""
     world = PlanningWorld(seen.trial, seen.beliefs, seen.now, PlanningCfg(), np.random.default_rng(0))
     try:
         interface = interface_text(world.schema)
@@ -251,7 +257,7 @@ def _plan_facts(seen: Seen) -> dict[str, Any]:
     return {**seen.believed, "diagnoses": [], "contact_strategy": True}
 
 
-def _by_rules(facts: Mapping[str, Any]) -> tuple[PlanAnswer, RegionsAnswer]:
+def _apply_rules(facts: Mapping[str, Any]) -> tuple[PlanAnswer, RegionsAnswer]:
     plan = RULES["cost-function"](facts, ())
     assert isinstance(plan, PlanAnswer)
     regions = RULES["contact-regions"]({**facts, "stages": plan.names}, ())
@@ -259,7 +265,7 @@ def _by_rules(facts: Mapping[str, Any]) -> tuple[PlanAnswer, RegionsAnswer]:
     return plan, regions
 
 
-def _shown(facts: Mapping[str, Any]) -> dict[str, Any]:
+def _prompt_objects(facts: Mapping[str, Any]) -> dict[str, Any]:
     return {
         name: {key: value for key, value in item.items() if key not in HIDDEN}
         for name, item in facts["objects"].items()
@@ -274,8 +280,8 @@ def _plan_key(trial: Trial, seen: Seen, regions: RegionsAnswer) -> dict[str, Any
     }
 
 
-def _spoilt(plan: PlanAnswer, seed: int) -> PlanAnswer:
-    """A plan that passes the checks and does not get on: its first stage never ends, or aims beside the object."""
+def _break_plan(plan: PlanAnswer, seed: int) -> PlanAnswer:
+    """Return a plan that passes the checks and gets stuck: its first stage never ends, or aims beside the object."""
     first = plan.stages[0]
     if seed % 2:
         first = first.model_copy(update={"done": "self.time > 900.0"})
@@ -286,27 +292,27 @@ def _spoilt(plan: PlanAnswer, seed: int) -> PlanAnswer:
 
 
 @dataclass
-class _Felt:
-    """How far an episode got."""
+class _Interrupted:
+    """State of an episode when it was stopped."""
 
     follower: PlanFollower
     now: Observation
 
 
-class _Capture:
-    """An asker that asks nobody and keeps the question."""
+class _RecordingAsker:
+    """An asker that records the question and asks no advisor."""
 
     asked: tuple[Mapping[str, Any], Mapping[str, Any]] | None = None
 
     def ask(
         self, kind: str, answer_type: type[Any], facts: Mapping[str, Any], prompt: Mapping[str, Any], verify: Any
     ) -> Outcome[Any]:
-        """Keep it."""
+        """Record the question; there is no answer."""
         self.asked = facts, prompt
         return Outcome(answer=None, question=None, attempts=0, failure="kept")
 
 
-def _corrector(capture: _Capture, name: str, seen: Seen) -> Callable[[Episode, PlanFollower], None]:
+def _ask_correction(capture: _RecordingAsker, name: str, seen: Seen) -> Callable[[Episode, PlanFollower], None]:
     def correct(episode: Episode, follower: PlanFollower) -> None:
         planner = episode.planner
         facts = scene_facts(episode.trial, episode.now, dict(planner.beliefs[0]))
@@ -327,10 +333,10 @@ def _corrector(capture: _Capture, name: str, seen: Seen) -> Callable[[Episode, P
     return correct
 
 
-def _felt(
+def _follow_for(
     trial: Trial, plan: FollowedPlan, seconds: float, then: Callable[[Episode, PlanFollower], None] | None = None
-) -> _Felt | None:
-    """Follow a plan for a while; None where it ends before, or is refused."""
+) -> _Interrupted | None:
+    """Follow a plan for some seconds; None if its episode ends earlier or the plan is refused."""
     follower = PlanFollower(plan, in_process)
 
     class Stop:
@@ -349,4 +355,4 @@ def _felt(
     with tempfile.TemporaryDirectory() as folder:
         episode = Episode(trial, "hand", follower, episode_cfg(), Path(folder) / "run", variant="exam")
         episode.run([stop])
-    return _Felt(follower, episode.now) if stop.reached else None
+    return _Interrupted(follower, episode.now) if stop.reached else None

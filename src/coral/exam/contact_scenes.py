@@ -1,4 +1,4 @@
-"""Scenes of contact questions: tasks whose objects are made of something that their labels name, anywhere in reach."""
+"""Scenes for contact questions: shipped tasks with objects of known materials, named by their labels."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters, Trial, TrialObject, part_size, sample_trial
 
 STATED_KG, STATED_FRICTION = (0.005, 20.0), (0.02, 2.0)
-"""What the changed tasks state of every object: all that the task format allows, so that it tells nothing."""
+"""The ranges that the changed tasks state for every object: all that the task format allows, so they reveal nothing."""
 WIDER_M = 0.05
-"""Objects may lie so much farther out than in the shipped task."""
+"""Objects may lie this much farther out than in the shipped task."""
 JITTER = 0.1
-"""Standard deviation of the logarithms of density and friction about the material's."""
+"""Standard deviation of the logarithms of density and friction about the material's values."""
 
 
 @dataclass(frozen=True)
 class Material:
-    """Handbook values of a solid thing: density (kg/m3), coefficient of sliding friction on a table, colour."""
+    """Handbook values of a solid material: density (kg/m3), coefficient of sliding friction on a table, colour."""
 
     label: str
     density_kg_m3: float
@@ -47,7 +47,7 @@ MATERIALS = (
 
 
 def made_of(task: Task, seed: int) -> Trial:
-    """A trial of a task in which every object is solid and of one material.
+    """Make a trial of a task in which every object is solid and of one material.
 
     Args:
         task: A shipped task.
@@ -80,21 +80,21 @@ def made_of(task: Task, seed: int) -> Trial:
     return replace(
         trial,
         objects={
-            name: replace(item, physical=physical[name], pose=_turned(trial, name, bool(rng.random() < 0.5)))
+            name: replace(item, physical=physical[name], pose=_flip_pose(trial, name, bool(rng.random() < 0.5)))
             for name, item in trial.objects.items()
         },
     )
 
 
 def looks_like(trial: Trial, name: str) -> str:
-    """Symmetry of what is seen of an object: a plain box is one, whatever its task says of it."""
+    """Return the apparent symmetry of an object: a plain box looks like a box, whatever its task states."""
     item = trial.task.object(name)
     plain = [part.shape for part in item.parts] == ["box"]
     return "box" if plain and item.symmetry == "none" else str(item.symmetry)
 
 
 def trial_to_json(trial: Trial) -> dict[str, Any]:
-    """A trial as JSON."""
+    """Convert a trial to plain values for JSON."""
     return {
         "task": trial.task.model_dump(mode="json"),
         "seed": trial.seed,
@@ -112,7 +112,7 @@ def trial_to_json(trial: Trial) -> dict[str, Any]:
 
 
 def trial_from_json(given: Mapping[str, Any]) -> Trial:
-    """The same trial again."""
+    """Restore the trial that `trial_to_json` wrote."""
     return Trial(
         Task.model_validate(given["task"]),
         int(given["seed"]),
@@ -127,10 +127,10 @@ def trial_from_json(given: Mapping[str, Any]) -> Trial:
     )
 
 
-def _turned(trial: Trial, name: str, half: bool) -> BodyState:
-    """The pose, of a box that looks the same either way half a turn about the vertical further on if asked for.
+def _flip_pose(trial: Trial, name: str, half: bool) -> BodyState:
+    """Return the object's pose, turned by half a turn about the vertical if asked for and if it then looks the same.
 
-    Without it the face that a task wants touched would always be the same one in the object's frame.
+    Otherwise the face that a task wants touched would always be the same one in the object's frame.
     """
     pose = trial.objects[name].pose
     if not half or looks_like(trial, name) not in ("box", "square-box", "cube"):
@@ -139,7 +139,7 @@ def _turned(trial: Trial, name: str, half: bool) -> BodyState:
 
 
 def _volume(trial: Trial, name: str) -> float:
-    """Of an object's parts, m3."""
+    """Compute the volume of an object's parts (m3)."""
     share = {"box": 1.0, "cylinder": math.pi / 4, "sphere": math.pi / 6}
     item = trial.task.object(name)
     return sum(share[p.shape] * float(np.prod(part_size(p, trial.objects[name].scale))) for p in item.parts)

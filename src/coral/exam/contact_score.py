@@ -1,4 +1,4 @@
-"""Answers about a contact scene against its truth: parameters, poses, places to touch."""
+"""Scores of answers about a contact scene against the truth: parameters, poses, contact regions."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from coral.exam.worth import Worth, share_left
 
 Facts = Mapping[str, Any]
 MASS_FACTOR, FRICTION_FACTOR = 4.0, 2.0
-"""An estimate that is off by so much is worthless: materials differ by more, and the ranges of the tasks by less."""
+"""An estimate that is off by this factor scores 0: materials differ by more, the tasks' ranges by less."""
 MASS_SHARE = 0.75
-"""Of the mass in the score: most things slide alike, so that friction is no great achievement."""
+"""Weight of the mass in the score. Most materials have similar friction, so estimating it well proves little."""
 PLACE_M, TURN_RAD = 0.03, math.radians(20.0)
-"""A pose that is off by so much is worthless: fingers miss by less."""
+"""A pose that is off by this much scores 0: a grasp tolerates less."""
 
 _HALF = math.sqrt(0.5)
 _BOX = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
@@ -38,18 +38,18 @@ _SQUARE = (
     (0.0, _HALF, -_HALF, 0.0),
 )
 SPINS = {"box": _BOX, "square-box": _SQUARE, "cube": _SQUARE}
-"""Quaternions of the turns that leave an object looking the same; of a cube those about its vertical suffice here."""
+"""Quaternions of the rotations that leave an object looking the same; a cube needs only those about its vertical."""
 
 
 def score_estimates(key: Facts, facts: Facts, answer: ParameterEstimates) -> Worth:
-    """Masses and frictions by the logarithms of their errors."""
+    """Score masses and frictions by the logarithms of their errors."""
     refusal = verify_estimates(answer, {name: item["size_m"] for name, item in facts["objects"].items()})
     if refusal is not None:
         return Worth(0.0, f"refused: {refusal.code}")
     scores, words = [], []
     for name, true in key["parameters"].items():
         one = answer.root[name]
-        mass, friction = _off(one.mass_kg, true["mass_kg"]), _off(one.friction_coeff, true["friction"])
+        mass, friction = _log_error(one.mass_kg, true["mass_kg"]), _log_error(one.friction_coeff, true["friction"])
         scores.append(
             MASS_SHARE * share_left(mass, math.log(MASS_FACTOR))
             + (1.0 - MASS_SHARE) * share_left(friction, math.log(FRICTION_FACTOR))
@@ -59,7 +59,7 @@ def score_estimates(key: Facts, facts: Facts, answer: ParameterEstimates) -> Wor
 
 
 def score_correction(key: Facts, facts: Facts, answer: ParametersAnswer) -> Worth:
-    """The share of the error in the belief that is gone; a belief that stays is worth nothing."""
+    """Score a correction by the share of the belief's error that it removes; keeping the belief scores 0."""
     believed = ParameterEstimates.model_validate(
         {
             name: {"mass_kg": item["mass_kg"], "friction_coeff": item["friction"]}
@@ -71,12 +71,12 @@ def score_correction(key: Facts, facts: Facts, answer: ParametersAnswer) -> Wort
         return Worth(0.0, f"refused: {refusal.code}")
     name, true = key["object"], key["parameters"]
     after, before = answer.physical(believed)[name], believed[name]
-    errors = [_wrong(one, true) for one in (before, after)]
+    errors = [_belief_error(one, true) for one in (before, after)]
     return Worth(share_left(errors[1], errors[0]), f"error {errors[1]:.2f}, believed before {errors[0]:.2f}")
 
 
 def score_poses(key: Facts, facts: Facts, answer: PosesAnswer) -> Worth:
-    """Poses by distance and angle, the angle modulo the object's symmetry."""
+    """Score poses by distance and angle, the angle modulo the object's symmetry."""
     scores, words = [], []
     for name, true in key["poses"].items():
         one = answer.root.get(name)
@@ -93,7 +93,7 @@ def score_poses(key: Facts, facts: Facts, answer: PosesAnswer) -> Worth:
 
 
 def score_regions(key: Facts, facts: Facts, answer: RegionsAnswer) -> Worth:
-    """Places by surface and reach, as the verifier has it, and by the side that the task wants."""
+    """Score contact regions: each must pass the verifier and lie on the side that the task wants."""
     scene = cast(SceneFacts, facts)
     refusal = verify_regions(answer, scene, facts["stages"])
     if refusal is not None:
@@ -108,18 +108,18 @@ def score_regions(key: Facts, facts: Facts, answer: RegionsAnswer) -> Worth:
     return Worth(sum(right) / len(right), f"{sum(right)} of {len(right)} places on the right side")
 
 
-def _wrong(believed: PhysicalParameters, true: Mapping[str, float]) -> float:
-    """Error of a belief: of mass, friction and their product, which is all that a slow push can tell."""
+def _belief_error(believed: PhysicalParameters, true: Mapping[str, float]) -> float:
+    """Compute the error of a belief in mass, friction and their product, which is all that a slow push reveals."""
     logs = [math.log(believed.mass_kg / true["mass_kg"]), math.log(believed.friction / true["friction"])]
     return abs(logs[0]) + abs(logs[1]) + abs(logs[0] + logs[1])
 
 
-def _off(value: float, true: float) -> float:
+def _log_error(value: float, true: float) -> float:
     return abs(math.log(value / true)) if value > 0.0 and math.isfinite(value) else math.inf
 
 
 def _angle(one: NDArray[np.float64], other: NDArray[np.float64], symmetry: str) -> float:
-    """Angle (rad) between two orientations, for the best of those that look alike."""
+    """Compute the angle (rad) between two orientations, the smallest over the object's symmetry."""
     if symmetry == "sphere":
         return 0.0
     if symmetry == "cylinder":

@@ -1,4 +1,4 @@
-"""Advisors that know nothing, as a check of the scores: one draws valid answers by lot, one always says the same."""
+"""Advisors without knowledge, as a check of the scores: random valid answers, or always the same answer."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ STEP_M = 6
 
 
 class Lots:
-    """Every answer that has the right form, each as likely as the others; sizes and masses evenly in their logarithms.
+    """Draws valid answers uniformly at random; sizes and masses are uniform in their logarithms.
 
     Args:
-        rng: Draws.
+        rng: The random generator.
     """
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
 
     def centroid(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """Any dot on the map."""
-        return CentroidChoice(selected_centroid_index=self._one([c["index"] for c in facts["centroids"]]))
+        """Draw a dot of the map."""
+        return CentroidChoice(selected_centroid_index=self._draw([c["index"] for c in facts["centroids"]]))
 
     def waypoint(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """Any whole metres."""
+        """Draw a waypoint in whole metres."""
         forward, left = (int(v) for v in self._rng.integers(-STEP_M, STEP_M + 1, 2))
         return WaypointChoice(forward_m=forward, left_m=left)
 
     def estimates(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """Any mass and friction within the bounds."""
+        """Draw masses and frictions within the bounds."""
         return ParameterEstimates.model_validate(
             {
                 name: dict(zip(("mass_kg", "friction_coeff"), self._parameters(item), strict=True))
@@ -52,13 +52,13 @@ class Lots:
         )
 
     def correction(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """The same for the object in question."""
+        """Draw mass and friction of the object in question."""
         name = facts["fitted"]["object"]
         mass, friction = self._parameters(facts["objects"][name])
         return ParametersAnswer.model_validate({"objects": [{"label": name, "mass": mass, "friction": friction}]})
 
     def poses(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """Anywhere on the table, turned anyhow about the vertical."""
+        """Draw positions on the table and any rotation about the vertical."""
         found = {}
         for name, item in facts["objects"].items():
             yaw = self._rng.uniform(-math.pi, math.pi)
@@ -68,8 +68,8 @@ class Lots:
         return PosesAnswer.model_validate(found)
 
     def regions(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """A place on any face of any object's box, touched in any way."""
-        name = self._one(sorted(facts["objects"]))
+        """Draw a point on a face of each object's bounding box, and an approach."""
+        name = self._draw(sorted(facts["objects"]))
         item = facts["objects"][name]
         axis, sign = int(self._rng.integers(3)), float(self._rng.choice([-1.0, 1.0]))
         half = np.asarray(item["size_m"]) / 2
@@ -78,7 +78,7 @@ class Lots:
         center += np.asarray(item.get("middle_m", (0.0, 0.0, 0.0)))
         normal = np.zeros(3)
         normal[axis] = sign
-        how = self._one(["push", "press", "pinch"])
+        how = self._draw(["push", "press", "pinch"])
         region = {
             "center": center.tolist(),
             "normal": normal.tolist(),
@@ -89,7 +89,7 @@ class Lots:
         return RegionsAnswer.model_validate({name: {"regions": [region]}})
 
     def plan(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """A cost of one to three distances between any two places, of any weight and sign."""
+        """Draw a cost of one to three distances between any two points, with any weight and sign."""
         places = ["ee_pos", *(f"{name}_pos" for name in facts["objects"]), *(f"{name}_pos" for name in facts["places"])]
         terms = []
         for _ in range(int(self._rng.integers(1, 4))):
@@ -99,8 +99,8 @@ class Lots:
         return PlanAnswer(code=f"def state_cost(self):\n    return {' + '.join(terms)}\n")
 
     def unified(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """All of these at once."""
-        return _together(self.plan, self.estimates, self.regions, facts)
+        """Draw a plan, estimates and contact regions together."""
+        return _combine_rules(self.plan, self.estimates, self.regions, facts)
 
     def _parameters(self, item: Facts) -> tuple[float, float]:
         bounds, volume = ParameterBoundsCfg(), math.prod(item["size_m"])
@@ -111,23 +111,23 @@ class Lots:
         )
         return mass, friction
 
-    def _one(self, among: Sequence[Any]) -> Any:
+    def _draw(self, among: Sequence[Any]) -> Any:
         return among[int(self._rng.integers(len(among)))]
 
 
 class Always:
-    """One answer to each kind of question, whatever is shown: the first dot, straight on, as dense as water."""
+    """Gives one answer to each kind of question, whatever the facts: the first dot, straight ahead, water's density."""
 
     def centroid(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """The first dot."""
+        """Choose the first dot."""
         return CentroidChoice(selected_centroid_index=min(c["index"] for c in facts["centroids"]))
 
     def waypoint(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """Straight on."""
+        """Drive straight ahead."""
         return WaypointChoice(forward_m=5, left_m=0)
 
     def estimates(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """As dense as water, sliding like most things."""
+        """Estimate the density of water and a common friction."""
         return ParameterEstimates.model_validate(
             {
                 name: {"mass_kg": 1000.0 * math.prod(item["size_m"]), "friction_coeff": 0.45}
@@ -136,7 +136,7 @@ class Always:
         )
 
     def correction(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """What is believed already."""
+        """Keep the belief."""
         name = facts["fitted"]["object"]
         item = facts["objects"][name]
         return ParametersAnswer.model_validate(
@@ -144,7 +144,7 @@ class Always:
         )
 
     def poses(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """In the middle of where the task puts things."""
+        """Put every object in the middle of the task's region."""
         return PosesAnswer.model_validate(
             {
                 name: {"position": item["usual_pose"][:3], "quaternion": item["usual_pose"][3:]}
@@ -153,7 +153,7 @@ class Always:
         )
 
     def regions(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """The face of the first object that looks along its negative x axis."""
+        """Choose the face of the first object whose normal is its negative x axis."""
         name, item = next(iter(facts["objects"].items()))
         center = np.asarray(item.get("middle_m", (0.0, 0.0, 0.0))) - [
             item["size_m"][0] / 2,
@@ -164,7 +164,7 @@ class Always:
         return RegionsAnswer.model_validate({name: {"regions": [region]}})
 
     def plan(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """The hand to the first object, and the object to the first place, or up."""
+        """Move the hand to the first object, and the object to the first place, or up."""
         name = next(iter(facts["objects"]))
         goal = (
             f"{next(iter(facts['places']))}_pos" if facts["places"] else f"{name}_init_pos + np.array([0.0, 0.0, 0.1])"
@@ -177,19 +177,19 @@ class Always:
         )
 
     def unified(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """All of these at once."""
-        return _together(self.plan, self.estimates, self.regions, facts)
+        """Combine the plan, the estimates and the contact regions."""
+        return _combine_rules(self.plan, self.estimates, self.regions, facts)
 
 
 CONTROLS: Mapping[str, str] = {
-    "random": "draws an answer of the right form by lot",
-    "constant": "answers every question of a kind in the same way",
+    "random": "draws a random valid answer",
+    "constant": "gives every question of a kind the same answer",
 }
-"""What can be named besides advisors."""
+"""Names that a bench accepts besides those of advisors, with their help."""
 
 
 def control(name: str, rng: np.random.Generator) -> RuleAdvisor:
-    """One of `CONTROLS`."""
+    """Make the advisor of one name in `CONTROLS`."""
     one: Lots | Always = Lots(rng) if name == "random" else Always()
     rules: Mapping[str, Rule] = {
         "reef-centroid": one.centroid,
@@ -205,7 +205,7 @@ def control(name: str, rng: np.random.Generator) -> RuleAdvisor:
     return RuleAdvisor(rules, name=name)
 
 
-def _together(plan: Rule, estimates: Rule, regions: Rule, facts: Facts) -> BaseModel:
+def _combine_rules(plan: Rule, estimates: Rule, regions: Rule, facts: Facts) -> BaseModel:
     parts: list[Callable[..., Any]] = [plan, estimates, regions]
     made, believed, places = (part(facts, ()).model_dump(mode="json") for part in parts)
     return UnifiedAnswer.model_validate({**made, "parameters": believed, "regions": places})

@@ -1,4 +1,4 @@
-"""Making a set of questions; the same seed makes the same set."""
+"""Generation of a set of questions; the same seed makes the same set."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CONTACT: Mapping[str, int] = {
     "cost-repair": 6,
     "unified": 6,
 }
-"""How many questions of each kind; those that are scored by an episode are few, so that a bench takes minutes."""
+"""Number of questions of each kind; few of those that an episode scores, so that a bench takes minutes."""
 
 
 def make_set(
@@ -29,15 +29,15 @@ def make_set(
     say: Callable[[str], None] = lambda text: None,
     reefs: tuple[str, ...] = REEFS,
 ) -> QuestionSet:
-    """Make a set.
+    """Generate a set of questions.
 
     Args:
-        name: For tables.
-        seed: Of worlds, ways through them, and trials.
-        generated: How many reefs to generate besides the shipped ones.
-        contact: How many contact questions of each kind.
-        say: Told of each step.
-        reefs: Shipped reefs that are used.
+        name: Name of the set, for tables.
+        seed: Of worlds, paths through them, and trials.
+        generated: Number of reefs to generate besides the shipped ones.
+        contact: Number of contact questions of each kind.
+        say: Receives progress messages.
+        reefs: Shipped reefs to use.
     """
     items = [*reef_items(seed, generated, reefs, say), *contact_items(seed, contact, say)]
     return QuestionSet(name=name, about={"seed": seed, "generated_reefs": generated}, items=tuple(items))

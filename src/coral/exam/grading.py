@@ -1,4 +1,4 @@
-"""Grading sheets: most in this process, plans by an episode each in others."""
+"""Grading of sheets: plans by one episode each, in worker processes; everything else in this process."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from coral.exam.sitting import Sheet
 from coral.exam.worth import Worth
 
 EPISODES = ("cost-function", "cost-repair", "unified")
-"""Kinds whose answers are followed for an episode."""
+"""Kinds of question whose answers are scored by an episode."""
 
 
 @dataclass(frozen=True)
 class Graded:
-    """A sheet and what it is worth."""
+    """A sheet with its score."""
 
     sheet: Sheet
     worth: Worth
 
 
 class Grader:
-    """Grades sheets; the same answer to the same question is followed once, whoever gave it.
+    """Grades sheets; equal answers to a question are followed in an episode only once.
 
     Args:
-        jobs: Processes for episodes.
-        done: Told of each episode that was followed.
+        jobs: Number of processes for episodes.
+        done: Called after each episode.
     """
 
     def __init__(self, jobs: int = 1, done: Callable[[], None] = lambda: None) -> None:
@@ -38,7 +38,7 @@ class Grader:
         self._known: dict[tuple[str, str], Worth] = {}
 
     def grade(self, sheets: Sequence[Sheet]) -> list[Graded]:
-        """The worth of every sheet; one without an answer is worth nothing."""
+        """Score every sheet; one without an answer scores 0."""
         texts = {id(sheet): _text(sheet) for sheet in sheets if sheet.answer is not None}
         wanted = {
             (sheet.item.id, texts[id(sheet)]): sheet.item
@@ -68,7 +68,7 @@ class Grader:
 
 
 def outcome(kind: str, key: dict[str, object], facts: dict[str, object], text: str) -> Worth:
-    """The worth of an answer as JSON text; runs in a process of its own."""
+    """Score an answer given as JSON text; runs in a process of its own."""
     item = ExamItem(id="", kind=kind, group="", prompt="", prompt_version="", facts=facts, key=key)
     return score(item, ANSWERS[kind].model_validate_json(text))
 

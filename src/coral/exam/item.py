@@ -1,4 +1,4 @@
-"""One question of a set: what the advisor is shown, and apart from it what its answer is scored by."""
+"""One question of a set: what the advisor sees, and the key that scores the answer."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ANSWERS: Mapping[str, type[BaseModel]] = {
     "cost-repair": PlanAnswer,
     "unified": UnifiedAnswer,
 }
-"""Kinds of question and what they are answered with, in the order of tables."""
+"""Kinds of question and the type of their answers, in the order of tables."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,24 +38,24 @@ class ExamItem:
     id: str
     """Unique within its set, such as "reef-centroid-007"; also the name of its folder in an inbox."""
     kind: str
-    """Of question."""
+    """Kind of question."""
     group: str
-    """World or task that it comes from: questions of one group resemble each other."""
+    """World or task of the question; questions of one group resemble each other."""
     prompt: str
-    """As an advisor reads it."""
+    """The text that the advisor reads."""
     prompt_version: str
-    """Of the template when the set was made."""
+    """Version of the template when the set was made."""
     facts: Mapping[str, Any]
-    """For advisors without eyes; from the robot's own map and sensors."""
+    """For advisors that read no pictures; from the robot's own map and sensors."""
     pictures: tuple[Picture, ...] = ()
-    """For advisors with eyes."""
+    """For advisors that read pictures."""
     asked_at_s: float = 0.0
-    """When it came up, on the clock of its world."""
+    """Time at which the question came up, on the clock of its world."""
     key: Mapping[str, Any] = field(default_factory=dict)
-    """What the answer is scored by: ground truth. `question` leaves it out."""
+    """The ground truth that scores the answer. `question` leaves it out."""
 
     def question(self) -> Question[Any]:
-        """What an advisor is shown, and nothing else."""
+        """Return the part that an advisor sees, without the key."""
         return Question(
             kind=self.kind,
             prompt=self.prompt,

@@ -1,4 +1,4 @@
-"""A set as a desk inbox: every question a folder, to be answered by a person or any program, at any time."""
+"""A set exported as a desk inbox: one folder per question, for a person or any program to answer at any time."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from coral.exam.item import ExamItem
 from coral.exam.sitting import Sheet
 
 SET = "set.json"
-"""Which questions lie in an inbox: by folder, the name of the set and the question's id in it."""
+"""Index of an inbox: the name of the set, and the question's id for each folder."""
 
 
 def export(items: Sequence[ExamItem], inbox: Path, about: str) -> int:
-    """Lay questions out; returns how many.
+    """Export questions into an inbox and return their number.
 
     Args:
         items: The questions.
-        inbox: New or empty folder.
+        inbox: A new or empty folder.
         about: Name of the set.
 
     Raises:
-        InputError: The folder holds something, or cannot be written.
+        InputError: The folder is not empty, or cannot be written.
     """
     try:
         inbox.mkdir(parents=True, exist_ok=True)
@@ -42,7 +42,7 @@ def export(items: Sequence[ExamItem], inbox: Path, about: str) -> int:
 
 
 def answers(items: Sequence[ExamItem], inbox: Path) -> list[Sheet]:
-    """What lies in an inbox, read as what comes from a desk; a question without an answer is one that is missing.
+    """Read the answers in an inbox; a question without an answer counts as missing.
 
     Raises:
         InputError: The folder holds no questions of this set.
@@ -58,7 +58,7 @@ def answers(items: Sequence[ExamItem], inbox: Path) -> list[Sheet]:
 
 
 def folder_name(number: int, item: ExamItem) -> str:
-    """As the desk names its folders."""
+    """Name the folder of a question in the same way as the desk does."""
     return f"{number:06d}-{item.kind}"
 
 

@@ -1,6 +1,6 @@
-"""Sets of questions as files: a zip of what is shown, what is scored by, and each picture once.
+"""Sets of questions as files: a zip of the questions, their keys, and each picture once.
 
-Pictures are kept as lossless WebP, half the size of the PNG that advisors get: the pixels are the same.
+Pictures are stored as lossless WebP, half the size of the PNG that advisors receive, with the same pixels.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from coral.exam.item import ANSWERS, ExamItem
 
 FORMAT = "coral-questions/1"
 SHIPPED = ("public",)
-"""Sets that come with the package."""
+"""Names of the sets in the package."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class QuestionSet:
-    """Questions that belong together."""
+    """A named set of questions."""
 
     name: str
     """For tables and reports."""
     about: Mapping[str, Any]
-    """How it was made: seed and command."""
+    """Seed and command that made it."""
     items: tuple[ExamItem, ...]
-    """Its questions."""
+    """The questions."""
 
 
 def save_set(path: Path, made: QuestionSet) -> None:
@@ -53,24 +53,24 @@ def save_set(path: Path, made: QuestionSet) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         with zipfile.ZipFile(path, "w") as folder:
             _put(folder, "set.json", plain_json(head, indent=1).encode())
-            _put(folder, "questions.jsonl", _lines(_shown(item) for item in made.items))
+            _put(folder, "questions.jsonl", _lines(_item_to_json(item) for item in made.items))
             _put(folder, "keys.jsonl", _lines({"id": item.id, **item.key} for item in made.items))
             for digest, picture in sorted(pictures.items()):
-                _put(folder, f"pictures/{digest}.webp", _recoded(picture.png, ".webp"), zipfile.ZIP_STORED)
+                _put(folder, f"pictures/{digest}.webp", _recode(picture.png, ".webp"), zipfile.ZIP_STORED)
     except OSError as error:
         raise InputError(str(path), "--out", error.strerror or error, "a file that can be written") from None
 
 
 def load_set(name_or_path: str, only: Sequence[str] = (), limit: int | None = None) -> QuestionSet:
-    """A shipped set by name, or one from a file.
+    """Load a shipped set by name, or a set from a file.
 
     Args:
-        name_or_path: Of the set.
-        only: Kinds of question; all by default.
-        limit: So many of each kind, evenly spread over the set.
+        name_or_path: Name of a shipped set, or path of a file.
+        only: Kinds of question to load; all by default.
+        limit: At most this many questions of each kind, evenly spread over the set.
 
     Raises:
-        InputError: There is no such set or kind, or the file is none.
+        InputError: There is no such set or kind, or the file is not a set.
     """
     path = _path(name_or_path)
     try:
@@ -80,7 +80,7 @@ def load_set(name_or_path: str, only: Sequence[str] = (), limit: int | None = No
                 raise InputError(str(path), "format", repr(head.get("format")), FORMAT)
             keys = {key.pop("id"): key for key in map(json.loads, folder.read("keys.jsonl").splitlines())}
             shown = [json.loads(line) for line in folder.read("questions.jsonl").splitlines()]
-            items = tuple(_item(entry, keys[entry["id"]], folder) for entry in _chosen(shown, only, limit))
+            items = tuple(_item_from_json(entry, keys[entry["id"]], folder) for entry in _select(shown, only, limit))
     except (OSError, zipfile.BadZipFile, KeyError, ValueError) as error:
         raise InputError(
             str(path), "--sets", f"no set of questions ({error})", "a file of `advisor questions`"
@@ -89,7 +89,7 @@ def load_set(name_or_path: str, only: Sequence[str] = (), limit: int | None = No
     return QuestionSet(name=head["name"], about=about, items=items)
 
 
-def _chosen(shown: Sequence[Mapping[str, Any]], only: Sequence[str], limit: int | None) -> list[Mapping[str, Any]]:
+def _select(shown: Sequence[Mapping[str, Any]], only: Sequence[str], limit: int | None) -> list[Mapping[str, Any]]:
     kinds = list(dict.fromkeys(entry["kind"] for entry in shown))
     for kind in only:
         if kind not in kinds:
@@ -111,7 +111,7 @@ def _path(name: str) -> Path:
     return Path(name)
 
 
-def _shown(item: ExamItem) -> dict[str, Any]:
+def _item_to_json(item: ExamItem) -> dict[str, Any]:
     return {
         "id": item.id,
         "kind": item.kind,
@@ -127,11 +127,11 @@ def _shown(item: ExamItem) -> dict[str, Any]:
     }
 
 
-def _item(entry: Mapping[str, Any], key: Mapping[str, Any], folder: zipfile.ZipFile) -> ExamItem:
+def _item_from_json(entry: Mapping[str, Any], key: Mapping[str, Any], folder: zipfile.ZipFile) -> ExamItem:
     pictures = tuple(
         Picture(
             name=one["name"],
-            png=_recoded(folder.read(f"pictures/{one['digest']}.webp"), ".png"),
+            png=_recode(folder.read(f"pictures/{one['digest']}.webp"), ".png"),
             caption=one["caption"],
             pixel_from_world=one["pixel_from_world"] and tuple(tuple(row) for row in one["pixel_from_world"]),
         )
@@ -140,8 +140,8 @@ def _item(entry: Mapping[str, Any], key: Mapping[str, Any], folder: zipfile.ZipF
     return ExamItem(**{**entry, "pictures": pictures}, key=key)
 
 
-def _recoded(picture: bytes, form: str) -> bytes:
-    """The same pixels as another kind of file; 101 asks WebP for no loss."""
+def _recode(picture: bytes, form: str) -> bytes:
+    """Encode the same pixels in another file format; 101 selects lossless WebP."""
     pixels = cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_UNCHANGED)
     if pixels is None:
         raise ValueError("a picture cannot be read")

@@ -1,4 +1,4 @@
-"""Moments at which a reef robot has to choose: it is led through a world picture by picture, without a controller."""
+"""Decision points of a reef mission: the robot is moved through a world picture by picture, without a controller."""
 
 from __future__ import annotations
 
@@ -30,36 +30,35 @@ from coral.reef.world import ReefWorld
 from coral.view.questions import question_pictures
 
 STEP_M, TURN_RAD = 0.3, 0.35
-"""Between two pictures, driven and turned."""
+"""Distance driven and angle turned between two pictures."""
 ASK_M = 2.5
-"""The next goal is asked for so near to the present one: D_trig of the paper."""
+"""The next goal is asked for at this distance from the present one: D_trig of the paper."""
 LATEST_S = 400.0
 WAYWARD = 0.35
-"""Share of the goals that are drawn by lot, so that moments come up to which rules do not lead."""
+"""Share of random goals, so that the set has situations to which the rules do not lead."""
 
 
 @dataclass(frozen=True)
 class Moment:
-    """A question, where it came up, and what each answer to it means."""
+    """A question, where it came up, and the goal that each answer means."""
 
     question: Question[Any]
-    """As an advisor is asked."""
+    """As an advisor receives it."""
     pose: Pose
-    """Of the robot."""
+    """Pose of the robot."""
     left: tuple[int, ...]
-    """Indices of the true clusters that the robot has not been near to."""
+    """Indices of the true clusters that the robot has not come near yet."""
     options: dict[str, tuple[float, float] | str]
-    """Answers (label of a dot, or metres forward and to the left) to their points (m), or to the verifiers' code of
-    refusal."""
+    """Goal (m) of each answer (label of a dot, or metres ahead and to the left), or the verifiers' code of refusal."""
 
 
 class LedPlanner(HighLevelPlanner):
-    """Judges all answers to one question at once."""
+    """Evaluates every answer to a question."""
 
     def options(self, question: Question[Any]) -> dict[str, tuple[float, float] | str]:
-        """See `Moment.options`."""
+        """Return the goal of each answer, as in `Moment.options`."""
         if self.mode == "centroid":
-            return {str(track.index): self._dot(question, track.index) for track in self.belief.tracks}
+            return {str(track.index): self._goal_of_dot(question, track.index) for track in self.belief.tracks}
         assert self.survey is not None
         around, found = self._surroundings(self.survey), {}
         here = self.belief.pose
@@ -71,7 +70,7 @@ class LedPlanner(HighLevelPlanner):
             found[f"{option['forward_m']},{option['left_m']}"] = refusal.code if refusal else point
         return found
 
-    def _dot(self, question: Question[Any], index: int) -> tuple[float, float] | str:
+    def _goal_of_dot(self, question: Question[Any], index: int) -> tuple[float, float] | str:
         answer = question.answer_type(selected_centroid_index=index)
         refusal = self.verify(question, answer)
         goal = self.locate(question, answer)
@@ -83,13 +82,13 @@ class LedPlanner(HighLevelPlanner):
 def moments(
     world: ReefWorld, clusters: NDArray[np.float64], rng: np.random.Generator, near_m: float
 ) -> Iterator[Moment]:
-    """The questions of one way through a world, until nothing is left or time is up.
+    """Yield the questions along one path through a world, until no cluster is left or time is up.
 
     Args:
-        world: To be surveyed.
-        clusters: True middles of its clusters (m). Shape=(C, 2).
-        rng: Chooses some of the goals.
-        near_m: So near a cluster is inspected.
+        world: World to survey.
+        clusters: True centres of its clusters (m). Shape=(C, 2).
+        rng: Draws the random goals.
+        near_m: A cluster counts as inspected within this distance.
     """
     camera = Camera(Scene.from_world(world), CameraCfg())
     belief = Belief(OccupancyMap(world.size_m, CameraCfg(), MapCfg()), BeliefCfg(chain_period=1))
@@ -105,7 +104,7 @@ def moments(
     look(Pose(world.start.x, world.start.y, world.start.theta))
     belief.goal = to_world(belief.pose, 2.0, 0.0)
     while t < LATEST_S and len(visited) < len(clusters):
-        for pose in _way(belief):
+        for pose in _drive(belief):
             t += _seconds(belief.pose, pose)
             look(pose)
         question = planner.observe(())
@@ -116,14 +115,14 @@ def moments(
             yield Moment(
                 Question(**{**vars(question), "asked_at_s": round(t, 1)}), belief.pose, left, planner.options(question)
             )
-        goal = _next(planner, question, guides[int(rng.random() < WAYWARD)])
+        goal = _choose_goal(planner, question, guides[int(rng.random() < WAYWARD)])
         if goal is None:
             return
         belief.goal, belief.goal_index = (goal.x, goal.y), goal.index
 
 
-def _next(planner: LedPlanner, question: Question[Any], guide: RuleAdvisor) -> Goal | None:
-    """A goal that the verifiers take."""
+def _choose_goal(planner: LedPlanner, question: Question[Any], guide: RuleAdvisor) -> Goal | None:
+    """Return a goal that the verifiers accept."""
     rejections: list[Rejection] = []
     for _ in range(8):
         answer = asyncio.run(guide.answer(question, rejections)).value
@@ -135,8 +134,8 @@ def _next(planner: LedPlanner, question: Question[Any], guide: RuleAdvisor) -> G
     return None
 
 
-def _way(belief: Belief) -> Iterator[Pose]:
-    """Poses towards the goal until the next is asked for; planned anew as the map grows."""
+def _drive(belief: Belief) -> Iterator[Pose]:
+    """Yield poses towards the goal until the next question; replan as the map grows."""
     for _ in range(30):
         goal, here = belief.goal, belief.pose
         assert goal is not None
@@ -166,6 +165,6 @@ def _seconds(before: Pose, after: Pose) -> float:
 
 
 def lost_s(seconds: Sequence[float]) -> list[float]:
-    """What each choice loses against the best one (s)."""
+    """Compute the time that each choice loses against the best one (s)."""
     best = min(seconds)
     return [one - best for one in seconds]

@@ -1,4 +1,4 @@
-"""The reef's questions of a set, with the seconds that each answer costs on the true map as their key."""
+"""The reef questions of a set; their key is the time that each answer costs on the true map."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from coral.reef.spines import TOPOLOGIES
 from coral.reef.world import ReefWorld, load_world
 
 PER_WORLD: Mapping[str, int] = {"reef-centroid": 4, "reef-waypoint": 3}
-"""Questions of each kind from one world at most."""
+"""Maximum number of questions of each kind from one world."""
 LEAST_DOTS = 3
 TELLING_S = 6.0
-"""Answers that the verifiers take have to differ by so much, unless most answers are refused."""
+"""The accepted answers must differ by this much, unless most answers are refused."""
 
 
 def reef_items(
     seed: int, generated: int, shipped: tuple[str, ...], say: Callable[[str], None] = lambda text: None
 ) -> list[ExamItem]:
-    """Questions of both kinds, those of each kind as evenly as possible about the direction of the best answer.
+    """Make the questions of both kinds, their best answers spread evenly over the directions.
 
     Args:
-        seed: Of the ways through the worlds and of the generated worlds.
-        generated: How many reefs to generate besides the shipped ones.
-        shipped: Names of shipped reefs.
-        say: Told of each world that is done.
+        seed: Of the paths through the worlds and of the generated worlds.
+        generated: Number of reefs to generate besides the shipped ones.
+        shipped: Names of the shipped reefs to use.
+        say: Receives a message after each world.
     """
     worlds = [load_world(name) for name in shipped]
     worlds += [_world(seed, k) for k in range(generated)]
@@ -41,11 +41,11 @@ def reef_items(
         kept: dict[str, list[tuple[Moment, dict[str, float | str]]]] = {kind: [] for kind in PER_WORLD}
         for moment in moments(world, reef.clusters, rng, INSPECTED_M):
             seconds = _seconds(reef, moment)
-            if _tells(moment, seconds):
+            if _answers_differ(moment, seconds):
                 kept[moment.question.kind].append((moment, seconds))
         for kind, all_of in kept.items():
-            found += [(kind, world.name, *one) for one in _spread(all_of, PER_WORLD[kind])]
-        say(f"{world.name}: {', '.join(f'{len(of_kind)} {kind}' for kind, of_kind in kept.items())} questions tell")
+            found += [(kind, world.name, *one) for one in _spread_over_directions(all_of, PER_WORLD[kind])]
+        say(f"{world.name}: {', '.join(f'{len(of_kind)} {kind}' for kind, of_kind in kept.items())} questions kept")
     return [
         ExamItem(
             id=f"{kind}-{number:03d}",
@@ -71,7 +71,7 @@ def _world(seed: int, number: int) -> ReefWorld:
 
 
 def _seconds(reef: TrueReef, moment: Moment) -> dict[str, float | str]:
-    """Seconds of each answer that the verifiers take, and the code of refusal of the others."""
+    """Compute the time of each accepted answer (s), and the code of refusal of the others."""
     points = {answer: point for answer, point in moment.options.items() if not isinstance(point, str)}
     costs = reef.seconds(moment.pose, np.array(list(points.values())).reshape(-1, 2), moment.left)
     taken = {
@@ -83,8 +83,8 @@ def _seconds(reef: TrueReef, moment: Moment) -> dict[str, float | str]:
     }
 
 
-def _tells(moment: Moment, seconds: Mapping[str, float | str]) -> bool:
-    """Whether good and bad answers to a question differ enough to be worth asking."""
+def _answers_differ(moment: Moment, seconds: Mapping[str, float | str]) -> bool:
+    """Check whether the answers to a question differ enough to tell good advisors from bad ones."""
     taken = [cost for cost in seconds.values() if not isinstance(cost, str)]
     if not taken:
         return False
@@ -93,24 +93,24 @@ def _tells(moment: Moment, seconds: Mapping[str, float | str]) -> bool:
     return max(taken) - min(taken) >= TELLING_S or 2 * len(taken) <= len(seconds)
 
 
-def _spread(
+def _spread_over_directions(
     found: list[tuple[Moment, dict[str, float | str]]], count: int
 ) -> list[tuple[Moment, dict[str, float | str]]]:
-    """Some moments of a world whose best answers lie in as many directions as possible, in their order."""
+    """Select moments of a world whose best answers point in as many directions as possible, in their order."""
     by_side: dict[int, list[int]] = {}
     for k, (moment, seconds) in enumerate(found):
-        by_side.setdefault(_side(moment, seconds), []).append(k)
+        by_side.setdefault(_best_octant(moment, seconds), []).append(k)
     chosen: list[int] = []
     while len(chosen) < count and any(by_side.values()):
         for side in sorted(by_side, key=lambda side: (len(by_side[side]), side)):
             if by_side[side] and len(chosen) < count:
-                # From the middle of the way: there most is known and something is left.
+                # Start in the middle of the path: most is known there, and some clusters are left.
                 chosen.append(by_side[side].pop(len(by_side[side]) // 2))
     return [found[k] for k in sorted(chosen)]
 
 
-def _side(moment: Moment, seconds: Mapping[str, float | str]) -> int:
-    """Eighth of the circle in which the best answer lies, from the heading."""
+def _best_octant(moment: Moment, seconds: Mapping[str, float | str]) -> int:
+    """Return the octant of the best answer's direction, relative to the heading."""
     best = min((cost, answer) for answer, cost in seconds.items() if not isinstance(cost, str))[1]
     point = moment.options[best]
     assert not isinstance(point, str)

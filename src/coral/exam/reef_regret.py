@@ -1,4 +1,4 @@
-"""What a goal costs on the true map: seconds of the best tour that goes there first (ground truth, for keys alone)."""
+"""Regret of a goal on the true map: duration of the best tour that goes there first (ground truth, for keys alone)."""
 
 from __future__ import annotations
 
@@ -16,10 +16,9 @@ from coral.reef.vehicle import VehicleCfg
 from coral.reef.world import ReefWorld
 
 THINKING_S = 10.0
-"""Median latency of a call in the paper's experiments (IV-E). At a goal that is reached sooner, the robot waits."""
+"""Median latency of a call in the paper's experiments (IV-E). At a goal reached sooner, the robot waits."""
 INSPECTED_M = 2.3
-"""A cluster needs no more visits once the robot has been this near to its middle: with the default camera oysters are
-counted from there."""
+"""Distance (m) from its centre at which a cluster counts as inspected: there the default camera sees its oysters."""
 
 
 class TrueReef:
@@ -33,28 +32,28 @@ class TrueReef:
         self.clusters: NDArray[np.float64] = np.array(
             [np.mean([(o.x, o.y) for o in cluster.oysters], axis=0) for cluster in world.clusters]
         )
-        """Middles of the clusters (m). Shape=(C, 2)."""
+        """Centres of the clusters (m). Shape=(C, 2)."""
         self._fields = [self._field(float(x), float(y)) for x, y in self.clusters]
         x, y = np.ascontiguousarray(self.clusters.T)
         self._between = np.stack([field.lengths(x, y) for field in self._fields])
         self._vehicle = VehicleCfg()
 
     def seconds(self, pose: Pose, points: NDArray[np.float64], left: Sequence[int]) -> NDArray[np.float64]:
-        """Seconds until all that is left is inspected, by the fastest order, for each first goal.
+        """Compute, for each first goal, the time until all remaining clusters are inspected in the fastest order (s).
 
         Args:
-            pose: Where the robot is.
+            pose: Pose of the robot.
             points: First goals (m). Shape=(N, 2).
-            left: Indices of the clusters that are still to be inspected; at least one.
+            left: Indices of the clusters still to be inspected; at least one.
 
         Returns:
-            Shape=(N,); inf where no way leads to a goal.
+            Shape=(N,); inf if no path leads to a goal.
         """
         vehicle = self._vehicle
         x, y = np.ascontiguousarray(points.T)
         leg = self._field(pose.x, pose.y).lengths(x, y)
         turn = np.array([_turn(pose, float(px), float(py)) for px, py in points])
-        # Nothing comes of being there before the next answer is.
+        # Reaching a goal before the next answer comes gains nothing.
         first = np.maximum(turn / vehicle.max_yaw_rate_rad_s + leg / vehicle.max_speed_m_s, THINKING_S)
         onward = shortest_path(
             np.stack([self._fields[k].lengths(x, y) for k in left], axis=1), self._between[np.ix_(left, left)]
@@ -66,7 +65,7 @@ class TrueReef:
 
 
 def shortest_path(entry: NDArray[np.float64], between: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Length of the shortest path past all places, exactly (Held and Karp 1962).
+    """Compute the length of the shortest path through all places, exactly (Held and Karp 1962).
 
     Args:
         entry: Shape=(N, C), from each of N points to each of C places.
@@ -76,7 +75,7 @@ def shortest_path(entry: NDArray[np.float64], between: NDArray[np.float64]) -> N
         Shape=(N,).
     """
     count = len(between)
-    # best[S, k]: shortest path that begins at k and passes all of S, which holds k.
+    # best[S, k]: length of the shortest path that begins at k and visits all of S, where k is in S.
     best = np.full((1 << count, count), math.inf)
     for k in range(count):
         best[1 << k, k] = 0.0

@@ -1,4 +1,4 @@
-"""Answers of the reef by the seconds that they lose against the best one, on the true map."""
+"""Scores of reef answers by the time that they lose against the best answer, on the true map."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from coral.reef.answers import CentroidChoice, WaypointChoice
 
 
 def score_centroid(key: Mapping[str, Any], facts: Mapping[str, Any], answer: CentroidChoice) -> Worth:
-    """A dot."""
+    """Score the choice of a dot."""
     return _score(key["seconds"], str(answer.selected_centroid_index))
 
 
 def score_waypoint(key: Mapping[str, Any], facts: Mapping[str, Any], answer: WaypointChoice) -> Worth:
-    """A waypoint."""
+    """Score the choice of a waypoint."""
     return _score(key["seconds"], f"{answer.forward_m},{answer.left_m}")
 
 
 def _score(seconds: Mapping[str, float | str], answer: str) -> Worth:
-    """An answer that loses as much time as another question costs is worth nothing; so is one that is refused."""
+    """Score a choice: 0 if it loses as much time as another question costs, or if it is refused."""
     cost = seconds.get(answer, "no such dot, or out of reach")
     if isinstance(cost, str):
         return Worth(0.0, f"refused: {cost}")

@@ -1,4 +1,4 @@
-"""The page about a bench: scores with intervals, kinds, what it took, each advisor's worst answers with pictures."""
+"""The report of an advisor bench: scores with intervals, scores by kind, cost, and each advisor's worst answers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from coral.exam.result import Result
 from coral.view.report import TEMPLATES, write_page
 
 WORST = 8
-"""Answers that are shown of each advisor."""
+"""Number of answers shown per advisor."""
 WIDE_PX = 420
 KINDS: Mapping[str, str] = {
     "reef-centroid": "1 for the dot from which the best tour of what is left ends soonest, on the true map; 0 for one "
@@ -30,17 +30,17 @@ KINDS: Mapping[str, str] = {
     "object-poses": "Place within 3 cm (0.6) and, if so, turn within 20° (0.4), modulo the object's symmetry.",
     "parameter-repair": "Share of the error in the belief that is gone; keeping the belief is worth nothing.",
     "cost-function": "1 where the plan succeeds within 12 s in one episode with a free-flying hand, else 0.",
-    "cost-repair": "The same, from where a bad plan had got stuck.",
+    "cost-repair": "The same, from the state in which a bad plan got stuck.",
     "unified": "Half for the outcome of its plan, a quarter each for its parameters and its places.",
 }
-"""What a score of each kind means."""
+"""Definition of the score of each kind, for the report."""
 
 
 def write_report(path: Path, results: Sequence[Result], rows: Sequence[Mapping[str, Any]], about: str) -> Path:
-    """Write the page into the folder of `path`; returns its path.
+    """Write the report into the folder of `path` and return the path of its file.
 
     Raises:
-        InputError: It cannot be written.
+        InputError: The file cannot be written.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
@@ -57,7 +57,7 @@ def write_report(path: Path, results: Sequence[Result], rows: Sequence[Mapping[s
         rows=ranked,
         kinds=[(kind, KINDS[kind], rows[0]["by_kind"][kind]["questions"]) for kind in kinds],
         headline=_headline(ranked),
-        worst=[(result.name, [_shown(one) for one in result.worst(WORST)]) for result in results],
+        worst=[(result.name, [_answer_row(one) for one in result.worst(WORST)]) for result in results],
         style=Markup((TEMPLATES / "report.css").read_text("utf-8")),
     )
     return write_page(path.parent, page)
@@ -69,11 +69,11 @@ def _headline(ranked: Sequence[Mapping[str, Any]]) -> str:
     if len(ranked) == 1:
         return f"{text} of 1."
     second = ranked[1]
-    apart = "apart from" if best["low"] > second["high"] else "not clearly apart from"
+    apart = "clearly above" if best["low"] > second["high"] else "not clearly above"
     return f"{text} of 1, {apart} {second['name']} with {second['score']:.2f}."
 
 
-def _shown(one: Any) -> dict[str, Any]:
+def _answer_row(one: Any) -> dict[str, Any]:
     sheet = one.sheet
     answer = {} if sheet.answer is None else sheet.answer.model_dump(mode="json")
     text = "\n\n".join(stage["code"] for stage in answer.get("stages", ())) or answer.get("code", "")
@@ -91,7 +91,7 @@ def _shown(one: Any) -> dict[str, Any]:
 
 
 def _webp(png: bytes) -> str:
-    """A picture for the page, no wider than its place there."""
+    """Encode a picture for the report, no wider than its column."""
     pixels = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR)
     assert pixels is not None
     scale = min(1.0, WIDE_PX / pixels.shape[1])

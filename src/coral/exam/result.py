@@ -1,4 +1,4 @@
-"""What one advisor made of a set: score with interval, by kind, and what it took."""
+"""Result of one advisor on a set: score with interval, scores by kind, cost."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from numpy.typing import NDArray
 from coral.exam.grading import Graded
 
 RESAMPLES, SEED, LEVEL = 4000, 20260314, 0.95
-"""Of the bootstrap: the same answers give the same interval."""
+"""Of the bootstrap; the fixed seed makes intervals reproducible."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Result:
-    """One row."""
+    """Result of one advisor: a row of the table."""
 
     name: str
-    """Of the advisor."""
+    """Name of the advisor."""
     graded: tuple[Graded, ...]
-    """Every question with its answer and worth."""
+    """Every question with its answer and score."""
 
     def row(self) -> dict[str, Any]:
-        """As JSON.
+        """Return the row as plain values for JSON.
 
-        `score` is the mean of the kinds' means, so that no kind counts more for having more questions; `low` and
-        `high` bound it in 95 % of bootstrap samples, in which whole worlds and tasks are drawn anew within each kind.
+        `score` is the mean of the kinds' means, so that a kind with more questions weighs no more; `low` and `high`
+        bound it in 95 % of the bootstrap samples, which redraw whole worlds and tasks within each kind.
         """
         kinds = list(dict.fromkeys(one.sheet.item.kind for one in self.graded))
         by_kind, means = {}, []
         for number, kind in enumerate(kinds):
             of_kind = [one for one in self.graded if one.sheet.item.kind == kind]
             scores = [one.worth.score for one in of_kind]
-            samples = _resampled(scores, [one.sheet.item.group for one in of_kind], number)
+            samples = _bootstrap_means(scores, [one.sheet.item.group for one in of_kind], number)
             means.append(samples)
             by_kind[kind] = {"score": _round(np.mean(scores)), **_interval(samples), "questions": len(of_kind)}
         usage = [one.sheet.usage for one in self.graded]
@@ -58,7 +58,7 @@ class Result:
         }
 
     def worst(self, count: int) -> list[Graded]:
-        """The answers that were worth least, as many kinds of question among them as possible."""
+        """Return the answers with the lowest scores, from as many kinds of question as possible."""
         by_kind: dict[str, list[Graded]] = {}
         for one in sorted(self.graded, key=lambda one: one.worth.score):
             if one.sheet.answer is not None and one.worth.score < 1.0:
@@ -69,8 +69,8 @@ class Result:
         return found[:count]
 
 
-def _resampled(scores: Sequence[float], groups: Sequence[str], stream: int) -> NDArray[np.float64]:
-    """Means of bootstrap samples in which whole groups are drawn with replacement. Shape=(RESAMPLES,)."""
+def _bootstrap_means(scores: Sequence[float], groups: Sequence[str], stream: int) -> NDArray[np.float64]:
+    """Compute the means of bootstrap samples that redraw whole groups with replacement. Shape=(RESAMPLES,)."""
     names = {group: k for k, group in enumerate(dict.fromkeys(groups))}
     member = np.array([names[group] for group in groups])
     sums, counts = np.bincount(member, scores), np.bincount(member).astype(np.float64)

@@ -1,4 +1,4 @@
-"""What an answer is worth, from 0 to 1, with the reason in words."""
+"""Score of an answer by its kind of question, from 0 to 1, with the reason in words."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ SCORES: Mapping[str, Callable[[Mapping[str, Any], Mapping[str, Any], Any], Worth
     "cost-repair": score_plan,
     "unified": score_unified,
 }
-"""Kind of question to (key, facts, answer) to its worth."""
+"""Scoring function of each kind of question: (key, facts, answer) to the score."""
 
 
 def score(item: ExamItem, answer: BaseModel) -> Worth:
-    """The worth of an answer to one question."""
+    """Score the answer to one question."""
     return SCORES[item.kind](item.key, item.facts, answer)

@@ -1,4 +1,4 @@
-"""Putting a set of questions to an advisor, each once, and keeping what came back."""
+"""Putting each question of a set to an advisor once, and recording the replies."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from coral.exam.item import ExamItem
 
 @dataclass(frozen=True, kw_only=True)
 class Sheet:
-    """What came back for one question."""
+    """The reply to one question, or why there is none."""
 
     item: ExamItem
     """The question."""
     answer: BaseModel | None
-    """What validated; None where nothing did."""
+    """The validated answer; None if there is none."""
     raw: str = ""
     """The reply as text."""
     failure: str = ""
-    """Why there is no answer: a code and words; "" where there is one."""
+    """Code and message if there is no answer, else ""."""
     seconds: float | None = None
-    """From question to reply, wall time or what a recording says; None where nobody knows."""
+    """Latency, by wall time or as a recording states it; None if unknown."""
     usage: Usage = field(default_factory=lambda: Usage(requests=0))
     """Tokens and cost."""
 
@@ -35,13 +35,13 @@ class Sheet:
 def sit(
     advisor: Advisor, items: Sequence[ExamItem], at_once: int = 1, told: Callable[[Sheet], None] = lambda sheet: None
 ) -> list[Sheet]:
-    """Ask every question once; nothing is asked again, whatever the answer.
+    """Ask every question once; a bad answer is not asked for again.
 
     Args:
-        advisor: Who is asked; closed at the end.
+        advisor: The advisor; closed at the end.
         items: The questions.
-        at_once: How many may be open at a time.
-        told: Receives each sheet as it comes.
+        at_once: Maximum number of open questions.
+        told: Receives each sheet when its reply has arrived.
     """
     return asyncio.run(_sit(advisor, items, at_once, told))
 
@@ -63,7 +63,7 @@ async def _sit(advisor: Advisor, items: Sequence[ExamItem], at_once: int, told: 
 
 
 async def ask(advisor: Advisor, item: ExamItem) -> Sheet:
-    """Put one question."""
+    """Ask one question."""
     began = time.perf_counter()
 
     def seconds(known: float | None) -> float:

@@ -1,4 +1,4 @@
-"""The worth of one answer."""
+"""The score of one answer."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Worth:
-    """A score and why."""
+    """A score with its reason."""
 
     score: float
-    """From 0 (no use) to 1 (as good as it gets)."""
+    """From 0 (useless) to 1 (perfect)."""
     why: str
-    """In a few words, for the report."""
+    """The reason in a few words, for the report."""
 
 
 def share_left(error: float, worthless: float) -> float:
-    """1 without an error, 0 from a worthless one on, straight in between; 0 for an error that is no number."""
+    """Map an error linearly to a score: 1 for no error, 0 from `worthless` on or if the error is not finite."""
     return max(0.0, 1.0 - error / worthless) if math.isfinite(error) else 0.0
