@@ -13,7 +13,7 @@ END_REASONS = {
     "tracker-failed": "what follows the objects in the pictures does not answer, or with no poses",
     "not-found": "an object could not be found in the first pictures",
     "no-strategy": "nobody found a way to what is asked",
-    "no-decision": "the advisor did not decide, and nobody stands in for it",
+    "no-decision": "the advisor did not decide, and its fallback policy lets nothing else decide",
     "advisor failed": "the advisor did not decide, and the run was to end then",
     "cost-error": "the strategy's cost could not be evaluated",
     "no-plan": "no rehearsal could be used for many plans in a row, or the plan was no motion",

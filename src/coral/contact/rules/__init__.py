@@ -1,4 +1,4 @@
-"""The stand-in for a language model: rules that answer each kind of question from facts alone.
+"""The default advisor: rules that answer each kind of question from facts alone.
 
-No part of the paper's pipeline. It lets everything else run, and be tested, where no model is at hand.
+It is no part of the paper's pipeline. With it, everything else runs and is tested without a model.
 """

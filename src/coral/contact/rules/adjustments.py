@@ -1,4 +1,4 @@
-"""How the default advisor adjusts its plan after each diagnosis."""
+"""Adjustments of the default advisor's plan after each diagnosis."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from coral.contact.rules.scene_reading import SkillAdjustment
 
 
 def adjustment_after(diagnoses: Sequence[str]) -> SkillAdjustment:
-    """Return the adjustment of the composing rules after these failures, in order."""
+    """Return the adjustment after these failures, in order."""
     adjustment = SkillAdjustment()
     for kind in diagnoses:
         if kind == "slipped":

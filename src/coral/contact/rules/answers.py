@@ -1,4 +1,4 @@
-"""The advisor `heuristic`, the stand-in for a language model: the rule for each kind of question."""
+"""The default advisor `heuristic`: the rule for each kind of question."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _plan(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
 
 def _regions(facts: RegionFacts, rejections: Sequence[Rejection]) -> BaseModel:
     made = _composed(facts, int(facts.get("refused", 0))).regions
-    # The plan may come from the advisor, with other stages: then a region applies to all of them.
+    # If the advisor made the plan, its stages are others: then a region applies to all of them.
     stages = facts.get("stages", ())
     held = {
         name: [
@@ -89,7 +89,7 @@ def _parameters(facts: CorrectionFacts, rejections: Sequence[Rejection]) -> Base
 
 
 def _unified(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
-    """Apply the rules for each part in turn; known beliefs are kept."""
+    """Apply the rule for each part in turn; keep known beliefs."""
     found = {
         name: ParameterEstimate(mass_kg=item["mass_kg"], friction_coeff=item["friction"])
         for name, item in facts["objects"].items()

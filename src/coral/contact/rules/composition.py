@@ -1,7 +1,7 @@
-"""The stand-in's plan: programs and regions that general rules compose from the task file's goals.
+"""Composition of the default advisor's plan: programs and regions from the task file's goals.
 
-No rule knows a task by its name. What a goal asks of an object, and what its size allows the hand to do, choose among
-grasping from above, pushing, tipping, raising against something upright, and pinching beyond the table's edge.
+No rule knows a task by its name. The goals of an object and its size decide between grasping from above, pushing,
+tipping, raising against an upright face, and pinching beyond the table's edge.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ def compose(facts: SceneFacts, adjustment: SkillAdjustment | None = None) -> Com
     """Compose the plan for a scene.
 
     Args:
-        facts: The scene (`scene_facts`) with its goals.
-        adjustment: What repairs have changed.
+        facts: Facts of the scene (`scene_facts`), with its goals.
+        adjustment: Changes made by repairs.
 
     Raises:
-        NoRule: The rules know no way; the text says to what.
+        NoRule: No rule reaches the goals; the text names them.
     """
     adjustment = adjustment or SkillAdjustment()
     drafts = []
@@ -80,12 +80,12 @@ def _for_object(
     Args:
         thing: The object.
         goals: Its goals by kind.
-        moving: Those that ask for it to be moved.
-        facts: The scene.
-        adjustment: What repairs have changed.
+        moving: The goals that require it to be moved.
+        facts: Facts of the scene.
+        adjustment: Changes made by repairs.
 
     Raises:
-        NoRule: No way serves all of them.
+        NoRule: No skill reaches all of them.
     """
     draft, asked = Draft(), {goal["kind"] for goal in moving}
     if "flipped" in asked:
@@ -125,7 +125,7 @@ def _for_object(
         return draft
     put = placing_goal(goals, moving)
     if put is not None and thing.closings():
-        # A placed object also rests; the placement decides on what.
+        # A placed object also rests; the placement decides on which surface.
         require_only({put["kind"], "resting"}, moving, thing.name, "put down")
         placement = placement_of(thing, facts, put)
         add_grasp(draft, thing, facts, adjustment)
@@ -140,10 +140,10 @@ def _for_object(
 
 
 def _default_place(thing: Thing, facts: SceneFacts) -> AtGoal:
-    """Return the place to push to when only a force is asked for: the first place of the task.
+    """Return the place to push to if only a force is asked for: the first place of the task.
 
     Raises:
-        NoRule: There is none.
+        NoRule: The task has no place.
     """
     if not facts["places"]:
         raise NoRule(f"a force is asked for on the {thing.name}, but no place to push it to")

@@ -1,4 +1,4 @@
-"""The default advisor's rule for mass and friction: from the density of the material that a label names."""
+"""The default advisor's rule for mass and friction, from the density of the material that a label names."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.prior_beliefs import DENSITY_KG_M3, FRICTION
 from coral.contact.world_model.parameter_estimates import ParameterEstimate, ParameterEstimates
 
-# Mean density of such a thing, hollow space included (kg/m3), and friction on a table: orders of magnitude only.
+# Mean density, hollow space included (kg/m3), and friction on a table: orders of magnitude only.
 MATERIALS: Mapping[str, tuple[float, float]] = {
     "foam": (40, 0.6),
     "cork": (200, 0.5),
@@ -46,7 +46,7 @@ UNKNOWN = (DENSITY_KG_M3, FRICTION)
 
 
 def estimate_parameters(facts: SceneFacts, rejections: Sequence[Rejection] = ()) -> ParameterEstimates:
-    """Estimate mass as volume times the density that the label names; once refused, also for unknown things."""
+    """Estimate mass as volume times the density for the label; after a refusal, also for unknown labels."""
     found = {}
     for name, item in facts["objects"].items():
         words = f"{item.get('label', '')} {name}".lower().replace("-", " ").split()

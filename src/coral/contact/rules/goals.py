@@ -1,4 +1,4 @@
-"""Goals as the composing rules read them: which ones move an object, and the words for each."""
+"""Goals as the composing rules read them: which ones move an object, and their names in messages."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from coral.contact.rules.support import other_things, rests_on, top_height
 from coral.contact.scene.facts import AtGoal, Goal, GoalsByKind, InsideGoal, RestingGoal, SceneFacts
 
 KEPT = ("undisturbed", "upright", "released")
-"""What holds of what is left alone; a plan that moves an object lets go of it and keeps it as it stood anyway."""
+"""Goals that an untouched object meets; a plan that moves an object releases it as it stood anyway."""
 
 FLAT_M = 0.01
 
 
 class NoRule(ValueError):
-    """The rules have no way to do what is asked."""
+    """The rules cannot reach the goals."""
 
 
 def moves(goal: Goal, facts: SceneFacts) -> bool:
-    """Check whether a goal asks for its object to be moved."""
+    """Check whether a goal requires its object to be moved."""
     if goal["kind"] == "flipped":
         return goal["degrees"] > goal["tolerance_deg"]
     if goal["kind"] != "inside" and goal["kind"] != "resting":
@@ -34,7 +34,7 @@ def moves(goal: Goal, facts: SceneFacts) -> bool:
 
 
 def movement_goals(asked: Sequence[Goal], facts: SceneFacts) -> list[Goal]:
-    """Return those goals of one object that ask for it to be moved."""
+    """Return those goals of one object that require it to be moved."""
     found = [goal for goal in asked if moves(goal, facts)]
     if any(goal["kind"] != "resting" for goal in found):
         # An object that is turned, pushed or put down comes to rest on the table or on something flat anyway.
@@ -46,7 +46,7 @@ def require_different_kinds(goals: Sequence[Goal]) -> None:
     """Check that no two goals of one object are of the same kind.
 
     Raises:
-        NoRule: Two of them are.
+        NoRule: Two of them are of the same kind.
     """
     found: dict[str, Goal] = {}
     for goal in goals:
@@ -63,7 +63,7 @@ def _top_height(name: str, facts: SceneFacts) -> float:
 
 
 def goal_words(goal: Goal) -> str:
-    """Return the words for a goal in a message."""
+    """Return the name of a goal in a message."""
     if goal["kind"] == "at":
         return f"at {goal['place']}"
     if goal["kind"] == "inside":
@@ -76,13 +76,13 @@ def goal_words(goal: Goal) -> str:
 
 
 def require_only(kinds: set[str], moving: Sequence[Goal], name: str, done: str) -> None:
-    """Check that one way of moving an object serves all of its goals.
+    """Check that one skill reaches all goals that move an object.
 
     Args:
-        kinds: Kinds of goals that the way serves.
-        moving: The object's goals that ask for it to be moved, one of each kind.
-        name: The object.
-        done: What the way does with it, for the message.
+        kinds: Kinds of goals that the skill reaches.
+        moving: The object's goals that require it to be moved, one of each kind.
+        name: Name of the object.
+        done: What the skill does with it, for the message.
 
     Raises:
         NoRule: There is a goal of another kind.
@@ -93,7 +93,7 @@ def require_only(kinds: set[str], moving: Sequence[Goal], name: str, done: str) 
 
 
 def placing_goal(goals: GoalsByKind, moving: Sequence[Goal]) -> AtGoal | InsideGoal | RestingGoal | None:
-    """Return the goal that says where to put an object down; None if there is no such goal."""
+    """Return the goal that says where to put an object down; None if there is none."""
     kinds = {goal["kind"] for goal in moving}
     if "at" in kinds:
         return goals["at"]

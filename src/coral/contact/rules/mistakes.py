@@ -18,17 +18,17 @@ PLANS = ("cost-function", "cost-repair", "unified")
 REGIONS = ("contact-regions", "unified")
 PARAMETERS = ("physical-parameters", "parameter-repair", "unified")
 SPREAD = math.log(10.0) / 2
-"""Standard deviation of the logarithm of a guessed mass or friction: a factor of ten is two of them."""
+"""Standard deviation of the logarithm of a guessed mass or friction: two of them are a factor of ten."""
 MOST = math.log(10.0)
-"""And the most: nearer or farther than a factor of ten."""
+"""Maximum error of that logarithm: a factor of ten."""
 OFF_M = (0.03, 0.08)
-"""How far a misread place is off."""
+"""Range of the error of a misread place."""
 
 Edit = Callable[[str, np.random.Generator], str | None]
 
 
 def _in_one_stage(change: Edit) -> Err:
-    """A mistake in the cost of one stage; the stages are tried in random order."""
+    """Make a mistake that changes the cost of one stage; stages are tried in random order."""
 
     def err(
         question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
@@ -48,7 +48,7 @@ def _in_one_stage(change: Edit) -> Err:
 def _mistake_object(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """One object taken for another throughout the plan."""
+    """Swap two objects throughout the plan."""
     names = list(question.facts["objects"])
     used = [name for name in names if any(f"self.{name}_" in stage["code"] for stage in right["stages"] or [right])]
     if not used or len(names) < 2:
@@ -61,7 +61,7 @@ def _mistake_object(
 def _mirror(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """Everything is done to the other side of the object: its long axis points backwards."""
+    """Mirror the plan in the object's frame: its long axis points backwards."""
     made = (_everywhere(right, partial(edit.turn_axis, axis=int(axis))) for axis in rng.permutation(2))
     return next((one for one in made if one is not None), None)
 
@@ -69,7 +69,7 @@ def _mirror(
 def _never_done(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """A phase's condition is set so strict that no motion fulfils it."""
+    """Tighten the condition that ends a stage until no motion fulfils it."""
     wrong = copy.deepcopy(right)
     for index in rng.permutation(len(wrong["stages"])):
         stage = wrong["stages"][index]
@@ -83,7 +83,7 @@ def _never_done(
 def _lift_early(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """The phase in which the fingers close is forgotten: the hand rises with open fingers."""
+    """Drop the stage that closes the fingers: the hand rises with open fingers."""
     closing = [k for k, stage in enumerate(right["stages"]) if stage["name"] in ("close", "pinch", "grasp")]
     if not closing:
         return None
@@ -98,7 +98,7 @@ def _lift_early(
 def _misjudge(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """Every mass and friction off by a factor of its own; no range but that of what is possible at all holds it."""
+    """Multiply every mass and friction by a random factor, within the physically possible bounds only."""
     wrong = copy.deepcopy(right)
     told = wrong["objects"] if question.kind == "parameter-repair" else (wrong.get("parameters") or wrong)
     for item in told if isinstance(told, list) else told.values():
@@ -111,7 +111,7 @@ def _misjudge(
 def _wrong_face(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """Regions of one object on another face of its box: opposite, or the next one."""
+    """Move the regions of one object to another face of its box: the opposite or the next one."""
     wrong = copy.deepcopy(right)
     held = wrong["regions"] if question.kind == "unified" else wrong
     names = [name for name in held if held[name]["regions"]]
@@ -128,7 +128,7 @@ def _wrong_face(
         if opposite and axis != 2:
             center[axis], normal = -center[axis], -normal
         else:
-            # A quarter turn about the vertical, or from the top to a side: to the same share of the other face.
+            # Rotate by a quarter turn about the vertical, or from top to side; keep the relative position on the face.
             to = 0 if axis == 2 else 1 - axis
             share = center / half
             share[axis], share[to] = share[to], math.copysign(1.0, share[axis])
@@ -142,7 +142,7 @@ def _wrong_face(
 
 
 def _everywhere(right: Answer, change: Callable[[str], str | None]) -> Answer | None:
-    """A change to every program of a plan; None where it changes none."""
+    """Change every program of a plan; None if nothing changes."""
     wrong, changed = copy.deepcopy(right), False
     for stage in wrong["stages"] or [wrong]:
         for key in ("code", "done", "lost", "toward"):
@@ -227,4 +227,4 @@ CONTACT_MISTAKES = (
         err=_wrong_face,
     ),
 )
-"""What can be named behind `sloppy:`."""
+"""Errors that can be named after `sloppy:`."""

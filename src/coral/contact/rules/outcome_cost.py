@@ -1,7 +1,8 @@
-"""The stand-in's cost without a contact strategy: it states the goals, but not where to touch the objects.
+"""The default advisor's cost without a contact strategy: it rates the goals, but not where to touch the objects.
 
-The paper's ablation leaves finding useful contacts to the sampling. Its cost functions read contact points that only a
-strategy provides, and fall back on the object's position. So does this one: it draws the hand to the object.
+The paper's ablation leaves the search for useful contacts to the sampling. Its cost functions read contact points that
+only a strategy provides, and fall back on the object's position. This one does the same: it attracts the hand to the
+object.
 """
 
 from __future__ import annotations
@@ -17,11 +18,11 @@ from coral.contact.rules.support import origin_height, top_height
 from coral.contact.scene.facts import AtGoal, FlippedGoal, Goal, InsideGoal, LiftedGoal, RestingGoal, SceneFacts
 
 MARGIN_M = 0.02
-"""Beyond an object's largest half extent the hand is drawn to it; within, it may touch anywhere."""
+"""The hand is attracted until it is this far beyond an object's largest half extent; within, it may touch anywhere."""
 DONE = 0.7
-"""An object's goals count as met where their terms add up to less: a flip within 6 degrees, a place within 4 cm."""
+"""An object's goals count as met if their terms add up to less: a flip within 6 degrees, a place within 4 cm."""
 EDGE_M = 0.02
-"""How far within a region an object is drawn to."""
+"""Distance inside a region's bounds to which an object is attracted."""
 
 
 def outcome_plan(facts: SceneFacts) -> PlanAnswer | None:
@@ -56,7 +57,7 @@ def outcome_plan(facts: SceneFacts) -> PlanAnswer | None:
 
 
 def _reach(name: str, facts: SceneFacts, let_go: bool, goals: Sequence[str]) -> str:
-    """Attract the hand to an object; if it must be released, only until its other goals are met, and then away."""
+    """Attract the hand to an object; if it must be released, only until its other goals are met, then repel it."""
     near = number(max(facts["objects"][name]["size_m"]) / 2 + MARGIN_M)
     reach = f"terms['{name} reach'] = 8.0 * clip(norm(self.ee_pos - self.{name}_pos) - {near}, 0.0, 1.0)"
     if not let_go:

@@ -12,37 +12,37 @@ from coral.contact.rules.support import origin_height, other_things, top_height
 from coral.contact.scene.facts import AtGoal, Goal, InsideGoal, RestingGoal, SceneFacts
 
 HAND_M = 0.11
-"""Half the width of the hand: what stands nearer to where an object is set down may be under the palm."""
+"""Half the width of the hand: things within this distance of the placement may be under the palm."""
 CLEAR_M = 0.01
 HIGHEST_M = 0.4
-"""The hand carries nothing over a higher top: above that its workspace and the arm's end."""
+"""Highest top over which the hand carries anything; higher up its workspace and the arm's end."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Placement:
-    """Where and how an object is set down."""
+    """Where and how to set down an object."""
 
     where: str
     """Its position as program text."""
     height_m: float
-    """Of the object's origin when it is set down."""
+    """Height of the object's origin when set down."""
     near_m: float
-    """How near over it the object is lowered."""
+    """Horizontal distance to the position within which lowering begins."""
     words: str
-    """What is done there."""
+    """Description of the placement."""
     shift: Array = field(default_factory=lambda: np.zeros(3))
     """Shape=(3,) m, from the object's origin to what is to be there, in the world."""
     top_m: float = 0.0
-    """What the object is carried over besides what stands on the table."""
+    """Height of what the object is carried over, besides the things on the table."""
     palm_m: float = 0.0
-    """The palm comes no lower; from there on the object falls."""
+    """Lowest height of the palm; from there the object is dropped."""
 
 
 def placement_of(thing: Thing, facts: SceneFacts, goal: AtGoal | InsideGoal | RestingGoal) -> Placement:
     """Find where to set down an object for a goal.
 
     Raises:
-        NoRule: There is none on which the object could come to rest.
+        NoRule: There is no place where the object could come to rest.
     """
     if goal["kind"] == "at":
         return _at_place(thing, facts, goal)

@@ -1,4 +1,4 @@
-"""The default advisor's rule for poses: from the bounding box of the measured depth."""
+"""The default advisor's rule for poses, from the bounding box of the measured depth."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from coral.contact.thinker.question_facts import PoseFacts
 def estimate_poses(facts: PoseFacts, rejections: Sequence[Rejection] = ()) -> PosesAnswer:
     """Estimate poses: the usual orientation, at the centre of the box around the object's measured depth.
 
-    Only the sides that face the camera are in that box, so that the guess is off towards the camera. What was refused,
-    or hardly seen, is believed to be where it usually stands.
+    The box contains only the sides that face the camera, so the estimate is biased towards the camera. For a refused
+    pose, or for an object that is hardly visible, it returns the usual pose.
     """
     found = {}
     for name, item in facts["objects"].items():

@@ -1,4 +1,4 @@
-"""Changes to a cost program that leave it valid: the terms of a cost found, and one of them changed."""
+"""Edits of a cost program that keep it valid: change, scale or drop a term, shift a place, swap objects."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ FACTOR = 10.0
 
 
 def flip_sign(code: str, rng: np.random.Generator) -> str | None:
-    """A term with the other sign; None where there is no term."""
+    """Flip the sign of a term; None if there is no term."""
     return _change_term(code, rng, lambda term: ast.UnaryOp(ast.USub(), term))
 
 
 def scale_term(code: str, rng: np.random.Generator) -> str | None:
-    """A term ten times as heavy, or a tenth."""
+    """Multiply a term's weight by ten or divide it by ten."""
     factor = FACTOR if rng.random() < 0.5 else 1.0 / FACTOR
     return _change_term(code, rng, lambda term: ast.BinOp(ast.Constant(factor), ast.Mult(), term))
 
 
 def drop_term(code: str, rng: np.random.Generator) -> str | None:
-    """A cost without one of its terms; None where there is but one."""
+    """Drop one term of a cost; None if there is only one."""
     tree = _parsed(code)
     terms = [] if tree is None else _terms(tree)
     if len(terms) < 2 or tree is None:
@@ -38,12 +38,12 @@ def drop_term(code: str, rng: np.random.Generator) -> str | None:
 
 
 def shift_place(code: str, rng: np.random.Generator, off_m: tuple[float, float]) -> str | None:
-    """A place off by some centimetres along one axis: a vector of numbers, or a height that something is compared with.
+    """Shift a place by some centimetres along one axis: a vector of numbers, or a height in a comparison.
 
     Args:
         code: The program.
-        rng: Chooses which, and where to.
-        off_m: Least and most.
+        rng: Chooses place and direction.
+        off_m: Smallest and largest shift.
     """
     tree = _parsed(code)
     if tree is None:
@@ -53,7 +53,7 @@ def shift_place(code: str, rng: np.random.Generator, off_m: tuple[float, float])
     for node in ast.walk(tree):
         if isinstance(node, ast.List) and len(node.elts) == 3 and all(map(_number, node.elts)):
             values = [_value(one) for one in node.elts]
-            if any(values) and sorted(map(abs, values)) != [0.0, 0.0, 1.0]:  # a place, not an axis
+            if any(values) and sorted(map(abs, values)) != [0.0, 0.0, 1.0]:  # axes are no places
                 spots += [(node.elts, axis) for axis in range(3)]
     heights = [
         node
@@ -76,13 +76,13 @@ def shift_place(code: str, rng: np.random.Generator, off_m: tuple[float, float])
 
 
 def rename_quantities(code: str, one: str, other: str) -> str | None:
-    """The program with another object's quantities; None where it reads none of the first."""
+    """Replace one object's quantities by another's; None if the program reads none of the first."""
     made = code.replace(f"self.{one}_", f"self.{other}_")
     return None if made == code else made
 
 
 def turn_axis(code: str, axis: int) -> str | None:
-    """The program with an axis of every object (not of the hand) pointing backwards; None where it reads none."""
+    """Reverse an axis of every object, not of the hand; None if the program reads none."""
     tree = _parsed(code)
     if tree is None:
         return None
@@ -92,7 +92,7 @@ def turn_axis(code: str, axis: int) -> str | None:
 
 
 def tighten(condition: str) -> str | None:
-    """A condition that nothing fulfils: a bound far beyond what it was; None where it compares with no number."""
+    """Move the bound of a comparison so far that nothing fulfils it; None if there is no comparison with a number."""
     tree = _parsed(condition)
     if tree is None:
         return None
@@ -136,7 +136,7 @@ def _change_term(code: str, rng: np.random.Generator, change: Callable[[ast.expr
 
 
 def _terms(tree: ast.Module) -> list[tuple[Any, str, int | None]]:
-    """Where the terms of a cost stand: named ones, else the summands of what is returned."""
+    """Locate the terms of a cost: its named ones, else the summands of the returned value."""
     found: list[tuple[Any, str, int | None]] = []
     for node in ast.walk(tree):
         body = getattr(node, "body", ())

@@ -16,21 +16,21 @@ from coral.contact.scene.geometry import rotation_of
 
 Array = NDArray[np.float64]
 GRASP_M = 0.074
-"""Widest part that the fingers go around with some play: the hand opens to 0.08 m."""
+"""Widest part that fits between the fingers with some clearance: the hand opens to 0.08 m."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SkillAdjustment:
-    """Adjustments of a composed plan in a repair."""
+    """Adjustment of a composed plan by repairs."""
 
     turn: int = 0
-    """0 takes the first grasp or side that fits, 1 the second, ..."""
+    """Number of the grasp or side to use, among those that fit."""
     lower_m: float = 0.0
-    """How much lower (m) the tool grasps or pushes."""
+    """How much lower the tool grasps or pushes, m."""
     press: float = 1.0
-    """Factor on what makes the hand press, squeeze or push."""
+    """Factor on the forces of pressing, squeezing and pushing."""
     careful: float = 1.0
-    """Factor on the noise of stages in contact; below 1 moves more carefully."""
+    """Factor on the sampling noise of stages in contact; below 1 the hand moves more carefully."""
 
 
 @dataclass
@@ -50,7 +50,7 @@ class Thing:
         self.name, self.shapes = name, tuple(item["shapes"])
         self.size = np.asarray(item["size_m"], dtype=float)
         self.middle = np.asarray(item.get("middle_m", (0.0, 0.0, 0.0)), dtype=float)
-        """Of the box that holds it, in its frame."""
+        """Extents of its bounding box, in its frame."""
         self.position = np.asarray(item["pose"][:3], dtype=float)
         self.rotation = rotation_of(item["pose"][3:])
         self.parts = [
@@ -62,22 +62,22 @@ class Thing:
 
     @property
     def up(self) -> int:
-        """The axis closest to vertical."""
+        """Return the axis closest to vertical."""
         return int(np.argmax(np.abs(self.rotation[2])))
 
     @property
     def up_sign(self) -> float:
-        """1 if that axis points up, else -1."""
+        """Return 1 if that axis points up, else -1."""
         return 1.0 if self.rotation[2, self.up] > 0 else -1.0
 
     @property
     def height(self) -> float:
-        """Vertical extent, m."""
+        """Return the vertical extent, m."""
         return float(self.size[self.up])
 
     @property
     def low(self) -> float:
-        """Height of the underside, m."""
+        """Return the height of the underside, m."""
         return float(self.position[2] + self.rotation[2] @ self.middle - self.height / 2)
 
     def to_face(self, axis: int, sign: float) -> float:
@@ -86,7 +86,7 @@ class Thing:
 
     @property
     def lying(self) -> list[int]:
-        """The other two axes."""
+        """Return the two axes closest to horizontal."""
         return [k for k in range(3) if k != self.up]
 
     def toward(self, direction: Array) -> tuple[int, float]:
@@ -102,7 +102,7 @@ class Thing:
     def room_behind(self, point: Array, direction: Array) -> float:
         """Return the distance (m) from an inner point to the surface, against a direction; both in the object's frame.
 
-        Parts are taken for the boxes that hold them; of several that hold the point the farthest surface counts.
+        Each part counts as its bounding box; if several contain the point, the farthest surface counts.
         """
         found = [0.0]
         for middle, half in self.parts:

@@ -1,4 +1,4 @@
-"""Rules for objects too wide and flat to grasp as they lie: push an end over the table's edge and pinch it there."""
+"""Rules for objects too wide and flat to grasp as they lie: push one end over the table's edge and pinch it there."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from coral.contact.scene.facts import SceneFacts
 
 OPEN_M = 0.07
 DEEP_M = 0.028
-"""How far the tool goes in over what it pinches: the palm is 37 mm behind it and stays clear."""
+"""How far the fingers reach over the pinched part: the palm is 37 mm behind the tool and stays clear."""
 
 SLANTS = (0.57, 0.27, 1.0)
-"""How much the way in slants inward, in order of preference: 30, 15, 45 degrees off the edge. A Panda reaches all."""
+"""Inward slant of the approach, in order of preference: 30, 15, 45 degrees off the edge. A Panda reaches all."""
 
 
 def can_overhang(thing: Thing) -> bool:
-    """Check whether an end of the object, once over the edge, can be pinched across its height."""
+    """Check whether an end of the object can be pinched across its height once it is over the edge."""
     return thing.height <= GRASP_M and max(thing.size[thing.lying]) > 2 * thing.height
 
 
@@ -211,7 +211,7 @@ def add_overhang(draft: Draft, thing: Thing, facts: SceneFacts, lift_m: float, a
 def _end_to_push(thing: Thing, facts: SceneFacts) -> tuple[int, float, Array]:
     """Choose the end to push out: axis, sign, and grip point in the object's frame.
 
-    A named point whose name the instruction mentions, else the end nearest to the edge.
+    This is a named point whose name the instruction mentions, else the end nearest to the edge.
     """
     words = facts["instruction"].lower()
     named = [point for key, point in thing.points.items() if key.replace("_", " ") in words]

@@ -12,7 +12,7 @@ from coral.contact.rules.support import origin_height
 from coral.contact.scene.facts import SceneFacts
 
 PALM_M = 0.037
-"""From the tool back to the palm."""
+"""Distance from the tool back to the palm."""
 
 
 def add_grasp(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> None:
@@ -109,7 +109,7 @@ def add_place(draft: Draft, thing: Thing, facts: SceneFacts, placement: Placemen
         if item["position"][2] + item["size_m"][2] / 2 < 0.3
     ]
     carry = max([0.06, *(min(top, 0.2) for top in tops)]) + thing.height / 2 + 0.02
-    # Once raised it may be 3 cm lower than that; a rim has to be cleared then, too.
+    # After the lift it may be 3 cm lower than that; it must clear a rim then, too.
     carry = max(carry, placement.top_m + origin_height(thing) + 0.045)
     floor = max(placement.height_m, placement.palm_m - PALM_M - depth)
     lost = f"({_off(thing, depth)}) > 0.05"

@@ -10,11 +10,11 @@ from coral.contact.rules.scene_reading import Draft, SkillAdjustment, Thing, axi
 from coral.contact.scene.facts import AtGoal, SceneFacts
 
 HIGH = 0.75
-"""Where a box is tipped, -1 at the bottom to 1 at the top: some face is left below the upper edge for the fingertip."""
+"""Height at which a box is tipped, from -1 at the bottom to 1 at the top: the fingertip needs room below the edge."""
 PACE_M_S = 0.035
 LEAD_M = 0.06
 SOFT = 1.5
-"""A steady force: so soft a hand that the most that it may be led by hardly pulls harder than asked."""
+"""Softness of the hand for a steady force: at the longest lead its spring pulls hardly harder than asked."""
 
 
 def abreast_opening(width_m: float) -> float:
@@ -25,7 +25,7 @@ def abreast_opening(width_m: float) -> float:
 def behind_head(thing: Thing, axis: int, sign: float, height: str, handed: bool = False) -> str:
     """Return the head of a program: the pushing axis, the point behind the pushed face, and the hand's misalignment.
 
-    Two orientations push alike. `handed` asks for the one whose fingers open to the left of the way, from where an arm
+    Two orientations push alike. `handed` selects the one whose fingers open to the left of the path, from which an arm
     can go on to point along an edge on that side; from the other one a Panda ends at its joint limits.
     """
     n, half = thing.name, thing.to_face(axis, -sign)
@@ -177,9 +177,9 @@ def add_push(
 def _steadily(thing: Thing, axis: int, sign: float, place: str, where: str, height_m: float, newtons: float) -> str:
     """Return the head of a program that pushes with a steady force.
 
-    A slow push is answered by friction; stops, blows and the hand's stiffness spoil it. So what the spring pulls to
-    moves straight to the place at an even pace, the force counts as a vector (a drag down the face adds friction), and
-    the hand is behind the middle, on the line to the place, or the object turns.
+    Friction balances a slow push; stops, impacts and the hand's stiffness disturb the force. So the target of the
+    hand's spring moves straight to the place at constant speed, the force counts as a vector (dragging down the face
+    adds friction), and the hand stays behind the middle, on the line to the place, or the object turns.
     """
     n = thing.name
     return f"""def state_cost(self):

@@ -1,4 +1,4 @@
-"""Common errors of models in contact tasks, for the advisor `fallible`: right answers with one error of its kinds."""
+"""Common errors of models in contact tasks, for the advisor `fallible`: right answers with one error of a kind."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ Answer = dict[str, Any]
 
 
 def spoil(error: str, question: Question[Any], answer: Answer, rng: np.random.Generator) -> Answer:
-    """Return the answer with one error put into it.
+    """Put one error into an answer.
 
     Args:
-        error: "wrong_type", "out_of_range", "backward", or "stale" where there is nothing earlier to repeat.
-        question: What was asked.
+        error: "wrong_type", "out_of_range", "backward", or "stale" if there is nothing earlier to repeat.
+        question: The question.
         answer: The right answer as JSON.
-        rng: Chooses where.
+        rng: Chooses the place of the error.
     """
     spoilt = copy.deepcopy(answer)
     if question.kind in ("cost-function", "cost-repair", "unified"):
@@ -108,4 +108,4 @@ KINDS = (
     "unified",
 )
 SPOILT: Mapping[str, Corrupt] = dict.fromkeys(KINDS, spoil)
-"""How to spoil answers to each kind of question."""
+"""Functions that spoil answers, by kind of question."""

@@ -36,9 +36,9 @@ def top_height(facts: SceneFacts, name: str, point: Array, within_m: float = 0.0
 
     Args:
         facts: The scene.
-        name: Of what.
+        name: Name of the fixture, object or table.
         point: Shape=(2,), x and y in m.
-        within_m: How near to the point counts.
+        within_m: Radius around the point.
     """
     if name == "table":
         return 0.0 if on_table(facts["table"], point) else None
@@ -51,7 +51,7 @@ def top_height(facts: SceneFacts, name: str, point: Array, within_m: float = 0.0
 
 
 def other_things(facts: SceneFacts, thing: Thing) -> list[str]:
-    """Return everything except one object."""
+    """Return the names of all things but one object."""
     return ["table", *facts["fixtures"], *(name for name in facts["objects"] if name != thing.name)]
 
 

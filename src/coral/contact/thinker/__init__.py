@@ -1,1 +1,1 @@
-"""The outer loop: when to ask what, diagnosis and repair (section 3.4)."""
+"""The outer loop: which question is asked when, diagnosis and repair (section 3.4)."""

@@ -22,21 +22,21 @@ A = TypeVar("A", bound=BaseModel)
 
 
 class EpisodeOver(RuntimeError):
-    """The episode ended while an advisor was thinking: no decision is needed any more."""
+    """The episode ended while an advisor was answering: the decision is no longer needed."""
 
 
 class Asker:
-    """One advisor, one event loop, one count of questions.
+    """Asks one advisor, on one event loop, and counts its questions.
 
     Args:
-        advisor: Who is asked.
-        budget: Attempts and time for each decision; time is wall time.
+        advisor: The advisor.
+        budget: Attempts and wall time for each decision.
         log: Receives every attempt.
-        pictures: What the robot's camera sees now, for advisors with eyes.
-        clock: Simulated time goes on while the advisor thinks; by default it stands still.
+        pictures: Takes pictures with the robot's camera, for advisors that read them.
+        clock: Clock of the decisions: the episode's, if it continues while the advisor answers; by default time stops.
 
     Attributes:
-        emit: Where every attempt is reported, as the event `verdict`.
+        emit: Event sink; every attempt is reported as the event `verdict`.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class Asker:
 
     @property
     def source(self) -> Source:
-        """To whom its accepted answers belong."""
+        """Return the source to which accepted answers are attributed."""
         return source_of(self.advisor)
 
     def ask(
@@ -71,19 +71,19 @@ class Asker:
         with_picture: bool = False,
         pictures: tuple[Picture, ...] = (),
     ) -> Outcome[A]:
-        """Ask, verify, ask again with the reasons.
+        """Ask, verify the answer, and ask again with the reasons of its refusal.
 
         Args:
-            kind: Of question; names the prompt's template.
-            answer_type: What the answer must validate against.
-            facts: For advisors without eyes.
-            prompt: What the template's placeholders stand for.
-            verify: Why an answer is refused, or None.
-            with_picture: Whether a picture taken now goes with it.
-            pictures: Taken before, that go with it too.
+            kind: Kind of question; names the prompt's template.
+            answer_type: Type that the answer must validate against.
+            facts: For advisors that read no pictures.
+            prompt: Values of the template's placeholders.
+            verify: Returns why an answer is refused, or None.
+            with_picture: Whether to add a picture taken now.
+            pictures: Pictures taken before, to add as well.
 
         Raises:
-            EpisodeOver: The episode ended while the advisor was thinking.
+            EpisodeOver: The episode ended while the advisor was answering.
         """
         text, version = render(kind, prompt)
         if with_picture and self.pictures is not None:
@@ -102,7 +102,7 @@ class Asker:
                 self.log(attempt)
 
         decision, self._decisions = self._decisions, self._decisions + 1
-        # One loop for all questions: a model's connections live in the loop that opened them.
+        # All questions share a loop: a model's connections live in the loop that opened them.
         self._loop = self._loop or asyncio.new_event_loop()
         assert self.budget.deadline_s is not None
         self.clock.begin(kind, self.budget.deadline_s)

@@ -28,9 +28,9 @@ class TouchHistory:
     """The part of an episode's history that is informative about masses and frictions."""
 
     steps: Sequence[Transition]
-    """All control steps: what is tried when stuck tells little of a push that went wrong before."""
+    """All control steps: those taken while stuck say little about a push that went wrong earlier."""
     recent: Sequence[HistoryRow]
-    """The last of it, as prompts show it."""
+    """The last rows, as prompts show them."""
 
 
 def correct_beliefs(
@@ -50,17 +50,17 @@ def correct_beliefs(
     Args:
         asker: The advisor.
         name: The object.
-        now: What the sensors say.
-        past: What there is to learn from.
+        now: The latest observation.
+        past: The history to fit to.
         trial: The trial as the robot knows it.
         world: The planning world, whose beliefs are corrected.
-        facts: The scene.
+        facts: Facts of the scene.
         cfg: Thresholds.
-        rng: Of the fit.
-        emit: Where to report.
+        rng: Random numbers of the fit.
+        emit: Event sink.
 
     Returns:
-        Whether they were corrected.
+        Whether the beliefs were corrected.
     """
     # A rollout that begins inside the table throws the object out: replay only windows that begin at a possible pose.
     stretches = windows(

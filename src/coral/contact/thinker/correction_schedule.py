@@ -1,4 +1,4 @@
-"""Schedule of world-model corrections while nothing is stuck: at intervals in which an object was touched."""
+"""Schedule of world-model corrections without a failure: at intervals in which an object was touched."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ class CorrectionSchedule:
     """Decides when to correct and for which object, and counts the corrections of an episode."""
 
     every_s: float
-    """Simulated time between two of them; 0 for none."""
+    """Simulated time between two corrections; 0 disables them."""
     most: int
-    """Of an episode. The last is kept for its end: what is lifted is lifted last, and weighs then."""
+    """Maximum number per episode. One is kept for the end: objects are lifted last, and that reveals their weight."""
     done: int = 0
     _since: float = 0.0
     _seen: int = 0

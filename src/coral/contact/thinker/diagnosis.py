@@ -23,9 +23,9 @@ TEXTS: Mapping[Diagnosis, str] = {
 
 
 REST_S, REST_M = 1.0, 0.005
-"""At rest is what has moved no further in this time."""
+"""A body is at rest if it has moved less than `REST_M` within `REST_S`."""
 AHEAD_M = 0.01
-"""A command that lies no further from the hand asks for no more than it does."""
+"""A command within this distance of the hand counts as reached."""
 
 
 class HistoryRow(TypedDict):
@@ -45,10 +45,10 @@ def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: f
     """Diagnose the last part of an episode.
 
     Args:
-        steps: The stretch.
-        name: The object that matters.
-        returns: Times the plan fell back to an earlier stage.
-        surprise_m: Distance between the object and where one step's rehearsal had expected it, summed over a second.
+        steps: The control steps to diagnose.
+        name: The object concerned.
+        returns: Number of times that the plan fell back to an earlier stage.
+        surprise_m: Distance between the object and its predicted position after one step, summed over a second.
     """
     if returns >= 2:
         return "slipped"
@@ -68,9 +68,9 @@ def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: f
 
 
 def _settled(steps: Sequence[Transition]) -> bool:
-    """Whether hand and objects have been at rest for a second, and the hand is where its commands are.
+    """Check whether hand and objects have been at rest for a second, with the hand at its commanded position.
 
-    A hand that is held up, as by something too heavy, has commands that lie ahead of it.
+    A blocked hand, or one that holds something too heavy, stays behind its commands and is not settled.
     """
     end = steps[-1].after
     last = [step for step in steps if step.after.time_s > end.time_s - REST_S]
@@ -86,13 +86,13 @@ def _settled(steps: Sequence[Transition]) -> bool:
 def recent(
     steps: Sequence[Transition], costs: Sequence[tuple[float, float]], name: str, most: int = 5
 ) -> list[HistoryRow]:
-    """Summarise the last part in a few rows, as the prompts show it (the paper's last five steps).
+    """Summarise the latest history in a few rows, as the prompts show it (the paper's last five steps).
 
     Args:
-        steps: What was done and what came of it.
-        costs: Of plans, each after the time when it was made.
-        name: The object that is looked at.
-        most: Rows.
+        steps: Control steps.
+        costs: Costs of plans, each after the time of the plan.
+        name: The object to report.
+        most: Maximum number of rows.
     """
     if not steps:
         return []
@@ -117,6 +117,6 @@ def recent(
 
 
 def _at(costs: Sequence[tuple[float, float]], time_s: float) -> float | None:
-    """Return the cost of the latest plan made by then."""
+    """Return the cost of the latest plan made by that time."""
     made = [cost for when, cost in costs if when <= time_s + 1e-9] or [cost for _, cost in costs[:1]]
     return round(made[-1], 4) if made else None

@@ -1,7 +1,7 @@
-"""The objects' poses, estimated once from the first picture: the ablation without tracking (Table 1, last row).
+"""The question about object poses, asked once about the first picture: the ablation without tracking (Table 1).
 
-What is asked for is the centre of an object's bounding box, which a picture shows; its frame's origin, which the rest
-of the package calls its position, may lie elsewhere (of a board with a handle, in the middle of the board).
+The advisor estimates the centre of an object's bounding box, which a picture shows. The origin of its frame, which the
+rest of the package calls its position, may lie elsewhere (for a board with a handle, in the middle of the board).
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from coral.contact.thinker.scene_facts import pose
 from coral.contact.thinker.stand_in import fall_back
 
 LEAST_PIXELS = 20
-"""Fewer measured pixels than these tell nothing of an object's place."""
+"""With fewer measured pixels, an object's measured position is ignored."""
 BESIDE_M, BELOW_M = 0.3, 0.02
-"""How far beside the table and below its top a centre may be guessed."""
+"""Margin beside the table and below its top within which a centre is accepted."""
 
 
 class ObjectPose(BaseModel):
@@ -59,7 +59,7 @@ class PosesAnswer(RootModel[dict[str, ObjectPose]]):
 
 
 def verify_poses(answer: PosesAnswer, facts: PoseFacts) -> Rejection | None:
-    """Return why estimated poses are impossible, or None."""
+    """Return the reason why estimated poses are impossible, or None."""
     wanted, given = list(facts["objects"]), list(answer.root)
     if set(wanted) != set(given):
         return Rejection(
@@ -86,12 +86,12 @@ def verify_poses(answer: PosesAnswer, facts: PoseFacts) -> Rejection | None:
 
 
 def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
-    """Collect what is known beforehand: shapes, usual orientations, the camera, and its measured depth.
+    """Collect the prior knowledge: shapes, usual orientations, the camera, and its measured depth.
 
     Args:
-        trial: The trial; only the task file and sizes are read of it.
-        now: Of the robot's own sensors.
-        frame: The first picture, with the objects' outlines.
+        trial: The trial; only the task file and the sizes are read from it.
+        now: Observation of the robot's own sensors.
+        frame: The first picture, with the objects' segmentation.
     """
     table = trial.task.table
     objects: dict[str, UnposedObjectFacts] = {}
@@ -135,9 +135,9 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
 
 
 def pose_prompt(facts: PoseFacts) -> dict[str, Any]:
-    """Fill the template "object-poses". It has no measured depth: a model has only the picture.
+    """Fill the template "object-poses", without measured depth: a model sees only the picture.
 
-    Named points, as seen from the centre of the box, tell an object's front from its back.
+    Named points, relative to the centre of the box, distinguish an object's front from its back.
     """
     return {
         "task": facts["instruction"],
@@ -159,19 +159,19 @@ def ask_poses(
     emit: Callable[..., None],
     policy: Fallback = FOR_RUNS,
 ) -> dict[str, BodyState]:
-    """Ask an advisor for the objects' poses; if it gives none, apply the rule.
+    """Ask an advisor for the objects' poses; apply the rule if it gives none.
 
     Args:
         asker: The advisor.
-        trial: As of `pose_facts`.
-        first: Likewise.
-        frame: Likewise.
-        fallback: The rule that answers where the advisor does not.
-        emit: Where to report.
-        policy: What decides where the advisor does not.
+        trial: As in `pose_facts`.
+        first: As `now` in `pose_facts`.
+        frame: As in `pose_facts`.
+        fallback: The rule that answers if the advisor does not.
+        emit: Event sink.
+        policy: The fallback policy.
 
     Raises:
-        NoDecision: Nobody does.
+        NoDecision: Neither the advisor nor the rule answers.
     """
     facts = pose_facts(trial, first, frame)
     outcome = asker.ask(

@@ -15,50 +15,50 @@ from coral.contact.thinker.strategist import PlanReport
 
 @dataclass(frozen=True, kw_only=True)
 class OuterCfg:
-    """When the outer loop steps in, and what it looks at."""
+    """When the outer loop steps in, and which history it uses."""
 
     n_retry: Count = 15
     """Attempts without progress before the advisor is asked (paper, section 4)."""
     attempt_s: Positive = 0.2
-    """Simulated time that counts as one attempt of the inner loop, which replans every 20 to 40 ms: with n_retry it
-    makes the 3 s after which a person would say that it is stuck."""
+    """Simulated time that counts as one attempt of the inner loop, which replans every 20 to 40 ms: n_retry attempts
+    make 3 s, after which a person would call it stuck."""
     progress: Fraction = 0.02
-    """The expected cost must fall by this share of what it was when the stage began, to count as progress."""
+    """Progress is a fall of the expected cost by this share of its value when the stage began."""
     progress_m: Positive = 0.01
-    """So does an object that is this much farther than ever from where the stage found it: a slow, steady push does
-    what it should while its cost, of pace and force, stays as it is."""
+    """An object that is this much farther than ever from its position when the stage began is progress too: a slow,
+    steady push succeeds while its cost, of speed and force, stays constant."""
     refinements: NonNegative = 5
-    """Most refinements in one episode."""
+    """Maximum number of refinements in one episode."""
     history_s: Positive = 6.0
-    """How much of the past is looked at."""
+    """Length of the history that diagnosis and correction use."""
     surprise_tau_s: Positive = 0.97986393046407
-    """Time constant with which old surprises are forgotten: after it, 37 % of one is left. The default makes it 0.96
-    from plan to plan where plans are 0.04 s apart, as they are by default."""
+    """Time constant of the decay of surprises. The default keeps a share of 0.96 from plan to plan at the default
+    interval of 0.04 s."""
     replay_dt_s: Positive = 0.004
-    """Step of the physics in replays, finer than in rehearsals."""
+    """Physics step in replays, finer than in rehearsals."""
     sunk_m: Positive = 0.002
-    """Stretches at whose beginning an object is seen deeper in the table are not replayed."""
+    """Windows in which an object begins deeper in the table than this are not replayed."""
 
 
 @dataclass
 class ProgressMonitor:
-    """Detects that the inner loop is stuck: n_retry attempts in which neither the cost fell nor an object moved on."""
+    """Detects that the inner loop is stuck: in n_retry attempts neither the cost fell nor an object moved farther."""
 
     cfg: OuterCfg
-    """The outer loop."""
+    """Thresholds."""
     order: tuple[str, ...]
-    """The stages' names, in order."""
+    """Names of the stages, in order."""
     attempts: int = 0
     """Attempts since the last progress."""
     returns: int = 0
-    """Times the plan fell back to an earlier stage."""
+    """Number of times that the plan fell back to an earlier stage."""
     steps: list[Transition] = field(default_factory=list)
     """Control steps of the last `history_s`."""
     costs: list[tuple[float, float]] = field(default_factory=list)
-    """Costs of its plans, each after the time when it was made."""
+    """Costs of the plans, each after the time of the plan."""
     surprise_m: Mapping[str, float] = field(default_factory=dict)
-    """By object, distances between where a plan's first step ended and where its rehearsal had expected it, summed and
-    forgotten with `surprise_tau_s`."""
+    """By object, the distance between its position after a plan's first step and the predicted one, summed with a decay
+    of `surprise_tau_s`."""
     _stage: int = -1
     _farthest_stage: int = -1
     _first_cost: float = 0.0
@@ -70,13 +70,13 @@ class ProgressMonitor:
     _farthest_m: dict[str, float] = field(default_factory=dict)
 
     def update(self, report: PlanReport) -> bool:
-        """Take in a plan; return True after n_retry attempts without progress."""
+        """Add a plan; return True after n_retry attempts without progress."""
         now = report.now.time_s
         self._remember(report)
         stage, cost = self.order.index(report.stage), report.plan.cost
         self.returns += stage < self._stage
         if stage != self._stage:
-            # Costs of different stages do not compare; falling back and returning is no progress.
+            # Costs of different stages are not comparable; falling back and returning is no progress.
             progressed = stage > self._farthest_stage
             self._farthest_stage, self._stage = max(stage, self._farthest_stage), stage
             self._first_cost, self._best_cost = cost, cost

@@ -1,4 +1,4 @@
-"""Facts for each kind of question, for advisors without vision: the scene, and what the question adds."""
+"""Facts of each kind of question, for advisors without vision: the scene, and the additions of the question."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from coral.contact.thinker.diagnosis import Diagnosis
 
 
 class QuestionFacts(SceneFacts):
-    """The scene when it was last observed.
+    """The scene as last observed.
 
     Args:
-        refused: How many answers about the plan were refused before the one that holds; regions are to fit that one.
+        refused: Number of refused answers about the plan before the accepted one; regions must fit that one.
     """
 
     refused: NotRequired[int]
@@ -22,8 +22,8 @@ class PlanFacts(QuestionFacts):
     """Facts of questions about the plan.
 
     Args:
-        diagnoses: What went wrong so far, in order.
-        contact_strategy: Whether the plan may say where to touch.
+        diagnoses: Diagnoses so far, in order.
+        contact_strategy: Whether the plan may name contact regions.
     """
 
     diagnoses: list[Diagnosis]
@@ -52,15 +52,15 @@ class CorrectionFacts(QuestionFacts):
 
 
 class UnposedObjectFacts(TypedDict):
-    """An object whose pose is asked for.
+    """An object whose pose is to be estimated.
 
     Args:
-        label: What it is called.
-        size_m: Full extents of the box that holds it.
+        label: Its name for people.
+        size_m: Full extents of its bounding box.
         middle_m: Centre of that box in the object's frame.
-        points_m: Named points, from the centre of the box.
-        usual_pose: x, y, z, qw, qx, qy, qz where the task file puts it.
-        pixels: How many pixels of it have a measured depth.
+        points_m: Named points, relative to the centre of the box.
+        usual_pose: Pose in the task file: x, y, z, qw, qx, qy, qz.
+        pixels: Number of its pixels with a measured depth.
         seen_box_m: Lowest and highest corner of the measured points, in the world; None without any.
     """
 
@@ -74,7 +74,7 @@ class UnposedObjectFacts(TypedDict):
 
 
 class CameraFacts(TypedDict):
-    """The camera: its position (m) and axes in the world, its lens and picture."""
+    """The camera: position (m) and axes in the world, intrinsics and picture size."""
 
     position: list[float]
     axes_right_down_forward: list[list[float]]

@@ -1,4 +1,4 @@
-"""What CoRAL asks about a scene: its physical parameters, the plan, where to touch (A.6 to A.10)."""
+"""CoRAL's questions about a scene: physical parameters, plan, contact regions (A.6 to A.10)."""
 
 from __future__ import annotations
 
@@ -34,25 +34,25 @@ Emit = Callable[..., None]
 
 
 class Questions:
-    """Asks about one scene, checks the answers, and falls back on rules where there is none.
+    """Asks about one scene, verifies the answers, and falls back on rules if there is none.
 
     Args:
         asker: The advisor.
         trial: The trial.
-        world: The planning world; it is told what to believe.
+        world: The planning world; its beliefs are set.
         cfg: Which parts are enabled.
-        rng: Draws the states that programs are checked on.
-        load: How cost programs are made.
-        fallback: Rules that take over where the advisor gives no plan, by kind of question.
-        emit: Receives every outcome.
+        rng: Draws the states on which programs are checked.
+        load: Loads cost programs.
+        fallback: Rules that answer if the advisor gives no plan, by kind of question.
+        emit: Event sink; receives every outcome.
 
     Attributes:
-        load: How cost programs are made from now on.
-        facts: The scene as it was last looked at.
-        sizes: Of the objects, metres.
+        load: Loads the cost programs of later answers.
+        facts: The scene as last observed.
+        sizes: Sizes of the objects, m.
         scenery: Their true shapes.
-        diagnoses: What went wrong so far; questions about the plan carry it.
-        stood_in: What the advisor did not decide of what holds now: parameters, plan, regions.
+        diagnoses: Diagnoses so far; questions about the plan include them.
+        stood_in: Which current decisions are not the advisor's: parameters, plan, regions.
     """
 
     def __init__(
@@ -77,15 +77,15 @@ class Questions:
 
     @property
     def beliefs(self) -> dict[str, PhysicalParameters]:
-        """What the planning world believes of the objects."""
+        """Return the planning world's beliefs about the objects."""
         return dict(self._world.beliefs[0])
 
     def update_facts(self, now: Observation, believed: bool = True) -> None:
-        """Read the scene's facts again, with or without what is believed of the objects."""
+        """Update the scene's facts, with or without the beliefs about the objects."""
         self.facts = cast(QuestionFacts, scene_facts(self._trial, now, self.beliefs if believed else None))
 
     def ask_parameters(self, given: Mapping[str, PhysicalParameters]) -> None:
-        """Ask for masses and frictions and believe them; those that are given take precedence."""
+        """Ask for masses and frictions and adopt them; given values take precedence."""
         if set(given) >= set(self.sizes):
             self._world.believe(given)
             self._emit("beliefs", source="given", failure="", attempts=0, refused=[], **_rounded(given))
@@ -122,15 +122,15 @@ class Questions:
         return self._ask_for_plan("cost-function", now, {"poses": poses, "parameters": self._prompt_objects()})
 
     def ask_repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
-        """Ask for another plan, given what became of the last one; None without an answer."""
+        """Ask for another plan, given the history of the last one; None without an answer."""
         return self._ask_for_plan("cost-repair", now, {"world": self._prompt_objects(), **history})
 
     def plan_by_rules(self) -> PlanAnswer:
-        """Let the rules make the plan, where they stand in for the advisor.
+        """Make the plan by rules, if the policy lets them answer for the advisor.
 
         Raises:
-            NoStrategy: The rules have none either.
-            NoDecision: They do not stand in.
+            NoStrategy: The rules have no plan either.
+            NoDecision: The policy does not let the rules answer.
         """
         if self._cfg.fallback != "rules":
             self._fall_back("plan", self._unanswered)
@@ -144,19 +144,19 @@ class Questions:
         return rule
 
     def keep_plan(self, plan: PlanAnswer) -> PlanAnswer:
-        """The plan stays where the advisor gives no repair.
+        """Keep the plan because the advisor gives no repair.
 
         Raises:
-            NoDecision: Nobody stands in for the advisor.
+            NoDecision: The policy forbids it.
         """
         fall_back(self._emit, self._cfg.fallback, "repair", self._unanswered, "the plan before")
         return plan
 
     def ask_regions(self, plan: PlanAnswer) -> RegionsAnswer:
-        """Ask where a plan's stages touch: the advisor, or else the rules; nowhere in particular without either.
+        """Ask where the stages of a plan touch: the advisor, or else the rules; no regions without either.
 
         Raises:
-            NoDecision: The advisor gives nothing, and nobody stands in for it.
+            NoDecision: The advisor does not answer and the policy lets nobody else answer.
         """
         if not self._cfg.regions:
             return RegionsAnswer({})
@@ -183,7 +183,7 @@ class Questions:
         return found
 
     def _regions_by_rules(self, facts: RegionFacts, plan: PlanAnswer) -> RegionsAnswer:
-        """The rules' regions; nothing where they have none, or none that passes."""
+        """Return the rules' regions; none if the rules have none or theirs are refused."""
         try:
             rule = self._fallback["contact-regions"](facts, ())
         except AdvisorUnavailable:
@@ -192,11 +192,11 @@ class Questions:
         return rule if self.check_regions(rule, plan) is None else RegionsAnswer({})
 
     def check_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
-        """Why a plan's regions cannot be used in the scene as it was last looked at; None if they can."""
+        """Return why a plan's regions cannot be used in the scene as last observed; None if they can."""
         return verify_regions(regions, self.facts, plan.names, self._cfg.region, self.scenery)
 
     def touchable_candidates(self, regions: RegionsAnswer, plan: PlanAnswer) -> list[Array]:
-        """The points of each region that can be touched; where some were dropped, the record tells how many and why."""
+        """Return the points of each region that can be touched; report how many were dropped and why."""
         found = candidates_of(regions, self.facts, plan.names, self.scenery, self._cfg.region)
         dropped = [
             {"object": name, "stage": region.stage, "kept": len(left.points), "lost": dict(left.lost)}
@@ -210,7 +210,7 @@ class Questions:
     def ask_everything(
         self, now: Observation, history: Mapping[str, Any] | None = None
     ) -> tuple[PlanAnswer, RegionsAnswer] | None:
-        """Ask one question about everything (variant `unified`) and believe what is accepted."""
+        """Ask a single question about everything (variant `unified`) and adopt the accepted beliefs."""
         before = self.beliefs
         outcome = ask_unified(
             self._asker,
@@ -232,12 +232,12 @@ class Questions:
         return None if found is None else (found.plan, found.places)
 
     def check_plan(self, plan: PlanAnswer, now: Observation, load: Loader | None = None) -> Rejection | None:
-        """Why a plan's programs cannot be used, seen on states around the present one; None if they can.
+        """Return why a plan's programs cannot be used on states around the present one; None if they can.
 
         Args:
             plan: The plan.
             now: The present state.
-            load: How its programs are made, where it is not as those of answers are.
+            load: Loads its programs, if not as for answers.
         """
         samples = sample_states(self._world, now, self.sizes, self._rng)
         return verify_plan(plan, self._world.schema, samples, load or self.load)
@@ -252,7 +252,7 @@ class Questions:
         outcome = self._asker.ask(
             kind, PlanAnswer, self._plan_facts(), prompt, lambda plan: self.check_plan(plan, self.present(now))
         )
-        if self.present(now) is not now:  # the world went on while the advisor was thinking
+        if self.present(now) is not now:  # the episode continued while the advisor answered
             self.update_facts(self.present(now))
         self.facts["refused"] = len(outcome.rejections)
         self._emit_plan(kind, outcome, "plan" if kind == "cost-function" else "repair")
@@ -260,7 +260,7 @@ class Questions:
         return outcome.answer
 
     def present(self, before: Observation) -> Observation:
-        """What the sensors say now: something else than before if an advisor has been thinking meanwhile."""
+        """Return the latest observation: a new one if the episode continued while an advisor answered."""
         return getattr(self._asker.clock.thinking, "now", before)
 
     def _fall_back(self, what: str, failure: str) -> None:
@@ -268,7 +268,7 @@ class Questions:
         fall_back(self._emit, self._cfg.fallback, what, failure, "heuristic")
 
     def _decided(self, what: str, outcome: Outcome[Any]) -> dict[str, str]:
-        """Who decided, for the event of a decision; nothing where the advisor did not."""
+        """Return who decided, for the event of a decision; empty if the advisor did not."""
         if outcome.answer is None:
             return {}
         self.stood_in.discard(what)
@@ -290,11 +290,11 @@ class Questions:
         )
 
     def _plan_facts(self) -> PlanFacts:
-        """The facts that go with a question about the plan."""
+        """Return the facts of a question about the plan."""
         return {**self.facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}
 
     def _prompt_objects(self) -> dict[str, Any]:
-        """The objects as prompts show them: nothing that only the default advisor needs."""
+        """Return the objects as prompts show them, without the default advisor's own facts."""
         hidden = ("solid_share", "parts")
         return {
             name: {key: value for key, value in item.items() if key not in hidden}

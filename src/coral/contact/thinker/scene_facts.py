@@ -24,9 +24,9 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
     """Describe the scene in plain numbers: metres, kilograms, quaternions (w, x, y, z), world frame.
 
     Args:
-        trial: The trial; only shapes are read of it.
-        now: What the sensors say.
-        beliefs: Masses and frictions as believed; None while nobody has said anything.
+        trial: The trial; only shapes are read from it.
+        now: The latest observation.
+        beliefs: Believed masses and frictions; None before the first estimate.
     """
     task = trial.task
     objects: dict[str, ObjectFacts] = {}
@@ -79,7 +79,7 @@ def pose(body: BodyState) -> list[float]:
 
 
 def interface_text(schema: Schema) -> str:
-    """Describe what a cost may read and call, as text for a prompt."""
+    """Describe the names and functions that a cost may use, as text for a prompt."""
     lines = []
     for name, quantity in schema.items():
         unit = f", {quantity.unit}" if quantity.unit else ""
@@ -93,7 +93,7 @@ def _round(values: Any) -> list[float]:
 
 
 def _solid_share(trial: Trial, name: str) -> float:
-    """Compute the volume of the parts as a share of the bounding box's, at most 1."""
+    """Compute the volume of an object's parts as a share of its bounding box, at most 1."""
     item = trial.task.object(name)
     factors = {"box": 1.0, "cylinder": np.pi / 4, "sphere": np.pi / 6}
     scale = trial.objects[name].scale

@@ -1,4 +1,4 @@
-"""The interface of a strategist: it gives a strategy at the start, sees every plan, and may change the strategy."""
+"""The interface of a strategist: it gives the first strategy, sees every plan, and may change the strategy."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ from coral.contact.thinker.thinking_clock import Thinking
 
 @dataclass(frozen=True)
 class StrategistCounts:
-    """Counts of a strategist's actions for the metrics."""
+    """Counts of a strategist's actions, for the metrics."""
 
     advisor_calls: int = 0
-    """Times a question was put to an advisor, again after a refusal included."""
+    """Number of requests to an advisor, repetitions after a refusal included."""
     repairs: int = 0
-    """Times it changed the strategy or the beliefs during the episode."""
+    """Number of changes of strategy or beliefs during the episode."""
     memory_hit: bool = False
-    """Whether it began with something remembered."""
+    """Whether it began with a remembered plan."""
 
 
 @dataclass(frozen=True)
 class PlanReport:
-    """What a strategist sees after each plan: nothing that the robot does not know."""
+    """A plan as the strategist sees it: nothing that the robot does not know."""
 
     step: int
-    """Control steps since the episode began."""
+    """Number of control steps since the episode began."""
     now: Observation
-    """What the sensors say."""
+    """The latest observation."""
     plan: HandPlan
-    """What came of the plan."""
+    """The plan."""
     stage: str
-    """Name of the stage that was planned for."""
+    """Name of the planned stage."""
     taken: tuple[Transition, ...] = ()
-    """The control steps since the plan before."""
+    """Control steps since the previous plan."""
 
 
 class NoStrategy(RuntimeError):
@@ -54,20 +54,20 @@ class Strategist(Protocol):
 
     @property
     def counts(self) -> StrategistCounts:
-        """The counts so far."""
+        """Return the counts so far."""
         ...
 
     @property
     def guesses_poses(self) -> bool:
-        """Whether it estimates the objects' poses once at the start, after which nothing tracks them."""
+        """Return whether poses are estimated once at the start, after which nothing tracks the objects."""
         ...
 
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
         """Estimate the objects' poses from a picture; called before `begin` if `guesses_poses`.
 
         Args:
-            trial: The trial; its poses are not for looking at.
-            first: What the sensors say at first, without any object.
+            trial: The trial; its poses must not be read.
+            first: The first observation, without any object.
         """
         ...
 
@@ -76,33 +76,35 @@ class Strategist(Protocol):
         ...
 
     def attach_camera(self, look: Look) -> None:
-        """Attach the camera whose pictures go with questions."""
+        """Attach the camera whose pictures are added to questions."""
         ...
 
     def attach_episode(self, thinking: Thinking) -> None:
-        """Attach the episode, which continues while an advisor thinks."""
+        """Attach the episode, which continues while an advisor answers."""
         ...
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Return the first strategy; may set the planning world's beliefs.
 
         Args:
-            trial: The trial as the robot knows it: true shapes, seen poses, masses and frictions as believed before.
-            first: What the sensors say at first.
+            trial: The trial as the robot knows it: true shapes, observed poses, prior beliefs about masses and
+                frictions.
+            first: The first observation.
             world: The planning world.
 
         Raises:
-            NoStrategy: There is none.
-            NoDecision: The advisor did not decide, and nobody stands in for it; so in whatever asks.
-            EpisodeOver: The episode ended while an advisor was thinking; likewise.
+            NoStrategy: There is no strategy.
+            NoDecision: The advisor did not decide, and the policy lets nothing else decide. All methods that ask raise
+                it.
+            EpisodeOver: The episode ended while an advisor was answering. All methods that ask raise it.
         """
         ...
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
-        """Take in a plan; return a new strategy, or None to keep the present one.
+        """Handle a new plan; return a new strategy, or None to keep the present one.
 
         Raises:
-            CostError: A cost failed while the plan was made, and nothing is left to be tried.
+            CostError: A cost failed during planning, and there is nothing left to try.
         """
         ...
 
@@ -110,9 +112,9 @@ class Strategist(Protocol):
         """Handle a cost that could not be evaluated; return a new strategy, or None to give up.
 
         Args:
-            error: Why, with the line.
-            stage: Name of the stage that it is of.
-            now: What the sensors say.
+            error: The failure, with its line.
+            stage: Name of the stage whose cost failed.
+            now: The latest observation.
         """
         ...
 
@@ -122,7 +124,7 @@ class Strategist(Protocol):
 
 
 class FixedStrategist:
-    """Follows one strategy, written beforehand, to the end, with its author's beliefs about masses and frictions.
+    """Follows one given strategy to the end, with its author's beliefs about masses and frictions.
 
     Args:
         strategy: The strategy.
@@ -141,10 +143,10 @@ class FixedStrategist:
         """See `Strategist.attach_camera`."""
 
     def attach_episode(self, thinking: Thinking) -> None:
-        """See `Strategist.attach_episode`; nobody thinks."""
+        """See `Strategist.attach_episode`; it asks no advisor."""
 
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
-        """See `Strategist.guess_poses`; a fixed strategy knows no poses."""
+        """See `Strategist.guess_poses`; a fixed strategy estimates no poses."""
         return {}
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:

@@ -16,7 +16,7 @@ from coral.contact.world_model.identification import IdentifyCfg
 from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
 
 MODEL_S = 600.0
-"""A model takes minutes to write and mend a program."""
+"""A model takes minutes to write and repair a program."""
 DESK_S = 86_400.0
 """A person at the desk may take a day."""
 
@@ -26,49 +26,49 @@ class ThinkCfg:
     """Which parts of the outer loop are enabled; an ablation disables one."""
 
     strategy: bool = True
-    """Whether plans say where to touch. Off (`unguided`): the cost is of outcomes alone, and no regions are asked for.
+    """Whether plans name contact regions. Off (`unguided`): the cost rates outcomes alone, no regions are asked for.
     """
     regions: bool = True
-    """Whether to ask for contact regions. Off (`no-regions`): the same plan, but nothing guides the samples."""
+    """Whether to ask for contact regions. Off (`no-regions`): the same plan, but the samples are not guided."""
     refine: bool = True
     """Whether to ask for another plan when stuck. Off: `no-refinement`."""
     unified: bool = False
-    """Whether everything is one question (the paper's unified VLM)."""
+    """Whether to ask one question for everything (the paper's unified VLM)."""
     tracking: bool = True
     """Whether objects are tracked. Off (`no-tracking`): the advisor is asked for their poses once."""
     least_gain: float = 0.05
-    """Share by which the best rehearsed way must lower the first stage's cost in a remembered plan."""
+    """A remembered plan is used if its best rehearsal lowers the cost of its first stage by at least this share."""
     correct_every_s: NonNegative = 0.0
-    """Simulated time after which the world model is corrected by what was felt, stuck or not; 0 for only when stuck."""
+    """Simulated time between corrections of the world model while not stuck; 0 corrects only when stuck."""
     corrections: Count = 5
-    """Most of these in an episode; the last is kept for its end."""
+    """Maximum number of these corrections per episode; one is kept for its end."""
     budget: BudgetCfg = field(default_factory=BudgetCfg)
-    """Attempts and wall time for one decision."""
+    """Attempts and wall time of one decision."""
     fallback: Fallback = FOR_RUNS
-    """What happens where the advisor does not decide: `rules` stand in for it, or the episode ends (`hold`, and `fail`,
-    whose end reason names the failure)."""
+    """Fallback when the advisor does not decide: `rules` answer, or the episode ends (`hold`, or `fail`, whose end
+    reason names the failure)."""
     latency: str = "auto"
-    """Simulated time of an answer: 0, SECONDS, fixed:SECONDS, lognormal:MEDIAN:SIGMA, measured, recorded; paper for 2.3
-    s (questions with a picture), 1.5 s (a plan) and 3 s (a repair); auto for 0 of rules and persons, measured of
-    models, recorded of recordings."""
+    """Simulated latency of an answer: 0, SECONDS, fixed:SECONDS, lognormal:MEDIAN:SIGMA, measured, recorded, paper or
+    auto. `paper` is 2.3 s (questions with a picture), 1.5 s (a plan) or 3 s (a repair); `auto` is 0 for rules and
+    persons, measured for models, recorded for recordings."""
     meanwhile: Literal["go-on", "hold"] = "go-on"
-    """What the hand does in that time, once there is a plan: go on with it, or hold still."""
+    """What the hand does during the latency once there is a plan: follow the plan, or hold still."""
     belief: ParameterBoundsCfg = field(default_factory=ParameterBoundsCfg)
-    """Bounds of what may be believed."""
+    """Bounds of believed parameters."""
     region: RegionCfg = field(default_factory=RegionCfg)
-    """Bounds of what regions may be."""
+    """Bounds of contact regions."""
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
-    """The fit of corrections."""
+    """Fit of world-model corrections."""
     outer: OuterCfg = field(default_factory=OuterCfg)
-    """The outer loop."""
+    """Thresholds of the outer loop."""
 
 
 def decision_budget(cfg: BudgetCfg, advisor: str) -> BudgetCfg:
-    """Attempts and time of one decision.
+    """Return attempts and time of one decision.
 
     Args:
-        cfg: What was set.
-        advisor: As on the command line.
+        cfg: The configured budget.
+        advisor: The advisor as on the command line.
     """
     return cfg.within(DESK_S if asks_person(advisor) else MODEL_S)
 
@@ -77,9 +77,9 @@ def resolved(think: ThinkCfg, controller: ControllerCfg, advisor: str) -> ThinkC
     """Return the configuration with a number for everything that is None.
 
     Args:
-        think: The outer loop.
-        controller: Where it lets the hand go, regions may lie.
-        advisor: As on the command line; a person has more time than a model.
+        think: Configuration of the outer loop.
+        controller: Its workspace bounds the regions.
+        advisor: The advisor as on the command line; a person gets more time than a model.
     """
     low, high = reach_box(think.region, controller)
     return replace(

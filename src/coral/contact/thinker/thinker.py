@@ -38,22 +38,22 @@ from coral.errors import RunError
 
 
 class Thinker:
-    """The paper's strategist: it decides by asking an advisor.
+    """The paper's strategist, which decides by asking an advisor.
 
-    Solves what the inner loop cannot: it minimises a cost over controls for given stages, masses and frictions, and
-    this chooses them. It begins with a remembered plan that fits, or asks for one; when the cost falls no further, it
-    fits masses and frictions to what was felt and asks for another plan.
+    The inner loop minimises a cost over controls for given stages, masses and frictions; the outer loop chooses these.
+    It begins with a remembered plan that fits, or asks for one. When the cost stops falling, it fits masses and
+    frictions to the history and asks for another plan.
 
     Args:
         asker: The advisor.
         cfg: Which parts are enabled.
         rng: Draws samples for checks and fits.
-        fallback: Rules that take over where the advisor gives no answer, by kind of question.
-        memory: Of successes; None for none.
-        load: How cost programs are made: in this process, or in the confined one.
-        worker: The confined process, in which all that is remembered runs; closed at the end of the episode.
-        provenance: For what is stored: world, seed, variant, advisor.
-        given: What is believed of objects at first, whatever the advisor would estimate.
+        fallback: Rules that answer if the advisor does not, by kind of question.
+        memory: Memory of successful plans, if any.
+        load: Loads cost programs: in this process, or in the confined one.
+        worker: The confined process, which runs all remembered programs; closed at the end of the episode.
+        provenance: Stored with an experience: world, seed, variant, advisor.
+        given: Beliefs that take precedence over the advisor's estimates at the start.
     """
 
     def __init__(
@@ -123,7 +123,7 @@ class Thinker:
         return ask_poses(self.asker, trial, first, frame, self._fallback["object-poses"], self._emit, self.cfg.fallback)
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
-        """Perceive, recall or ask, check, and make the strategy."""
+        """Perceive, recall or ask, verify, and make the strategy."""
         self._trial, self._world = trial, world
         self._questions = Questions(
             self.asker, trial, world, self.cfg, self._rng, self._load, self._fallback, self._emit
@@ -151,7 +151,7 @@ class Thinker:
         return self._strategy("asked")
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
-        """Take in a plan; ask again if there is no progress, or if a cost failed and the last good one took over.
+        """Ask again if there is no progress, or if a cost failed and the last good one took over.
 
         Raises:
             CostError: See `Strategist.on_plan`.
@@ -202,7 +202,7 @@ class Thinker:
         followed = self._match is not None and self._plan is self._recalled
         if self._match is not None:
             self.memory.used(self._match.stored.id, success and followed)
-        # A plan without regions cannot guide a later episode; a stand-in's decisions are not the advisor's experience.
+        # A plan without regions cannot guide a later episode; a fallback's decisions are not the advisor's experience.
         if success and not followed and self.cfg.regions and not self._questions.stood_in:
             number = self.memory.add(self._experience())
             self._emit("remembered", id=number, file=Path(self.memory.where).name)
@@ -212,7 +212,7 @@ class Thinker:
             return None
         facts = self._questions.facts
         for match in self.memory.find(facts):
-            # A memory may come from anyone and hold model-written code: none of it runs in this process.
+            # A memory may come from anyone and contain model-written code: none of it runs in this process.
             plan, regions = adapt(match.stored.experience, facts)
             refusal = self._questions.check_plan(plan, first, self._worker.load)
             if refusal is None and self.cfg.regions:
@@ -240,7 +240,7 @@ class Thinker:
             )
             if refusal is None:
                 self._match, self._recalled = match, plan
-                # Its repairs too: a plan that is kept, or one that quotes it, is as untrusted as the original.
+                # So are its repairs: a plan that is kept, or quoted by a repair, is as untrusted as the original.
                 self._load = self._questions.load = self._worker.load
                 return strategy
         return None
@@ -307,7 +307,7 @@ class Thinker:
             history=recent(monitor.steps, monitor.costs, name),
         )
         corrected = not self.cfg.unified and self._correct(name, now)
-        now = self._questions.present(now)  # later, if the advisor took time to answer
+        now = self._questions.present(now)  # a later one if the advisor took time to answer
         self._questions.update_facts(now)
         if corrected and kind == "moved-otherwise":
             # The plan was right, the world model was not: continue the stage with the corrected model.

@@ -1,4 +1,4 @@
-"""The clock on which a contact task is thought about: simulated time goes on while an advisor answers."""
+"""The clock of an outer-loop decision: simulated time passes while an advisor answers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from coral.errors import InputError
 R = TypeVar("R")
 
 VLM_S, LLM_S, REFINEMENT_S = 2.3, 1.5, 3.0
-"""Time of one answer in the CoRAL paper."""
+"""Latency of one answer in the CoRAL paper."""
 PAPER_S = {
     "object-poses": VLM_S,
     "physical-parameters": VLM_S,
@@ -29,50 +29,50 @@ PAPER_S = {
     "cost-repair": REFINEMENT_S,
     "parameter-repair": REFINEMENT_S,
 }
-"""Latency `paper` (s) by kind of question: who sees a picture is the paper's VLM."""
+"""Latency `paper` (s) by kind of question; questions with a picture go to the paper's VLM."""
 TINY_S = 1e-9
 
 
 class Thinking(Protocol):
-    """The episode, as far as thinking goes on in it."""
+    """The part of an episode that continues while an advisor answers."""
 
     now: Observation
-    """What the sensors say."""
+    """The latest observation."""
 
     @property
     def clock_s(self) -> float:
-        """Simulated time (s) since the first question, all thinking included."""
+        """Return the simulated time (s) since the first question, all latencies included."""
         ...
 
     def go_on(self, seconds: float) -> bool:
-        """Let so much simulated time pass; false where the episode ended meanwhile."""
+        """Advance simulated time; return False if the episode ended meanwhile."""
         ...
 
 
 class Frozen:
-    """Simulated time that stands still, where there is no episode."""
+    """A stand-in without an episode: simulated time does not pass."""
 
     now: Observation
     clock_s = 0.0
 
     def go_on(self, seconds: float) -> bool:
-        """Nothing happens."""
+        """Do nothing."""
         return True
 
 
 class ThinkingClock:
-    """Delivers each reply after its latency, during which the episode goes on.
+    """Delivers each reply after its latency, during which the episode continues.
 
-    The advisor is waited for first; then as much simulated time passes as its latency says. What follows does not
-    depend on the machine unless the latency is measured.
+    It waits for the advisor first, then advances simulated time by the latency. The run does not depend on the machine
+    unless the latency is measured.
 
     Args:
-        latency: Of the replies; None for the paper's.
-        rng: Drawn from where the latency is random.
+        latency: Latency of the replies; None for the paper's.
+        rng: Draws random latencies.
         thinking: The episode.
 
     Attributes:
-        fault: What went wrong in the episode while an advisor was thinking.
+        fault: An exception of the episode while an advisor was answering.
     """
 
     fault: Exception | None = None
@@ -86,13 +86,13 @@ class ThinkingClock:
         """Begin a decision.
 
         Args:
-            kind: Of its questions.
-            wall_s: Longest wall time that they may take.
+            kind: Kind of its questions.
+            wall_s: Its limit of wall time.
         """
         self._kind, self._wall_end_s = kind, time.monotonic() + wall_s
 
     def now(self) -> float:
-        """Simulated seconds."""
+        """Return simulated seconds."""
         return self.thinking.clock_s
 
     async def reply(self, asking: Callable[[], Coroutine[Any, Any, R]], timeout_s: float) -> R:
@@ -101,7 +101,7 @@ class ThinkingClock:
         Raises:
             TimeoutError: It did not come within `timeout_s` simulated seconds, or within the decision's wall time.
             Withdrawn: The episode ended meanwhile.
-            BadAnswer, AdvisorUnavailable: As the advisor raised it, after the same latency as an answer.
+            BadAnswer, AdvisorUnavailable: Raised by the advisor; it takes the same latency as an answer.
         """
         drawn = self._drawn()
         began = time.monotonic()
@@ -124,7 +124,7 @@ class ThinkingClock:
         return result
 
     def _drawn(self) -> float | None:
-        """Latency of one question (s); None where only its reply can tell."""
+        """Draw the latency of one question (s); None if only its reply can tell."""
         return PAPER_S.get(self._kind, LLM_S) if self.latency is None else self.latency.draw(self._rng)
 
     def _spent(self, drawn: float | None, said: float | None, began: float) -> float:
@@ -136,7 +136,7 @@ class ThinkingClock:
     def _pass(self, seconds: float) -> None:
         try:
             over = seconds > TINY_S and not self.thinking.go_on(seconds)
-        except Exception as fault:  # of the episode: `consult` would take it for one of the advisor
+        except Exception as fault:  # of the episode; `consult` would blame the advisor
             self.fault = fault
             raise Withdrawn from None
         if over:
@@ -144,16 +144,16 @@ class ThinkingClock:
 
 
 def thinking_latency(spec: str, advisor: Any, name: str) -> LatencyCfg | None:
-    """How long an advisor thinks in simulated seconds; None for the paper's times by kind of question.
+    """Determine the latency of an advisor in simulated seconds; None for the paper's times by kind of question.
 
     Args:
-        spec: As configured. "auto": rules take no time, models as long as they do, recordings as long as was recorded;
-            while a person answers, time stands still.
-        advisor: Who is asked.
-        name: Of the advisor, as on the command line.
+        spec: As configured. "auto" is no time for rules, the measured time for models, the recorded time for
+            recordings; for a person, simulated time stops.
+        advisor: The advisor.
+        name: Its name, as on the command line.
 
     Raises:
-        InputError: It is none of the known forms.
+        InputError: The latency has none of the known forms.
     """
     if spec == "paper":
         return None

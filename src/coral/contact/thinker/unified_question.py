@@ -1,7 +1,7 @@
 """Perception and planning in one question: the ablation with a unified VLM (section 4, Table 1).
 
-The paper says that it "uses a single multimodal prompt for both perception and planning", and no more. What follows
-from that here is decided in one place, docs/contact-mind.md, "Ablations".
+The paper says only that it "uses a single multimodal prompt for both perception and planning". The consequences drawn
+here are listed in docs/contact-mind.md, "Ablations".
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ class UnifiedAnswer(PlanAnswer):
 
     @property
     def estimates(self) -> ParameterEstimates:
-        """Return the estimates as their own question would give them."""
+        """Return the estimates in the form of their own question."""
         return ParameterEstimates(self.parameters)
 
     @property
     def places(self) -> RegionsAnswer:
-        """Return the poses as their own question would give them."""
+        """Return the regions in the form of their own question."""
         return RegionsAnswer(self.regions)
 
     @property
     def plan(self) -> PlanAnswer:
-        """Return the plan as its own question would give it."""
+        """Return the plan in the form of its own question."""
         return PlanAnswer(code=self.code, stages=self.stages, explanation=self.explanation)
 
 
@@ -64,17 +64,17 @@ def ask_unified(
     scenery: Scenery,
     history: Mapping[str, Any] | None = None,
 ) -> Outcome[UnifiedAnswer]:
-    """Ask the one question. While an answer is checked, the planning world adopts its beliefs.
+    """Ask the single question. While an answer is checked, the planning world adopts its beliefs.
 
     Args:
         asker: The advisor.
-        facts: The scene.
+        facts: Facts of the scene.
         shown: The objects as prompts show them.
         world: The planning world.
-        wrong_plan: Why its programs cannot be used.
+        wrong_plan: Returns why the plan's programs cannot be used, or None.
         cfg: Thresholds.
         scenery: True shapes of the objects.
-        history: In a repair: attempts, history, code and error.
+        history: For a repair: attempts, history, code and error.
     """
     objects = {name: {"mass_kg": None, "friction": None, **item} for name, item in shown.items()}
     prompt = {
