@@ -1,1 +1,1 @@
-"""One trial from its start to its end: the loop, its record, metrics, and the variants that are compared."""
+"""One trial from start to end: the loop, its record, its metrics, and the variants that are compared."""

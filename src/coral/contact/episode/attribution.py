@@ -1,4 +1,4 @@
-"""Who decided in a contact episode, from its events."""
+"""Attribution of a contact episode's decisions, from its events."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from coral.advisor.attribution import Attribution, Spent
 
 
 def attribution_of(events: Iterable[Mapping[str, Any]]) -> Attribution:
-    """Counts over the events of an episode.
+    """Count the decisions of an episode by source.
 
-    A decision is an event with the key `decided`: poses, parameters, plan, regions, repair, or a correction that was
-    believed. What one answer, or one memory, decides at once counts once. Where nobody decided and the episode ended
-    for it, that counts as the fallback's.
+    A decision is an event with the key `decided`: poses, parameters, plan, regions, repair, or an adopted correction.
+    The decisions of one answer, or of one remembered plan, count once. A missing decision that ended the episode counts
+    as the fallback's.
     """
     found = Attribution()
     for event in events:

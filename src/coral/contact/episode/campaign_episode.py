@@ -1,4 +1,4 @@
-"""One episode of a campaign: no report; returns everything that the tables need."""
+"""One episode of a campaign: no report; returns all values that the tables need."""
 
 from __future__ import annotations
 
@@ -35,24 +35,24 @@ def run_episode(
     """Run an episode; the same arguments give the same episode as `coral contact run`.
 
     Args:
-        task: What is asked for.
-        cfg: Of the episode.
-        folder: Run folder; it keeps logs, states and metrics.
+        task: The task.
+        cfg: Configuration of the episode.
+        folder: Run folder for logs, states and metrics.
         world: Name of the evaluation world.
         variant: Name of the variant.
-        advisor: As on the command line; "none" for a variant that asks nobody.
-        seed: Of everything random.
-        memory: What a variant that remembers begins with, as `Memory.export` gives it; None for nothing. The trial has
-            it to itself, so that trials do not depend on each other or on their order; what it adds is written into
-            `remembered.json` of the run folder.
-        model: How a real model is called.
+        advisor: As on the command line; "none" for a variant without an advisor.
+        seed: Seed of all random numbers.
+        memory: Initial experiences of a variant with memory, as exported by `Memory.export`; None for none. Each trial
+            has its own copy, so that trials do not depend on each other or on their order; new experiences are written
+            to `remembered.json` in the run folder.
+        model: Configuration of calls to a real model.
 
     Returns:
         Metrics and timing, with `evaluation_world`, `fallback` (the policy), and `memory_known`, the number of
         experiences at the start.
 
     Raises:
-        RunError: The episode was interrupted, or its tracker failed: that says nothing of the variant.
+        RunError: The episode was interrupted, or its tracker failed: no result of the variant.
     """
     cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
     with tempfile.TemporaryDirectory() as aside:

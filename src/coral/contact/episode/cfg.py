@@ -18,28 +18,27 @@ from coral.contact.thinker.think_cfg import ThinkCfg
 
 @dataclass(frozen=True, kw_only=True)
 class EpisodeCfg:
-    """Everything that defines an episode besides the task, the world, the variant, the advisor and the seed."""
+    """Complete definition of an episode, apart from task, world, variant, advisor and seed."""
 
     replan_steps: Count = 2
-    """Control steps that are taken from each plan. The paper takes one; two halve the time, and feedback runs at every
-    step."""
+    """Control steps executed per plan. The paper executes one; two halve the time, and feedback runs at every step."""
     patience_plans: Count = 25
-    """After so many plans in a row without one usable rehearsal the episode ends."""
+    """The episode ends after this many successive plans without a valid rehearsal."""
     planning: PlanningCfg = field(default_factory=PlanningCfg)
     """The planning world."""
     controller: ControllerCfg = field(default_factory=ControllerCfg)
-    """MPPI."""
+    """The MPPI controller."""
     reactive: ReactiveCfg = field(default_factory=ReactiveCfg)
-    """Feedback and limits."""
+    """Reactive feedback and limits."""
     record: EpisodeRecordCfg = field(default_factory=EpisodeRecordCfg)
-    """What is kept."""
+    """Contents of the run folder."""
     think: ThinkCfg = field(default_factory=ThinkCfg)
-    """How variants that ask an advisor think."""
+    """The outer loop of variants that ask an advisor."""
     policy: PolicyCfg = field(default_factory=PolicyCfg)
-    """A served policy, where one drives instead of the planner."""
+    """A served policy that acts instead of the planner."""
     poses: Literal["tracked", "ground-truth"] = "tracked"
-    """Where the objects' poses come from: tracked in a camera's pictures, or ground-truth, the simulator."""
+    """Source of the objects' poses: tracked in a camera's pictures, or ground-truth, the simulator."""
     tracked: TrackedCfg = field(default_factory=TrackedCfg)
-    """The camera and what is made of its pictures."""
+    """The camera, the tracker and the filter."""
     sight: AdvisorCameraCfg = field(default_factory=AdvisorCameraCfg)
-    """The same camera's pictures that go with questions."""
+    """Pictures of the same camera for questions."""

@@ -46,8 +46,8 @@ class Episode:
     Args:
         trial: The trial.
         world: Name of the evaluation world.
-        strategist: Who decides on strategies.
-        cfg: The rest.
+        strategist: Chooses the strategies.
+        cfg: Configuration of the episode.
         folder: Run folder, new or empty.
         variant: For the record.
         advisor: For the record.
@@ -85,7 +85,7 @@ class Episode:
             self.world = self.tracked = TrackedWorld(
                 self.world, trial, cfg.tracked, np.random.default_rng([trial.seed, 4])
             )
-        # All that can be refused has been looked at: only now is a folder made.
+        # All checks that can refuse the input come before the folder is created.
         objects = [item.name for item in trial.task.objects]
         self.writer = RunWriter(folder, columns(objects))
         self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
@@ -104,14 +104,14 @@ class Episode:
 
     @property
     def stage(self) -> str:
-        """Name of the active stage."""
+        """Return the name of the active stage."""
         return self.progress.stage.name
 
     def run(self, observers: Sequence[Observer[Episode]] = ()) -> dict[str, Any]:
-        """Run to the end; returns metrics and timing together.
+        """Run to the end and return metrics and timing together.
 
         Raises:
-            InputError, RunError: What the strategist did at the end failed; the run folder is complete all the same.
+            InputError, RunError: The strategist failed at the end; the run folder is complete nevertheless.
         """
         started = time.perf_counter()
         try:
@@ -134,22 +134,22 @@ class Episode:
                 self.end_reason, self.detail = "no-strategy", str(none)
             except NoDecision as none:
                 self.end_reason, self.detail = none.end_reason, str(none)
-            except CostError as error:  # of a process that died though its programs had been checked
+            except CostError as error:  # its process died although the programs had been checked
                 self.end_reason, self.detail = "cost-error", str(error)
             run_to_end(self, observers)
 
     def advance(self) -> None:
-        """Plan once, and take the plan's first steps."""
+        """Plan once, and execute the plan's first steps."""
         plan = self._plan()
         if plan is not None:
             self._take(plan, self.cfg.replan_steps)
 
     def _take(self, plan: HandPlan, most: int) -> None:
-        """Take a plan's first steps.
+        """Execute a plan's first steps.
 
         Args:
             plan: The plan.
-            most: At most so many of the configured number.
+            most: Upper bound on the configured number of steps.
         """
         taken = 0
         for k in range(min(self.cfg.replan_steps, most, len(plan.targets))):
@@ -161,23 +161,23 @@ class Episode:
         self.controller.executed(plan.targets[max(taken - 1, 0)], taken)
 
     def emit(self, event: str, **fields: Any) -> None:
-        """Append an event at the present step, and tell who listens."""
+        """Append an event at the present step and notify listeners."""
         self.writer.event(self.step, self.t, event, **fields)
         for listener in self.listeners:
             listener({"event": event, "t": self.t, **fields})
 
     @property
     def clock_s(self) -> float:
-        """Simulated time (s), with the thinking before the first plan."""
+        """Return the simulated time (s), including latencies before the first plan."""
         return self._before_s + self.t
 
     def go_on(self, seconds: float) -> bool:
-        """Let the world go on while an advisor thinks; false where the episode ended meanwhile.
+        """Continue the episode while an advisor answers; return False if it ended meanwhile.
 
-        Before there is a strategy nothing moves, and the time is only counted.
+        Before the first strategy nothing moves, and the time is only counted.
 
         Args:
-            seconds: Simulated time, rounded up to whole control steps once the world goes on.
+            seconds: Simulated time, rounded up to whole control steps once the robot moves.
         """
         if not self._begun:
             self._before_s += seconds
@@ -190,7 +190,7 @@ class Episode:
         while self.t < began + seconds - 1e-9 and not self.end_reason:
             try:
                 plan = self._rehearse() if going else None
-            except CostError:  # what is being repaired
+            except CostError:  # a repair of this cost is under way
                 plan, going = None, False
             if plan is not None:
                 self._take(plan, math.ceil((began + seconds - self.t) / self.cfg.planning.step_s - 1e-6))
@@ -202,13 +202,13 @@ class Episode:
         return not self.end_reason
 
     def _plan(self) -> HandPlan | None:
-        """Plan, and let the strategist look at the plan; None where there is nothing to act on."""
+        """Plan, and pass the plan to the strategist; None if there is nothing to execute."""
         stage, step = self.progress.stage, self.step
         try:
             plan = self._rehearse()
         except CostError as error:
             failed = error
-            other = self._asked(lambda: self.strategist.on_cost_error(failed, stage.name, self.now))
+            other = self._ask_strategist(lambda: self.strategist.on_cost_error(failed, stage.name, self.now))
             if other is not None:
                 self._follow(other)
             elif not self.end_reason:
@@ -219,7 +219,7 @@ class Episode:
         taken, self._taken = tuple(self._taken), []
         try:
             report = PlanReport(self.step, self.now, plan, stage.name, taken)
-            other = self._asked(lambda: self.strategist.on_plan(report))
+            other = self._ask_strategist(lambda: self.strategist.on_plan(report))
         except CostError as error:
             self._cost_error(error, stage.name)
             return None
@@ -227,8 +227,8 @@ class Episode:
             self._follow(other)
         return plan if self.step == step and not self.end_reason else None
 
-    def _asked(self, ask: Callable[[], Strategy | None]) -> Strategy | None:
-        """What the strategist says; None where the episode ended meanwhile, or for want of a decision."""
+    def _ask_strategist(self, ask: Callable[[], Strategy | None]) -> Strategy | None:
+        """Return the strategist's reply; None if the episode ended meanwhile or for lack of a decision."""
         try:
             return ask()
         except EpisodeOver:
@@ -238,7 +238,7 @@ class Episode:
             return None
 
     def _rehearse(self) -> HandPlan | None:
-        """Plan in the active stage; None where the episode ends for want of a plan.
+        """Plan in the active stage; None if the episode ends for lack of a plan.
 
         Raises:
             CostError: The stage's cost could not be evaluated.
@@ -262,12 +262,12 @@ class Episode:
             np.isfinite([*target.position, *target.quaternion, target.opening_m]).all()
             for target in plan.targets[: self.cfg.replan_steps]
         ):
-            self.end_reason, self.detail = "no-plan", "the plan holds something that is no number"
+            self.end_reason, self.detail = "no-plan", "the plan contains a value that is not finite"
             return None
         self._without_plan = 0 if plan.update.ok else self._without_plan + 1
         if self._without_plan >= self.cfg.patience_plans:
             self.end_reason = "no-plan"
-            self.detail = f"no rehearsal could be used for {self._without_plan} plans in a row"
+            self.detail = f"{self._without_plan} plans in a row had no valid rehearsal"
             return None
         if changed:
             self.emit("stage", before=stage.name, stage=self.stage, index=self.progress.index)
@@ -277,7 +277,7 @@ class Episode:
         self.end_reason, self.detail = "cost-error", f"stage {stage!r}: {error}"
 
     def _act(self, plan: HandPlan, k: int) -> bool:
-        """One control step of a plan; false when the world could not take it."""
+        """Execute one control step of a plan; return False if the world failed."""
         target = self._still = plan.targets[k]
         if self.tracked is not None:
             target = self.tracked.retreat(target, self.now)
@@ -293,16 +293,16 @@ class Episode:
                 plan.expected_torque[k],
             )
         else:
-            self.reactive.reset()  # the plan expected something else of this step
+            self.reactive.reset()  # the plan predicted another outcome of this step
         return True
 
     def _hold_still(self) -> None:
-        """One control step towards where the hand was last told to be."""
+        """Execute one control step towards the last target of the hand."""
         self.reactive.reset()
         self._step(self._still)
 
     def _step(self, target: HandTarget) -> bool:
-        """One control step; false when the world could not take it."""
+        """Execute one control step; return False if the world failed."""
         before = self.now
         command = self.reactive.command(target, before)
         try:
@@ -314,8 +314,8 @@ class Episode:
         self._taken.append(Transition(before, command, self.now))
         self.step += 1
         self.t = self.now.time_s
-        self._tell_tracks()
-        self.recorder.row(self.step, self.now, truth, command, self.progress.index, self._off(truth))
+        self._emit_track_changes()
+        self.recorder.row(self.step, self.now, truth, command, self.progress.index, self._pose_errors(truth))
         self.recorder.state(self.step, self.t, self.world)
         self.recorder.contacts(self.step, truth)
         time_left = self._thinking or self.t - self._thought_s < self.time_limit_s - 1e-9
@@ -333,7 +333,7 @@ class Episode:
         self.t = self.now.time_s
         if self.guessed is not None:
             self.now = self.guessed.settle(self.strategist.guess_poses(self.trial, self.now), self.now)
-        self._tell_tracks()
+        self._emit_track_changes()
         self.planner = PlanningWorld(
             self.trial, prior_beliefs(self.trial), self.now, cfg.planning, np.random.default_rng([self.trial.seed, 6])
         )
@@ -348,7 +348,7 @@ class Episode:
             self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, cfg.planning.hand.stiffness_n_m
         )
         truth = self.world.truth()
-        self.recorder.row(0, self.now, truth, first, 0, self._off(truth))
+        self.recorder.row(0, self.now, truth, first, 0, self._pose_errors(truth))
         self.recorder.state(0, self.t, self.world)
         self.recorder.contacts(0, truth)
         self._follow(self.strategist.begin(as_perceived(self.trial, self.now), self.now, self.planner))
@@ -364,13 +364,13 @@ class Episode:
         tracker = {} if self.tracked is None else {"tracker": self.tracked.tracker}
         self.emit("start", **start_fields(self.trial, **about, poses=poses, **tracker))
 
-    def _tell_tracks(self) -> None:
+    def _emit_track_changes(self) -> None:
         """Emit events for objects that the tracker lost or found again."""
         for fields in self.tracked.news() if self.tracked is not None else ():
             self.emit("track", **fields)
 
-    def _off(self, truth: Truth) -> Mapping[str, PoseDifference] | None:
-        """Error of the tracked poses: for the record, never for a decision."""
+    def _pose_errors(self, truth: Truth) -> Mapping[str, PoseDifference] | None:
+        """Compute the error of the tracked poses: for the record, never for a decision."""
         seen = self.tracked or self.guessed
         return None if seen is None else seen.compare(self.now, truth)
 
@@ -390,7 +390,7 @@ class Episode:
         try:
             self.strategist.on_end(self.end_reason or "failed")
         except (InputError, RunError) as error:
-            # As a memory that cannot be written: said when the record is complete.
+            # Like a memory that cannot be written, this is raised after the record is complete.
             self._late = error
         counts = self.strategist.counts
         self.recorder.state(self.step, self.t, self.world, last=True)
@@ -425,5 +425,5 @@ def as_perceived(trial: Trial, now: Observation) -> Trial:
 
 
 def _number(value: float) -> float | None:
-    """A number for JSON; None where it is not finite."""
+    """Return a number for JSON; None if it is not finite."""
     return round(value, 5) if np.isfinite(value) else None

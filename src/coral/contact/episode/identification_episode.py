@@ -1,7 +1,7 @@
-"""An episode that identifies an object's mass and friction while it does a task, from a wrong belief (Fig. 4).
+"""An episode that identifies an object's mass and friction during a task, from a wrong belief (Fig. 4).
 
-Nothing is done for the sake of knowing: the object is pushed, pinched and lifted as the task wants it, and what was
-felt so far is replayed at intervals.
+There are no probing motions: the object is pushed, pinched and lifted as the task requires, and the history is replayed
+at intervals.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ class Found:
     """Beliefs about the object over the episode."""
 
     corrections: tuple[Mapping[str, Any], ...]
-    """Events `correction` with their time `t`, of those that had something to replay."""
+    """Events `correction` with their time `t`, if there was a history to replay."""
     end_reason: str
-    """How the episode ended."""
+    """End reason of the episode."""
     sim_time_s: float
-    """How long it took."""
+    """Simulated duration of the episode."""
 
 
 def probe_episode(
@@ -42,14 +42,14 @@ def probe_episode(
     world: str = "panda",
     observer: Observer[Episode] | None = None,
 ) -> Found:
-    """Run a task and correct the belief meanwhile.
+    """Run a task and correct the belief during it.
 
     Args:
         trial: The trial; everything but the object's true parameters is taken from it.
-        name: The object.
-        truth: What it really is: in the evaluation world, and nowhere else.
-        first: What is believed at first: in the planning world, and nowhere else.
-        cfg: The episode; its `think` says how often to correct.
+        name: Name of the object.
+        truth: Its true parameters: in the evaluation world, and nowhere else.
+        first: The prior belief: in the planning world, and nowhere else.
+        cfg: The episode; its `think` sets the interval of corrections.
         folder: Run folder, new or empty.
         world: The evaluation world.
         observer: Watches the episode.

@@ -17,42 +17,42 @@ HAND = {"hand", "left", "right"}
 
 DEFINITIONS = {
     "success": "Whether all of the task's conditions held, without a break, for its `hold_s` (paper, section 4).",
-    "end_reason": "Why the episode ended: success, timeout, or the name of a failure.",
-    "sim_time_s": "Simulated time (s) at the end, without that in which an advisor was thinking; of a success the "
+    "end_reason": "Reason of the episode's end: success, timeout, or the name of a failure.",
+    "sim_time_s": "Simulated time (s) at the end, without the advisor's latencies; of a success the "
     "paper's completion time.",
-    "time_with_thinking_s": "The same with that time, before the first plan and later.",
+    "time_with_thinking_s": "The same with all latencies, those before the first plan included.",
     "steps": "Control steps.",
-    "plans": "Times the controller planned (MPPI updates).",
-    "policy_calls": "Chunks of actions that a served policy was asked for.",
-    "stages": "Changes from one stage of the strategy to another.",
-    "strategy": "Name of the strategy that was followed last.",
-    "advisor_calls": "Times a question was put to the advisor, again after a refusal included.",
+    "plans": "Number of plans (MPPI updates).",
+    "policy_calls": "Number of action chunks requested from a served policy.",
+    "stages": "Number of changes from one stage of the strategy to another.",
+    "strategy": "Name of the last strategy.",
+    "advisor_calls": "Number of requests to the advisor, repetitions after a refusal included.",
     **ATTRIBUTION,
-    "repairs": "Times the strategy or the beliefs were changed during the episode.",
-    "memory_hit": "Whether the episode began with something remembered.",
+    "repairs": "Number of changes of strategy or beliefs during the episode.",
+    "memory_hit": "Whether the episode began with a remembered plan.",
     "path_length_m": "Length of the tool's path (m).",
     "peak_hand_force_n": "Largest net force (N) of the hand on an object.",
     "mean_hand_force_n": "Mean of that force (N) while the hand touched an object.",
     "contact_time_s": "Time (s) during which the hand touched an object.",
-    "contacts": "Contacts that began during the episode, those between things that do not move left out.",
+    "contacts": "Number of contacts that began during the episode, except those between fixed things.",
     "first_touch_s": "Simulated time (s) at which the hand first touched an object.",
     "plan_cost": "Mean expected cost of the plans.",
     "plan_cost_jump": "Mean change of that cost from one plan to the next within a stage: how erratic planning was.",
     "effective_samples": "Mean effective sample size of the plans.",
-    "diverged_rehearsals": "Rehearsals in the planning world that were left out because they diverged.",
-    "track_lost": "Times an object was lost by the tracker.",
-    "track_recovered": "Times one was found again.",
+    "diverged_rehearsals": "Number of rehearsals in the planning world excluded because they diverged.",
+    "track_lost": "Number of times that the tracker lost an object.",
+    "track_recovered": "Number of times that it found one again.",
     "track_lost_s": "Time (s) during which an object was lost.",
-    "pose_error_mm": "Median distance (mm) of tracked poses from the truth, modulo symmetry. Nothing is decided by it.",
-    "pose_error_deg": "Median of their angles (degrees), likewise.",
-    "poses": "Where objects' poses came from: the simulator (ground-truth), a camera (tracked), one look at a picture "
-    "(guessed), or nowhere (pictures).",
-    "tracker": 'What tracked them: model, the embedded tracker, or foundationpose, a server\'s; "" where nothing did.',
+    "pose_error_mm": "Median distance (mm) of tracked poses from the truth, modulo symmetry. No decision uses it.",
+    "pose_error_deg": "Median angle (degrees) of the same errors.",
+    "poses": "Source of the objects' poses: the simulator (ground-truth), a camera (tracked), an estimate from one "
+    "picture (guessed), or none (pictures).",
+    "tracker": 'Tracker: model, the embedded one, or foundationpose, a server\'s; "" without tracking.',
 }
 
 
 def compute_metrics(folder: Path) -> dict[str, Any]:
-    """Metrics of a finished or killed run, from events.jsonl and trajectory.csv.
+    """Compute the metrics of a finished or killed run from events.jsonl and trajectory.csv.
 
     Raises:
         InputError: The folder is not a run.
@@ -64,7 +64,7 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
 
 
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
-    """Metrics from the events and the rows of the trajectory, in order."""
+    """Compute metrics from the events and the rows of the trajectory, both in order."""
     start: Mapping[str, Any] = {}
     end: Mapping[str, Any] = {}
     objects: set[str] = set()
@@ -156,9 +156,9 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "pose_error_deg": round(math.degrees(median(off_rad)), 2) if off_rad else None,
         "poses": poses,
         "tracker": str(start.get("tracker", "model" if poses == "tracked" else "")),
-    }  # older runs had no other
+    }  # older runs knew no other tracker
 
 
 def _tracked(row: Mapping[str, str], ending: str) -> list[float]:
-    """Tracking errors in a row of the trajectory; none where nothing was tracked."""
+    """Return the tracking errors in a row of the trajectory; empty if nothing was tracked."""
     return [float(row[name]) for name in row if name.endswith(ending) and row[name] not in ("", "nan")]

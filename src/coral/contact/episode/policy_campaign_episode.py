@@ -19,7 +19,7 @@ from coral.errors import RunError
 
 @contextmanager
 def serving(address: Address, cfg: ClientCfg) -> Iterator[PolicyClient]:
-    """A connected client; it leaves the server in the end.
+    """Yield a connected client and disconnect it at the end.
 
     Raises:
         RunError: There is no policy server.
@@ -41,7 +41,7 @@ def run_policy_episode(
     """Run an episode as a campaign does; see `coral.contact.episode.campaign_episode.run_episode`.
 
     Raises:
-        RunError: The episode was interrupted, or the server was out of reach: that says nothing of the policy.
+        RunError: The episode was interrupted, or the server could not be reached: no result of the policy.
     """
     cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
     with serving(address, cfg.policy.client) as client:

@@ -33,15 +33,15 @@ from coral.runs import RunWriter
 
 
 class Policy(Protocol):
-    """Anything that answers observations with chunks of actions."""
+    """Answers observations with chunks of actions."""
 
     metadata: dict[str, Any]
 
     def infer(self, observation: Mapping[str, Any]) -> Mapping[Any, Any]:
-        """An answer with `actions`, Shape=(n, 7).
+        """Return an answer with `actions`, Shape=(n, 7).
 
         Raises:
-            PolicyError: There is none.
+            PolicyError: There is no answer.
         """
         ...
 
@@ -49,18 +49,18 @@ class Policy(Protocol):
 class PolicyEpisode:
     """Couples an evaluation world with a policy and records what happens.
 
-    The world stands still while the policy thinks, as in LIBERO.
+    The world is paused while the policy computes, as in LIBERO.
 
     Args:
         trial: The trial.
         world: Name of the evaluation world.
-        policy: Who acts.
-        cfg: The rest; nothing of the planner in it is used but the workspace.
+        policy: The policy.
+        cfg: Configuration of the episode; of the planner only the workspace is used.
         folder: Run folder, new or empty.
         address: For the record.
 
     Raises:
-        InputError: The world cannot be seen, or the folder is not empty.
+        InputError: The world has no pictures, or the folder is not empty.
     """
 
     stage = "policy"
@@ -82,7 +82,7 @@ class PolicyEpisode:
             raise InputError("--world", "", repr(world), "a simulated world, of which pictures can be made")
         self._data = self.world.simulation.data
         self.eyes = PolicyCameras(self.world.simulation.model, cfg.policy.eyes)
-        # Nothing is rehearsed, so that nothing can be fed back: the limits stay.
+        # Without rehearsals there is no feedback; only the limits of the reactive control remain.
         low, high = np.asarray(cfg.controller.workspace_low_m), np.asarray(cfg.controller.workspace_high_m)
         self.reactive = Reactive(replace(cfg.reactive, enabled=False), means.tick_s, low, high)
         objects = [item.name for item in trial.task.objects]
@@ -94,7 +94,7 @@ class PolicyEpisode:
         self._ask_ms: list[float] = []
 
     def run(self, observers: Sequence[Observer[PolicyEpisode]] = ()) -> dict[str, Any]:
-        """Run to the end; returns metrics and timing together."""
+        """Run to the end and return metrics and timing together."""
         started = time.perf_counter()
         try:
             with stoppable(self):
@@ -109,11 +109,11 @@ class PolicyEpisode:
         return self._finish(time.perf_counter() - started)
 
     def advance(self) -> None:
-        """Ask once, and take the first actions of the answer.
+        """Ask once, and execute the first actions of the answer.
 
         Raises:
-            PolicyError: No actions came that can be taken.
-            WorldError: The world cannot go on.
+            PolicyError: The answer has no valid actions.
+            WorldError: The world failed.
         """
         means = self.cfg.policy.libero
         actions = self._ask()[: means.execute]

@@ -26,7 +26,7 @@ class EpisodeRecordCfg:
     states: bool = True
     """Keep the simulator's joint positions at intervals; the report's pictures and the video need them."""
     state_period_s: Positive = 0.08
-    """These intervals."""
+    """The interval."""
     report: bool = True
     """Write keyframes.png and report.html at the end."""
     video: bool = False
@@ -34,11 +34,12 @@ class EpisodeRecordCfg:
 
 
 def columns(objects: Sequence[str]) -> tuple[str, ...]:
-    """trajectory.csv: SI units, world frame; a row for each control step.
+    """Return the columns of trajectory.csv: SI units, world frame; one row per control step.
 
-    The measured tool pose and opening, the command, the wrench on the hand, the index of the stage, then of each object
-    its pose, the hand's net force on it, and in its own frame the mean point of that touch, empty where there is none;
-    last how far its tracked pose is off (m, rad; modulo symmetry) and whether it is lost, empty where none is tracked.
+    The measured tool pose and opening, the command, the wrench on the hand, the index of the stage. Then for each
+    object its pose, the hand's net force on it, and the mean point of that contact in the object's frame, empty without
+    contact. Last the error of its tracked pose (m, rad; modulo symmetry) and whether it is lost, empty without
+    tracking.
     """
     found = [
         "step",
@@ -70,7 +71,7 @@ class EpisodeRecorder:
 
     Args:
         writer: The run folder.
-        cfg: What is kept.
+        cfg: Contents of the run folder.
         objects: Names of the movable objects.
     """
 
@@ -89,7 +90,7 @@ class EpisodeRecorder:
         stage: int,
         seen: Mapping[str, PoseDifference] | None = None,
     ) -> None:
-        """One control step."""
+        """Record one control step."""
         values: list[float | str] = [
             step,
             now.time_s,
@@ -127,7 +128,7 @@ class EpisodeRecorder:
             self._writer.event(step, t, event, **fields)
 
     def close(self, step: int) -> None:
-        """End the contacts that are left and close the file of states."""
+        """Close the remaining contacts and the file of states."""
         for t, event, fields in self._contacts.finish():
             self._writer.event(step, t, event, **fields)
         if self._states is not None:
@@ -145,14 +146,14 @@ class _Touch:
 
 @dataclass
 class ContactLog:
-    """Contacts as stretches of time."""
+    """Merges contacts into intervals of time."""
 
     gap_s: float = 0.1
-    """A contact that is back within this time never ended: touch flickers where a rigid body rocks."""
+    """A contact that returns within this time counts as uninterrupted: contacts flicker while a rigid body rocks."""
     _on: dict[tuple[str, str], _Touch] = field(default_factory=dict)
 
     def update(self, truth: Truth) -> list[tuple[float, str, dict[str, Any]]]:
-        """Time, event and its fields of what has begun or ended, the former with force and point."""
+        """Return time, name and fields of the contacts that began or ended; the former with force and point."""
         said: list[tuple[float, str, dict[str, Any]]] = []
         for contact in truth.contacts:
             pair = contact.first, contact.second
@@ -197,12 +198,12 @@ def _ended(pair: tuple[str, str], touch: _Touch) -> dict[str, Any]:
 
 
 def numbers(values: Array, digits: int) -> list[float]:
-    """Rounded plain numbers, as events hold them."""
+    """Convert to rounded plain numbers, as in events."""
     return [round(float(value), digits) for value in values]
 
 
 def _touch_point(truth: Truth, name: str) -> list[float] | list[str]:
-    """Where the hand touches the object, in the object's frame, its parts weighted by force."""
+    """Return the hand's contact point on an object, in the object's frame: the mean of its contacts by force."""
     total, weight = np.zeros(3), 0.0
     for contact in truth.contacts:
         if name in (contact.first, contact.second) and {"hand", "left", "right"} & {contact.first, contact.second}:

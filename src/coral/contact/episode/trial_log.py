@@ -1,4 +1,4 @@
-"""What every episode records of its trial, whoever acts: the task, the configuration, the start, and how it ended."""
+"""Record of a trial, the same for planner and policy: task, configuration, start and end reason."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ def write_head(writer: RunWriter, trial: Trial, about: dict[str, Any], cfg: dict
     """Write task.yaml and config.yaml.
 
     Args:
-        writer: Of the run folder.
+        writer: Writer of the run folder.
         trial: The trial.
-        about: World, advisor, variant, and whatever else names who acts.
+        about: World, advisor, variant, and further fields that identify the run.
         cfg: The episode's configuration as a mapping.
     """
     writer.yaml("task.yaml", trial.task.model_dump(mode="json"))
@@ -26,7 +26,7 @@ def write_head(writer: RunWriter, trial: Trial, about: dict[str, Any], cfg: dict
 
 
 def start_fields(trial: Trial, **about: Any) -> dict[str, Any]:
-    """Fields of the event `start`: what is asked, by whom, and the true parameters for the record."""
+    """Return the fields of the event `start`: task, variant, advisor, and the true parameters for the record."""
     task = trial.task
     return {
         "task": task.name,
@@ -41,15 +41,15 @@ def start_fields(trial: Trial, **about: Any) -> dict[str, Any]:
 
 
 def parameter_fields(physical: PhysicalParameters) -> dict[str, float]:
-    """Mass and friction as events hold them."""
+    """Return mass and friction in the form of events."""
     return {"mass_kg": round(physical.mass_kg, 5), "friction": round(physical.friction, 4)}
 
 
 def end_reason(judge: Judge, truth: Truth, time_left: bool) -> str:
-    """Why the episode ends after a control step; "" while it goes on. Call it at every control step.
+    """Return why the episode ends after a control step; "" while it continues. Call it at every control step.
 
     Args:
-        judge: Of the trial.
+        judge: Judge of the trial.
         truth: The true state after the step.
         time_left: Whether the time limit is not reached yet.
     """

@@ -1,4 +1,4 @@
-"""Baselines and ablations of the contact pipeline by name (Table 1)."""
+"""Baselines and ablations of the contact pipeline, by name (Table 1)."""
 
 from __future__ import annotations
 
@@ -31,38 +31,38 @@ from coral.errors import InputError, nearest
 
 
 def contact_model() -> ModelCfg:
-    """Defaults for calling a real model: it writes programs, so it gets more time and tokens than in reef."""
+    """Return defaults for calling a real model: it writes programs, so it gets more time and tokens than in reef."""
     return ModelCfg(attempt_timeout_s=120.0, deadline_s=180.0, max_output_tokens=16_384)
 
 
 @dataclass(frozen=True, kw_only=True)
 class AdvisorSetup:
-    """The advisor of an episode and what it needs."""
+    """The advisor of an episode and its settings."""
 
     advisor: str = "heuristic"
     """As on the command line."""
     seed: int = 0
-    """Of the trial; what is drawn while thinking follows from it."""
+    """Seed of the trial; the outer loop's random numbers follow from it."""
     world: str = ""
-    """Where it takes place, for the record of a success."""
+    """Evaluation world, recorded with a success."""
     memory: str | Path | None = None
-    """The experience memory, as `store_of` takes it; None for none."""
+    """The experience memory, as `store_of` accepts it; None for none."""
     folder: Path | None = None
-    """Run folder, in which every attempt is logged; None for no log."""
+    """Run folder, which logs every attempt; None for no log."""
     inbox: Path | None = None
-    """Of the advisor `desk`."""
+    """Inbox of the advisor `desk`."""
     think: ThinkCfg = field(default_factory=ThinkCfg)
     """Which parts of the outer loop are enabled, and their thresholds."""
     believe: Mapping[str, PhysicalParameters] = field(default_factory=dict)
-    """What is believed of objects at first, instead of the advisor's estimate."""
+    """Prior beliefs about objects, which replace the advisor's estimates."""
     model: ModelCfg = field(default_factory=contact_model)
-    """Of real models."""
+    """Calls of real models."""
 
 
 Make = Callable[[Task, AdvisorSetup], Strategist]
 
 
-def _thinking(
+def _asking_variant(
     variant: str,
     *,
     remember: bool = True,
@@ -72,7 +72,7 @@ def _thinking(
     unified: bool = False,
     tracking: bool = True,
 ) -> Make:
-    """A variant that asks an advisor, with parts of the method disabled."""
+    """Make a variant that asks an advisor, with parts of the method disabled."""
 
     def make(task: Task, asking: AdvisorSetup) -> Strategist:
         memory = Memory(asking.memory) if asking.memory is not None and remember else None
@@ -95,12 +95,12 @@ def _thinking(
         )
         latency = thinking_latency(think.latency, advisor, asking.advisor)
         clock = ThinkingClock(latency, np.random.default_rng([asking.seed, 7]))
-        # What rules compose needs no confinement; what a model writes gets it, and so does what is remembered.
+        # Programs composed by rules need no confinement; those written by a model do, and so do remembered ones.
         worker = CostWorker()
         load = in_process if rules_alone(asking.advisor) else worker.load
         budget = decision_budget(asking.think.budget, asking.advisor)
         return Thinker(
-            Asker(advisor, budget, _logging(asking.folder), clock=clock),
+            Asker(advisor, budget, _lazy_logger(asking.folder), clock=clock),
             think,
             np.random.default_rng([asking.seed, 3]),
             RULES,
@@ -120,8 +120,8 @@ def _thinking(
     return make
 
 
-def _logging(folder: Path | None) -> Callable[[Attempt], None] | None:
-    """A logger into the run folder, opened at the first question."""
+def _lazy_logger(folder: Path | None) -> Callable[[Attempt], None] | None:
+    """Make a logger into the run folder; its file is opened at the first question."""
     if folder is None:
         return None
     recorders: list[AttemptRecorder] = []
@@ -137,28 +137,28 @@ def _logging(folder: Path | None) -> Callable[[Attempt], None] | None:
 VARIANTS: dict[str, Make] = {
     "expert": lambda task, asking: FixedStrategist(expert(task, "expert")),
     "expert-fsm": lambda task, asking: FixedStrategist(expert(task, "expert-fsm")),
-    "full": _thinking("full"),
-    "no-memory": _thinking("no-memory", remember=False),
-    "no-refinement": _thinking("no-refinement", refine=False),
-    # What is remembered are plans with a contact strategy.
-    "unguided": _thinking("unguided", remember=False, strategy=False),
-    "no-regions": _thinking("no-regions", regions=False),
-    # Memory is looked up by masses and frictions, which only the one answer that it would save could give.
-    "unified": _thinking("unified", remember=False, unified=True),
-    "no-tracking": _thinking("no-tracking", tracking=False),
+    "full": _asking_variant("full"),
+    "no-memory": _asking_variant("no-memory", remember=False),
+    "no-refinement": _asking_variant("no-refinement", refine=False),
+    # Remembered plans have a contact strategy.
+    "unguided": _asking_variant("unguided", remember=False, strategy=False),
+    "no-regions": _asking_variant("no-regions", regions=False),
+    # Memory is looked up by mass and friction, which only this single answer would provide.
+    "unified": _asking_variant("unified", remember=False, unified=True),
+    "no-tracking": _asking_variant("no-tracking", tracking=False),
 }
-"""How each variant makes its strategist."""
+"""Function that makes the strategist of each variant."""
 ALONE = ("expert", "expert-fsm")
 """Variants without an advisor."""
 REMEMBERING = ("full", "no-refinement", "no-regions", "no-tracking")
-"""Variants that look into the experience memory; all but `no-regions` add to it."""
+"""Variants that use the experience memory; all but `no-regions` add to it."""
 
 
 def make_strategist(variant: str, task: Task, asking: AdvisorSetup | None = None) -> Strategist:
     """Make the strategist of a variant.
 
     Raises:
-        InputError: There is no such variant, or it has nothing for this task.
+        InputError: There is no such variant, or it has no strategy for this task.
     """
     check_variant(variant)
     return VARIANTS[variant](task, asking or AdvisorSetup())
@@ -168,7 +168,7 @@ def check_variant(variant: str, where: str = "--variant") -> None:
     """Check that a variant exists.
 
     Raises:
-        InputError: It does not.
+        InputError: There is no such variant.
     """
     if variant not in VARIANTS:
         raise InputError(where, "", repr(variant), f"one of {', '.join(VARIANTS)}{nearest(variant, VARIANTS)}")

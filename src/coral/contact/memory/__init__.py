@@ -1,1 +1,1 @@
-"""The experience memory (Eq. 1): plans that have succeeded, found again and adapted."""
+"""The experience memory (Eq. 1): successful plans, retrieved and adapted."""

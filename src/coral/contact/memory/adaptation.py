@@ -1,4 +1,4 @@
-"""Adapting a remembered plan to the scene: the objects' names, and regions stretched to their sizes."""
+"""Adaptation of a remembered plan to the scene: names of objects, and regions scaled to their sizes."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Embeddings of task texts, offline and without torch: WordLlama's weights if installed, else hashed word counts.
 
-Nearness of texts is no proof of sameness ("flip against the wall" is near "flip away from the wall"): it ranks what the
-goals and the numbers have let through, and decides nothing.
+Similar texts may mean different tasks ("flip against the wall", "flip away from the wall"): the similarity only ranks
+experiences that match in goals and numbers.
 """
 
 from __future__ import annotations
@@ -49,20 +49,20 @@ STOP = frozenset(
 
 
 class Embedder(Protocol):
-    """Turns a text into a unit vector; vectors of different embedders cannot be compared."""
+    """Maps a text to a unit vector; vectors of different embedders are not comparable."""
 
     name: str
 
     def embed(self, text: str) -> Vector:
-        """Shape=(n,), length 1."""
+        """Return the embedding, Shape=(n,), length 1."""
         ...
 
 
 class HashedWords:
-    """Words and their neighbours, hashed into bins with equal weight; no weights file, no download, weak.
+    """Words and pairs of neighbouring words, hashed into bins with equal weight: no weights file, no download, weak.
 
     Args:
-        size: Bins.
+        size: Number of bins.
     """
 
     name = "hashed-words"
@@ -86,7 +86,7 @@ class HashedWords:
 
 
 class WordLlamaEmbedder:
-    """WordLlama's 256 dimensions, from the weights that its package ships."""
+    """WordLlama's embedding with 256 dimensions, from the weights in its package."""
 
     name = "wordllama-256"
 
@@ -103,7 +103,7 @@ class WordLlamaEmbedder:
 
 @cache
 def best_embedder() -> Embedder:
-    """Return WordLlama if it is installed and loads, else hashed words; the name of the embedder says which."""
+    """Return WordLlama if it is installed and loads, else hashed words; its name tells which."""
     try:
         return WordLlamaEmbedder()
     except Exception:  # an optional package may fail to load in any way

@@ -27,12 +27,12 @@ class Experience(BaseModel):
     """One success.
 
     Args:
-        task, instruction: What was asked.
+        task, instruction: The task.
         goals: The task file's conditions.
-        numbers: What the scene measures, by name (`box.size_m.0`, `box.mass_kg`).
-        plan, regions: What succeeded.
-        beliefs: Mass and friction as believed at the end.
-        provenance: Where it was proved: world, seed, variant, advisor, run, metrics.
+        numbers: Measurements of the scene, by name (`box.size_m.0`, `box.mass_kg`).
+        plan, regions: The successful plan and its regions.
+        beliefs: Believed mass and friction at the end.
+        provenance: Origin of the success: world, seed, variant, advisor, run, metrics.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -48,7 +48,7 @@ class Experience(BaseModel):
     @field_validator("goals")
     @classmethod
     def _of_objects(cls, goals: list[dict[str, Any]]) -> list[dict[str, Any]]:
-        # The fields used for retrieval; the rest of a goal only has to be equal.
+        # The fields used for retrieval; the other fields of a goal only have to be equal.
         if not all(isinstance(goal.get(key), str) for goal in goals for key in ("kind", "object")):
             raise ValueError("a goal has a kind and an object")
         return goals
@@ -61,16 +61,16 @@ class Stored:
     id: int
     """Its number."""
     created: str
-    """When it was stored, UTC."""
+    """Time of storage, UTC."""
     experience: Experience
-    """It."""
+    """The experience."""
     used: int
     helped: int
-    """How often it was used, and how often that ended in success."""
+    """Number of uses, and number of uses that ended in success."""
     embedder: str
-    """Who made the vector."""
+    """Name of the embedder of the vector."""
     vector: Vector = field(compare=False, repr=False)
-    """Of the instruction, Shape=(n,); vectors of different embedders cannot be compared."""
+    """Embedding of the instruction, Shape=(n,); vectors of different embedders are not comparable."""
 
 
 @dataclass(frozen=True)
@@ -78,36 +78,36 @@ class Match:
     """A remembered experience that matches the scene."""
 
     stored: Stored
-    """It."""
+    """The stored experience."""
     similarity: float
-    """Cosine of the texts."""
+    """Cosine similarity of the instructions."""
     distance: float
-    """Largest of the numbers' differences, 1 being the most that is allowed."""
+    """Largest difference of the numbers, relative to the limit."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MemoryCfg:
-    """When an experience fits."""
+    """Limits within which an experience matches."""
 
     similarity: Fraction = 0.5
-    """Least cosine of the instructions."""
+    """Smallest cosine similarity of the instructions."""
     size_factor: Positive = 1.35
     mass_factor: Positive = 4.0
     friction_factor: Positive = 2.5
-    """Most that a number may differ by, as a factor."""
+    """Largest factor between the numbers."""
     number_factor: Positive = 1.3
-    """The same for what the goals ask (heights, forces, tolerances) and the task's own numbers."""
+    """The same for the numbers of the goals (heights, forces, tolerances) and of the task."""
     place_m: Positive = 0.08
-    """Most that places and fixtures may lie apart."""
+    """Largest distance between places, or between fixtures."""
 
 
 class Memory:
-    """A store of experiences, and their retrieval.
+    """Stores experiences and retrieves them.
 
     Args:
-        where: The SQLite file, or what `store_of` takes; made at the first success.
-        cfg: When an experience fits.
-        embedder: For texts; by default the best that is installed.
+        where: The SQLite file, or another string for `store_of`; created at the first success.
+        cfg: Limits within which an experience matches.
+        embedder: Embeds texts; by default the best one installed.
     """
 
     def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
@@ -116,14 +116,14 @@ class Memory:
 
     @property
     def where(self) -> str:
-        """The location of the store, as a user writes it."""
+        """Return the location of the store, as a user writes it."""
         return self.store.name
 
     def add(self, experience: Experience) -> int:
         """Store a success; return its id.
 
         Raises:
-            InputError: It is no verified success, or the store cannot be written.
+            InputError: The experience is not a verified success, or the store cannot be written.
         """
         if experience.provenance.get("success") is not True or not experience.provenance.get("world"):
             raise InputError(
@@ -151,14 +151,14 @@ class Memory:
                     )
                 )
             except ValidationError:
-                continue  # written by another version: kept in the store, not used here
+                continue  # written by another version: stays in the store, unused
         return found
 
     def get(self, number: int) -> Stored:
         """Return one experience.
 
         Raises:
-            InputError: There is none of this id.
+            InputError: There is none with this id.
         """
         for stored in self.all():
             if stored.id == number:
@@ -169,7 +169,7 @@ class Memory:
         """Remove one experience.
 
         Raises:
-            InputError: There is none of this id.
+            InputError: There is none with this id.
         """
         self.get(number)
         self.store.delete(number)
@@ -183,7 +183,7 @@ class Memory:
 
         Args:
             facts: The scene (`scene_facts`).
-            most: How many.
+            most: Maximum number of matches.
         """
         goals, numbers = facts["goals"], scene_numbers(facts)
         candidates = []
@@ -214,7 +214,7 @@ class Memory:
         return self.embedder.embed(stored.experience.instruction)
 
     def export(self) -> dict[str, Any]:
-        """Return everything as JSON."""
+        """Return all experiences as JSON."""
         return {
             "format": FORMAT,
             "experiences": [
@@ -226,7 +226,7 @@ class Memory:
         """Import the result of `export`; return how many experiences were new.
 
         Raises:
-            InputError: It is no export, or an experience in it is wrong.
+            InputError: The content is not an export, or one of its experiences is invalid.
         """
         if content.get("format") != FORMAT or not isinstance(content.get("experiences"), list):
             raise InputError(where, "format", content.get("format"), FORMAT)
@@ -283,7 +283,7 @@ def roles(facts: SceneFacts) -> list[str]:
 
 
 def _shape(goals: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
-    """Return the goals without numbers and names: their kinds, the roles they refer to, and their other words."""
+    """Return the goals without numbers and names: their kinds, the roles of their objects, and their other words."""
     order = {name: f"object{k}" for k, name in enumerate(dict.fromkeys(goal["object"] for goal in goals))}
     return [
         (
@@ -301,7 +301,7 @@ def _shape(goals: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
 
 
 def _distance(one: Mapping[str, float], other: Mapping[str, float], cfg: MemoryCfg) -> float:
-    """Compute the largest difference, 1 being the most that is allowed; infinite if something is missing."""
+    """Compute the largest difference, relative to its limit; infinite if a number is missing."""
     if set(one) != set(other):
         return math.inf
     worst = 0.0

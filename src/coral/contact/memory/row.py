@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from coral.contact.memory.embedding import Vector
 
 BUSY_S = 30.0
-"""Longest wait for others that write."""
+"""Longest wait for other writers."""
 
 
 @dataclass(frozen=True)
@@ -15,15 +15,15 @@ class Row:
     """One stored experience."""
 
     id: int
-    """Its number, from 1."""
+    """Number of the experience, from 1."""
     created: str
-    """When it was stored, UTC."""
+    """Time of storage, UTC."""
     record: str
     """The experience as JSON."""
     embedder: str
-    """Who made the vector."""
+    """Name of the embedder of the vector."""
     vector: Vector = field(compare=False, repr=False)
-    """Of the instruction, Shape=(n,); vectors of different embedders cannot be compared."""
+    """Embedding of the instruction, Shape=(n,); vectors of different embedders are not comparable."""
     used: int = 0
     helped: int = 0
-    """How often it was used, and how often that ended in success."""
+    """Number of uses, and number of uses that ended in success."""

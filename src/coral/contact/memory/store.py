@@ -1,4 +1,4 @@
-"""Where experiences are kept: the interface of a store, and the store that a string selects."""
+"""The interface of an experience store, and the choice of a store by a string."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from coral.errors import InputError
 class ExperienceStore(Protocol):
     """Keeps rows. Several processes may write at once; an acknowledged write survives a kill.
 
-    Every call raises `InputError`, which names the store, where it cannot be read or written.
+    Every call raises `InputError`, which names the store, if it cannot be read or written.
     """
 
     name: str
-    """As a user writes it."""
+    """Location, as a user writes it."""
 
     def exists(self) -> bool:
         """Return whether anything was ever written."""
         ...
 
     def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
-        """Write a row that was never used and return its number. The store is created if it does not exist."""
+        """Write an unused row and return its number. The store is created if it does not exist."""
         ...
 
     def rows(self) -> list[Row]:
@@ -44,10 +44,10 @@ def store_of(where: str | Path) -> ExperienceStore:
     """Return the store that a string selects.
 
     Args:
-        where: `lance:` before a folder or URI for LanceDB; else the path of an SQLite file, as any `Path` is.
+        where: `lance:` and a folder or URI for LanceDB; else the path of an SQLite file, as for any `Path`.
 
     Raises:
-        InputError: No folder is named, or the package for it is not installed.
+        InputError: There is no folder after `lance:`, or the package is not installed.
     """
     kind, colon, rest = ("", "", "") if isinstance(where, Path) else where.partition(":")
     if kind == "lance" and colon:

@@ -1,7 +1,7 @@
 """Experiences in a LanceDB table, in a folder or in an object store shared by several machines.
 
-Writers do not lock: each commits the version that it has made, and one whose version was made by another meanwhile
-tries again on top of that one (optimistic concurrency). A row is there once its commit is.
+Writers do not lock: each commits a new version, and retries on top of the latest one if another writer was faster
+(optimistic concurrency). A row exists once its commit does.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from coral.errors import InputError, first_line
 
 T = TypeVar("T")
 TABLE = "experience"
-# With the key given, two writers that take the same number at once conflict; without, both rows would be written.
+# With an explicit key, two writers that take the same number conflict; without it, both rows would be written.
 KEY = {"lance-schema:unenforced-primary-key": "true"}
 SCHEMA = pa.schema(
     [
@@ -30,7 +30,7 @@ SCHEMA = pa.schema(
         pa.field("created", pa.string()),
         pa.field("record", pa.string()),
         pa.field("embedder", pa.string()),
-        # No fixed length: embedders differ, and there is no pure nearest-neighbour search.
+        # The length is not fixed: embedders differ, and there is no pure nearest-neighbour search.
         pa.field("vector", pa.list_(pa.float32())),
         pa.field("used", pa.int64()),
         pa.field("helped", pa.int64()),
@@ -43,7 +43,7 @@ class LanceStore:
     """See `ExperienceStore`.
 
     Args:
-        uri: A folder, or what LanceDB connects to (`s3://BUCKET/PATH`, ...; it reads keys from the environment).
+        uri: A folder, or another URI of LanceDB (`s3://BUCKET/PATH`, ...; it reads keys from the environment).
 
     Raises:
         InputError: LanceDB is not installed.
@@ -143,7 +143,7 @@ class LanceStore:
         """Retry a write until no other writer commits first.
 
         Raises:
-            InputError: It cannot be done, or others were faster all the time.
+            InputError: The write fails, or other writers were always faster.
         """
         until, wait_s = time.monotonic() + BUSY_S, 0.01
         while True:
@@ -172,6 +172,6 @@ class LanceStore:
 
 
 def _faster(error: Exception) -> bool:
-    """Check whether a commit failed because another one came first; LanceDB has no exception of its own for that."""
+    """Check whether a commit failed because another came first; LanceDB has no exception of its own for that."""
     text = str(error).lower()
     return any(word in text for word in ("conflict", "concurrent", f"'{TABLE}' already exists"))

@@ -1,7 +1,7 @@
 """Experiences in one SQLite file, for one machine.
 
-Rows are written in one transaction each, with a write-ahead log that is synchronised fully: a process killed at any
-moment loses nothing that was acknowledged, and several processes may write.
+Each row is one transaction, with a fully synchronised write-ahead log: a process killed at any moment loses no
+acknowledged write, and several processes may write.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from coral.contact.memory.row import BUSY_S, Row
 from coral.errors import InputError
 
 LONGEST_S = 30.0
-"""Longest work of one call; a file of somebody else's could ask for endless work in a trigger or view."""
+"""Longest duration of one call; a trigger or view in a foreign file could ask for endless work."""
 COLUMNS = ("id", "created", "record", "embedder", "vector", "used", "helped")
 Columns = tuple[int, str, str, str, bytes, int, int]
 TABLE = """CREATE TABLE IF NOT EXISTS experience (
@@ -32,7 +32,7 @@ class SqliteStore:
     """See `ExperienceStore`.
 
     Args:
-        path: The file; made at the first row.
+        path: The file; created at the first row.
     """
 
     def __init__(self, path: Path) -> None:
@@ -62,10 +62,10 @@ class SqliteStore:
         return [self._row(values) for values in found]
 
     def _row(self, values: tuple[object, ...]) -> Row:
-        """Decode a row, whose columns must hold what this package writes into them.
+        """Decode a row and check that its columns have the types that this package writes.
 
         Raises:
-            InputError: One does not.
+            InputError: A column has another type.
         """
         for column, kind, value in zip(COLUMNS, (int, str, str, str, bytes, int, int), values, strict=True):
             if not isinstance(value, kind):
@@ -108,15 +108,15 @@ class SqliteStore:
 
 
 def _vector(blob: bytes) -> Vector:
-    """Decode a vector, with as many numbers as there are; another program may have truncated it."""
+    """Decode a vector of any length; another program may have truncated it."""
     return np.frombuffer(blob[: len(blob) // 4 * 4], "<f4")
 
 
 def _ahead(base: sqlite3.Connection) -> None:
     """Enable write-ahead logging with full synchronisation.
 
-    SQLite does not wait for its lock when it changes the journal, but gives up at once where another process writes
-    into a new file at the same moment.
+    SQLite does not wait for its lock when it changes the journal, but fails at once if another process writes to a new
+    file at the same moment.
 
     Raises:
         sqlite3.OperationalError: The file stays locked.

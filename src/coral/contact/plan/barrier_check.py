@@ -17,7 +17,7 @@ FAR_M = 0.12
 def path_barriers(cost: Traceable, pool: Context, reach_terms: list[ReachTerm], cfg: CostCheckCfg) -> list[CostFault]:
     """Return faults for terms that start near a target and rise there (the second pitfall).
 
-    The hand is moved in a straight line to each target that the cost wants it at, everything else staying as it is.
+    The hand is moved in a straight line to each target to which the cost attracts it; everything else stays as it is.
     """
     faults, named = [], set()
     for item in reach_terms:
@@ -86,7 +86,7 @@ def _gated_rise(term: Array) -> Array:
 def contact_barriers(
     cost: Traceable, pool: Context, reach_terms: list[ReachTerm], cfg: CostCheckCfg
 ) -> list[CostFault]:
-    """Return faults for terms that add to the cost as soon as the hand touches an object that the cost sends it to."""
+    """Return faults for terms that raise the cost once the hand touches an object to which the cost attracts it."""
     faults = []
     for thing in objects_of(pool.names()):
         flags = [f"{thing}_{part}_contact" for part in ("hand", "left", "right") if f"{thing}_{part}_contact" in pool]
@@ -123,7 +123,7 @@ def contact_barriers(
 
 
 def _is_target(pool: Context, thing: str, reach_terms: list[ReachTerm]) -> bool:
-    """Check whether some distance that raises the cost ends at the object."""
+    """Check whether a distance that raises the cost ends at the object."""
     centre = np.asarray(pool[f"{thing}_pos"])[:, 0, :]
     size = np.asarray(pool[f"{thing}_size"])[:, 0, :] if f"{thing}_size" in pool else np.full_like(centre, 0.1)
     return any(

@@ -1,6 +1,6 @@
-"""Where to touch: surface regions that an advisor names, their candidate points (Eq. 3, A.10), and guides to them.
+"""Contact regions: surface regions that an advisor names, their candidate points (Eq. 3, A.10), and guides to them.
 
-Regions are given in the object's own frame, so that they stay right while the object moves.
+Regions are given in the object's own frame, so they remain valid while the object moves.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from coral.contact.scene.geometry import quaternion_of, rotate, rotation_of
 Array = NDArray[np.float64]
 Approach = Literal["push", "press", "pinch"]
 Corner = tuple[Signed, Signed, Signed]
-"""Of a box in the world, m."""
+"""Corner of a box in the world, m."""
 PAD_M = 0.010
-"""From the tool to a finger's forward face."""
+"""Distance from the tool to a finger's forward face."""
 TIP_M = 0.008
-"""From the tool to the fingers' tips."""
+"""Distance from the tool to the fingertips."""
 LOWEST_M = 0.012
-"""The tool comes no lower over the table."""
+"""Lowest height of the tool over the table."""
 GOLDEN_RAD = math.pi * (3 - math.sqrt(5))
 
 
@@ -73,33 +73,33 @@ class RegionsAnswer(RootModel[dict[str, ObjectRegions]]):
 
 @dataclass(frozen=True, kw_only=True)
 class RegionCfg:
-    """What a region may be."""
+    """Bounds of a region."""
 
     most: int = 6
-    """Regions of one object; the paper asks for 1 to 3, a plan of several stages may need more."""
+    """Maximum number of regions per object; the paper asks for 1 to 3, a plan of several stages may need more."""
     samples: int = 64
-    """Most candidates of one region."""
+    """Maximum number of candidates of one region."""
     off_surface_m: Positive = 0.008
-    """How far a centre may lie from the object's surface."""
+    """Maximum distance of a centre from the object's surface."""
     extent_m: Positive = 0.15
     """Largest radius."""
     facing: Fraction = 0.5
-    """Least cosine between the region's normal and the surface's at a candidate."""
+    """Smallest cosine between the region's normal and the surface normal at a candidate."""
     buried_m: Positive = 0.003
-    """A candidate, or the tool at it, lies in another thing when it is so deep in it; tracked poses err by as much."""
+    """A candidate, or the tool at it, is blocked if this deep inside another thing; tracked poses err by as much."""
     reach_low_m: Corner | None = None
     reach_high_m: Corner | None = None
-    """Corners of the box that the tool stays in; None for the controller's workspace."""
+    """Corners of the box that bounds the tool; None for the controller's workspace."""
     standoff_m: Positive = 0.08
-    """Candidates are mirrored so far out along the normal: the way in is a way from there."""
+    """Guides approach a candidate from this distance along the normal."""
 
 
 def reach_box(cfg: RegionCfg, controller: ControllerCfg | None = None) -> tuple[Corner, Corner]:
-    """Return the lowest and highest corner of the box that the tool stays in.
+    """Return the lowest and highest corner of the box that bounds the tool.
 
     Args:
         cfg: Bounds.
-        controller: Whose workspace holds where they are None; by default one with its defaults.
+        controller: Its workspace replaces bounds that are None; by default one with its defaults.
     """
     controller = controller or ControllerCfg()
     return (
@@ -109,7 +109,7 @@ def reach_box(cfg: RegionCfg, controller: ControllerCfg | None = None) -> tuple[
 
 
 def natural_approach(normal: Array) -> Approach:
-    """Choose how to approach a surface: push what faces sideways, press what faces up."""
+    """Choose the approach to a surface: push vertical faces, press on horizontal ones."""
     return "press" if normal[2] > 0.7 else "push"
 
 
@@ -123,7 +123,7 @@ def closing_axis(normal: Array, size: Array) -> int | None:
 def candidates(region: Region) -> Array:
     """Return points of a region's disc, Shape=(num_samples + 1, 3), object frame: centre, rim (Eq. 3), inside (A.10).
 
-    A.10 draws them at random from the disc; here few lie evenly on the rim, as Eq. 3 has them, and of many most fill
+    A.10 draws them at random from the disc. Here few candidates lie evenly on the rim, as in Eq. 3; of many, most fill
     the inside evenly (sunflower: Vogel 1979, "A better way to construct the sunflower head").
     """
     normal = np.asarray(region.normal) / np.linalg.norm(region.normal)
@@ -150,10 +150,10 @@ def tool_at(surface: Array, normal: Array, size: Array, out: Array, approach: Ap
 
     Args:
         surface: Shape=(n, 3) m, in the world.
-        normal: The region's, in the object's frame.
+        normal: Normal of the region, in the object's frame.
         size: Shape=(3,), the object's full extents, m.
         out: The normal in the world.
-        approach: How it touches.
+        approach: How the hand touches the surface.
     """
     if approach == "pinch":
         return np.asarray(surface - out * min(0.025, float(size[int(np.argmax(np.abs(normal)))]) / 2))
@@ -171,12 +171,12 @@ def guide(
     """Make tool poses for a region, wherever the object is: at the candidates, and at a standoff from them.
 
     Args:
-        name: The object.
-        region: On it.
-        size: Shape=(3,), its full extents, m.
-        lowest_m: The tool comes no lower over the table.
-        cfg: Standoff.
-        local: Shape=(n, 3) m, its candidates that can be touched, in the object's frame; by default the flat disc.
+        name: Name of the object.
+        region: The region.
+        size: Shape=(3,), full extents of the object, m.
+        lowest_m: Lowest height of the tool over the table.
+        cfg: Bounds; gives the standoff.
+        local: Shape=(n, 3) m, the touchable candidates in the object's frame; by default the flat disc.
     """
     cfg = cfg or RegionCfg()
     local, normal = candidates(region) if local is None else local, np.asarray(region.normal, dtype=float)
@@ -217,7 +217,7 @@ def guide(
 
 
 def tool_quaternion(palm: Array, opening: Array, tool: Array) -> Array:
-    """Compute the tool orientation with these z and y axes: of the two equivalent grasps, the one nearer to `tool`."""
+    """Compute the tool orientation with these z and y axes: of the two equivalent grasps, the one closer to `tool`."""
     z = palm / np.linalg.norm(palm)
     y = opening - z * float(opening @ z)
     y = y / max(float(np.linalg.norm(y)), 1e-9)

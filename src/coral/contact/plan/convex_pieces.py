@@ -1,4 +1,4 @@
-"""Convex pieces of objects: where a straight line leaves one, and how deep a point lies in it."""
+"""Convex pieces of objects: where a straight line leaves a piece, and how deep a point lies in it."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class Solid:
     planes: Array
     """Shape=(m, 4): outward normal a and offset b of each half-space a.x <= b, in its own frame, m."""
     radius: float | None = None
-    """Of the ball or tube; None for neither."""
+    """Radius of the ball or tube; None for neither."""
     round_axes: int = 2
     """3 for a ball, 2 for a tube along z."""
     position: Array = field(default_factory=lambda: np.zeros(3))
-    """Shape=(3,) m, in the frame that it stands in."""
+    """Position in the parent frame, Shape=(3,) m."""
     rotation: Array = field(default_factory=lambda: np.eye(3))
-    """Shape=(3, 3), its own frame to that."""
+    """Rotation from its own frame to the parent frame, Shape=(3, 3)."""
 
     def leave(self, points: Array, direction: Array) -> tuple[Array, Array]:
         """Compute where the straight lines through points leave the solid.
@@ -39,8 +39,8 @@ class Solid:
             direction: Shape=(3,), of length 1.
 
         Returns:
-            Shape=(n,) m, from each point along the direction, negative behind it, nan where the line misses; and the
-            outward normals there, Shape=(n, 3).
+            Distance along the direction from each point, Shape=(n,) m, negative behind it, nan if the line misses; and
+            the outward normals there, Shape=(n, 3).
         """
         local, way = (points - self.position) @ self.rotation, direction @ self.rotation
         enter, leave = np.full(len(local), -np.inf), np.full(len(local), np.inf)
@@ -85,7 +85,7 @@ class Solid:
 
 
 def box(size: Array, position: Array | None = None, rotation: Array | None = None) -> Solid:
-    """Make a box with these full edges (m)."""
+    """Make a box with these edge lengths (m)."""
     half = np.asarray(size, dtype=float) / 2
     planes = np.concatenate([np.column_stack([sign * np.eye(3), half]) for sign in (1.0, -1.0)])
     return Solid(

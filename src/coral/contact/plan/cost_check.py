@@ -1,8 +1,8 @@
-"""Checks of a cost before the planner uses it; every fault is a sentence for the author of the cost.
+"""Checks of a cost before the planner uses it; each fault is a sentence for the author of the cost.
 
-The samples are states that the planning world really rolled out, so they show what the hand can reach. Two mistakes
-made a planner fail although the cost ran: a reach term whose target the hand cannot get to, because something solid is
-in the way, and a term that begins only near the object and makes coming near dearer.
+The samples are states from rollouts of the planning world, so they show what the hand can reach. Two mistakes make a
+planner fail although the cost runs: a reach term with a target that the hand cannot reach because something solid is in
+the way, and a term that begins only near the object and penalises coming near.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None
     """Return the faults of a cost; an empty list means that it may be used.
 
     Args:
-        cost: The cost. Reach terms and barriers are looked for where it can be traced, as a program can.
-        samples: Batches of rolled-out states, varied enough to hold both good and bad rollouts.
+        cost: The cost. Reach terms and barriers are searched only if it can be traced, as a program can.
+        samples: Batches of rolled-out states, varied enough to contain both good and bad rollouts.
         cfg: Thresholds.
     """
     cfg = cfg or CostCheckCfg()
@@ -60,7 +60,7 @@ def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None
 
 
 def pooled(samples: Sequence[Context], count: int) -> Context:
-    """Pool some states of all samples, evenly chosen, into one batch, Shape=(n, 1)."""
+    """Pool states of all samples, evenly chosen, into one batch, Shape=(n, 1)."""
     names = set(samples[0].names())
     for sample in samples[1:]:
         names &= set(sample.names())

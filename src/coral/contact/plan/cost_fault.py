@@ -16,11 +16,11 @@ class CostFault:
     code: str
     """One of `coral.contact.cost_program.CODES`."""
     line: int
-    """Line of the program; 0 where no line is to blame."""
+    """Line of the program; 0 if the fault is in no single line."""
     reason: str
-    """A sentence for whoever wrote the cost."""
+    """A sentence for the author of the cost."""
     fatal: bool = True
-    """Whether the cost must not be used."""
+    """Whether the fault forbids using the cost."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,17 +28,17 @@ class CostCheckCfg:
     """Thresholds of the checks."""
 
     states: int = 600
-    """States of the samples that are looked at closely."""
+    """Number of sampled states that are examined."""
     reach_m: float = 0.015
-    """A reach term that comes as near as this may be said to approach zero; a fingertip is about as thick."""
+    """A reach term that falls below this may approach zero; a fingertip is about as thick."""
     near_m: float = 0.06
-    """How near the closest states must be for a contact there to be what stops the hand."""
+    """The closest states must be within this distance for a contact there to be what stops the hand."""
     force_n: float = 0.5
-    """Force on the hand that counts as touching."""
+    """Force on the hand that counts as contact."""
     opening_m: float = 0.08
-    """Widest opening of the fingers (Panda hand); what is wider cannot be straddled."""
+    """Widest opening of the fingers (Panda hand); they cannot straddle anything wider."""
     rise: float = 0.05
-    """Rise of the cost on the way to a target that counts as a barrier, relative to its range on the way."""
+    """Rise of the cost on the path to a target that counts as a barrier, relative to its range on the path."""
     paths: int = 16
     """Number of approaches tried."""
 

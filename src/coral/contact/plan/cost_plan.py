@@ -1,4 +1,4 @@
-"""A plan as an advisor gives it: cost programs as text, stage by stage; checked, and compiled to a strategy."""
+"""A plan as an advisor gives it: cost programs as text, stage by stage; verified, and compiled to a strategy."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from coral.contact.plan.cost_fault import CostCheckCfg
 from coral.contact.plan.last_good_cost import LastGoodCost
 
 Loader = Callable[[str, Schema, str], Cost]
-"""Source, schema and name to a cost: in this process, or in the confined one."""
+"""Makes a cost from source, schema and name: in this process, or in the confined one."""
 
 
 class StageAnswer(BaseModel):
@@ -107,7 +107,7 @@ def in_process(source: str, schema: Schema, name: str) -> Cost:
 
 
 def condition(text: str) -> str:
-    """Make the program that is 1 where a condition holds."""
+    """Make the program that is 1 while a condition holds."""
     return f"def state_cost(self):\n    return 1.0 * ({_flat(text)})"
 
 
@@ -135,7 +135,7 @@ def compile_plan(answer: PlanAnswer, schema: Schema, load: Loader = in_process) 
     """Compile all programs of a plan.
 
     Raises:
-        CostError: One of them is no program of the accepted language; its text names the stage and the field.
+        CostError: A program is not of the accepted language; the text names the stage and the field.
     """
     compiled = []
     for stage in answer.each():
@@ -170,9 +170,9 @@ def verify_plan(
 
     Args:
         answer: The plan.
-        schema: What the state has.
+        schema: The quantities of the state.
         samples: Rolled-out batches.
-        load: How programs are made.
+        load: Loads programs.
         cfg: Thresholds of the check of costs.
     """
     names = answer.names
@@ -225,12 +225,12 @@ def make_strategy(
         name: For logs.
         answer: A verified plan.
         regions: Verified contact regions; None leaves the sampling unguided (`unguided`, `no-regions`).
-        schema: What the state has.
+        schema: The quantities of the state.
         sizes: Full extents of the objects, m.
-        load: How programs are made.
-        keep: Takes over, with the last cost that worked, from one that fails later on; None lets it fail.
-        candidates: Of each region, in their order, the points that can be touched, Shape=(n, 3) m in the object's
-            frame; None takes the regions' flat discs.
+        load: Loads programs.
+        keep: Replaces a cost that fails in use by the last one that worked; None lets the failure through.
+        candidates: For each region, in order, its touchable points, Shape=(n, 3) m in the object's frame; None takes
+            the regions' flat discs.
 
     Raises:
         CostError: A program is not of the accepted language.

@@ -1,4 +1,4 @@
-"""Fallback when a cost fails: the last verified cost that worked takes over."""
+"""Fallback for a cost that fails: the last verified cost that worked."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from coral.contact.plan.cost_fault import CostCheckCfg, CostFault
 
 
 class LastGoodCost:
-    """A cost that falls back to the one before it. It satisfies `coral.contact.cost.context.Cost`.
+    """A cost that falls back to its predecessor. It satisfies `coral.contact.cost.context.Cost`.
 
     Args:
-        first: A cost to begin with, as an expert's or a stored one; None while there is none.
-        failed: Told of every cost that fails while it is in use, with the reason.
+        first: Initial cost, such as an expert's or a stored one; None if there is none.
+        failed: Called with every cost that fails in use, and the reason.
     """
 
     def __init__(self, first: Cost | None = None, failed: Callable[[Cost, CostError], None] | None = None) -> None:
@@ -26,12 +26,12 @@ class LastGoodCost:
 
     @property
     def name(self) -> str:
-        """The name of the cost in use."""
+        """Return the name of the cost in use."""
         return self._good[-1].name if self._good else "none"
 
     @property
     def current(self) -> Cost | None:
-        """The cost in use."""
+        """Return the cost in use."""
         return self._good[-1] if self._good else None
 
     def propose(self, cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None = None) -> list[CostFault]:

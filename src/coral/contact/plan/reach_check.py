@@ -1,7 +1,7 @@
 """Check whether the hand can reach the targets of a cost.
 
-The distances that a program takes are compared with and without a small shift of the hand: those that shift with it are
-distances of the hand to some target, whatever way the program computed them.
+The distances that a program computes are compared with and without a small shift of the hand: those that change with it
+are distances of the hand to some target, however the program computed them.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from coral.contact.cost_program.trace import Distance
 from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable
 
 SHIFT = np.array([0.011, -0.017, 0.013])
-"""A shift of the hand, m, whose components differ so that they can be told apart."""
+"""A shift of the hand, m; its components differ so that they can be told apart."""
 
 
 MOST = 24
-"""Distances looked into, so that a program full of them does not hold up the planner."""
+"""Maximum number of distances examined, so that a program with many of them does not delay the planner."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,15 +29,15 @@ class ReachTerm:
     """A distance from the hand to a target that raises the cost."""
 
     index: int
-    """Its number in the trace."""
+    """Number of the distance in the trace."""
     line: int
     """Line of the program."""
     target: Array
-    """Where the hand should be, Shape=(n, 3), m."""
+    """Target position of the hand, Shape=(n, 3), m."""
     value: Array
     """Distance, Shape=(n,), m."""
     saved: Array
-    """What the cost would be less by if it were 0, Shape=(n,)."""
+    """Decrease of the cost if the distance were 0, Shape=(n,)."""
 
 
 def with_quantities(state: Context, values: Mapping[str, Array], shape: tuple[int, int] | None = None) -> Context:
@@ -95,7 +95,7 @@ def _target(before: Distance, after: Distance, hand: Array) -> Array | None:
 
 
 def unreachable(cost: Traceable, pool: Context, reach_terms: list[ReachTerm], cfg: CostCheckCfg) -> list[CostFault]:
-    """Return faults for targets that a solid keeps the hand from (the first pitfall)."""
+    """Return faults for targets from which a solid keeps the hand away (the first pitfall)."""
     faults, lines = [], set()
     for item in reach_terms:
         if item.line in lines:

@@ -1,4 +1,4 @@
-"""Validation of the regions that an advisor names; each rejection gives a reason that helps to name better ones."""
+"""Validation of the regions that an advisor names; each rejection gives a reason that helps to improve them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from coral.contact.scene.facts import ObjectFacts, SceneFacts, on_table
 from coral.contact.scene.geometry import rotate
 
 UNTOUCHABLE = ("missed", "buried", "out-of-reach")
-"""Codes of what cannot be touched as things stand, though a region is sound in itself."""
+"""Codes of regions that are valid in themselves but cannot be touched in the present scene."""
 
 
 def verify_regions(
@@ -39,10 +39,10 @@ def verify_regions(
 
     Args:
         answer: The regions.
-        facts: The scene (`scene_facts`): sizes, poses, table.
+        facts: Facts of the scene (`scene_facts`): sizes, poses, table.
         stages: Names of the plan's stages.
         cfg: Bounds.
-        scenery: True shapes; by default the boxes that the facts tell of.
+        scenery: True shapes; by default the bounding boxes in the facts.
     """
     cfg, scenery = cfg or RegionCfg(), scenery or Scenery.boxes(facts)
     for name, held in answer.root.items():
@@ -51,7 +51,7 @@ def verify_regions(
         if len(held.regions) > cfg.most:
             return _no(name, "too-many", f"{len(held.regions)} regions on {name}; name the {cfg.most} that matter most")
         for index, region in enumerate(held.regions):
-            wrong = _wrong(region, facts["objects"][name], scenery.objects[name], facts, stages, cfg)
+            wrong = _defect(region, facts["objects"][name], scenery.objects[name], facts, stages, cfg)
             if wrong:
                 return _no(name, wrong[0], f"region {index + 1} of {name}: {wrong[1]}", index)
     if not answer.each():
@@ -70,7 +70,7 @@ def _no(name: str, code: str, reason: str, index: int | None = None) -> Rejectio
     return Rejection(code=code, reason=reason, details={"object": name, "region": index})
 
 
-def _wrong(
+def _defect(
     region: Region,
     item: ObjectFacts,
     solids: Sequence[Solid],
@@ -158,5 +158,5 @@ def _text(vector: Array) -> str:
 def _graspable(region: Region, item: ObjectFacts) -> bool:
     if closing_axis(np.asarray(region.normal), np.asarray(item["size_m"])) is not None:
         return True
-    # A handle is narrower than the object it belongs to; the rehearsal decides.
+    # A handle is narrower than its object; the rehearsal decides.
     return item["shapes"] != ["box"] or item["solid_share"] < 0.95 or bool(item["points"])

@@ -18,7 +18,7 @@ from coral.contact.scene.observation import BodyState, Observation
 Array = NDArray[np.float64]
 ABOVE_M = 0.06
 HALF_TURN = np.array([0.0, 0.0, 0.0, 1.0])
-"""About the palm's axis."""
+"""Half a turn about the palm's axis."""
 DOWNWARD = np.array([0.0, 0.0, -1.0])
 
 
@@ -32,16 +32,16 @@ def sample_states(
 ) -> list[Context]:
     """Sample rolled-out states around the hand and the objects, varied enough to tell good futures from bad ones.
 
-    Half of them approach the objects: around each object from above, and down beside each of its sides and against
-    it. The others are random. Without the former, a reachability check would depend on luck.
+    Half of them approach the objects: each from above, and down beside each side and against it. The others are random.
+    Without the approaches, a reachability check would depend on luck.
 
     Args:
-        world: The planning world, as it believes.
-        now: Where the rollouts begin.
+        world: The planning world with its beliefs.
+        now: First state of the rollouts.
         sizes: Full extents of the objects, m.
         rng: Samples the paths.
-        count: Random rollouts.
-        horizon: Control steps of each.
+        count: Number of random rollouts.
+        horizon: Control steps of each rollout.
     """
     paths = _sample_paths(now, sizes, rng, count)
     share = np.linspace(0, 1, horizon)
@@ -116,12 +116,12 @@ def rehearsed_gain(
 
     Args:
         world: The planning world.
-        stage: Its guides give the paths; without any they are those of `sample_states`.
-        now: Where the rehearsals begin.
+        stage: Its guides give the paths; without guides they are those of `sample_states`.
+        now: First state of the rehearsals.
         sizes: Full extents of the objects, m.
-        rng: Samples the paths if there are no guides; not drawn from otherwise.
+        rng: Samples the paths if there are no guides, else unused.
         horizon: Control steps.
-        count: Of the paths without guides, how many are random.
+        count: Number of random paths if there are no guides.
     """
     present = world.present(now)
     start = now.tool
@@ -129,7 +129,7 @@ def rehearsed_gain(
     for guide in stage.guides:
         turn = np.asarray(guide.quaternion(present) if guide.quaternion else start.quaternion)
         opening = now.opening_m if guide.opening_m is None else guide.opening_m
-        # Both finger orders: they touch alike, but a cost may ask for one of them.
+        # Try both finger orders: they touch alike, but a cost may prefer one of them.
         paths += [
             ([point], orientation, float(opening))
             for orientation in (turn, multiply(turn, HALF_TURN))

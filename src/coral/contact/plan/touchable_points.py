@@ -28,9 +28,9 @@ from coral.contact.scene.trial import Trial
 Array = NDArray[np.float64]
 MISSED, TABLE, REACH = "off the face", "below the table's top", "out of the hand's reach"
 FLUSH_M = 1e-4
-"""A candidate so near to the surface stays where it is: advisors round to that."""
+"""A candidate this close to the surface is not moved: advisors round to this."""
 SEAM_M = 5e-4
-"""A point of one part is surface where it is so far from being inside another."""
+"""A point of one part is on the surface if it is this far from being inside another part."""
 
 
 @dataclass(frozen=True)
@@ -63,21 +63,21 @@ class Candidates:
     points: Array
     """Shape=(n, 3) m, in the object's frame, on its surface."""
     lost: Mapping[str, int]
-    """How many were dropped, by the reason."""
+    """Number of dropped candidates by reason."""
 
 
 def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array, cfg: RegionCfg) -> Array:
     """Project points of a disc along its normal to the surface, Shape=(n, 3) m; nan where they miss the face.
 
-    A point moves no further than a surface that slopes by 45 degrees would have it, and where the surface turns away
-    from the normal it is another face.
+    A point moves no farther than a surface with a slope of 45 degrees requires; where the surface turns away from the
+    normal, it counts as another face.
 
     Args:
         points: Shape=(n, 3) m, of the disc.
         normal: Shape=(3,), of length 1.
         solids: Convex pieces of the object, in the points' frame.
         center: Shape=(3,) m, of the disc.
-        cfg: How far a centre may be off, how the surface must face.
+        cfg: Bounds: distance of a centre, facing of the surface.
     """
     projected = np.full(points.shape, np.nan)
     least = cfg.off_surface_m + np.linalg.norm(points - center, axis=1) + 1e-9
@@ -118,14 +118,14 @@ def candidates_of(
 ) -> list[Candidates]:
     """Find the touchable candidates of every region, in the regions' order.
 
-    An object is judged as it stands for the stage in which it is touched first; by the later ones it may have been
-    moved, and so may other objects that are touched before.
+    An object is examined in its present pose for the stage that touches it first; before later stages it may have been
+    moved, and so may other objects that are touched earlier.
 
     Args:
         answer: The regions.
-        facts: The scene (`scene_facts`): poses, fixtures, table.
+        facts: Facts of the scene (`scene_facts`): poses, fixtures, table.
         stages: Names of the plan's stages, in order.
-        scenery: True shapes; by default the boxes that the facts tell of.
+        scenery: True shapes; by default the bounding boxes in the facts.
         cfg: Bounds.
     """
     scenery, cfg = scenery or Scenery.boxes(facts), cfg or RegionCfg()
@@ -152,12 +152,13 @@ def touchable(
     """Find the touchable candidates of one region.
 
     Args:
-        name: The object.
-        region: On it.
-        facts: The scene.
+        name: Name of the object.
+        region: The region.
+        facts: Facts of the scene.
         scenery: Shapes.
         cfg: Bounds.
-        standing: Other objects that are where they are now; None where this one is not, and only its surface counts.
+        standing: Other objects in their present poses; None if this object may have moved: only its surface counts
+            then.
     """
     normal = np.asarray(region.normal, dtype=float) / np.linalg.norm(region.normal)
     points = project(candidates(region), normal, scenery.objects[name], np.asarray(region.center), cfg)
@@ -182,7 +183,7 @@ def _hindered(
     cfg: RegionCfg,
     standing: Sequence[str],
 ) -> list[str]:
-    """Return why each point cannot be touched as the object stands; "" where it can."""
+    """Return why each point cannot be touched in the object's present pose; "" if it can."""
     pose, normal = np.asarray(facts["objects"][name]["pose"], dtype=float), np.asarray(region.normal, dtype=float)
     surface, out = pose[:3] + rotate(pose[3:], points), rotate(pose[3:], normal)
     approach = region.approach or natural_approach(out)

@@ -1,1 +1,1 @@
-"""What is asked: tasks, objects, conditions of success, random trials, and the judge."""
+"""Tasks: objects, conditions of success, random trials, and the judge."""

@@ -35,15 +35,15 @@ class BaseCondition(BaseModel):
     kind: str
 
     def check(self, task: Task, where: str, field: str) -> None:
-        """Check that everything named exists.
+        """Check that all names in the condition exist.
 
         Args:
-            task: Whose condition it is.
+            task: The task of the condition.
             where: The file.
-            field: The condition's place in it.
+            field: Path of the condition in the file.
 
         Raises:
-            InputError: It does not.
+            InputError: A name does not exist.
         """
         objects = [item.name for item in task.objects]
         _known(self.object, objects, where, f"{field}.object")
@@ -56,7 +56,7 @@ class BaseCondition(BaseModel):
             _known(thing, others, where, f"{field}.thing")
 
     def monitor(self, trial: Trial) -> Monitor:
-        """A function of the true state, called at every control step: whether the condition holds."""
+        """Make a function that tells whether the condition holds; call it with the true state at every control step."""
         raise NotImplementedError
 
 
@@ -238,7 +238,7 @@ class TouchedWhileTurning(BaseCondition):
             turned = _degrees(before, rotate(truth.objects[self.object].quaternion, AXES[self.axis]))
             touched_before, touching = touching, _touching(truth, self.object, self.thing)
             if turned < low:
-                touched, against, reached = 0.0, 0.0, low  # set down again: what came before was not the flip
+                touched, against, reached = 0.0, 0.0, low  # set down again: the history before is no part of the flip
                 return False
             if turned <= high and touching:
                 touched += span
@@ -296,7 +296,7 @@ class SteadyForce(BaseCondition):
 
 
 def hand_force(truth: Truth, name: str) -> float | None:
-    """Norm (N) of the hand's net force on the object, or None where it does not touch it."""
+    """Compute the norm (N) of the hand's net force on the object; None without contact."""
     total, touching = np.zeros(3), False
     for contact in truth.contacts:
         if name in (contact.first, contact.second) and {"hand", "left", "right"} & {contact.first, contact.second}:

@@ -1,6 +1,6 @@
-"""What an advisor may know of a scene, as plain numbers: the types of the JSON that questions and memories hold.
+"""Facts of a scene as plain numbers: the types of the JSON in questions and memories.
 
-Metres, kilograms, quaternions (w, x, y, z), world frame. `thinker/scene_facts.py` gathers them; checks, memory and
+Metres, kilograms, quaternions (w, x, y, z), world frame. `thinker/scene_facts.py` collects them; checks, memory and
 rules read them.
 """
 
@@ -16,25 +16,25 @@ from coral.contact.scene.conditions import Condition
 
 
 class PartFacts(TypedDict):
-    """The box that holds one part of an object, in the object's frame."""
+    """Bounding box of one part of an object, in the object's frame."""
 
     size_m: list[float]
     position: list[float]
 
 
 class ObjectFacts(TypedDict):
-    """One object that moves.
+    """One movable object.
 
     Args:
-        label: What it is called; its name where the task file has no label.
-        size_m: Full extents of the box that holds it.
-        pose: x, y, z, qw, qx, qy, qz of its frame.
+        label: Its name for people; its identifier if the task file has no label.
+        size_m: Full extents of its bounding box.
+        pose: Pose of its frame: x, y, z, qw, qx, qy, qz.
         shapes: Kinds of its parts, sorted.
-        solid_share: Volume of the parts as a share of the box's.
-        parts: Those that are neither meshes nor turned.
+        solid_share: Volume of the parts as a share of the box.
+        parts: The parts that are neither meshes nor rotated.
         points: Named points in its frame.
-        middle_m: Centre of its box in its frame; missing where it is the origin.
-        mass_kg, friction: As believed; missing until something is believed.
+        middle_m: Centre of its box in its frame; missing if it is the origin.
+        mass_kg, friction: Beliefs; missing before the first belief.
     """
 
     label: str
@@ -50,7 +50,7 @@ class ObjectFacts(TypedDict):
 
 
 class FixtureFacts(TypedDict):
-    """Something that does not move: its centre, full extents and turn about z."""
+    """A fixed thing: its centre, full extents and rotation about z."""
 
     position: list[float]
     size_m: list[float]
@@ -58,14 +58,14 @@ class FixtureFacts(TypedDict):
 
 
 class TableFacts(TypedDict):
-    """From where to where the table's top reaches; it lies at z = 0."""
+    """Extent of the table's top in x and y; it lies at z = 0."""
 
     x: list[float]
     y: list[float]
 
 
 class HandFacts(TypedDict):
-    """The tool's pose, and how far the fingers open."""
+    """The tool's pose, and the widest opening of the fingers."""
 
     pose: list[float]
     widest_opening_m: float
@@ -184,7 +184,7 @@ Goal = (
     | SteadyForceGoal
     | UndisturbedGoal
 )
-"""A condition of the task file as JSON; `kind` tells which."""
+"""A condition of the task file as JSON; `kind` is its kind."""
 
 GoalsByKind = TypedDict(
     "GoalsByKind",
@@ -210,10 +210,10 @@ class SceneFacts(TypedDict):
     """The whole scene.
 
     Args:
-        task: Its name.
-        instruction: What is asked for, in words.
-        goals: What is asked for, as the task file's conditions.
-        objects, fixtures: What moves and what does not, by name.
+        task: Name of the task.
+        instruction: The task in words.
+        goals: The conditions of the task file.
+        objects, fixtures: Movable and fixed things by name.
         places: Named places of the task.
         numbers: Named numbers of the task.
         table: The table's top.
@@ -232,17 +232,17 @@ class SceneFacts(TypedDict):
 
 
 def goals_of(conditions: Sequence[Condition]) -> list[Goal]:
-    """Conditions as JSON; a test holds that their fields are those of the types above."""
+    """Convert conditions to JSON; a test checks that their fields are those of the types above."""
     return [cast(Goal, condition.model_dump(mode="json")) for condition in conditions]
 
 
 def goals_by_kind(goals: Sequence[Goal]) -> GoalsByKind:
-    """Goals of one object by their kind; of two of a kind the last."""
+    """Sort the goals of one object by kind; of two of a kind, the last counts."""
     return cast(GoalsByKind, {goal["kind"]: goal for goal in goals})
 
 
 def on_table(table: TableFacts, point: NDArray[np.float64]) -> bool:
-    """Whether a point lies over the table.
+    """Check whether a point lies over the table.
 
     Args:
         table: The table.

@@ -11,12 +11,12 @@ Array = NDArray[np.float64]
 
 
 def rotation_of(quaternion: ArrayLike) -> Array:
-    """Rotation matrices, Shape=(..., 3, 3), of unit quaternions, Shape=(..., 4)."""
+    """Convert unit quaternions, Shape=(..., 4), to rotation matrices, Shape=(..., 3, 3)."""
     return np.stack([column_of(quaternion, k) for k in range(3)], axis=-1)
 
 
 def column_of(quaternion: ArrayLike, k: int) -> Array:
-    """A column of their rotation matrices, Shape=(..., 3): where axis k points."""
+    """Compute a column of the rotation matrices, Shape=(..., 3): the direction of axis k."""
     q = np.asarray(quaternion, dtype=float)
     i, j = (k + 1) % 3, (k + 2) % 3
     w, along, first, second = q[..., 0], q[..., 1 + k], q[..., 1 + i], q[..., 1 + j]
@@ -28,7 +28,7 @@ def column_of(quaternion: ArrayLike, k: int) -> Array:
 
 
 def quaternion_of(rotation: ArrayLike) -> Array:
-    """Unit quaternion, Shape=(4,), w >= 0, of one rotation matrix, Shape=(3, 3)."""
+    """Convert one rotation matrix, Shape=(3, 3), to a unit quaternion, Shape=(4,), w >= 0."""
     m = np.asarray(rotation, dtype=float)
     # The eigenvector of the largest eigenvalue is exact for a rotation and the nearest one otherwise.
     k = np.array(
@@ -44,7 +44,7 @@ def quaternion_of(rotation: ArrayLike) -> Array:
 
 
 def multiply(first: ArrayLike, second: ArrayLike) -> Array:
-    """Quaternion product, Shape=(..., 4): `second` applied first."""
+    """Multiply quaternions, Shape=(..., 4): `second` is applied first."""
     a, b = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     aw, ax, ay, az = np.moveaxis(a, -1, 0)
     bw, bx, by, bz = np.moveaxis(b, -1, 0)
@@ -60,12 +60,12 @@ def multiply(first: ArrayLike, second: ArrayLike) -> Array:
 
 
 def conjugate(quaternion: ArrayLike) -> Array:
-    """Inverse of unit quaternions, Shape=(..., 4)."""
+    """Invert unit quaternions, Shape=(..., 4)."""
     return np.asarray(np.asarray(quaternion, dtype=float) * np.array([1.0, -1.0, -1.0, -1.0]))
 
 
 def rotate(quaternion: ArrayLike, vector: ArrayLike) -> Array:
-    """Vectors, Shape=(..., 3), turned by unit quaternions, Shape=(..., 4)."""
+    """Rotate vectors, Shape=(..., 3), by unit quaternions, Shape=(..., 4)."""
     q, v = np.asarray(quaternion, dtype=float), np.asarray(vector, dtype=float)
     axis = q[..., 1:]
     turn = 2.0 * np.cross(axis, v)
@@ -73,14 +73,14 @@ def rotate(quaternion: ArrayLike, vector: ArrayLike) -> Array:
 
 
 def from_rotvec(rotvec: ArrayLike) -> Array:
-    """Unit quaternions, Shape=(..., 4), of rotation vectors (rad), Shape=(..., 3)."""
+    """Convert rotation vectors (rad), Shape=(..., 3), to unit quaternions, Shape=(..., 4)."""
     v = np.asarray(rotvec, dtype=float)
     angle = np.linalg.norm(v, axis=-1, keepdims=True)
     return np.concatenate([np.cos(angle / 2), v * (0.5 * np.sinc(angle / (2 * np.pi)))], axis=-1)
 
 
 def to_rotvec(quaternion: ArrayLike) -> Array:
-    """Shortest rotation vectors (rad), Shape=(..., 3), of unit quaternions, Shape=(..., 4)."""
+    """Convert unit quaternions, Shape=(..., 4), to the shortest rotation vectors (rad), Shape=(..., 3)."""
     q = np.asarray(quaternion, dtype=float)
     q = np.where(q[..., :1] < 0, -q, q)
     sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
@@ -89,38 +89,38 @@ def to_rotvec(quaternion: ArrayLike) -> Array:
 
 
 def from_rpy_deg(rpy: ArrayLike) -> Array:
-    """Unit quaternion of roll, pitch, yaw in degrees, z-y-x."""
+    """Convert roll, pitch, yaw in degrees, z-y-x, to a unit quaternion."""
     roll, pitch, yaw = np.radians(np.asarray(rpy, dtype=float))
     return multiply(from_rotvec([0, 0, yaw]), multiply(from_rotvec([0, pitch, 0]), from_rotvec([roll, 0, 0])))
 
 
 def angle_between(first: ArrayLike, second: ArrayLike) -> Array:
-    """Angles (rad, 0 to pi) between orientations, Shape=(...)."""
+    """Compute the angles (rad, 0 to pi) between orientations, Shape=(...)."""
     return np.asarray(np.linalg.norm(to_rotvec(multiply(conjugate(first), second)), axis=-1))
 
 
 def rotation_about(axis: ArrayLike, angle: float) -> Array:
-    """Rotation matrix, Shape=(3, 3), by `angle` (rad) about a unit axis."""
+    """Make the rotation matrix, Shape=(3, 3), for `angle` (rad) about a unit axis."""
     return rotation_of(from_rotvec(np.asarray(axis) * angle))
 
 
 def rotation_from_vector(rotvec: ArrayLike) -> Array:
-    """Rotation matrix, Shape=(3, 3), of a rotation vector (rad)."""
+    """Convert a rotation vector (rad) to a rotation matrix, Shape=(3, 3)."""
     return rotation_of(from_rotvec(rotvec))
 
 
 def rotation_vector(rotation: ArrayLike) -> Array:
-    """Rotation vector (rad), Shape=(3,), of one rotation matrix."""
+    """Convert one rotation matrix to a rotation vector (rad), Shape=(3,)."""
     return to_rotvec(quaternion_of(rotation))
 
 
 def rotation_angle(first: ArrayLike, second: ArrayLike) -> float:
-    """Angle (rad, 0 to pi) between two rotation matrices."""
+    """Compute the angle (rad, 0 to pi) between two rotation matrices."""
     return float(np.linalg.norm(rotation_vector(np.asarray(first).T @ second)))
 
 
 def spread_rotations(n: int) -> Array:
-    """`n` rotation matrices spread evenly over all rotations. Shape=(n, 3, 3).
+    """Spread `n` rotation matrices evenly over all rotations. Shape=(n, 3, 3).
 
     Alexa, "Super-Fibonacci spirals: fast, low-discrepancy sampling of SO(3)" (CVPR 2022).
     """

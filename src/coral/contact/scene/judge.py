@@ -1,4 +1,4 @@
-"""The judge: whether an episode has succeeded, or has failed for good, by the true state."""
+"""The judge: decides from the true state whether an episode has succeeded, or has failed for good."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 BELOW_TABLE_M = 0.03
 """An object this far below the table's top has left the table or passed through it."""
 PRESSED_M = 0.005
-"""So deep things may be pressed into each other: contacts are soft."""
+"""Two bodies may penetrate each other by this much: contacts are soft."""
 
 
 class Judge:
@@ -29,7 +29,7 @@ class Judge:
         self._trial = trial
         self._success = trial.task.success
         self._monitors = [condition.monitor(trial) for condition in self._success.conditions]
-        # An object's own origin may lie anywhere, as at its foot.
+        # An object's own origin may lie anywhere, for example at its foot.
         hulls = {name: trial.corners(name) for name in trial.objects}
         self._middle = {name: (found.min(axis=0) + found.max(axis=0)) / 2 for name, found in hulls.items()}
         self._solid = {
@@ -38,13 +38,13 @@ class Judge:
             )
             for item in trial.task.objects
         }
-        """A point that is surely inside of each object."""
+        """A point inside each object."""
         self._before: dict[str, Array] = {}
         self._since: float | None = None
         self.holding: tuple[bool, ...] = ()
 
     def success(self, truth: Truth) -> bool:
-        """Whether all conditions have held long enough. Call it at every control step."""
+        """Check whether all conditions have held long enough. Call it at every control step."""
         self.holding = tuple(monitor(truth) for monitor in self._monitors)
         if not all(self.holding):
             self._since = None
@@ -54,7 +54,7 @@ class Judge:
         return truth.time_s - self._since >= self._success.hold_s - 1e-9
 
     def failure(self, truth: Truth) -> str | None:
-        """Why the episode has failed for good, or None. Call it at every control step."""
+        """Return why the episode has failed for good, or None. Call it at every control step."""
         table = self._trial.task.table
         for name, body in truth.objects.items():
             point = body.position + rotate(body.quaternion, self._solid[name])
@@ -73,7 +73,7 @@ class Judge:
 
 
 def _crosses(fixture: Fixture, first: Array, second: Array) -> bool:
-    """Whether the segment from the first point to the second passes through a fixture."""
+    """Check whether the segment from the first point to the second passes through a fixture."""
     back = conjugate(from_rotvec([0.0, 0.0, np.radians(fixture.yaw_deg)]))
     start, end = (rotate(back, point - np.asarray(fixture.position)) for point in (first, second))
     half = np.asarray(fixture.size) / 2

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def mesh_vertices(part: Shape) -> NDArray[np.float64]:
-    """Vertices, Shape=(n, 3), of the part's file, scaled, in the part's own frame.
+    """Read the vertices, Shape=(n, 3), of the part's file, scaled, in the part's own frame.
 
     Raises:
         InputError: The file cannot be read as a mesh.
@@ -34,7 +34,7 @@ def _vertices(file: str, scale: tuple[float, float, float]) -> NDArray[np.float6
         model = spec.compile()
     except ValueError as error:
         raise InputError(file, "", str(error).splitlines()[0].lower(), "a binary STL or an OBJ mesh") from None
-    # MuJoCo centres a mesh and turns it to its principal axes; the file's own frame is wanted.
+    # MuJoCo centres a mesh and rotates it to its principal axes; undo both.
     rotation = np.zeros(9)
     mujoco.mju_quat2Mat(rotation, model.mesh_quat[0])
     return np.asarray(model.mesh_vert.astype(float) @ rotation.reshape(3, 3).T + model.mesh_pos[0])

@@ -12,14 +12,14 @@ from coral.contact.scene.geometry import from_rotvec, from_rpy_deg
 from coral.contact.scene.shapes import Movable, Shape
 from coral.contact.scene.trial import Trial, TrialObject, part_size
 
-# MuJoCo's own way with a warning is to print it and to write a file into the working directory.
+# MuJoCo's default for a warning is to print it and to write a file into the working directory.
 mujoco.set_mju_user_warning(logging.getLogger(__name__).debug)
 
 OBJECT_PRIORITY = 1
-"""An object's friction holds against table and walls whatever theirs is: it is what the robot has a belief about."""
+"""An object's friction overrides that of table and walls: it is the one that the robot estimates."""
 FINGER_PRIORITY = 2
 FINGER_FRICTION = 1.0
-"""Rubber pads: between finger and object the pads' friction holds."""
+"""Rubber pads; between finger and object the pads' friction counts."""
 TORSION, ROLLING = 0.005, 0.0001
 
 _GEOMS = {
@@ -33,8 +33,8 @@ _GEOMS = {
 def add_scene(spec: mujoco.MjSpec, trial: Trial, condim: int = 4) -> None:
     """Add the table, fixtures and objects of a trial.
 
-    The table's geom is "table", a fixture's its name; an object's body bears its name, its free joint "NAME_free" and
-    its geoms "NAME/0", "NAME/1", ...
+    The table's geom is "table", a fixture's has its name. An object's body has its name, its free joint is "NAME_free"
+    and its geoms are "NAME/0", "NAME/1", ...
 
     Args:
         spec: The model to add to.
@@ -95,13 +95,13 @@ def _add_object(spec: mujoco.MjSpec, item: Movable, found: TrialObject, condim: 
 
 
 def _volume(part: Shape, scale: np.ndarray) -> float:
-    """Volume of a part, in proportion to which it gets its share of the mass."""
+    """Compute the volume of a part; the mass is divided in this proportion."""
     factor = {"box": 1.0, "cylinder": np.pi / 4, "sphere": np.pi / 6, "mesh": 0.5}[part.shape]
     return factor * float(np.prod(part_size(part, scale)))
 
 
 def contact_pairs(trial: Trial) -> Iterable[tuple[str, str]]:
-    """Pairs (object, fixture or other object) whose contact a cost may read."""
+    """Yield the pairs (object, fixture or other object) whose contact a cost may read."""
     names = [item.name for item in trial.task.objects]
     for name in names:
         for thing in trial.task.things:

@@ -1,6 +1,6 @@
-"""What is measured, what is commanded, and what is true: the values that pass between a world and an episode.
+"""Measurements, commands and true states: the values exchanged between a world and an episode.
 
-Frames: world, metres, z up, the table's top at z = 0, x away from the robot. The tool frame sits midway between the
+Frames: world, metres, z up, the table's top at z = 0, x away from the robot. The tool frame lies midway between the
 fingertips: z out of the palm, y along the fingers' opening. Quaternions are (w, x, y, z).
 """
 
@@ -31,19 +31,19 @@ class BodyState:
 
 @dataclass(frozen=True)
 class Observation:
-    """What the robot's sensors measure, and the estimated poses of the objects."""
+    """Measurements of the robot's sensors, and estimated poses of the objects."""
 
     time_s: float
     """Simulated time since reset."""
     tool: BodyState
-    """The tool frame, by the robot's proprioception."""
+    """The tool frame, from the robot's proprioception."""
     opening_m: float
     """Distance between the finger pads."""
     wrench: Array
-    """Shape=(6,) force (N) and torque (N m) that the surroundings exert on the hand at the tool, world axes, without
-    the hand's own weight."""
+    """Shape=(6,) force (N) and torque (N m) of the surroundings on the hand at the tool, world axes, without the hand's
+    own weight."""
     objects: Mapping[str, BodyState]
-    """Pose of every movable object: the simulator's, or a tracker's."""
+    """Pose of every movable object, from the simulator or a tracker."""
 
 
 @dataclass(frozen=True)
@@ -55,13 +55,13 @@ class HandTarget:
     quaternion: Array
     """Shape=(4,) of the tool frame."""
     opening_m: float
-    """Wanted distance between the finger pads."""
+    """Commanded distance between the finger pads."""
     stiffness: float
     """Translational stiffness in N/m; the rotational one scales with it."""
     force: Array = field(default_factory=lambda: np.zeros(3))
-    """Shape=(3,) N pushed in addition, world axes."""
+    """Additional force, Shape=(3,) N, world axes."""
     torque: Array = field(default_factory=lambda: np.zeros(3))
-    """Shape=(3,) N m turned with in addition, about the tool, world axes."""
+    """Additional torque about the tool, Shape=(3,) N m, world axes."""
 
 
 @dataclass(frozen=True)
@@ -69,13 +69,13 @@ class Contact:
     """A true contact between two named things: for the judge and for reports, never for decisions."""
 
     first: str
-    """"hand", "left", "right" (finger), "robot" (the arm's other links), an object, or a fixture, as "table"."""
+    """"hand", "left", "right" (finger), "robot" (the arm's other links), an object, or a fixture, such as "table"."""
     second: str
-    """Likewise; names are in alphabetical order."""
+    """The other one; the two names are in alphabetical order."""
     force: Array
-    """Shape=(3,) N that the first exerts on the second, world axes."""
+    """Force of the first on the second, Shape=(3,) N, world axes."""
     point: Array
-    """Shape=(3,) m, the contacts' mean weighted by force."""
+    """Mean of the contact points, weighted by force, Shape=(3,) m."""
 
 
 @dataclass(frozen=True)
@@ -94,8 +94,8 @@ class Transition:
     """One control step as the robot knows it."""
 
     before: Observation
-    """Measured when the command was given."""
+    """Observation when the command was given."""
     command: HandTarget
-    """What was commanded."""
+    """The command."""
     after: Observation
-    """Measured at the end of the step."""
+    """Observation at the end of the step."""

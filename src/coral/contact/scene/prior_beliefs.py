@@ -1,11 +1,10 @@
-"""What is believed of masses and frictions before anything is asked or felt. This is the one place that says it.
+"""Prior beliefs about mass and friction, before any answer or measurement. They are defined here and nowhere else.
 
-A robot that thinks sees shapes. It is not told the ranges in a task file: the truth is drawn from them, so that their
-middle would be an answer to the question that the advisor is there for. Until somebody answers, it takes everything for
-the same stuff.
+A robot with an advisor sees shapes only. It does not get the ranges of the task file: the truth is sampled from them,
+so their middle would give the answer away. Before the first answer it assumes the same material for everything.
 
-Who writes a cost by hand for a task has the task file before his eyes, ranges included, and tunes the cost with them.
-What an expert's author knows is therefore part of the expert.
+The author of a hand-written cost knows the task file, ranges included, and tunes the cost with them. That knowledge is
+therefore part of the expert.
 """
 
 from __future__ import annotations
@@ -15,11 +14,11 @@ import numpy as np
 from coral.contact.scene.trial import PhysicalParameters, Trial
 
 DENSITY_KG_M3, FRICTION = 500.0, 0.5
-"""Of something unknown, air inside counted, and on a table: light wood, filled packaging. Orders of magnitude."""
+"""Density, hollow space included, and friction on a table of an unknown object: light wood, filled packaging."""
 
 
 def prior_beliefs(trial: Trial) -> dict[str, PhysicalParameters]:
-    """What a robot believes of things that it only sees: the volume of their boxes times one density, one friction."""
+    """Return the beliefs of a robot that sees only shapes: volume of the box times one density, and one friction."""
     return {
         name: PhysicalParameters(mass_kg=DENSITY_KG_M3 * float(np.prod(trial.size(name))), friction=FRICTION)
         for name in trial.objects
@@ -27,7 +26,7 @@ def prior_beliefs(trial: Trial) -> dict[str, PhysicalParameters]:
 
 
 def stated_beliefs(trial: Trial) -> dict[str, PhysicalParameters]:
-    """What the author of an expert believes: the middle of the task file's ranges."""
+    """Return the beliefs of an expert's author: the middle of the task file's ranges."""
     return {
         item.name: PhysicalParameters(mass_kg=float(np.mean(item.mass_kg)), friction=float(np.mean(item.friction)))
         for item in trial.task.objects

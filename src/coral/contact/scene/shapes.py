@@ -1,7 +1,7 @@
-"""What stands on the table, as a task file describes it: rigid pieces, objects that move, fixtures, the table itself.
+"""Geometry of a task file: rigid pieces, movable objects, fixtures, the table.
 
 Frames: world, metres, z up, the table's top at z = 0, x away from the robot. Lengths are full extents. Angles in files
-are degrees. A range `[low, high]` is sampled in each trial; one number stands for both ends.
+are degrees. A range `[low, high]` is sampled in each trial; a single number is a range of one value.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pydantic import (
 
 
 def in_order(value: tuple[float, float]) -> tuple[float, float]:
-    """The range itself; ValueError where its ends are in the wrong order."""
+    """Return the range; raise ValueError if its lower end is above the upper one."""
     if value[0] > value[1]:
         raise ValueError("a range, its lower end first")
     return value

@@ -1,7 +1,7 @@
-"""A contact task: what is asked, what stands on the table, what varies between trials, when it is done.
+"""A contact task: instruction, objects, ranges of the trials, conditions of success.
 
 Frames: world, metres, z up, the table's top at z = 0, x away from the robot. Lengths are full extents. Angles in files
-are degrees. A range `[low, high]` is sampled in each trial; one number stands for both ends.
+are degrees. A range `[low, high]` is sampled in each trial; a single number is a range of one value.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ class Task(TaskPart):
     success: Success
 
     def object(self, name: str) -> Movable:
-        """The movable object of this name."""
+        """Return the movable object of this name."""
         return next(item for item in self.objects if item.name == name)
 
     @property
     def things(self) -> tuple[str, ...]:
-        """Names of what does not move: the table and the fixtures."""
+        """Return the names of all fixed things: the table and the fixtures."""
         return ("table", *(item.name for item in self.fixtures))

@@ -1,4 +1,4 @@
-"""Task files: the shipped ones and the user's, read with errors that name the field."""
+"""Task files, shipped and custom, read with errors that name the field."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TASKS_DIR = Path(__file__).parent / "tasks"
 
 
 def shipped_tasks() -> tuple[str, ...]:
-    """Names of the shipped tasks, in the order of the paper."""
+    """Return the names of the shipped tasks, in the order of the paper."""
     known = {path.stem for path in TASKS_DIR.glob("*.yaml")}
     order = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
     return tuple(name for name in order if name in known) + tuple(sorted(known - set(order)))
@@ -31,7 +31,7 @@ def load_task_file(name_or_path: str | Path) -> Task:
     """Load a shipped task by its name, or a task file.
 
     Raises:
-        InputError: No such task, or something in the file is wrong; the error names the field.
+        InputError: There is no such task, or the file is invalid; the error names the field.
     """
     shipped = shipped_tasks()
     text = str(name_or_path)
@@ -52,7 +52,7 @@ def load_task_file(name_or_path: str | Path) -> Task:
 
 
 def _with_files(task: Task, folder: Path) -> Task:
-    """The task with the paths of meshes made absolute."""
+    """Make the paths of meshes absolute."""
 
     def placed(part: Shape) -> Shape:
         return part if part.file is None else part.model_copy(update={"file": str((folder / part.file).resolve())})
@@ -64,7 +64,7 @@ def _with_files(task: Task, folder: Path) -> Task:
 
 
 def task_schema() -> dict[str, Any]:
-    """JSON schema of a task file."""
+    """Return the JSON schema of a task file."""
     schema = Task.model_json_schema()
     schema["title"] = "CoRAL contact task"
     return schema

@@ -41,18 +41,18 @@ RESERVED = frozenset(
         "failure",
     }
 )
-"""Names that the models, the costs and the record give to the robot, to what it stands on and to what happens."""
+"""Names that models, costs and records use for the robot, its surroundings and events."""
 SMALLEST_M, LARGEST_M = 0.001, 5
-"""Edges of a mesh."""
+"""Bounds of a mesh's edges."""
 RESERVED_BEGINNINGS = ("robot0", "gripper0", "mount0", "fixed_mount0", "left_eef", "right_eef")
-"""Of the names of robosuite's bodies."""
+"""Prefixes of the names of robosuite's bodies."""
 
 
 def check_task(task: Task, where: str) -> None:
     """Check that the parts of a task fit together.
 
     Raises:
-        InputError: They do not; the error names the field.
+        InputError: They do not fit; the error names the field.
     """
     _check_names(task, where)
     for index, item in enumerate(task.objects):
@@ -77,7 +77,7 @@ def _check_names(task: Task, where: str) -> None:
         if name in taken or name.startswith(RESERVED_BEGINNINGS):
             raise InputError(where, field, repr(name), "a name that is not taken")
         taken.add(name)
-    # Costs read everything by one flat name, as box_pos: no two may be the same.
+    # Costs read all quantities by flat names such as box_pos: no two may be the same.
     others = [item.name for item in task.objects]
     found = [(key, "") for key in (*HAND, "table_min", "table_max")]
     for index, fixture in enumerate(task.fixtures):

@@ -17,12 +17,12 @@ from coral.errors import InputError
 
 Array = NDArray[np.float64]
 SUNK_M = 0.005
-"""Files may round a height by so much."""
+"""Tolerance of heights in files, for rounding."""
 
 
 @dataclass(frozen=True)
 class PhysicalParameters:
-    """What no camera shows: mass (kg) and friction coefficient."""
+    """The parameters that no camera shows: mass (kg) and friction coefficient."""
 
     mass_kg: float
     friction: float
@@ -42,36 +42,36 @@ class TrialObject:
 
 @dataclass(frozen=True)
 class Trial:
-    """A task with a value sampled for everything that varies."""
+    """A task with sampled values for all its ranges."""
 
     task: Task
     seed: int
     objects: dict[str, TrialObject]
 
     def size(self, name: str) -> Array:
-        """Full extents (m) of the object along its own axes, Shape=(3,)."""
+        """Return the full extents (m) of the object along its own axes, Shape=(3,)."""
         corners = self.corners(name)
         return np.asarray(corners.max(axis=0) - corners.min(axis=0))
 
     def corners(self, name: str) -> Array:
-        """Points, Shape=(n, 3), in the object's frame, whose hull holds it."""
+        """Return points, Shape=(n, 3), in the object's frame, whose convex hull contains it."""
         return corners(self.task.object(name), self.objects[name].scale)
 
     def point(self, name: str, point: str, body: BodyState) -> Array:
-        """A named point on the object, in the world, Shape=(3,)."""
+        """Return a named point on the object, in the world, Shape=(3,)."""
         local = np.asarray(self.task.object(name).points[point]) * self.objects[name].scale
         return np.asarray(body.position + rotate(body.quaternion, local))
 
     def lowest_point(self, name: str, body: BodyState) -> float:
-        """Height (m) of the object's lowest point above the table's top."""
+        """Return the height (m) of the object's lowest point above the table's top."""
         return float(body.position[2] + (self.corners(name) @ rotation_of(body.quaternion).T)[:, 2].min())
 
 
 def part_scale(part: Shape, scale: Array) -> Array:
-    """Factors along a part's own axes, Shape=(3,), of the object's factors along its axes.
+    """Convert the object's scale factors, along its axes, to factors along a part's own axes, Shape=(3,).
 
-    They are what the scale makes of the part's unit vectors. What is round grows evenly in its round directions, and a
-    part that is neither square to the object nor scaled evenly keeps its right angles.
+    They scale the part's unit vectors. Round shapes grow evenly in their round directions, and a part that is neither
+    aligned with the object nor scaled evenly keeps its right angles.
     """
     turned = rotation_of(from_rpy_deg(part.rpy_deg))
     own = np.sqrt(np.square(scale) @ np.square(turned))
@@ -83,12 +83,12 @@ def part_scale(part: Shape, scale: Array) -> Array:
 
 
 def part_size(part: Shape, scale: Array) -> Array:
-    """Full size of a part (m; of a mesh, its factors) under the object's scale."""
+    """Return the full size of a part (m; for a mesh, its factors) under the object's scale."""
     return np.asarray(part.size) * part_scale(part, scale)
 
 
 def corners(item: Movable, scale: Array) -> Array:
-    """Points, Shape=(n, 3), in the object's frame, whose hull holds it (round parts by 16 points a rim)."""
+    """Return points, Shape=(n, 3), in the object's frame, whose convex hull contains it (16 points per rim)."""
     found = []
     for part in item.parts:
         half = part_size(part, scale) / 2
@@ -109,12 +109,12 @@ def sample_trial(task: Task, seed: int, where: str = "") -> Trial:
     """Sample a trial; the same task and seed give the same trial on every machine.
 
     Args:
-        task: Whose ranges are sampled.
-        seed: Of the sampling.
+        task: The task.
+        seed: Seed of the sampling.
         where: The task's file, for errors.
 
     Raises:
-        InputError: The objects do not fit beside each other in a hundred attempts, or one begins in the table.
+        InputError: No placement without overlap in a hundred attempts, or an object begins inside the table.
     """
     where = where or f"task {task.name}"
     rng = np.random.default_rng([seed, *task.name.encode()])
@@ -158,7 +158,7 @@ def _check_heights(trial: Trial, where: str) -> None:
 
 
 def _clash(trial: Trial, gap_m: float = 0.01) -> str | None:
-    """Names of two objects whose bounding boxes are too close, or of an object inside a fixture; None for no clash."""
+    """Name two objects whose bounding boxes are too close, or an object inside a fixture; None if there are none."""
     placed = {
         name: trial.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
         for name, item in trial.objects.items()
@@ -184,11 +184,11 @@ def _separated(first: Array, second: Array, axes: Array, gap_m: float) -> bool:
 
 
 def box_corners(size: Array) -> Array:
-    """The corners, Shape=(8, 3), of a box with these full edges about the origin."""
+    """Return the corners, Shape=(8, 3), of a box with these full edges, centred at the origin."""
     return np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T * (size / 2)
 
 
 def with_beliefs(trial: Trial, beliefs: Mapping[str, PhysicalParameters]) -> Trial:
-    """The trial with believed masses and frictions in place of the true ones."""
+    """Replace the true masses and frictions of a trial by beliefs."""
     objects = {name: replace(item, physical=beliefs[name]) for name, item in trial.objects.items()}
     return replace(trial, objects=objects)

@@ -18,7 +18,10 @@ class NoDecision(RuntimeError):
 
     def __init__(self, policy: Fallback, what: str, failure: str) -> None:
         self.end_reason = failed(failure) if policy == "fail" else f"no-decision: {what}"
-        super().__init__(f"the advisor did not decide on the {what} ({failure}), and the fallback policy {policy!r} lets nothing else decide")
+        super().__init__(
+            f"the advisor did not decide on the {what} ({failure}), "
+            f"and the fallback policy {policy!r} lets nothing else decide"
+        )
 
 
 def fall_back(emit: Callable[..., None], policy: Fallback, what: str, failure: str, by: str) -> None:

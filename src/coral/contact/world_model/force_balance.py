@@ -3,9 +3,9 @@
     dragged:   -F . u = mu (m g + F_z) + m a     the table carries the weight and what the hand adds (Coulomb)
     held up:   -F_z   = m (g + a_z)              (Newton)
 
-F is the force on the hand, felt at the wrist; u the way of the object, a its acceleration. Nothing is rehearsed:
-neither the millimetres by which a tracker errs nor an arm that is no floating hand decide which finger touches what.
-Whether the history is explained better is for the replay to say.
+F is the force on the hand, measured at the wrist; u the direction of the object's motion, a its acceleration. No
+rehearsal is needed, so neither tracking errors of millimetres nor the arm's dynamics change which finger touches what.
+The replay then decides whether the history is explained better.
 """
 
 from __future__ import annotations
@@ -24,40 +24,40 @@ from coral.contact.scene.trial import PhysicalParameters, Trial
 Array = NDArray[np.float64]
 GRAVITY_M_S2 = 9.81
 FINGER_M = np.array([0.010, 0.012, 0.008])
-"""Half width of a finger, its thickness, and how far it reaches beyond the tool."""
+"""Half width of a finger, its thickness, and its extent beyond the tool."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BalanceCfg:
-    """Which stretches count, and how much."""
+    """Which time windows count, and their weight."""
 
     steps: Count = 2
-    """Of a stretch. A pushed object chatters: pushed in one step, it slides on by itself in the next, so that only over
-    two do push and friction balance. Longer ones leave out how a slide begins and ends."""
+    """Steps per window. A pushed object chatters: it is pushed in one step and slides by itself in the next, so push
+    and friction balance only over two. Longer windows miss the start and end of a slide."""
     reach: Count = 3
-    """Speeds are differences of places so many steps before and after: a tracker's own come late."""
+    """Speeds are differences of positions this many steps before and after: a tracker's own speeds lag."""
     slid_m: Positive = 0.005
-    """An object that moved by less within that reach was not dragged."""
+    """An object that moved less than this within that reach was not dragged."""
     turned_rad: Positive = 0.1
-    """One that turned by more was turned rather than dragged: friction then pulls in all directions."""
+    """An object that turned by more was rotated, not dragged: friction then acts in all directions."""
     touch_n: Positive = 0.1
-    """A stretch in which less was felt in every step tells nothing."""
+    """A window without this much force in any step is ignored."""
     flat_m: Positive = 0.008
-    """An object whose lowest point is seen within so much of the table lies on it."""
+    """An object whose lowest point is observed within this distance of the table lies on it."""
     lifted_m: Positive = 0.012
-    """One whose lowest point is seen higher is held up."""
+    """An object whose lowest point is observed above this height is held up."""
     clear_m: NonNegative = 0.003
     strike_n: Positive = 3.0
-    """A finger nearer to the table may strike it: steps that press harder are left out then."""
+    """A finger closer to the table may strike it: steps with more force are left out then."""
     force_n: Positive = 0.1
     force_share: Positive = 0.05
-    """What is left over of a right balance, and its part relative to the force."""
+    """Standard deviation of a correct balance's residual: a constant, and a share of the force."""
     inertia_share: Positive = 0.3
-    """Part of mass times acceleration that is left over."""
+    """Share of mass times acceleration in the residual."""
     model: NonNegative = 0.03
-    """Relative deviation that no number of stretches brings down."""
+    """Relative error of the model, which no number of windows reduces."""
     least: Count = 2
-    """Stretches without which nothing is said."""
+    """Minimum number of windows for a result."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Balance:
     """Time windows in which the forces on an object balance."""
 
     dragged: Array
-    """Shape=(n, 3), the hand's push along the object's way (N), F_z (N), the object's acceleration (m/s^2)."""
+    """Shape=(n, 3): push of the hand along the object's motion (N), F_z (N), acceleration of the object (m/s^2)."""
     held: Array
     """Shape=(k, 2), -F_z (N) and g + a_z (m/s^2)."""
 
@@ -78,9 +78,9 @@ def balances(steps: Sequence[Transition], name: str, trial: Trial, cfg: BalanceC
 
     Args:
         steps: The history.
-        name: The object.
+        name: Name of the object.
         trial: The trial as the robot knows it.
-        cfg: Which count.
+        cfg: Which windows count.
     """
     if len(steps) <= cfg.steps + 2 * cfg.reach:
         return Balance(np.zeros((0, 3)), np.zeros((0, 2)))
@@ -132,12 +132,12 @@ def finger_clearance(trial: Trial, step: Transition) -> float:
 def solve_balance(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[PhysicalParameters, Array]:
     """Compute the most likely mass and friction, and the covariance of their logarithms, Shape=(2, 2).
 
-    Errors are taken for Cauchy's: what touches something else is felt, too, and hard.
+    Errors follow a Cauchy distribution: contacts with other things are measured too, and are large.
 
     Args:
-        found: The stretches.
-        bounds: Shape=(2, 2), of log mass and of log friction.
-        cfg: How far off they are.
+        found: The windows.
+        bounds: Shape=(2, 2), bounds of log mass and log friction.
+        cfg: Errors of the windows.
     """
     axes = [np.linspace(low, high, 160) for low, high in bounds]
     theta = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)

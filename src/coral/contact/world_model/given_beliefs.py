@@ -1,4 +1,4 @@
-"""Initial beliefs of mass and friction from the command line: `board=2,0.9;cup=0.2,0.4`."""
+"""Prior beliefs about mass and friction from the command line: `board=2,0.9;cup=0.2,0.4`."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ def parse_beliefs(
     """Parse the beliefs about a task's objects.
 
     Args:
-        text: The words.
-        task: Whose objects they are.
-        where: For errors.
+        text: Text of the flag.
+        task: The task, for its objects.
+        where: The flag, for errors.
         cfg: Bounds.
 
     Raises:
-        InputError: It is of another form, names no object of the task or one twice, or is out of bounds.
+        InputError: The form is wrong, an object is unknown or repeated, or a value is out of bounds.
     """
     cfg = cfg or ParameterBoundsCfg()
     names = [item.name for item in task.objects]

@@ -19,7 +19,7 @@ class Window:
 
     @property
     def start(self) -> Observation:
-        """The observation at its start."""
+        """Return the observation at its start."""
         return self.steps[0].before
 
 
@@ -36,12 +36,13 @@ def windows(
 
     Args:
         steps: The history.
-        name: The object.
-        length: Steps of a window; short, as a rehearsal of contact strays from the world within tenths of a second.
-        most: Windows kept.
-        moved_m: An object that moved less and was not touched says nothing.
-        force_n: Force on the hand that counts as touching.
-        usable: Whether a rehearsal can begin with what was measured.
+        name: Name of the object.
+        length: Steps of a window; few, because a rehearsal of contact diverges from the world within tenths of a
+            second.
+        most: Maximum number of windows.
+        moved_m: A window in which the object moved less, without contact, is ignored.
+        force_n: Force on the hand that counts as contact.
+        usable: Whether a rehearsal can begin at an observation.
     """
     found = []
     for first in range(0, len(steps) - length + 1, length // 2):

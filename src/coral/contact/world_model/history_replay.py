@@ -1,4 +1,4 @@
-"""How well a belief explains the history: logged actions replayed in the planning world, compared with measurements."""
+"""Replay of a history under a belief: logged actions in the planning world, compared with measurements."""
 
 from __future__ import annotations
 
@@ -21,30 +21,30 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayCfg:
-    """In what units a replay's error counts: about what a right belief leaves over in a coarse rehearsal."""
+    """Units of a replay's errors: about the error of a correct belief in a coarse rehearsal."""
 
     position_m: Positive = 0.0005
-    """Of the object."""
+    """Unit of the object's position error."""
     angle_rad: Positive = 0.01
-    """Of the object."""
+    """Unit of the object's angle error."""
     speed_m_s: Positive = 0.03
-    """Of the object."""
+    """Unit of the object's speed error."""
     hand_m: Positive = 0.0002
-    """Of the tool."""
+    """Unit of the tool's position error."""
     force_n: Positive = 0.5
-    """On the hand, averaged over the window, plus `force_share` of what was measured."""
+    """Unit of the error of the mean force on the hand, plus `force_share` of the measured force."""
     force_share: Positive = 0.3
-    """Relative part of that."""
+    """Relative part of that unit."""
     most: Positive = 6.0
-    """An error beyond so many units counts no more: one slipped contact must not decide."""
+    """Errors are clipped at this many units: one slipped contact must not decide."""
 
 
 class HistoryReplay:
     """Replays windows of a history under many beliefs at once.
 
     Args:
-        world: A planning world of its own: its beliefs are changed.
-        windows: What is replayed.
+        world: A planning world used by nothing else: its beliefs are changed.
+        windows: The windows to replay.
         cfg: Units of the error.
     """
 
@@ -56,13 +56,13 @@ class HistoryReplay:
         """Compute root mean square errors in their units, Shape=(beliefs, windows, kinds); inf if a replay diverges.
 
         Args:
-            beliefs: Each one complete.
-            name: The object that is looked at.
+            beliefs: Complete beliefs about all objects.
+            name: The object whose error is computed.
         """
         self.world.believe(list(beliefs))
         for model in self.world.models:
-            # A replay can afford what planning at every step cannot: contacts that neither creep nor chatter, and
-            # no sleeping of objects that hardly move.
+            # A replay can afford more than planning: contacts that neither creep nor chatter, and no sleeping of
+            # objects that hardly move.
             model.opt.cone, model.opt.impratio, model.opt.iterations = mujoco.mjtCone.mjCONE_ELLIPTIC, 10.0, 50
             model.opt.enableflags &= ~SLEEP
         return np.stack([self._parts(window, name, len(beliefs)) for window in self.windows], axis=1)
@@ -71,10 +71,10 @@ class HistoryReplay:
         """Compute the mean squared error of each belief in each window, Shape=(beliefs, windows).
 
         Args:
-            parts: As from `parts`.
-            floor: Shape=(windows, kinds), what no belief explains: a kind of error that the rehearsal's coarseness, or
-                an arm that is no floating hand, leaves over in any case decides less. A window that diverges under
-                every belief tells nothing of any.
+            parts: Errors from `parts`.
+            floor: Shape=(windows, kinds), the error that no belief explains. A kind of error with a high floor, from
+                the coarse rehearsal or the arm's dynamics, has less weight. A window that diverges under every belief
+                is ignored.
         """
         share = np.full(parts.shape, np.inf)
         np.divide(parts, 1.0 + floor, out=share, where=np.broadcast_to(np.isfinite(floor), parts.shape))
@@ -83,7 +83,7 @@ class HistoryReplay:
     def _parts(self, window: Window, name: str, count: int) -> Array:
         cfg, steps = self.cfg, window.steps
         stiffness = float(np.median([step.command.stiffness for step in steps]))
-        # A rollout has one stiffness and no added force: both become displacements of equal pull.
+        # A rollout has constant stiffness and no added force: both become displacements with the same pull.
         position = np.array([_pulled(step.before.tool.position, step.command, stiffness) for step in steps])
         controls = ControlSequences(
             position[None],

@@ -1,8 +1,8 @@
 """World-model correction (section 3.4, A.5): fit mass and friction so that a replay explains the logged history.
 
-What a history can tell: pushed slowly, an object answers with friction x mass x g, whatever the two are; what tells
-them apart is a change of speed (mass), free sliding (friction) or the weight of what is lifted (mass). The fit
-therefore reports how well each is known, and the product.
+A history determines only some combinations. A slow push reveals the product friction x mass x g; a change of speed
+(mass), free sliding (friction) or the weight of a lifted object (mass) separates the two. The fit therefore reports the
+standard deviation of each and of the product.
 """
 
 from __future__ import annotations
@@ -25,36 +25,36 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class IdentifyCfg:
-    """The fit."""
+    """Settings of the fit."""
 
     mass_kg: tuple[Positive, Positive] = (0.02, 5.0)
     friction: tuple[Positive, Positive] = (0.1, 1.5)
-    """Bounds."""
+    """Bounds of the fit."""
     grid: Count = 6
-    """Coarse values of each in the bounds, tried first: replay errors have several valleys."""
+    """Number of coarse values of each within the bounds, tried first: replay errors have several minima."""
     samples: Count = 20
-    """Beliefs of each refinement (cross-entropy method on log mass and log friction)."""
+    """Beliefs per refinement (cross-entropy method on log mass and log friction)."""
     rounds: Count = 3
-    """Refinements."""
+    """Number of refinements."""
     elite: Fraction = 0.25
-    """Share of them that the next round is drawn about."""
+    """Share of the best beliefs, about which the next round samples."""
     better: Fraction = 0.02
-    """A correction is accepted if the windows it was not fitted on are explained better by this share."""
+    """A correction is accepted if it lowers the error of the held-out windows by this share."""
     known: Positive = 0.15
-    """Relative deviation up to which a parameter counts as known."""
+    """Relative standard deviation up to which a parameter counts as known."""
     much: Fraction = 0.3
-    """A history that tells little of either parameter corrects them only if explained better by this share."""
+    """A history that determines neither parameter well must lower the error by this share instead."""
     mass_doubt: Positive = 1.0
     friction_doubt: Positive = 0.4
-    """Relative deviations of what is believed while nobody has touched anything: how far a correction moves along what
-    its history tells nothing of."""
+    """Relative standard deviations of the belief before any contact: they limit a correction along directions on which
+    the history has no information."""
     replay: ReplayCfg = field(default_factory=ReplayCfg)
     """Units of the error."""
     by: Literal["replay", "balance"] = "replay"
-    """What proposes a correction: "replay", the fit of replayed commands; "balance", the balance of forces on what was
-    dragged or held up, where there was any, else the fit."""
+    """Source of corrections: "replay", the fit of replayed commands; "balance", the balance of forces on dragged or
+    lifted objects, or the fit if there is none."""
     balance: BalanceCfg = field(default_factory=BalanceCfg)
-    """Which stretches count there."""
+    """Windows of the balance."""
 
 
 @dataclass(frozen=True)
@@ -62,21 +62,21 @@ class Fit:
     """A proposed correction and the evidence for it."""
 
     object: str
-    """Whose parameters."""
+    """Name of the object."""
     before: PhysicalParameters
     after: PhysicalParameters
-    """Its parameters."""
+    """The proposed parameters."""
     error_before: float
     error_after: float
-    """Replay error in the windows that the fit has not seen."""
+    """Replay error of the held-out windows."""
     accepted: bool
-    """Whether the history is explained better."""
+    """Whether it explains the history better."""
     mass_sd: float
     friction_sd: float
     product_sd: float
-    """Relative deviations (of log values) that the error's curvature leaves."""
+    """Relative standard deviations (of log values), from the curvature of the error."""
     windows: int
-    """Replayed."""
+    """Number of replayed windows."""
 
     def words(self, known: float = 0.15) -> str:
         """Describe the correction in a sentence."""
@@ -101,13 +101,13 @@ def identify(
 ) -> Fit:
     """Fit the mass and friction of one object.
 
-    Fitted on every second window and accepted on the others, so that a correction must hold for what it has not seen.
+    It is fitted to every second window and accepted on the others, so that it must hold for unseen windows.
 
     Args:
-        replay: The history, two windows or more.
-        name: The object.
-        believed: What is believed now, of all objects.
-        cfg: The fit.
+        replay: Replay of the history, two windows or more.
+        name: Name of the object.
+        believed: Present beliefs about all objects.
+        cfg: Settings of the fit.
         rng: Draws the refinements.
     """
     seen = [True] * len(replay.windows) if len(replay.windows) < 4 else [k % 2 == 0 for k in range(len(replay.windows))]
@@ -155,16 +155,16 @@ def fit_by_replay(
     cfg: IdentifyCfg,
     rng: np.random.Generator,
 ) -> Fit:
-    """Fit by replay, then shrink towards the belief along the directions on which the history says little.
+    """Fit by replay, then shrink towards the belief along directions on which the history has little information.
 
-    Slow pushes tell the product of mass and friction; fitted freely, a block of 1 kg became one of 4.6 kg that slides
-    on ice. Belief and fit are taken for normal in the logarithms, and the mean of their product is proposed.
+    Slow pushes determine only the product of mass and friction; fitted freely, a block of 1 kg became one of 4.6 kg
+    that slides on ice. Belief and fit are treated as normal in the logarithms; the mean of their product is proposed.
 
     Args:
-        replay: The history, two windows or more.
-        name: The object.
-        believed: What is believed now, of all objects.
-        cfg: The fit.
+        replay: Replay of the history, two windows or more.
+        name: Name of the object.
+        believed: Present beliefs about all objects.
+        cfg: Settings of the fit.
         rng: Draws the refinements.
     """
     return shrink_to_belief(identify(replay, name, believed, cfg, rng), replay, believed, cfg)
@@ -176,11 +176,11 @@ def fit_by_balance(
     """Fit by the balance of forces, shrunk as in `fit_by_replay`; the replay decides whether it is better.
 
     Args:
-        found: One stretch or more.
-        replay: The history.
-        name: The object.
-        believed: What is believed now, of all objects.
-        cfg: The fit.
+        found: One window or more.
+        replay: Replay of the history.
+        name: Name of the object.
+        believed: Present beliefs about all objects.
+        cfg: Settings of the fit.
     """
     after, covariance = solve_balance(found, np.log([cfg.mass_kg, cfg.friction]), cfg.balance)
     one = np.ones(2)
@@ -199,11 +199,11 @@ def shrink_to_belief(
     """Shrink a fit towards the belief; accept it if the replay explains the history better. See `fit_by_replay`.
 
     Args:
-        fit: As the history alone tells.
-        replay: The history.
-        believed: What is believed now, of all objects.
-        cfg: How much that is doubted.
-        forces: Balances of forces, where they count too.
+        fit: Result of the history alone.
+        replay: Replay of the history.
+        believed: Present beliefs about all objects.
+        cfg: Uncertainty of the beliefs.
+        forces: Balances of forces, if they count as well.
     """
     name = fit.object
     both = (fit.product_sd**2 - fit.mass_sd**2 - fit.friction_sd**2) / 2
@@ -226,7 +226,7 @@ def shrink_to_belief(
 class Corrections:
     """Successive fits of one object's parameters, averaged by their information.
 
-    What was believed before the first fit has no weight in the average: it came from looking, not from touching.
+    The belief before the first fit has no weight in the average: it comes from vision, not from contact.
     """
 
     def __init__(self) -> None:
@@ -243,10 +243,10 @@ class Corrections:
         """Fit the new history, average with earlier fits, and accept if the replay explains it better.
 
         Args:
-            replay: The history since the last fit.
-            name: The object.
-            believed: What is believed now.
-            cfg: The fit.
+            replay: Replay of the history since the last fit.
+            name: Name of the object.
+            believed: Present beliefs.
+            cfg: Settings of the fit.
             rng: Draws the refinements.
         """
         self.fits.append(identify(replay, name, believed, cfg, rng))
@@ -286,7 +286,7 @@ def replay_errors(
 ) -> tuple[float, float]:
     """Compute the errors of a belief and a proposal: of the replay and, if it counts, of the balance of forces.
 
-    A rehearsed pinch slips where the real one holds, whatever the mass: beside the balance the replay decides less.
+    A rehearsed pinch slips where the real one holds, whatever the mass: with a balance, the replay has less weight.
     """
     before, after = compare(replay, name, believed, proposed)
     if found is None or not len(found):
@@ -315,10 +315,10 @@ def _average(values: list[tuple[float, float]]) -> tuple[float, float]:
 
 
 def _valley(theta: Array, score: Array, low: Array, high: Array) -> tuple[Array, tuple[float, float, float]]:
-    """Return the minimum of the error valley, and relative deviations of mass, friction and their product.
+    """Return the minimum of the error valley, and the relative deviations of mass, friction and their product.
 
-    Chattering contacts make single errors jump; a quadratic through those about the best one does not follow the jumps.
-    A deviation is the change that raises the error by as much as the errors scatter about the quadratic, or by a tenth.
+    Chattering contacts make single errors jump; a quadratic through those about the best one smooths them. A deviation
+    is the change that raises the error by its scatter about the quadratic, or by a tenth.
     """
     best = theta[int(np.argmin(score))]
     weight = np.exp(-0.5 * np.square((theta - best) / 0.35).sum(axis=1))

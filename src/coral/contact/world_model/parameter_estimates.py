@@ -1,4 +1,4 @@
-"""Mass and friction, which no camera shows: estimated by the advisor from what the objects are (section 3.1, A.7)."""
+"""Mass and friction, which no camera shows: estimated by the advisor from the kind of object (section 3.1, A.7)."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ class ParameterEstimates(RootModel[dict[str, ParameterEstimate]]):
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterBoundsCfg:
-    """What is possible of something that a hand can move."""
+    """Physically possible parameters of an object that a hand can move."""
 
     mass_kg: tuple[Positive, Positive] = (0.005, 20.0)
-    """Bounds; those of the task format."""
+    """Bounds, as in the task format."""
     friction: tuple[Positive, Positive] = (0.02, 2.0)
-    """Bounds; those of the task format."""
+    """Bounds, as in the task format."""
     density_kg_m3: tuple[Positive, Positive] = (5.0, 12_000.0)
     """Bounds on mass over the volume of the bounding box: above air-filled foam, below lead."""
 
@@ -53,7 +53,7 @@ def verify_estimates(
 
     Args:
         answer: The estimates.
-        sizes: Full extents (m) of every object that moves.
+        sizes: Full extents (m) of every movable object.
         cfg: Bounds.
     """
     cfg = cfg or ParameterBoundsCfg()

@@ -1,7 +1,8 @@
 """Identification experiment: mass and friction of a pushed board, from a belief that is far off (Fig. 4).
 
-The board is pushed slowly (friction x mass shows as force) and struck so that it slides on by itself (friction shows as
-braking), from both ends in turn, in an evaluation world that knows the true values; the fit sees poses and forces only.
+The board is pushed slowly (the force reveals friction x mass) and struck so that it slides by itself (its braking
+reveals friction), from both ends in turn, in an evaluation world that knows the true values. The fit uses poses and
+forces only.
 """
 
 from __future__ import annotations
@@ -25,25 +26,25 @@ from coral.contact.worlds.registry import make_world
 
 Array = NDArray[np.float64]
 ACROSS = np.array([0.0, np.sqrt(0.5), -np.sqrt(0.5), 0.0])
-"""Palm down, the fingers side by side along x."""
+"""Palm down, with the fingers side by side along x."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ProbeCfg:
-    """The experiment."""
+    """Settings of the experiment."""
 
     corrections: Count = 5
-    """After so many rounds of pushes (paper, Fig. 4: about five)."""
+    """Number of rounds of pushes, each followed by a correction (paper, Fig. 4: about five)."""
     windows: Count = 10
-    """Replayed for each correction."""
+    """Windows replayed for each correction."""
     replay_dt_s: Positive = 0.002
-    """Step of the physics in replays; what is fitted is subtler than what a rehearsal needs."""
+    """Physics step in replays; the fit needs more accuracy than a rehearsal."""
     slow_m_s: Positive = 0.12
     """Speed of the slow pushes."""
     fast_m_s: Positive = 0.3
-    """Speed of the blows."""
+    """Speed of the strikes."""
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
-    """The fit."""
+    """Settings of the fit."""
 
 
 def probe(
@@ -59,10 +60,10 @@ def probe(
 
     Args:
         trial: The trial; everything but the true parameters is taken from it.
-        name: The object; it is pushed along its y axis.
-        truth: What it really is.
-        first: What is believed at first.
-        cfg: The experiment.
+        name: Name of the object; it is pushed along its y axis.
+        truth: Its true parameters.
+        first: The prior belief.
+        cfg: Settings of the experiment.
         rng: Draws the fits.
         world: The evaluation world.
 

@@ -1,4 +1,4 @@
-"""The interface between an episode and the world it runs in: a simulation, or a real robot."""
+"""The interface between an episode and its world: a simulation or a real robot."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from coral.contact.scene.observation import HandTarget, Observation, Truth
 
 
 class WorldError(RuntimeError):
-    """The world can no longer be stepped.
+    """The world cannot be stepped any further.
 
     Args:
-        code: Why: "diverged", "tunnelling", "unreachable", "camera-off", "not-found", "tracker-failed".
-        text: The message shown to people.
+        code: Reason: "diverged", "tunnelling", "unreachable", "camera-off", "not-found", "tracker-failed".
+        text: Message for people.
     """
 
     def __init__(self, code: str, text: str) -> None:
@@ -28,17 +28,17 @@ class Simulation:
     """The MuJoCo simulation behind a world."""
 
     model: mujoco.MjModel
-    """Bodies, joints and shapes; fixed."""
+    """The model: bodies, joints and shapes; constant."""
     data: mujoco.MjData
-    """The present state; the world changes it in place as it steps."""
+    """The present state; the world changes it in place."""
 
 
 class EvaluationWorld(Protocol):
-    """Where an episode runs: a simulated Panda, a free-flying hand, or a robot.
+    """World of an episode: a simulated Panda, a free-flying hand, or a robot.
 
     Attributes:
-        name: For records.
-        control_period_s: How long one `step` lasts.
+        name: Name for records.
+        control_period_s: Duration of one `step`.
     """
 
     name: str
@@ -46,7 +46,7 @@ class EvaluationWorld(Protocol):
 
     @property
     def simulation(self) -> Simulation | None:
-        """What simulated cameras draw and recordings of joint positions read; None for a world without MuJoCo.
+        """Return the simulation, for simulated cameras and recordings of joint positions; None without MuJoCo.
 
         It is for sensors and records only: a decision must not read it.
         """
@@ -60,12 +60,12 @@ class EvaluationWorld(Protocol):
         """Advance by one control period with the hand pulled towards `target`.
 
         Raises:
-            WorldError: The simulation diverged, or the robot cannot go on.
+            WorldError: The simulation diverged, or the robot cannot continue.
         """
         ...
 
     def truth(self) -> Truth:
-        """The true state, by which success is judged."""
+        """Return the true state, by which success is judged."""
         ...
 
     def close(self) -> None:

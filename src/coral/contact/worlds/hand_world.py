@@ -1,7 +1,7 @@
 """The light evaluation world: a free-flying hand in a finer simulation than the planner's; it needs no robosuite.
 
-It differs from the planning world in what the planner cannot know (true masses and frictions) and in the physics: 2 ms
-steps, elliptic cones, contacts that resist twisting.
+It differs from the planning world in the parameters that the planner cannot know (true masses and frictions) and in the
+physics: 2 ms steps, elliptic cones, contacts that resist twisting.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class HandWorldCfg:
     physics_dt_s: TimeStep = 0.002
     """Step of the physics."""
     control_period_s: TimeStep = 0.02
-    """How long each target is applied."""
+    """Duration of each target."""
     hand: HandCfg = field(default_factory=HandCfg)
     """The hand's dynamics."""
     start_m: tuple[float, float, float] = (-0.1, 0.0, 0.25)
@@ -126,7 +126,7 @@ class HandWorld:
 
 
 def part_of(model: mujoco.MjModel, geom: int) -> str:
-    """Name of a geom for the judge."""
+    """Return a geom's name for the judge."""
     body = int(model.geom_bodyid[geom])
     return str(model.geom(geom).name if body == 0 else model.body(body).name)
 

@@ -43,7 +43,7 @@ def check_world(name: str, where: str = "--world") -> None:
     """Check that a world of this name exists.
 
     Raises:
-        InputError: None does.
+        InputError: There is none.
     """
     if name not in WORLDS:
         raise InputError(where, "", repr(name), f"one of {', '.join(WORLDS)}{nearest(name, WORLDS)}")

@@ -1,4 +1,4 @@
-"""A robosuite environment: a Franka Panda behind our table, stepped by robosuite's own loop.
+"""A robosuite environment: a Franka Panda behind the task's table, stepped by robosuite's own loop.
 
 robosuite composes the robot (arm, gripper, mount) and runs the physics. An XML processor adds the scene, and a callback
 in `_pre_action` sets the arm's torques at every physics step.
@@ -34,20 +34,20 @@ class RobotCfg:
     """Base and start posture of the robot."""
 
     base: tuple[float, float, float] = (-0.5, 0.0, 0.0)
-    """Foot of the arm (link 0), world frame, m. Chosen by a study of inverse kinematics that is kept as a test."""
+    """Foot of the arm (link 0), world frame, m. Chosen by a study of inverse kinematics, which is kept as a test."""
     joints: tuple[float, ...] = (0.0, -0.1, 0.0, -2.35, 0.0, 2.25, np.pi / 4)
     """Shape=(7,) rad at reset: hand pointing down over the near half of the table, elbow up, mid-range."""
     motor_inertia: float = 0.1
-    """Of rotor and gear at each joint, kg m^2; robosuite has 5 to 0.7."""
+    """Inertia of rotor and gear at each joint, kg m^2; robosuite has 5 to 0.7."""
     link_inertia_factor: float = 0.1
     """Scales robosuite's rotational inertias of links and hand, which would fit bodies three times as long (0.3 kg m^2
     for a link of 3 kg)."""
     physics_step_s: float = 0.002
-    """robosuite's 2 ms keep a stiff grasp stable."""
+    """Physics step; robosuite's 2 ms keep a stiff grasp stable."""
 
 
 def _robosuite() -> Any:
-    logging.disable(logging.WARNING)  # it warns about macros, models and a controller that are not used
+    logging.disable(logging.WARNING)  # it warns about unused macros, models and a controller
     try:
         import robosuite
         from robosuite.environments.manipulation.manipulation_env import ManipulationEnv
@@ -84,7 +84,7 @@ def make_environment(
     _, manipulation_env, empty_arena, manipulation_task = _robosuite()
 
     class PandaAtTable(manipulation_env):  # type: ignore[misc, valid-type]
-        """The Panda before a table; no reward, no cameras and no observables: the world reads the state itself."""
+        """The Panda in front of a table; no reward, cameras or observables: the world reads the state itself."""
 
         def _load_model(self) -> None:
             super()._load_model()
@@ -101,7 +101,7 @@ def make_environment(
         def initialize_time(self, control_freq: float) -> None:
             super().initialize_time(control_freq)
             self.model_timestep = cfg.physics_step_s
-            self.control_timestep = control_period_s * (1.0 + 1e-9)  # robosuite cuts the ratio down to a whole number
+            self.control_timestep = control_period_s * (1.0 + 1e-9)  # robosuite truncates the ratio to an integer
 
         def _setup_observables(self) -> OrderedDict[str, Any]:
             return OrderedDict()

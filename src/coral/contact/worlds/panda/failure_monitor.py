@@ -1,4 +1,4 @@
-"""Detects that a simulated trial cannot go on: divergence, an object through the table, an unreachable pose."""
+"""Detects states in which a simulated trial must end: divergence, tunnelling, an unreachable pose."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ class FailureMonitorCfg:
     """Limits."""
 
     max_speed: float = 100.0
-    """m/s or rad/s of any joint or object; beyond it the simulation has diverged."""
+    """Limit on the speed of any joint or object, m/s or rad/s; beyond it the simulation has diverged."""
     sunk_m: float = 0.01
     """An object whose centre of mass is farther below the table's top than this has passed through it."""
     reach_error_m: float = 0.03
     reach_error_rad: float = 0.3
-    """A hand that rests this far from its target, touching nothing, for `reach_time_s`, cannot get there."""
+    """A hand at rest this far from its target, without contact, for `reach_time_s`, cannot reach it."""
     reach_time_s: float = 1.0
     rest_m_s: float = 0.02
     """A hand slower than this is at rest."""
@@ -32,7 +32,7 @@ class FailureMonitor:
     """Checks the state after every control period.
 
     Args:
-        model: The simulation.
+        model: Model of the simulation.
         cfg: Limits.
         objects: Bodies of the movable objects.
     """

@@ -5,8 +5,8 @@
     D   = zeta (sqrt(Lambda) sqrt(K) + sqrt(K) sqrt(Lambda))                 Albu-Schaeffer et al. (2003), translation
                                                                              and rotation each by itself
 
-Inertia is not shaped, which would need the contact force. At rest the environment therefore feels exactly K, in motion
-the arm's own effective mass on that spring.
+Inertia is not shaped, which would require the contact force. At rest the environment therefore feels exactly K; in
+motion it also feels the arm's own effective mass on that spring.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ class ImpedanceCfg:
     """Gains besides the commanded stiffness."""
 
     lever_m2: float = 0.05
-    """Rotational stiffness (N m/rad) per translational stiffness (N/m), as of the planner's hand."""
+    """Rotational stiffness (N m/rad) per translational stiffness (N/m), the same as for the planner's hand."""
     damping_ratio: float = 1.0
-    """1 is critical."""
+    """Damping ratio; 1 is critical."""
     max_force_n: float = 60.0
     max_torque_nm: float = 10.0
-    """Limits of the spring, however far the target."""
+    """Limits on the spring force and torque, at any distance from the target."""
     posture_stiffness: float = 10.0
-    """N m/rad towards the reset posture, in the nullspace."""
+    """Stiffness towards the reset posture in the nullspace, N m/rad."""
     limit_margin_rad: float = 0.2
     limit_stiffness: float = 60.0
-    """Closer to a joint's limit than this, a spring (N m/rad) in the nullspace pushes back."""
+    """Within `limit_margin_rad` of a joint's limit, a spring (N m/rad) in the nullspace pushes back."""
     max_effective_mass: float = 30.0
-    """kg; bounds the damping near singular postures."""
+    """Limit on the effective mass, kg; bounds the damping near singular postures."""
 
 
 class Impedance:
@@ -49,7 +49,7 @@ class Impedance:
     Args:
         model, data: The simulation; `data.ctrl` is written.
         cfg: Gains.
-        posture: Shape=(7,) rad, the posture that the nullspace is pulled towards.
+        posture: Shape=(7,) rad, the posture to which the nullspace is pulled.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, cfg: ImpedanceCfg, posture: Array) -> None:
@@ -121,7 +121,7 @@ class Impedance:
         data.ctrl[self._fingers] = (half, -half)
 
     def error(self, target: HandTarget) -> Array:
-        """Error from the tool to its target: metres, and radians about world axes. Shape=(6,)."""
+        """Compute the error from the tool to its target: metres, and radians about world axes. Shape=(6,)."""
         error = np.empty(6)
         error[:3] = target.position - self._data.site_xpos[self._site]
         tool = self._data.site_xmat[self._site].reshape(3, 3) @ TOOL_IN_SITE

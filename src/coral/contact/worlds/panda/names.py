@@ -1,4 +1,4 @@
-"""robosuite's names for the parts of its Panda, and the tool frame on it."""
+"""robosuite's names for the parts of its Panda, and the tool frame."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FORCE_SENSOR, TORQUE_SENSOR = "gripper0_right_force_ee", "gripper0_right_torque_
 LEFT_BODIES = ("gripper0_right_leftfinger", "gripper0_right_finger_joint1_tip")
 RIGHT_BODIES = ("gripper0_right_rightfinger", "gripper0_right_finger_joint2_tip")
 
-# The grip site's x runs along the opening; the tool's y does. Both have z out of the palm.
+# The grip site's x axis is the opening direction; for the tool it is y. Both have z out of the palm.
 TOOL_IN_SITE = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 PAD_GEOMS = tuple(f"gripper0_right_finger{side}{part}_collision" for side in (1, 2) for part in ("", "_pad"))
@@ -26,7 +26,7 @@ PAD_OVERLAP_M = 0.001  # the pads' faces meet before the finger joints read zero
 
 
 def part_of(model: mujoco.MjModel, geom: int) -> str:
-    """Name of a geom for the judge: "left", "right", "hand", "robot", an object or a fixture."""
+    """Return a geom's name for the judge: "left", "right", "hand", "robot", an object or a fixture."""
     name: str = model.geom(geom).name
     if int(model.geom_bodyid[geom]) == 0:
         return "floor" if name == FLOOR else name

@@ -26,15 +26,15 @@ class PandaWorldCfg:
     """Configuration of the Panda world."""
 
     control_period_s: TimeStep = 0.02
-    """How long each target is applied: the planner's control step."""
+    """Duration of each target: the planner's control step."""
     robot: RobotCfg = field(default_factory=RobotCfg)
     """Base and start posture."""
     impedance: ImpedanceCfg = field(default_factory=ImpedanceCfg)
     """The controller's gains."""
     watch: FailureMonitorCfg = field(default_factory=FailureMonitorCfg)
-    """Limits beyond which an episode cannot go on."""
+    """Limits beyond which an episode ends."""
     start_opening_m: float = 0.08
-    """Of the fingers at reset."""
+    """Opening of the fingers at reset."""
     settle_s: float = 0.1
     """Time for the objects to come to rest before the clock starts."""
     settle_stiffness: float = 600.0
@@ -46,7 +46,7 @@ class PandaWorld:
 
     Args:
         trial: The trial.
-        cfg: The world.
+        cfg: Configuration of the world.
 
     Raises:
         RunError: robosuite is not installed.
@@ -117,7 +117,7 @@ class PandaWorld:
 
     @property
     def effective_mass(self) -> Array:
-        """Effective mass of the hand at the present posture, Shape=(3, 3) kg."""
+        """Compute the effective mass of the hand at the present posture, Shape=(3, 3) kg."""
         return self._impedance.effective_mass
 
     def _place_robot(self) -> None:

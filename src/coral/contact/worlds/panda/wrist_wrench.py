@@ -1,7 +1,7 @@
 """The contact wrench on the hand, from the force/torque sensor at the wrist.
 
-The sensor also measures the hand's weight and inertia; both are subtracted as for a rigid body of known mass
-(Newton-Euler), averaged over a control period, over which the acceleration is exactly the change of velocity.
+The sensor also measures the hand's weight and inertia. Both are subtracted as for a rigid body of known mass
+(Newton-Euler), averaged over a control period, in which the mean acceleration is exactly the change of velocity.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class WristWrench:
         self._count += 1
 
     def wrench(self) -> Array:
-        """Mean contact force (N) and torque (N m) on the hand since `begin`. Shape=(6,).
+        """Compute the mean contact force (N) and torque (N m) on the hand since `begin`. Shape=(6,).
 
         At the tool, in world axes. Positions and velocities must be up to date.
         """
@@ -74,7 +74,7 @@ class WristWrench:
         return np.concatenate([force, torque + _cross(lever, force)])
 
     def _velocity(self) -> Array:
-        """Of the hand's centre of mass, and its rotation; world axes. Shape=(6,)."""
+        """Return the velocity of the hand's centre of mass, and its angular velocity; world axes. Shape=(6,)."""
         model, data = self._model, self._data
         jacobian = np.zeros((6, model.nv))
         centre = data.xpos[self._body] + data.xmat[self._body].reshape(3, 3) @ self._centre
@@ -84,7 +84,7 @@ class WristWrench:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """Cross product of two vectors; NumPy's own takes ten times as long."""
+    """Compute the cross product of two vectors; NumPy's own takes ten times as long."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
