@@ -1,1 +1,1 @@
-"""Where the objects are: a ray-cast RGB-D camera, and pose registration and tracking from its pictures."""
+"""Object poses from pictures: a ray-cast RGB-D camera, pose registration and tracking."""

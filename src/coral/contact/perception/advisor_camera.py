@@ -17,29 +17,29 @@ from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld
 
 Look = Callable[[], RgbdFrame | None]
-"""A picture of the world as it stands; None where there is no camera."""
+"""Takes a picture of the present world; None without a camera."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AdvisorCameraCfg:
-    """The pictures that go with questions; the camera stands where the tracker's does."""
+    """Pictures for questions; the viewpoint is the tracker's."""
 
     width: int = 640
     height: int = 480
-    """Pixels; 640 by 480 is what vision models see without scaling it down."""
+    """Size in pixels; vision models read 640 by 480 without downscaling."""
 
 
 def make_advisor_camera(
     world: EvaluationWorld, trial: Trial, tracked: TrackedCfg, cfg: AdvisorCameraCfg, rng: np.random.Generator
 ) -> Look:
-    """Make the advisor's camera. It is built with the first picture: many episodes take none.
+    """Make the advisor's camera. It is built for the first picture: many episodes take none.
 
     Args:
-        world: Without a simulation there are no pictures.
+        world: The world; without a simulation there are no pictures.
         trial: The trial.
         tracked: Viewpoint and depth noise.
-        cfg: Size of its pictures.
-        rng: For the noise of depth; separate, so that taking pictures changes nothing else.
+        cfg: Size of the pictures.
+        rng: Random numbers of the depth noise; separate, so that taking pictures changes nothing else.
     """
     simulation = world.simulation
     camera: list[RayCamera] = []

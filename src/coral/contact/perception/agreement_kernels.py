@@ -1,4 +1,4 @@
-"""Agreement of an object, drawn at a pose, with a picture; and a first shift that moves the drawing onto the mask."""
+"""Agreement between a picture and an object drawn at a pose; and a first shift that moves the drawing onto the mask."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from coral.contact.perception.raycast_kernels import render
 from coral.contact.perception.solids import Solids
 
 AGREE, WRONG, UNCOVERED, FREE, HIDDEN, DRAWN, RESIDUAL = 0, 1, 2, 3, 4, 5, 6
-"""What `count_agreement` writes."""
+"""Entries of the tally that `count_agreement` writes."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -28,11 +28,11 @@ def count_agreement(
 
     Args:
         turn: Shape=(3, 3), object to camera.
-        shift: Shape=(3,) m, likewise.
-        solids: The object's, in its own frame.
-        patch: What the camera measured.
-        margin: Measured and drawn surface agree within this distance (m) along the normal. Along the optical axis it
-            may be four times as much: depth is noisier on slanted surfaces.
+        shift: Shape=(3,) m, object to camera.
+        solids: Solids of the object, in its own frame.
+        patch: The measurement.
+        margin: Measured and drawn surface agree within this distance (m) along the normal, and within four times this
+            distance along the optical axis: depth is noisier on slanted surfaces.
         tally: Shape=(7,), written: pixels where depths agree, where they do not, where the drawing does not cover the
             mask, where it covers free space, where something nearer occludes it, where it is drawn; and the sum of
             |difference| / margin over the pixels that agree. Pixels next to an outline count as neither uncovered nor
@@ -95,9 +95,9 @@ def shift_onto_mask(
 
     Args:
         turn: Shape=(3, 3), object to camera.
-        shift: Shape=(3,) m, likewise.
-        solids: The object's, in its own frame.
-        patch: What the camera measured.
+        shift: Shape=(3,) m, object to camera.
+        solids: Solids of the object, in its own frame.
+        patch: The measurement.
         rounds: Number of drawings.
     """
     measured, mask, lens = patch.depth, patch.mask, patch.lens

@@ -1,7 +1,7 @@
-"""Alignment of a rendered object with what a camera measured.
+"""Alignment of a rendered object with a camera's measurement.
 
-The object is drawn at the present guess by the camera's ray caster, so that only its visible surfaces count. Two
-residuals are minimised by Gauss-Newton steps:
+The object is drawn at the present guess by the camera's ray caster, so that only its visible surfaces count.
+Gauss-Newton steps minimise the sum of squares of two residuals:
 
 * depth: measured minus drawn point along the drawn normal (point-to-plane, projective association; Chen & Medioni
   1992, Newcombe et al. 2011), where both the object's mask and its drawing are;
@@ -23,7 +23,7 @@ from coral.contact.perception.raycast_kernels import render
 from coral.contact.perception.solids import Solids
 
 _LEVER = 0.03
-"""A turn by 1 rad weighs as much as a shift by this (m), about the lever arm of a small object's points."""
+"""A rotation by 1 rad weighs as much as a shift by this (m): the lever arm of a small object's points."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -39,19 +39,19 @@ def align(
     outline: float,
     hold: float,
 ) -> int:
-    """Improve a pose; returns the number of steps taken.
+    """Improve a pose; return the number of steps.
 
     Args:
         turn: Shape=(3, 3), object to camera; changed in place.
-        shift: Shape=(3,) m, likewise.
-        pivot: Shape=(3,) m, the point of the object about which steps turn it.
-        solids: The object's, in its own frame.
-        patch: What the camera measured.
-        iterations: Largest number of steps.
-        wide: Depth residuals beyond this (m) do not count in the first step.
-        tight: Nor beyond this in the last one.
-        outline: Weight of an outline residual against a depth residual.
-        hold: Weight of the first guess, in depth residuals along every direction.
+        shift: Shape=(3,) m, object to camera; changed in place.
+        pivot: Shape=(3,) m, the point of the object about which steps rotate it.
+        solids: Solids of the object, in its own frame.
+        patch: The measurement.
+        iterations: Maximum number of steps.
+        wide: Depth residuals larger than this (m) are ignored in the first step.
+        tight: Depth residuals larger than this (m) are ignored in the last step.
+        outline: Weight of an outline residual relative to a depth residual.
+        hold: Weight of the first guess, in depth residuals, along every direction.
     """
     height, width = patch.depth.shape
     depth = np.empty((height, width))
@@ -101,7 +101,7 @@ def _accumulate(
     h: NDArray[np.float64],
     b: NDArray[np.float64],
 ) -> None:
-    """Normal equations of both residuals for a small turn about `middle` and a small shift."""
+    """Build the normal equations of both residuals for a small rotation about `middle` and a small shift."""
     measured, mask, field, occlusion, lens = patch.depth, patch.mask, patch.mask_distance, patch.occlusion, patch.lens
     height, width = depth.shape
     h[:] = 0.0
@@ -130,10 +130,11 @@ def _accumulate(
             if away > 0.0 and (occlusion[v, u] == ROBOT or 0.0 < seen < z - NEARER):
                 continue  # occluded
             if away <= 0.0 and occlusion[v, u] == OCCLUDED_RIM:
-                continue  # the mask ends here only because of the occluder
+                continue  # only the occluder ends the mask here
             gu, gv = 0.5 * (field[v, u + 1] - field[v, u - 1]), 0.5 * (field[v + 1, u] - field[v - 1, u])
             weight = outline / max(1.0, abs(away) / 4.0)
-            # The residual is what the outline's point must move along the gradient, in metres at its depth.
+            # The residual is the distance by which the outline's point must move along the gradient, in metres at its
+            # depth.
             _add(middle, p, q, z, gu, gv, -gu * p - gv * q, -away * z / lens[0], weight, row, h, b)
 
 
@@ -152,7 +153,7 @@ def _add(
     h: NDArray[np.float64],
     b: NDArray[np.float64],
 ) -> None:
-    """One equation n . (turn x (point - middle) + shift) = residual."""
+    """Add one equation n . (turn x (point - middle) + shift) = residual."""
     x, y, w = z * p - middle[0], z * q - middle[1], z - middle[2]
     row[0], row[1], row[2] = y * nz - w * ny, w * nx - x * nz, x * ny - y * nx
     row[3], row[4], row[5] = nx, ny, nz
@@ -164,7 +165,7 @@ def _add(
 
 @njit(cache=True, error_model="numpy")
 def _solve(h: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
-    """Solve h x = b into `b` by Cholesky; False where nothing was measured.
+    """Solve h x = b into `b` by Cholesky; return False if nothing was measured.
 
     The damping leaves unobserved directions, such as the spin of a can, unchanged.
     """
@@ -203,7 +204,7 @@ def _apply(
     middle: NDArray[np.float64],
     step: NDArray[np.float64],
 ) -> None:
-    """Turn the pose about `middle` and shift it."""
+    """Rotate the pose about `middle` and shift it."""
     angle = math.sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])
     s = math.sin(angle) / angle if angle > 1e-12 else 1.0
     c = (1.0 - math.cos(angle)) / (angle * angle) if angle > 1e-12 else 0.5

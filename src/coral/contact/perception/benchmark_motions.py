@@ -1,7 +1,7 @@
-"""Motions to measure a tracker by: objects moved as in the six tasks, with a two-finger hand in the way.
+"""Motions for measuring a tracker: objects moved as in the six tasks, with a two-finger hand in the way.
 
-The motions are kinematic, not simulated, so that they are the same on every machine. Frames: world, metres, z
-up; the tool frame has z out of the palm and y along the opening.
+The motions are kinematic, not simulated, so they are the same on every machine. Frames: world, metres, z up; the tool
+frame has z out of the palm and y along the opening.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from coral.errors import InputError, nearest
 Array = NDArray[np.float64]
 _X, _Y, _Z = np.eye(3)
 _DOWN = np.diag([-1.0, 1.0, -1.0])
-"""The hand pointing down with its fingers left and right, seen from the robot."""
+"""Orientation of a hand that points down, with its fingers left and right as seen from the robot."""
 
 
 @dataclass(frozen=True)
 class MotionSample:
-    """The poses of everything at one time."""
+    """All poses at one time."""
 
     objects: dict[str, Array]
     """T_world_object by name, Shape=(4, 4)."""
     tool: Array
     """T_world_tool, Shape=(4, 4)."""
     opening_m: float
-    """Distance of the fingers."""
+    """Distance between the fingers."""
 
 
 Phase = tuple[float, Callable[[float], MotionSample]]
@@ -42,17 +42,17 @@ Phase = tuple[float, Callable[[float], MotionSample]]
 
 @dataclass(frozen=True)
 class Motion:
-    """Phases one after the other, each starting and ending at rest."""
+    """A sequence of phases, each starting and ending at rest."""
 
     phases: tuple[Phase, ...]
 
     @property
     def duration_s(self) -> float:
-        """Duration of all phases."""
+        """Return the duration of all phases."""
         return sum(duration for duration, _ in self.phases)
 
     def at(self, time_s: float) -> MotionSample:
-        """The poses at a time, clamped to the start and the end of the motion."""
+        """Return the poses at a time, clamped to the start and the end of the motion."""
         for duration, place in self.phases:
             if time_s <= duration:
                 share = min(1.0, max(0.0, time_s / duration))
@@ -66,10 +66,10 @@ def motion_of(trial: Trial, kind: str | None = None) -> Motion:
 
     Args:
         trial: The trial.
-        kind: Name of the task whose motion it is; the trial's own by default, and that of `pick-box` for other tasks.
+        kind: Name of the task with the motion; the trial's own by default, and `pick-box` for other tasks.
 
     Raises:
-        InputError: There is no motion of that name.
+        InputError: There is no motion with that name.
     """
     name = kind or (trial.task.name if trial.task.name in MOTIONS else "pick-box")
     if name not in MOTIONS:
@@ -78,7 +78,7 @@ def motion_of(trial: Trial, kind: str | None = None) -> Motion:
 
 
 class _HeadedTrial:
-    """A trial seen in the heading of its first object's side that is nearest to the world's x axis."""
+    """A trial in the heading of its first object: the object's side that is closest to the world's x axis."""
 
     def __init__(self, trial: Trial) -> None:
         self.main = trial.task.objects[0].name
@@ -95,18 +95,18 @@ class _HeadedTrial:
         self.turn = turn
 
     def moment(self, tool: Array, opening: float, moved: Array | None = None) -> MotionSample:
-        """Everything at the start, but the object moved by a transform of the world."""
+        """Return the poses at the start, with the object moved by a transform of the world."""
         objects = dict(self.poses)
         if moved is not None:
             objects[self.main] = moved @ objects[self.main]
         return MotionSample(objects, tool, opening)
 
     def tool(self, offset: Array, orientation: Array = _DOWN) -> Array:
-        """A tool pose given in the object's heading, its offset (m) from the object's middle."""
+        """Return a tool pose in the object's heading, at an offset (m) from the object's middle."""
         return pose_matrix(self.turn @ orientation, self.middle + self.turn @ offset)
 
     def approach(self, tool: Array, opening: float, moved: Array | None = None, seconds: float = 1.5) -> Phase:
-        """The hand comes from 15 cm behind and above, while the object rests."""
+        """Make the phase in which the hand approaches from 15 cm behind and above while the object rests."""
         away = pose_matrix(np.eye(3), -0.1 * self.turn[:, 0] + 0.15 * _Z) @ tool
 
         def place(share: float) -> MotionSample:
@@ -126,16 +126,16 @@ class _HeadedTrial:
         before: Array | None = None,
         upright: bool = False,
     ) -> tuple[Phase, Array]:
-        """Hand and object move as one; the phase, and what the object has been moved by at its end.
+        """Make the phase in which hand and object move together; return it and the object's displacement at its end.
 
         Args:
-            tool: T_world_tool when the object is not moved.
-            opening: Between the fingers.
+            tool: T_world_tool before the object moves.
+            opening: Distance between the fingers.
             seconds: Duration.
             shift: Shape=(3,) m, world.
             turns: Axis and angle (rad) of rotations about points, Shape=(3,), all in the world; applied in order.
-            before: What the object has been moved by.
-            upright: Whether the hand keeps its orientation and only its tip goes along.
+            before: Earlier displacement of the object.
+            upright: Whether the hand keeps its orientation and only its tip follows.
         """
         first = np.eye(4) if before is None else before
 
@@ -154,7 +154,7 @@ class _HeadedTrial:
 
 
 def _push(scene: _HeadedTrial) -> list[Phase]:
-    """Pushed from behind with closed fingers: 20 cm ahead and a turn left, then another way with a turn right."""
+    """Push from behind with closed fingers: 20 cm ahead with a left turn, then another way with a right turn."""
     tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.0]))
     first, moved = scene.carry(tool, 0.0, 2.5, 0.12 * scene.turn[:, 0], ((_Z, 0.35, scene.middle),))
     ahead = 0.08 * scene.turn[:, 0] + 0.05 * scene.turn[:, 1]
@@ -163,7 +163,7 @@ def _push(scene: _HeadedTrial) -> list[Phase]:
 
 
 def _pick(scene: _HeadedTrial) -> list[Phase]:
-    """Grasped from above, lifted, carried with a turn, put down, let go."""
+    """Grasp from above, lift, carry with a turn, put down, release."""
     tool = scene.tool(np.array([0.0, 0.0, max(0.0, scene.extent[2] / 2 - 0.03)]))
     width = min(0.08, float(scene.extent[1]))
     up, moved = scene.carry(tool, width, 1.5, 0.14 * _Z, ())
@@ -180,7 +180,7 @@ def _pick(scene: _HeadedTrial) -> list[Phase]:
 
 
 def _pick_clutter(scene: _HeadedTrial) -> list[Phase]:
-    """Lifted out from among the others, and held aslant."""
+    """Lift out from among the other objects, and hold tilted."""
     tool = scene.tool(np.array([0.0, 0.0, max(0.0, scene.extent[2] / 2 - 0.03)]))
     width = min(0.08, float(scene.extent[1]))
     up, moved = scene.carry(tool, width, 2.0, 0.16 * _Z, ())
@@ -190,11 +190,11 @@ def _pick_clutter(scene: _HeadedTrial) -> list[Phase]:
 
 
 def _push_pick(scene: _HeadedTrial) -> list[Phase]:
-    """Slid under closed fingers that press from above, then gripped at its far end and lifted aslant."""
+    """Slide under closed fingers that press from above, then grip at the far end and lift tilted."""
     press = scene.tool(np.array([-0.2 * scene.extent[0], 0.0, scene.extent[2] / 2]))
     ahead = 0.18 * scene.turn[:, 0]
     slide, moved = scene.carry(press, 0.0, 3.0, ahead, ((_Z, 0.3, scene.middle),))
-    # Out of the palm is back to the robot, fingers astride.
+    # Out of the palm points back to the robot, with the fingers astride.
     back = np.stack([_Z, -_Y, -_X], 1) @ rotation_about(_Z, math.pi / 2)
     grip = scene.tool(np.array([scene.extent[0] / 2 - 0.02, 0.0, 0.0]), back)
     start, end = moved @ press, moved @ grip
@@ -214,7 +214,7 @@ def _push_pick(scene: _HeadedTrial) -> list[Phase]:
 
 
 def _flip(scene: _HeadedTrial) -> list[Phase]:
-    """Tilted over its far lower edge by a hand that pushes high up, until it lies on its far side."""
+    """Tilt over the far lower edge with a hand that pushes high up, until the object lies on its far side."""
     tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.3 * scene.extent[2]]))
     edge = scene.middle + scene.turn @ np.array([scene.extent[0] / 2, 0.0, -scene.extent[2] / 2])
     over, _ = scene.carry(tool, 0.0, 3.0, np.zeros(3), ((scene.turn[:, 1], math.pi / 2, edge),), upright=True)
@@ -222,7 +222,7 @@ def _flip(scene: _HeadedTrial) -> list[Phase]:
 
 
 def _flip_wall(scene: _HeadedTrial) -> list[Phase]:
-    """Pushed to the wall and then, from below its near edge, turned up against it."""
+    """Push to the wall and then, from below the near edge, rotate up against it."""
     tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.0]))
     walls = [f.position[0] - f.size[0] / 2 for f in scene.fixtures if f.position[0] > scene.middle[0]]
     room = min(walls, default=float(scene.middle[0] + scene.extent[0] / 2 + 0.1))
@@ -231,7 +231,7 @@ def _flip_wall(scene: _HeadedTrial) -> list[Phase]:
     slide, moved = scene.carry(tool, 0.0, 2.0, gap * _X, ((_Z, -scene.heading, scene.middle),))
     middle = scene.middle + gap * _X
     edge = middle + np.array([scene.extent[0] / 2, 0.0, -scene.extent[2] / 2])
-    # The foot slides back by the thickness: what was the top comes to stand against the wall.
+    # The foot slides back by the thickness: the former top ends up against the wall.
     up, _ = scene.carry(tool, 0.0, 3.0, -thick * _X, ((_Y, math.pi / 2, edge),), moved, True)
     return [scene.approach(tool, 0.0), slide, up, (0.5, lambda share: up[1](1.0))]
 
@@ -244,4 +244,4 @@ MOTIONS: dict[str, Callable[[_HeadedTrial], list[Phase]]] = {
     "flip-box": _flip,
     "flip-wall": _flip_wall,
 }
-"""Named after the tasks."""
+"""Motions by the name of their task."""

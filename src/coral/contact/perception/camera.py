@@ -1,4 +1,4 @@
-"""A simulated RGB-D camera that casts rays into a MuJoCo scene: depth and the object of every pixel. No OpenGL."""
+"""A simulated RGB-D camera that casts rays into a MuJoCo scene: depth and object of every pixel. No OpenGL."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ class RgbdCameraCfg:
 
     width: int = 320
     height: int = 240
-    """Pixels. The paper gives none; at 0.9 m a pixel is 3 mm wide, and the tracker then needs a third of its 36 ms."""
+    """Size in pixels. The paper gives none; at 0.9 m a pixel is 3 mm wide, and tracking takes a third of its 36 ms."""
     vfov_deg: float = 45.0
-    """Between the outer edges of the first and last row; close to that of depth cameras used above tables."""
+    """Angle between the outer edges of the first and last row; similar to depth cameras used above tables."""
     near_m: float = 0.1
     far_m: float = 5.0
-    """Only surfaces between these depths along the optical axis are seen."""
+    """Only surfaces between these depths along the optical axis are visible."""
 
     def __post_init__(self) -> None:
         def demand(field: str, holds: bool, expected: str) -> None:
@@ -49,7 +49,7 @@ class RgbdCameraCfg:
 
     @property
     def lens(self) -> Array:
-        """Shape=(4,): fx, fy, cx, cy in pixels."""
+        """Compute the intrinsics, Shape=(4,): fx, fy, cx, cy in pixels."""
         focal = 0.5 * self.height / math.tan(math.radians(self.vfov_deg) / 2)
         return np.array([focal, focal, (self.width - 1) / 2, (self.height - 1) / 2])
 
@@ -59,25 +59,25 @@ class RgbdFrame:
     """One picture."""
 
     depth: NDArray[np.float32]
-    """Shape=(H, W) m along the optical axis; 0 where nothing was measured."""
+    """Depth along the optical axis, Shape=(H, W) m; 0 where nothing was measured."""
     instance: NDArray[np.uint8]
-    """Shape=(H, W), 1 + index into `names` of what is seen; 0 where it has no name."""
+    """Segmentation, Shape=(H, W): 1 + index into `names`; 0 for things without a name."""
     names: tuple[str, ...]
     """Names of things."""
     lens: Array
-    """Shape=(4,): fx, fy, cx, cy in pixels."""
+    """Intrinsics, Shape=(4,): fx, fy, cx, cy in pixels."""
     T_world_camera: Array
     """Shape=(4, 4), camera optical frame to world."""
     time_s: float = 0.0
-    """When it was taken."""
+    """Time of the picture."""
     rgb: NDArray[np.uint8] | None = None
-    """Shape=(H, W, 3); None where no colours were asked for."""
+    """Colours, Shape=(H, W, 3); None if none were requested."""
 
     def mask(self, name: str) -> NDArray[np.bool_]:
-        """Shape=(H, W): where `name` is seen.
+        """Return the mask of `name`, Shape=(H, W).
 
         Raises:
-            KeyError: No thing of this name is in the camera's list.
+            KeyError: The camera does not know this name.
         """
         if name not in self.names:
             raise KeyError(name)
@@ -85,16 +85,16 @@ class RgbdFrame:
 
     @property
     def K(self) -> Array:
-        """Shape=(3, 3): the camera matrix."""
+        """Return the camera matrix, Shape=(3, 3)."""
         fx, fy, cx, cy = self.lens
         return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
 
 
 def look_at(eye: Iterable[float], target: Iterable[float]) -> Array:
-    """T_world_camera of an upright camera. Shape=(4, 4).
+    """Compute T_world_camera of an upright camera. Shape=(4, 4).
 
     Args:
-        eye: Shape=(3,) m, where it is.
+        eye: Shape=(3,) m, position of the camera.
         target: Shape=(3,) m, a point on its optical axis; not straight above or below the camera.
     """
     position = np.array([*eye], float)
@@ -114,15 +114,15 @@ class RayCamera:
         model: The scene.
         cfg: The camera.
         T_world_camera: Shape=(4, 4), camera optical frame to world; `look_at` makes one.
-        instances: Name of the thing that a geom belongs to, by geom id; other geoms are seen without a name.
-        groups: Geom groups that are drawn (MuJoCo draws 0 to 2 by default).
-        noise: Added to depth and outlines; None takes perfect pictures.
-        colours: Where an RGB picture comes from: "none", "shaded" by the rays, "opengl" by MuJoCo's renderer, or
-            "best": the renderer where it works, rays elsewhere.
-        hidden: Geoms that rays pass through; OpenGL still shows them.
+        instances: Name of the thing by geom id; other geoms are drawn without a name.
+        groups: Geom groups to draw (MuJoCo draws 0 to 2 by default).
+        noise: Noise of depth and outlines; None for perfect pictures.
+        colours: Source of the RGB picture: "none", "shaded" by the rays, "opengl" by MuJoCo's renderer, or "best": the
+            renderer if it works, else rays.
+        hidden: Geoms that rays ignore; OpenGL still shows them.
 
     Raises:
-        InputError: The scene holds what rays cannot draw, or OpenGL is asked for and does not work.
+        InputError: Rays cannot draw a geom of the scene, or OpenGL is requested and does not work.
     """
 
     def __init__(
@@ -149,7 +149,7 @@ class RayCamera:
         if len(self.names) > 255:
             raise InputError("camera", "instances", len(self.names), "at most 255 names")
         known = {i: 1 + self.names.index(name) for i, name in instances.items()}
-        # One entry more than there are geoms, for the pixels (-1) that see nothing.
+        # One more entry than geoms, for pixels (-1) without a hit.
         self._instance = np.array([*(known.get(int(i), 0) for i in self._geoms), 0], np.uint8)
         self.cfg, self.T_world_camera, self.noise = cfg, T_world_camera, noise
         self._gl: GlColours | None = None
@@ -168,7 +168,7 @@ class RayCamera:
 
         Args:
             data: The scene's state.
-            rng: For the noise; may be None only without noise.
+            rng: Random numbers of the noise; may be None only without noise.
         """
         cfg, lens = self.cfg, self.cfg.lens
         turn, eye = np.ascontiguousarray(self.T_world_camera[:3, :3]), self.T_world_camera[:3, 3].copy()

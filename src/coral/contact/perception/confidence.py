@@ -1,4 +1,4 @@
-"""Confidence in a pose: how well it explains the picture that it was estimated from."""
+"""Confidence in a pose: how well it explains the picture from which it was estimated."""
 
 from __future__ import annotations
 
@@ -22,36 +22,36 @@ class ConfidenceCfg:
     """Chosen by measurement on the six tasks' motions (docs/contact-perception.md)."""
 
     min_pixels: Count = 30
-    """With fewer pixels of depth in its mask an object is not seen."""
+    """An object with fewer depth pixels in its mask counts as not seen."""
     min_visible: Fraction = 0.1
-    """Share of the object's drawing below which it is covered. Confidence falls off from twice this share: with less
-    than a fifth visible, one pose in ten is more than a centimetre off."""
+    """An object counts as covered if a smaller share of its drawing is visible. Confidence falls below twice this
+    share: with less than a fifth visible, one pose in ten is more than a centimetre off."""
     lost_below: Fraction = 0.6
-    """Confidence below which a tracked object counts as lost; half covered, a pose 4 cm off still reaches 0.5."""
+    """A tracked object with less confidence counts as lost; half covered, a pose 4 cm off still reaches 0.5."""
     found_above: Fraction = 0.9
-    """Confidence above which a lost object counts as found; a box explains a can of its size by 0.87."""
+    """A lost object with more confidence counts as found; a box explains a can of its size by 0.87."""
     found_visible: Fraction = 0.25
     """Share of the drawing that must be visible for that: a smaller part fits in many places."""
     margin_m: Positive = 0.012
-    """Depths agree that differ by less: five standard deviations at 1 m."""
+    """Depths with a smaller difference agree: five standard deviations at 1 m."""
     robot: str = "robot"
-    """Name of the robot in pictures whose camera labels it: what it hides is then known to be hidden."""
+    """Name of the robot in pictures, if the camera labels it: occlusion by the robot is then known."""
 
 
 @dataclass(frozen=True)
 class PoseAssessment:
-    """How far a pose can be relied on."""
+    """Reliability of a pose."""
 
     confidence: float
     """From 0 to 1."""
     visible: float
-    """Share of the object's drawing that is seen."""
+    """Visible share of the object's drawing."""
     reason: str
-    """"" where the pose can be relied on; else "not seen", "covered" or "does not fit"."""
+    """"" if the pose is reliable; else "not seen", "covered" or "does not fit"."""
 
 
 def is_unseen(frame: RgbdFrame, mask: NDArray[np.bool_], cfg: ConfidenceCfg) -> bool:
-    """Whether too few pixels of the mask have depth to judge a pose by.
+    """Check whether too few pixels of the mask have depth for assessing a pose.
 
     Raises:
         ValueError: The mask does not fit the picture.
@@ -62,7 +62,7 @@ def is_unseen(frame: RgbdFrame, mask: NDArray[np.bool_], cfg: ConfidenceCfg) -> 
 
 
 def robot_mask(frame: RgbdFrame, cfg: ConfidenceCfg) -> NDArray[np.bool_]:
-    """Where the robot is seen, Shape=(H, W); nowhere if the camera does not label it."""
+    """Return the robot's mask, Shape=(H, W); empty if the camera does not label it."""
     return frame.mask(cfg.robot) if cfg.robot in frame.names else np.zeros(frame.depth.shape, bool)
 
 
@@ -88,10 +88,10 @@ def assess_pose(
 
     Args:
         model: The object.
-        patch: The part of the picture around it.
+        patch: The part of the picture around the object.
         pose: T_camera_object, Shape=(4, 4).
         cfg: Thresholds.
-        following: Whether the object was tracked up to now; a pose found anew must meet higher thresholds.
+        following: Whether the object was tracked up to now; a newly found pose must meet higher thresholds.
     """
     needed = cfg.lost_below if following else cfg.found_above
     tally = count_agreement(patch, model, pose, cfg.margin_m)

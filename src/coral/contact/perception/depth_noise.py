@@ -1,4 +1,4 @@
-"""The noise of a real depth camera: axial noise, uneven depth, jagged and wavy outlines, disparity steps, holes."""
+"""Noise of a real depth camera: axial noise, uneven depth, jagged and wavy outlines, disparity steps, holes."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ class DepthNoiseCfg:
     """
 
     axial_m: NonNegative = 0.0012
-    """Standard deviation at 0.4 m, straight on."""
+    """Standard deviation at 0.4 m, at normal incidence."""
     axial_growth: NonNegative = 0.0019
     """Its growth with (z - 0.4 m)^2, per metre."""
     uneven_m: NonNegative = 0.001
-    """Standard deviation at 1 m of an error that neighbouring pixels share, so that averaging does not remove it."""
+    """Standard deviation at 1 m of an error shared by neighbouring pixels, so that averaging does not remove it."""
     lateral_px: NonNegative = 0.8
-    """Standard deviation of where an outline is seen, in pixels of a picture 640 columns wide."""
+    """Standard deviation of an outline's position, in pixels of a picture 640 columns wide."""
     wavy_px: NonNegative = 0.8
-    """Likewise, of the part that neighbouring pixels share: masks bulge and recede."""
+    """Standard deviation of its part that neighbouring pixels share: masks bulge and recede."""
     disparity_step_px: NonNegative = 0.0625
     """Depth is quantised in disparity, usually to a sixteenth of a pixel by stereo matchers; 0 for no quantisation."""
     baseline_m: NonNegative = 0.05
-    """Between the two lenses; with 0.05 m the steps at 1 m are 2 mm."""
+    """Distance between the two lenses; with 0.05 m the steps at 1 m are 2 mm."""
     grazing_deg: NonNegative = 82.0
     """Surfaces whose normal is farther than this from the ray return nothing: the paper's formula diverges there."""
     edge_hole: Fraction = 0.3
-    """Share of pixels at jumps of depth that return nothing."""
+    """Share of pixels at depth jumps that return nothing."""
     hole: Fraction = 0.002
     """Share of all other pixels that return nothing."""
     jump_m: NonNegative = 0.03
-    """Difference of depth between neighbours that counts as a jump."""
+    """Depth difference between neighbours that counts as a jump."""
 
 
 class DepthNoise:
-    """Turns a perfect picture into a measured one."""
+    """Adds measurement noise to a perfect picture."""
 
     def __init__(self, cfg: DepthNoiseCfg | None = None) -> None:
         self.cfg = cfg or DepthNoiseCfg()
@@ -61,14 +61,14 @@ class DepthNoise:
         lens: Array,
         rng: np.random.Generator,
     ) -> tuple[Array, NDArray[np.uint8]]:
-        """Add noise to depth (m, inf where nothing is measured) and instances.
+        """Add noise to depth (m, inf without a measurement) and instances.
 
         Args:
-            depth: Shape=(H, W) m, inf where nothing is seen.
+            depth: Shape=(H, W) m, inf without a surface.
             normal: Shape=(H, W, 3), unit normals in the camera frame.
             instance: Shape=(H, W).
             lens: Shape=(4,): fx, fy, cx, cy in pixels.
-            rng: Source of the noise.
+            rng: Random numbers of the noise.
         """
         cfg = self.cfg
         height, width = depth.shape
@@ -97,11 +97,11 @@ class DepthNoise:
 
 
 def _normal(shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.float32]:
-    """Independent unit normal noise; single precision takes half the time."""
+    """Draw independent standard normal noise; single precision takes half the time."""
     return rng.standard_normal(shape, np.float32)
 
 
 def _smooth(height: int, width: int, rng: np.random.Generator) -> NDArray[np.float32]:
-    """Unit normal noise that neighbours share over a sixteenth of the picture's width. Shape=(H, W)."""
+    """Draw standard normal noise, correlated over a sixteenth of the picture's width. Shape=(H, W)."""
     coarse = rng.standard_normal((max(2, round(16 * height / width)), 16), np.float32)
     return np.asarray(cv2.resize(coarse, (width, height), interpolation=cv2.INTER_CUBIC), np.float32)

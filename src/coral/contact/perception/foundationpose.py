@@ -1,4 +1,4 @@
-"""A pose tracker whose poses come from a FoundationPose server (Wen et al., CVPR 2024); see `foundationpose_server`."""
+"""A pose tracker that uses a FoundationPose server (Wen et al., CVPR 2024); see `foundationpose_server`."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class FoundationPoseCfg:
-    """Steps are those of FoundationPose's own demo."""
+    """Server and steps; the steps are those of FoundationPose's own demo."""
 
     url: str = ""
-    """Of the server, as http://127.0.0.1:5070; empty where `--tracker` gives it."""
+    """Address of the server, such as http://127.0.0.1:5070; empty if `--tracker` gives it."""
     register_steps: Count = 5
     track_steps: Count = 2
-    """Refinements of a pose."""
+    """Refinement steps per pose."""
     connect_s: Positive = 5.0
-    """To connect."""
+    """Time to connect."""
     timeout_s: Positive = 30.0
-    """For one answer, from its first byte to its last."""
+    """Time for one answer, from its first byte to its last."""
     confidence: ConfidenceCfg = field(default_factory=ConfidenceCfg)
-    """When an object counts as lost."""
+    """Thresholds of a lost object."""
 
 
 class FoundationPoseTracker:
-    """Tracks one object through a server; whether its poses can be relied on is assessed here, as it does not say.
+    """Tracks one object through a server; it assesses the poses itself, because the server gives no confidence.
 
     Args:
-        model: The object; its triangles go to the server.
-        cfg: Which server, and how.
+        model: The object; its triangles are sent to the server.
+        cfg: Server and steps.
         expected: T_world_object, Shape=(4, 4), as in `ModelTracker`.
 
     Raises:
-        InputError: It is not the address of an HTTP server.
+        InputError: The address is not that of an HTTP server.
         TrackerFailed: The server does not answer, or refuses the object.
     """
 
@@ -80,15 +80,15 @@ class FoundationPoseTracker:
             InputError: The picture has no colours.
             TrackerFailed: The server fails.
         """
-        if is_unseen(frame, mask, self.cfg.confidence):  # the network would return the identity without a word
+        if is_unseen(frame, mask, self.cfg.confidence):  # the network would silently return the identity
             return self._report_lost("not seen")
         request = self._picture(frame) | {"mask": mask, "iterations": np.array(self.cfg.register_steps)}
         return self._assess(frame, mask, self._pose("register", request), registered=True)
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
-        """See `PoseTracker`. FoundationPose follows from its own last pose, and takes no hint and no mask.
+        """See `PoseTracker`. FoundationPose tracks from its own last pose, without hint or mask.
 
-        The mask tells here whether the object is lost.
+        The mask is only used to detect whether the object is lost.
 
         Raises:
             InputError: The picture has no colours.
@@ -102,7 +102,7 @@ class FoundationPoseTracker:
         return self._assess(frame, mask, self._pose("track", request))
 
     def close(self) -> None:
-        """See `PoseTracker`; the server forgets the object."""
+        """See `PoseTracker`; the server deletes the object."""
         session, self._session = self._session, None
         if session is not None:
             with contextlib.suppress(TrackerFailed):
@@ -148,5 +148,5 @@ class FoundationPoseTracker:
         try:
             return exchange(self.cfg.url, verb, encode(request), self.cfg.connect_s, self.cfg.timeout_s)
         except OutOfReach:
-            self._session = None  # so that `close` does not wait for a dead server once more
+            self._session = None  # so that `close` does not wait for a dead server again
             raise

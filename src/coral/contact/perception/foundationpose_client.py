@@ -1,4 +1,4 @@
-"""Speaks to a FoundationPose server over HTTP, with deadlines; see `foundationpose_server`."""
+"""HTTP client of a FoundationPose server, with deadlines; see `foundationpose_server`."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class OutOfReach(TrackerFailed):
 
 
 def reach(url: str, connect_s: float) -> None:
-    """Check that a server listens, without a question.
+    """Check that a server accepts connections, without a request.
 
     Raises:
-        InputError: It is not the address of an HTTP server.
-        OutOfReach: None does.
+        InputError: The address is not that of an HTTP server.
+        OutOfReach: No server accepts the connection.
     """
     address = parse_url(url)
     try:
@@ -38,7 +38,7 @@ def parse_url(url: str, where: str = "foundationpose", field: str = "url") -> tu
     """Read host and port of an address.
 
     Raises:
-        InputError: It is not the address of an HTTP server; `where` and `field` are named as the place that holds it.
+        InputError: The address is not that of an HTTP server; `where` and `field` name its source.
     """
     try:
         parts = urlsplit(url)
@@ -59,18 +59,18 @@ def parse_url(url: str, where: str = "foundationpose", field: str = "url") -> tu
 
 
 def exchange(url: str, verb: str, question: bytes, connect_s: float, timeout_s: float) -> Arrays:
-    """Put one question to the server and return its answer.
+    """Send one request to the server and return its answer.
 
     Args:
-        url: Of the server.
+        url: Address of the server.
         verb: "init", "register", "track" or "close".
-        question: Arrays as npz.
+        question: The request's arrays, as npz.
         connect_s: Time to connect.
         timeout_s: Time for the answer, from its first byte to its last.
 
     Raises:
         OutOfReach: The server does not answer in time.
-        TrackerFailed: It refuses, or its answer cannot be read.
+        TrackerFailed: The server refuses, or its answer cannot be read.
     """
     connection = http.client.HTTPConnection(*parse_url(url), timeout=connect_s)
     late = threading.Event()
@@ -102,7 +102,7 @@ def exchange(url: str, verb: str, question: bytes, connect_s: float, timeout_s: 
 
 @contextlib.contextmanager
 def _patience(line: socket.socket, seconds: float, late: threading.Event) -> Iterator[None]:
-    """Hang up after a while: the socket's own timeout restarts with every byte that arrives."""
+    """Close the connection after a while: the socket's own timeout restarts with every byte."""
 
     def hang_up() -> None:
         late.set()

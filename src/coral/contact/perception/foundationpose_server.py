@@ -2,14 +2,14 @@
 
     python foundationpose_server.py --repository PATH_OF_FOUNDATIONPOSE [--host 127.0.0.1] [--port 5070]
 
-Every request is an HTTP POST with arrays in NumPy's npz format, and so is the answer; nothing is ever unpickled.
+Every request and answer is HTTP with arrays in NumPy's npz format (requests are POST); nothing is unpickled.
 
     /init      vertices (n, 3) m, faces (m, 3), symmetry (k, 4, 4)            -> session
     /register  session, K (3, 3), rgb (H, W, 3), depth (H, W) m, mask (H, W)  -> pose (4, 4), object to camera
     /track     session, K, rgb, depth                                         -> pose
     /close     session                                                        -> (nothing)
 
-An error is status 400 with a line of text. There is no password: serve on a network only to whom you trust.
+An error is status 400 with a line of text. There is no password: serve only to networks that you trust.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ Estimators = Callable[[np.ndarray, np.ndarray, np.ndarray], Any]
 
 
 def encode(arrays: Arrays) -> bytes:
-    """Arrays as npz, not compressed."""
+    """Encode arrays as npz, uncompressed."""
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]
     return buffer.getvalue()
 
 
 def decode(data: bytes) -> Arrays:
-    """Arrays from npz.
+    """Decode arrays from npz.
 
     Raises:
-        ValueError: It is not npz, holds anything but plain arrays, or is larger than 256 MiB unpacked.
+        ValueError: The data are not npz, contain anything but plain arrays, or exceed 256 MiB unpacked.
     """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
@@ -58,17 +58,17 @@ def decode(data: bytes) -> Arrays:
 
 
 class Sessions:
-    """One estimator for each object of each client."""
+    """Keeps one estimator for each object of each client."""
 
     def __init__(self, make: Estimators) -> None:
         self._make = make
         self._open: Dict[str, Any] = {}  # noqa: UP006
 
     def answer(self, verb: str, request: Arrays) -> Arrays:
-        """What to reply to one request.
+        """Answer one request.
 
         Raises:
-            ValueError: The request is wrong.
+            ValueError: The request is invalid.
         """
         if verb == "init":
             if len(self._open) >= MAX_SESSIONS:
@@ -111,10 +111,10 @@ def _get(request: Arrays, name: str, shape: Tuple[Any, ...]) -> np.ndarray:  # n
 
 
 def serve(sessions: Sessions, host: str, port: int) -> HTTPServer:
-    """A server that is bound and not yet started; one request at a time, as there is one GPU."""
+    """Make a server that is bound and not yet started; it handles one request at a time, as there is one GPU."""
 
     class Handler(BaseHTTPRequestHandler):
-        timeout = 30.0  # a client that goes quiet must not keep the others out
+        timeout = 30.0  # a silent client must not block the others
 
         def do_POST(self) -> None:
             try:
@@ -122,22 +122,22 @@ def serve(sessions: Sessions, host: str, port: int) -> HTTPServer:
                 if not 0 < length <= LIMIT_BYTES:
                     raise ValueError("a body of 1 byte to 256 MiB is needed")
                 reply, status = encode(sessions.answer(self.path.strip("/"), decode(self.rfile.read(length)))), 200
-            except Exception as error:  # whatever it was, the client is told, and the server goes on
+            except Exception as error:  # report any error to the client and continue
                 reply, status = str(error).encode("utf-8", "replace"), 400
-            with contextlib.suppress(OSError):  # a client that has left
+            with contextlib.suppress(OSError):  # the client has disconnected
                 self.send_response(status)
                 self.send_header("Content-Length", str(len(reply)))
                 self.end_headers()
                 self.wfile.write(reply)
 
         def log_message(self, format: str, *args: Any) -> None:
-            """Say nothing for each request."""
+            """Suppress the log line of each request."""
 
     return HTTPServer((host, port), Handler)
 
 
 def foundationpose() -> Estimators:
-    """Estimators of the FoundationPose that can be imported here; its networks are loaded once."""
+    """Load FoundationPose's networks once and return a maker of estimators."""
     import nvdiffrast.torch as dr  # type: ignore[import-not-found]
     import trimesh  # type: ignore[import-not-found]
     from estimater import (  # type: ignore[import-not-found]

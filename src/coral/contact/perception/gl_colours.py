@@ -1,4 +1,4 @@
-"""Colours of a picture by MuJoCo's own renderer, where OpenGL works (MUJOCO_GL=egl or osmesa without a screen)."""
+"""Colours of a picture from MuJoCo's own renderer, if OpenGL works (MUJOCO_GL=egl or osmesa without a screen)."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ Array = NDArray[np.float64]
 
 
 class GlColours:
-    """Renders one model from any pose of a camera.
+    """Renders one model from any camera pose.
 
     Args:
-        model: The scene; its offscreen buffer is made large enough.
-        width, height: Of the pictures.
-        groups: Geom groups that are drawn.
+        model: The scene; its offscreen buffer is enlarged as needed.
+        width, height: Size of the pictures.
+        groups: Geom groups to draw.
 
     Raises:
         InputError: OpenGL does not work on this machine.
@@ -35,7 +35,7 @@ class GlColours:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # glfw warns of a missing screen before it fails
                 self._renderer = mujoco.Renderer(model, height, width)
-        except Exception as error:  # each backend fails in a way of its own
+        except Exception as error:  # each backend fails in its own way
             reason = (str(error).splitlines() or [repr(error)])[0]
             raise InputError(
                 "camera",
@@ -51,7 +51,7 @@ class GlColours:
         self._option.sitegroup[:] = 0
 
     def take(self, data: mujoco.MjData, T_world_camera: Array, vfov_deg: float) -> NDArray[np.uint8]:
-        """RGB picture, Shape=(H, W, 3)."""
+        """Render an RGB picture, Shape=(H, W, 3)."""
         self._renderer.update_scene(data, camera=-1, scene_option=self._option)
         half = math.tan(math.radians(vfov_deg) / 2)
         for camera in self._renderer.scene.camera:

@@ -1,4 +1,4 @@
-"""Detects whether the fingers hold an object, from the fingers' distance and the object's believed pose."""
+"""Detects whether the fingers hold an object, from their distance and the object's estimated pose."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from coral.contact.scene.observation import Array
 
 @dataclass(frozen=True, kw_only=True)
 class GraspDetectionCfg:
-    """When a grasp is believed."""
+    """Thresholds of a detected grasp."""
 
     squeeze_m: NonNegative = 0.004
     """The commanded distance of the fingers is at least this much smaller than the measured one."""
     slack_m: NonNegative = 0.008
-    """Each side of the object may be this far from its finger."""
+    """Maximum gap between the object and each finger."""
     keep: NonNegative = 2.0
-    """Hysteresis: for a grasp that is believed already, the slack is multiplied by this and the squeeze divided by it.
+    """Hysteresis: for a grasp already detected, the slack is multiplied by this and the squeeze divided by it.
     """
 
 
@@ -31,14 +31,14 @@ _PAD_X, _PAD_LOW, _PAD_HIGH = 0.01, -0.044, 0.008
 def is_grasped(
     shape: ObjectModel, T_tool_object: Array, opening_m: float, wanted_m: float, before: bool, cfg: GraspDetectionCfg
 ) -> bool:
-    """Decide whether the fingers, commanded to close further than they can, have the object between them.
+    """Decide whether the fingers, commanded to close further than they can, hold the object.
 
     Args:
-        shape: The object.
-        T_tool_object: Shape=(4, 4), its believed pose.
+        shape: Model of the object.
+        T_tool_object: Shape=(4, 4), estimated pose.
         opening_m: Measured distance between the pads.
         wanted_m: Commanded distance.
-        before: Whether a grasp was believed before.
+        before: Whether the grasp was detected before.
         cfg: The thresholds.
     """
     ease = cfg.keep if before else 1.0

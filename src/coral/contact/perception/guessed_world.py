@@ -1,4 +1,4 @@
-"""An evaluation world in which object poses are guessed once at the start and never updated."""
+"""An evaluation world in which object poses are estimated once at the start and never updated."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class GuessedWorld:
     """Wraps a world and leaves out the tracker (paper, Table 1, last row).
 
     Args:
-        world: The world itself; it must have a simulation, for a picture to guess from.
+        world: The world; it must have a simulation, for the picture.
         trial: Its shapes and symmetries are used to compare with the truth.
 
     Raises:
-        InputError: There are no pictures of the world.
+        InputError: The world has no pictures.
     """
 
     def __init__(self, world: EvaluationWorld, trial: Trial) -> None:
@@ -44,7 +44,7 @@ class GuessedWorld:
         return self._seen(self._world.reset())
 
     def settle(self, guessed: Mapping[str, BodyState], now: Observation) -> Observation:
-        """Set the guessed poses and return the observation with them."""
+        """Set the estimated poses and return the observation with them."""
         self._guessed = dict(guessed)
         return self._seen(now)
 
@@ -61,7 +61,7 @@ class GuessedWorld:
         self._world.close()
 
     def compare(self, now: Observation, truth: Truth) -> dict[str, PoseDifference]:
-        """Measure how far the guesses are from the truth; for the record only."""
+        """Compute the errors of the estimated poses; for the record only."""
         return {
             name: compare_poses(self._shapes[name].symmetry, now.objects[name], truth.objects[name], lost=False)
             for name in now.objects

@@ -1,4 +1,4 @@
-"""The patch of a picture in which an object is searched for: depth, mask and distance to the mask, at a chosen size."""
+"""The patch of a picture that is searched for an object: depth, mask and distance to the mask, at a chosen size."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 ROBOT, OCCLUDED_RIM = 1, 2
-"""`ImagePatch.occlusion`: the robot is seen here; something that hides the object is what ends its mask here."""
+"""`ImagePatch.occlusion`: a pixel of the robot; a pixel at which an occluder ends the object's mask."""
 NEARER = 0.012
-"""What is nearer than the object by more than this (m) hides it: six standard deviations of depth at 1 m."""
+"""Anything nearer than the object by more than this (m) occludes it: six standard deviations of depth at 1 m."""
 
 
 class ImagePatch(NamedTuple):
-    """A crop of a picture, possibly coarser, as the alignment kernels take it."""
+    """A crop of a picture, possibly at lower resolution, for the alignment kernels."""
 
     depth: NDArray[np.float32]
-    """Shape=(H, W) m, 0 where nothing was measured."""
+    """Depth, Shape=(H, W) m, 0 where nothing was measured."""
     mask: NDArray[np.bool_]
-    """Shape=(H, W), where the object is seen."""
+    """Mask of the object, Shape=(H, W)."""
     mask_distance: NDArray[np.float32]
-    """Shape=(H, W) pixels, signed distance to the mask: 0 on its rim, negative further inside."""
+    """Signed distance to the mask, Shape=(H, W) pixels: 0 on its rim, negative inside."""
     occlusion: NDArray[np.uint8]
     """Shape=(H, W): `ROBOT` outside the mask, `OCCLUDED_RIM` inside it, else 0."""
     lens: Array
-    """Shape=(4,): fx, fy, cx, cy of the patch in its own pixels."""
+    """Intrinsics of the patch in its own pixels, Shape=(4,): fx, fy, cx, cy."""
 
 
 def crop_patch(
@@ -42,11 +42,11 @@ def crop_patch(
 
     Args:
         depth: Shape=(H, W) m, 0 where nothing was measured.
-        mask: Shape=(H, W), where the object is seen.
-        robot: Shape=(H, W), where the robot is seen.
+        mask: Shape=(H, W), mask of the object.
+        robot: Shape=(H, W), mask of the robot.
         lens: Shape=(4,): fx, fy, cx, cy in pixels.
-        box: What to keep.
-        pixels: The largest number of pixels in the patch.
+        box: The part to keep.
+        pixels: Maximum number of pixels in the patch.
     """
     left, right, top, bottom = box
     step = 1
@@ -60,7 +60,7 @@ def crop_patch(
     if not part.all():
         within, nearest = cv2.distanceTransformWithLabels(inside, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
         field = np.where(part, 1.0 - within, field)
-        # Each pixel of the mask looks at the nearest one outside: is that the robot, or something well in front?
+        # For each pixel of the mask, look up the nearest one outside: is it the robot's, or well in front?
         bound = np.zeros(int(nearest.max()) + 1, np.float32)
         bound[nearest[~part]] = np.where(occlusion > 0, NEARER, np.where(seen > 0, seen, np.inf))[~part]
         hidden = bound[nearest] < seen - NEARER
@@ -75,12 +75,12 @@ def crop_patch(
 
 
 def box_of(mask: NDArray[np.bool_], margin: int, points: Array | None = None) -> tuple[int, int, int, int]:
-    """The bounding box (left, right, top, bottom) of a mask and of some pixels, with a margin, inside the picture.
+    """Return the bounding box (left, right, top, bottom) of a mask and of points, with a margin, inside the picture.
 
     Args:
         mask: Shape=(H, W), not empty.
-        margin: Pixels.
-        points: Shape=(n, 2), pixels to enclose as well.
+        margin: Margin in pixels.
+        points: Shape=(n, 2), further pixels to enclose.
     """
     columns, rows = np.flatnonzero(mask.any(0)), np.flatnonzero(mask.any(1))
     low, high = np.array([columns[0], rows[0]]), np.array([columns[-1], rows[-1]])
@@ -97,7 +97,7 @@ def box_of(mask: NDArray[np.bool_], margin: int, points: Array | None = None) ->
 
 
 def project(points: Array, lens: Array) -> Array:
-    """Project points into the picture; those behind the camera are left out. Shape=(m, 2) pixels.
+    """Project points into the picture, without those behind the camera. Shape=(m, 2) pixels.
 
     Args:
         points: Shape=(n, 3) m in the camera frame.

@@ -13,14 +13,14 @@ Array = NDArray[np.float64]
 
 
 def read_mesh(path: Path, scale: float = 1.0) -> Array:
-    """Triangles of an STL (binary or text) or OBJ file, Shape=(M, 3, 3) m.
+    """Read the triangles of an STL (binary or text) or OBJ file, Shape=(M, 3, 3) m.
 
     Args:
         path: The file.
-        scale: Metres per unit of the file: 0.001 for one in millimetres.
+        scale: Metres per unit of the file: 0.001 for millimetres.
 
     Raises:
-        InputError: It cannot be read, or holds no triangles.
+        InputError: The file cannot be read, or contains no triangles.
     """
     try:
         raw = path.read_bytes()

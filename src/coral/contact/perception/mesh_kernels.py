@@ -1,4 +1,4 @@
-"""Triangles in a z-buffer."""
+"""Rasterisation of triangles into a z-buffer."""
 
 from __future__ import annotations
 
@@ -24,23 +24,23 @@ def draw_mesh(
     solid: NDArray[np.int64],
     face: NDArray[np.int64],
 ) -> None:
-    """Draw a mesh in homogeneous form (Olano & Greer 1997): a ray hits where all edge products have one sign.
+    """Draw a mesh in homogeneous form (Olano & Greer 1997): a ray hits where all edge products have the same sign.
 
-    No projection of corners is needed for the test itself, so that triangles that reach behind the camera are exact.
+    The test needs no projection of corners, so triangles that reach behind the camera are exact.
 
     Args:
-        i: What to write into `solid`.
+        i: Value to write into `solid`.
         o: Shape=(3,) m, the camera in the mesh's frame.
-        m: Shape=(3, 3), camera optical frame to the mesh's.
-        lens: As in `raycast_kernels.render`, as all others.
-        near: m.
-        far: m.
+        m: Shape=(3, 3), camera optical frame to the mesh's frame.
+        lens: As in `raycast_kernels.render`, like all other arguments.
+        near: Smallest visible depth, m.
+        far: Largest visible depth, m.
         first: Index of the mesh's first triangle.
         count: Number of its triangles.
         triangles: Shape=(M, 3, 3).
         depth: Shape=(H, W), changed where the mesh is nearer.
-        solid: Shape=(H, W), likewise.
-        face: Shape=(H, W), likewise.
+        solid: Shape=(H, W), changed there too.
+        face: Shape=(H, W), changed there too.
     """
     height, width = depth.shape
     c = np.empty((3, 3))

@@ -23,44 +23,44 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class TrackerCfg:
-    """Chosen by measurement on the six tasks' motions (docs/contact-perception.md)."""
+    """Weights and thresholds, chosen by measurement on the six tasks' motions (docs/contact-perception.md)."""
 
     pixels: Count = 12000
-    """Size of the patch that is aligned: all of an object at 320 x 240."""
+    """Pixels of the patch that is aligned: all of an object at 320 x 240."""
     steps: Count = 8
     """Gauss-Newton steps."""
     wide_m: Positive = 0.025
-    """Depth residuals larger than this do not count in the first step."""
+    """Depth residuals larger than this are ignored in the first step."""
     tight_m: Positive = 0.008
-    """Likewise in the last step: four standard deviations at 1 m."""
+    """Depth residuals larger than this are ignored in the last step: four standard deviations at 1 m."""
     outline: NonNegative = 2.0
     """Weight of an outline pixel relative to a depth pixel."""
     hold: NonNegative = 3.0
-    """Weight of the predicted pose, in pixels: it decides what a small visible part leaves open."""
+    """Weight of the predicted pose, in pixels: it determines what a small visible part leaves open."""
     search_above: NonNegative = 0.35
-    """Poses nearby are tried too where `misfit` is above this."""
+    """If `misfit` is larger than this, nearby poses are tried too."""
     reluctance: NonNegative = 0.3
-    """Added there to the misfit for each object diameter, or radian, away from the guesses."""
+    """Penalty added there to the misfit for each object diameter, or radian, of distance from the guesses."""
     search_rad: Positive = 0.25
-    """How far those poses are turned: half of what the alignment corrects by itself."""
+    """Rotation of those poses: half of the error that the alignment corrects by itself."""
     confidence: ConfidenceCfg = field(default_factory=ConfidenceCfg)
-    """When the object counts as lost."""
+    """Thresholds of a lost object."""
     registration: RegistrationCfg = field(default_factory=RegistrationCfg)
-    """How it is found without a previous pose."""
+    """Registration without a previous pose."""
 
 
 class ModelTracker:
     """Tracks one object of known shape: minimises over T sum w_d(r) r^2 + sum w_o o^2 + hold |T - T_guess|^2.
 
     r is the depth residual along the drawn normal, o the distance of the drawn outline from the mask (`align_kernels`).
-    Each picture is aligned from the best of several guesses: the last pose, the extrapolated one, and a hint. Where the
-    fit is poor, poses nearby are tried; where it stays poor, the object is registered anew.
+    Each picture is aligned from the best of several guesses: the last pose, the extrapolated one, and a hint. If the
+    fit is poor, nearby poses are tried; if it stays poor, the object is registered anew.
 
     Args:
         model: The object.
         cfg: Weights and thresholds.
-        expected: T_world_object, Shape=(4, 4): of the poses that its symmetry makes equal, the first one reported is
-            the nearest to this; the object's axes along the world's by default.
+        expected: T_world_object, Shape=(4, 4): of the poses that its symmetry makes equal, the first report uses the
+            one nearest to this; by default the object's axes along the world's.
     """
 
     name = "model"
@@ -129,7 +129,7 @@ class ModelTracker:
         return misfit(count_agreement(patch, self.model, pose, self.cfg.confidence.margin_m))
 
     def _search(self, patch: ImagePatch, poses: list[Array]) -> Array:
-        """Align from several guesses, and from the first turned a little about every axis; return the best fit."""
+        """Align from several guesses, and from the first one rotated slightly about every axis; return the best fit."""
         guesses = list(poses)
         middle = poses[0][:3, :3] @ self.model.pivot + poses[0][:3, 3]
         for axis in np.eye(3):
@@ -140,7 +140,7 @@ class ModelTracker:
         return min(found, key=lambda pose: self._misfit(patch, pose) + self.cfg.reluctance * self._effort(pose, poses))
 
     def _effort(self, pose: Array, guesses: list[Array]) -> float:
-        """Distance of a pose from the nearest guess: in diameters of the object, plus radians."""
+        """Compute the distance of a pose from the nearest guess: in diameters of the object, plus radians."""
         pivot = self.model.pivot
         return min(
             float(np.linalg.norm((pose[:3, :3] - g[:3, :3]) @ pivot + pose[:3, 3] - g[:3, 3])) / self.model.diameter
@@ -149,7 +149,7 @@ class ModelTracker:
         )
 
     def _assess(self, frame: RgbdFrame, patch: ImagePatch, pose: Array, *, registered: bool = False) -> PoseEstimate:
-        """Assess a pose (T_camera_object), and keep it if it can be relied on."""
+        """Assess a pose (T_camera_object), and keep it if it is reliable."""
         cfg = self.cfg.confidence
         following = self._last is not None and not self._lost
         assessment = assess_pose(self.model, patch, pose, cfg, following)
@@ -168,6 +168,6 @@ class ModelTracker:
 
 
 def _extrapolate(last: Array, before: Array) -> Array:
-    """T_world_object now, if the motion between the last two pictures continues."""
+    """Extrapolate T_world_object to now, at the velocity between the last two pictures."""
     turn = rotation_from_vector(rotation_vector(last[:3, :3] @ before[:3, :3].T))
     return pose_matrix(turn @ last[:3, :3], 2 * last[:3, 3] - before[:3, 3])

@@ -1,4 +1,4 @@
-"""The motion of an object between pictures and ahead of them: at rest, or at a constant velocity."""
+"""Motion of an object between pictures and beyond them: at rest, or at constant velocity."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class MotionFilterCfg:
-    """Chosen by measurement on the six tasks' episodes (docs/contact-perception.md)."""
+    """Gains and thresholds, chosen by measurement on the six tasks' episodes (docs/contact-perception.md)."""
 
     pictures: Count = 5
-    """An object is at rest once this many pictures in a row agree; its pose is then their mean."""
+    """An object is at rest once this many successive pictures agree; its pose is then their mean."""
     still_m: NonNegative = 0.002
     still_rad: NonNegative = 0.035
-    """Pictures agree that lie no farther from their mean: the tracker's scatter with most of the object in view."""
+    """Pictures agree within this distance of their mean: the tracker's scatter with most of the object in view."""
     position_gain: Fraction = 0.7
     """alpha of the filter."""
     velocity_gain: Fraction = 0.25
     """beta of the filter; Kalata (1984): near alpha^2 / (2 - alpha)."""
     longest_s: NonNegative = 0.12
-    """How far ahead of the last picture a motion is extrapolated; contacts change faster than that."""
+    """Longest extrapolation beyond the last picture; contacts change faster than that."""
 
 
 class MotionFilter:
@@ -41,8 +41,8 @@ class MotionFilter:
 
     Args:
         cfg: Gains and thresholds.
-        T: Shape=(4, 4), the first pose, in whichever frame the later ones are; the body starts at rest.
-        time_s: When it was taken.
+        T: Shape=(4, 4), the first pose, in the frame of all later ones; the body starts at rest.
+        time_s: Time of its picture.
     """
 
     def __init__(self, cfg: MotionFilterCfg, T: Array, time_s: float) -> None:
@@ -53,11 +53,11 @@ class MotionFilter:
 
     @property
     def resting(self) -> bool:
-        """Whether the body is believed to be at rest."""
+        """Return whether the body is estimated to be at rest."""
         return not (self.velocity.any() or self.spin.any())
 
     def update(self, T: Array, time_s: float) -> None:
-        """Update with a pose that was measured, Shape=(4, 4), and the time of its picture."""
+        """Update with a measured pose, Shape=(4, 4), and the time of its picture."""
         cfg = self._cfg
         self._recent.append(T)
         mean = self._mean()
@@ -75,13 +75,13 @@ class MotionFilter:
         self._T = pose_matrix(
             rotation_from_vector(cfg.position_gain * turn) @ ahead[:3, :3], ahead[:3, 3] + cfg.position_gain * shift
         )
-        if step > 1e-6:  # a picture from before this motion began says nothing about its speed
+        if step > 1e-6:  # a picture from before the motion contains no speed
             self.velocity = self.velocity + cfg.velocity_gain * shift / step
             self.spin = self.spin + cfg.velocity_gain * turn / step
             self._time_s = time_s
 
     def predict(self, time_s: float) -> Array:
-        """The pose at a time, at the present velocity. Shape=(4, 4)."""
+        """Predict the pose at a time, at the present velocity. Shape=(4, 4)."""
         since = min(max(time_s - self._time_s, 0.0), self._cfg.longest_s)
         return pose_matrix(
             rotation_from_vector(since * self.spin) @ self._T[:3, :3], self._T[:3, 3] + since * self.velocity

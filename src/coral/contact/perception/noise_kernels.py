@@ -1,4 +1,4 @@
-"""Depth and instances as a real camera measures them, from perfect ones and given random numbers."""
+"""Disturbance of perfect depth and instances by given random numbers, as in a real camera."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def disturb(
     """Disturb a picture.
 
     Args:
-        depth: Shape=(H, W) m, inf where nothing is seen.
+        depth: Shape=(H, W) m, inf without a surface.
         normal: Shape=(H, W, 3), unit normals in the camera frame.
         instance: Shape=(H, W).
         lens: Shape=(4,): fx, fy, cx, cy in pixels.
@@ -39,7 +39,7 @@ def disturb(
         amounts: Shape=(10,): lateral (pixels), wavy (pixels), axial (m) and its growth (1/m), uneven (m), disparity
             constant (m: depth times steps of disparity; 0 for no steps), least cosine to the ray, share of holes at
             edges and elsewhere, jump (m).
-        measured: Shape=(H, W) m, written; inf where nothing is measured.
+        measured: Shape=(H, W) m, written; inf without a measurement.
         labels: Shape=(H, W), written: instances.
     """
     height, width = depth.shape

@@ -1,4 +1,4 @@
-"""Unit normals of what `raycast_kernels.render` drew."""
+"""Unit normals of a picture drawn by `raycast_kernels.render`."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ def normals(
     face: NDArray[np.int64],
     normal: NDArray[np.float64],
 ) -> None:
-    """Unit normals of what `render` drew, towards the camera, in the camera frame.
+    """Compute the unit normals of a picture drawn by `render`, towards the camera, in the camera frame.
 
     Args:
-        turn: As in `render`, as all others but the last.
+        turn: As in `render`, like all arguments but the last.
         eye: Shape=(3,).
         lens: Shape=(4,).
-        solids: What was drawn.
+        solids: The drawn solids.
         depth: Shape=(H, W).
         solid: Shape=(H, W).
         face: Shape=(H, W).
-        normal: Shape=(H, W, 3), written; 0 where nothing is seen.
+        normal: Shape=(H, W, 3), written; 0 without a surface.
     """
     height, width = depth.shape
     kind, rotation, size, triangles = solids.kind, solids.rotation, solids.size, solids.triangles
@@ -64,7 +64,7 @@ def normals(
             y = m[i, 0, 1] * n[0] + m[i, 1, 1] * n[1] + m[i, 2, 1] * n[2]
             z = m[i, 0, 2] * n[0] + m[i, 1, 2] * n[1] + m[i, 2, 2] * n[2]
             scale = 1.0 / math.sqrt(x * x + y * y + z * z)
-            if x * p + y * q + z > 0.0:  # a mesh seen from its back
+            if x * p + y * q + z > 0.0:  # a mesh seen from behind
                 scale = -scale
             normal[v, u, 0], normal[v, u, 1], normal[v, u, 2] = scale * x, scale * y, scale * z
 
@@ -78,7 +78,7 @@ def _normal(
     face: int,
     n: NDArray[np.float64],
 ) -> None:
-    """Normal of one solid at its surface point `h`, both in its own frame; of any length."""
+    """Compute the normal of one solid at its surface point `h`, both in its own frame; of any length."""
     if kind == PLANE:
         n[2] = 1.0
     elif kind == BOX:

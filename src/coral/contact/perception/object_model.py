@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 _POINTS = 1500
 """Number of surface points: 5 mm apart on the board, so that ADD-S between equal poses stays below 3 mm."""
 _SIDES = 48
-"""Sides of the prism that replaces a round part where triangles are needed; its flats are 0.2 % of the radius deep."""
+"""Sides of the prism that replaces a round part when triangles are needed; its flats are 0.2 % of the radius deep."""
 
 
 @dataclass(frozen=True)
@@ -34,36 +34,36 @@ class ObjectModel:
     """A rigid object in its own frame."""
 
     name: str
-    """What it is called in pictures."""
+    """Name in pictures."""
     solids: Solids
-    """What a ray hits."""
+    """Solids for ray casting."""
     triangles: Array
-    """Shape=(m, 3, 3) m, its surface; round parts as prisms."""
+    """Surface, Shape=(m, 3, 3) m; round parts as prisms."""
     points: Array
-    """Shape=(n, 3) m, spread evenly over the surface."""
+    """Points spread evenly over the surface, Shape=(n, 3) m."""
     normals: Array
-    """Shape=(n, 3), outward unit normals there."""
+    """Outward unit normals at the points, Shape=(n, 3)."""
     symmetry: Symmetry
-    """Rotations that map it onto itself."""
+    """Rotations that map the object onto itself."""
     diameter: float
     """Largest distance (m) between two of its points."""
     pivot: Array
-    """Shape=(3,) m, the middle of its bounding box."""
+    """Centre of its bounding box, Shape=(3,) m."""
 
 
 def from_primitives(name: str, parts: Sequence[SolidPart], symmetry: Symmetry | None = None) -> ObjectModel:
-    """Model an object of primitive parts; its symmetry is found where none is declared."""
+    """Model an object of primitive parts; its symmetry is computed if none is given."""
     return _model(name, from_parts(parts), symmetry)
 
 
 def from_mesh(name: str, path: Path, *, scale: float = 1.0, symmetry: Symmetry | None = None) -> ObjectModel:
-    """Model an object from an STL or OBJ file; its symmetry is found where none is declared.
+    """Model an object from an STL or OBJ file; its symmetry is computed if none is given.
 
     Args:
-        name: What it is called in pictures.
+        name: Name in pictures.
         path: The file.
         scale: Metres per unit of the file.
-        symmetry: Rotations that map it onto itself.
+        symmetry: Rotations that map the object onto itself.
 
     Raises:
         InputError: The file cannot be read, or the object is not between 5 mm and 5 m wide.
@@ -85,7 +85,7 @@ def from_body(
     """Model an object from the drawn geoms of one body of a MuJoCo scene, in the frame of that body.
 
     Raises:
-        InputError: There is no such body, or nothing of it is drawn.
+        InputError: There is no such body, or none of its geoms is drawn.
     """
     index = mujoco.mj_name2id(model, int(mujoco.mjtObj.mjOBJ_BODY), body)
     if index < 0:
@@ -103,7 +103,7 @@ def from_body(
 def from_trial(model: mujoco.MjModel, trial: Trial, name: str) -> ObjectModel:
     """Model one object of a trial, with its exact shape.
 
-    The symmetry is the declared one, or the shape's where that is larger: depth shows nothing but shape.
+    The symmetry is the declared one, or that of the shape if it is larger: depth shows only the shape.
     """
     found = from_body(model, name)
     kind = trial.task.object(name).symmetry
@@ -130,7 +130,7 @@ def _model(name: str, solids: Solids, symmetry: Symmetry | None) -> ObjectModel:
 
 
 def _surface(solids: Solids, i: int) -> Array:
-    """Triangles of one solid, outward, in the object's frame. Shape=(m, 3, 3)."""
+    """Triangulate the surface of one solid, outward, in the object's frame. Shape=(m, 3, 3)."""
     kind, size = int(solids.kind[i]), solids.size[i]
     if kind == kinds.MESH:
         corners = solids.triangles[solids.first_triangle[i] :][: solids.triangle_count[i]]
@@ -145,7 +145,7 @@ def _surface(solids: Solids, i: int) -> Array:
 
 
 def _grid_surface(outline: Array, half: Array) -> Array:
-    """Triangles of a prism over a counter-clockwise outline, Shape=(n, 2)."""
+    """Triangulate a prism over a counter-clockwise outline, Shape=(n, 2)."""
     n = len(outline)
     low, high = (np.column_stack([outline, np.full(n, side)]) * half for side in (-1.0, 1.0))
     faces = []
@@ -158,11 +158,11 @@ def _grid_surface(outline: Array, half: Array) -> Array:
 
 
 def _round_surface(kind: int, size: Array) -> Array:
-    """Triangles of a sphere, an ellipsoid or a capsule, ring by ring."""
+    """Triangulate a sphere, an ellipsoid or a capsule, ring by ring."""
     scale = size if kind == kinds.ELLIPSOID else np.full(3, size[0])
     rise = size[1] if kind == kinds.CAPSULE else 0.0
     latitudes = np.linspace(-math.pi / 2, math.pi / 2, _SIDES // 2 + 1)
-    if rise:  # the equator twice
+    if rise:  # a capsule has its equator twice
         latitudes = np.sort(np.append(latitudes, 0.0))
     turn = 2 * math.pi * np.arange(_SIDES) / _SIDES
     lift = np.where(np.arange(len(latitudes)) * 2 < len(latitudes), -rise, rise) if rise else np.zeros(len(latitudes))
@@ -203,7 +203,7 @@ def _sample(solids: Solids, parts: list[Array]) -> tuple[Array, Array]:
 
 
 def _inside(solids: Solids, i: int, points: Array) -> NDArray[np.bool_]:
-    """Whether points lie inside one solid; never inside a mesh, which need not be closed."""
+    """Check which points lie inside one solid; never inside a mesh, which need not be closed."""
     back = inverse_transform(pose_matrix(solids.rotation[i], solids.center[i]))
     p = points @ back[:3, :3].T + back[:3, 3]
     kind, size = int(solids.kind[i]), solids.size[i]

@@ -1,4 +1,4 @@
-"""How far the believed pose of an object is from the true one; for reports, never for decisions."""
+"""Difference between an object's estimated and true pose; for reports, never for decisions."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ class PoseDifference:
 
     off_m: float
     off_rad: float
-    """From the true pose to the one that the planner was given, modulo the object's symmetry."""
+    """Difference between the true pose and the planner's estimate, modulo the object's symmetry."""
     lost: bool
     """Whether the tracker had lost the object."""
 
 
 def compare_poses(symmetry: Symmetry, believed: BodyState, true: BodyState, lost: bool) -> PoseDifference:
-    """Measure the error of one object's pose."""
+    """Compute the error of one object's pose."""
     shift, turn = symmetry.difference(body_to_matrix(believed), body_to_matrix(true))
     return PoseDifference(float(shift), float(turn), lost)

@@ -12,27 +12,27 @@ Array = NDArray[np.float64]
 
 
 def add(estimate: Array, truth: Array, points: Array) -> float:
-    """Mean distance (m) between corresponding points (Hinterstoisser et al., ACCV 2012).
+    """Compute the mean distance (m) between corresponding points (Hinterstoisser et al., ACCV 2012).
 
     Args:
         estimate: Shape=(4, 4), object to any frame.
         truth: Shape=(4, 4), object to the same frame.
-        points: Shape=(n, 3) m, of the object.
+        points: Shape=(n, 3) m, points of the object.
     """
     return float(np.linalg.norm(_moved(estimate, points) - _moved(truth, points), axis=1).mean())
 
 
 def add_s(estimate: Array, truth: Array, points: Array) -> float:
-    """Mean distance (m) from true points to the nearest estimated point; the arguments are those of `add`.
+    """Compute the mean distance (m) from true points to the nearest estimated point; arguments as of `add`.
 
-    Between equal poses of a symmetric object it is about half the points' spacing, not 0, unless the points are
+    Between equal poses of a symmetric object it is about half the spacing of the points, not 0, unless the points are
     symmetric too.
     """
     return float(_nearest(_moved(truth, points), _moved(estimate, points)).mean())
 
 
 def mssd(estimate: Array, truth: Array, points: Array, symmetry: Symmetry) -> float:
-    """Largest distance (m) between corresponding points for the best of the equal poses (BOP, Hodan et al. 2020)."""
+    """Compute the largest distance (m) between corresponding points for the best equal pose (BOP, Hodan et al.)."""
     wanted = _moved(truth, points)
     return min(
         float(np.linalg.norm(_moved(estimate @ s, points) - wanted, axis=1).max())
@@ -46,7 +46,7 @@ def _moved(pose: Array, points: Array) -> Array:
 
 @njit(cache=True, error_model="numpy")
 def _nearest(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Distance of every point to the nearest of the others."""
+    """Compute the distance of every point to the nearest of the others."""
     found = np.empty(len(points))
     for i in range(len(points)):
         best = np.inf

@@ -1,4 +1,4 @@
-"""A trial's scene with objects and hand set to given poses, seen by a camera."""
+"""A trial's scene with objects and hand at given poses, drawn by a camera."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from coral.contact.scene.trial import Trial
 Array = NDArray[np.float64]
 MOTIONS_EYE, MOTIONS_TARGET = (-0.35, -0.75, 0.6), (0.05, 0.0, 0.05)
 """Viewpoint for prescribed motions: beside the robot, looking down across the table. Episodes use `tracked_cfg.EYE`,
-from which the whole arm hides less."""
+where the arm occludes less."""
 
 
 class PosedScene:
@@ -29,9 +29,9 @@ class PosedScene:
     Args:
         trial: The trial.
         cfg: The camera.
-        noise: Of its depth; None for none.
+        noise: Noise of the depth; None for none.
         T_world_camera: Shape=(4, 4); `MOTIONS_EYE` looking at `MOTIONS_TARGET` by default.
-        colours: As of `RayCamera`.
+        colours: As in `RayCamera`.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Makes `Solids` from primitive parts, mesh files and the geoms of a MuJoCo model."""
+"""Conversion of primitive parts, mesh files and geoms of a MuJoCo model to `Solids`."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ _DRAWN = (kinds.PLANE, kinds.MESH, *KINDS.values())
 
 @dataclass(frozen=True)
 class SolidPart:
-    """A primitive of an object."""
+    """A primitive part of an object."""
 
     kind: str
     """"box", "cylinder", "capsule", "sphere" or "ellipsoid"."""
     size: tuple[float, ...]
-    """As MuJoCo's geom size: half extents; radius and half length; radius; semi-axes (m)."""
+    """Same as MuJoCo's geom size: half extents; radius and half length; radius; semi-axes (m)."""
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Shape=(3,) m, in the object's frame."""
+    """Position in the object's frame, Shape=(3,) m."""
     rotation: Array = field(default_factory=lambda: np.eye(3))
-    """Shape=(3, 3), part to object."""
+    """Rotation, part to object, Shape=(3, 3)."""
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -46,7 +46,7 @@ class SolidPart:
 
 
 def from_parts(parts: Iterable[SolidPart]) -> Solids:
-    """Primitives in their object's frame."""
+    """Convert primitives, in their object's frame."""
     parts = tuple(parts)
     if not parts:
         raise InputError("object", "parts", "none", "at least one part")
@@ -64,7 +64,7 @@ def from_parts(parts: Iterable[SolidPart]) -> Solids:
 
 
 def from_triangles(triangles: Array) -> Solids:
-    """One mesh. `triangles` is Shape=(M, 3, 3) m."""
+    """Convert one mesh. `triangles` is Shape=(M, 3, 3) m."""
     return Solids(
         np.array([kinds.MESH]),
         np.zeros((1, 3)),
@@ -77,7 +77,7 @@ def from_triangles(triangles: Array) -> Solids:
 
 
 def from_mujoco(model: mujoco.MjModel, geoms: NDArray[np.int64]) -> Solids:
-    """The shapes of some geoms; `center` and `rotation` are left zero: they change from moment to moment.
+    """Convert some geoms; `center` and `rotation` stay zero: they change over time.
 
     Raises:
         InputError: A geom is a height field or a signed distance field.

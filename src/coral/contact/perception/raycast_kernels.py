@@ -36,12 +36,12 @@ def render(
         turn: Shape=(3, 3), camera optical frame (x right, y down, z forward) to the frame of the solids.
         eye: Shape=(3,) m, the camera in the frame of the solids.
         lens: Shape=(4,), fx, fy, cx, cy in pixels.
-        near: Surfaces with a smaller depth (m) are not seen.
-        far: Surfaces with a larger depth (m) are not seen.
-        solids: What to draw, in any frame.
-        depth: Shape=(H, W) m, written; inf where nothing is seen.
-        solid: Shape=(H, W), written: index of the solid, -1 where nothing is seen.
-        face: Shape=(H, W), written: index of the triangle, -1 where no mesh is seen.
+        near: Smallest visible depth (m).
+        far: Largest visible depth (m).
+        solids: The solids to draw, in any frame.
+        depth: Shape=(H, W) m, written; inf without a hit.
+        solid: Shape=(H, W), written: index of the solid, -1 without a hit.
+        face: Shape=(H, W), written: index of the triangle, -1 without a mesh.
     """
     height, width = depth.shape
     for v in range(height):
@@ -73,7 +73,7 @@ def render(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _extent(kind: int, size: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Half extents (m) of the solid's bounding box, in its own frame."""
+    """Compute half the extents (m) of the solid's bounding box, in its own frame."""
     if kind == SPHERE:
         return size[0], size[0], size[0]
     if kind == CAPSULE:
@@ -96,7 +96,7 @@ def _window(
     height: int,
     window: NDArray[np.int64],
 ) -> None:
-    """Columns [w0, w1) and rows [w2, w3) that hold the projection of the bounding box."""
+    """Compute the columns [w0, w1) and rows [w2, w3) that contain the projection of the bounding box."""
     window[0], window[1], window[2], window[3] = 0, width, 0, height
     if kind == PLANE:
         return
@@ -167,7 +167,7 @@ def _primitive(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _plane(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, sx: float, sy: float) -> float:
-    """The upper side of z = 0, with half extents sx and sy; 0 means infinite."""
+    """Intersect the upper side of z = 0, with half extents sx and sy; 0 means infinite."""
     if oz <= 0.0 or dz >= 0.0:
         return _NONE
     t = -oz / dz
@@ -178,7 +178,7 @@ def _plane(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, sx:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _ball(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float) -> float:
-    """The unit ball."""
+    """Intersect the unit ball."""
     a = dx * dx + dy * dy + dz * dz
     b = ox * dx + oy * dy + oz * dz
     c = ox * ox + oy * oy + oz * oz - 1.0
@@ -190,7 +190,7 @@ def _ball(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float) -> f
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _box(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, sx: float, sy: float, sz: float) -> float:
-    """By slabs; a ray that runs inside the plane of a face misses it."""
+    """Intersect a box by slabs; a ray within the plane of a face misses it."""
     enter, leave = -np.inf, np.inf
     if dx != 0.0:
         a, b = (-sx - ox) / dx, (sx - ox) / dx
@@ -212,7 +212,7 @@ def _box(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, sx: f
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _cylinder(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, radius: float, half: float) -> float:
-    """An infinite tube, cut by a slab."""
+    """Intersect an infinite tube, cut by a slab."""
     enter, leave = -np.inf, np.inf
     if dz != 0.0:
         a, b = (-half - oz) / dz, (half - oz) / dz
@@ -235,7 +235,7 @@ def _cylinder(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _capsule(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, radius: float, half: float) -> float:
-    """A tube without lids, and a ball at each end."""
+    """Intersect a tube without lids, and a ball at each end."""
     best = _NONE
     square = dx * dx + dy * dy
     if square > 1e-18:

@@ -1,4 +1,4 @@
-"""Registration: finding the pose of an object without a previous one.
+"""Registration: estimation of an object's pose without a previous one.
 
 It minimises `misfit` over T_camera_object: the share of the picture that the drawn object does not explain. Many
 orientations are aligned on a coarse patch of the picture, and the best of them on a fine one.
@@ -27,28 +27,28 @@ class RegistrationCfg:
     """Chosen by measurement on the six tasks' objects (docs/contact-perception.md); the paper uses a network."""
 
     orientations: Count = 240
-    """Spread over all rotations; those that the symmetry makes equal are tried once. FoundationPose starts from 252."""
+    """Orientations spread over all rotations, each class of equal ones tried once. FoundationPose starts from 252."""
     headings: Count = 12
-    """Tried for each side that the object may rest on: objects on tables do, and they cost little."""
+    """Headings tried for each side on which the object may rest: objects on tables do, and they cost little."""
     coarse_pixels: Count = 1600
     coarse_steps: Count = 8
-    """Size of the patch and Gauss-Newton steps with which every orientation is tried."""
+    """Pixels of the patch and Gauss-Newton steps for every orientation."""
     kept: Count = 16
-    """Orientations that go on to the fine alignment."""
+    """Number of orientations passed on to the fine alignment."""
     fine_pixels: Count = 12000
     fine_steps: Count = 20
-    """Size of the patch and Gauss-Newton steps there."""
+    """Pixels of the patch and Gauss-Newton steps of the fine alignment."""
     outline: NonNegative = 2.0
     """Weight of an outline pixel relative to a depth pixel."""
     wide_m: Positive = 0.04
     tight_m: Positive = 0.01
-    """Depth residuals larger than this do not count, in the first step and in the last one."""
+    """Depth residuals larger than this are ignored, in the first step and in the last one."""
     margin_m: Positive = 0.012
-    """Depths agree that differ by less."""
+    """Depths with a smaller difference agree."""
 
 
 def start_orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
-    """Choose the orientations in the world to try; of those that look alike, one. Shape=(n, 3, 3)."""
+    """Choose the orientations in the world to try, one of each class of equal ones. Shape=(n, 3, 3)."""
     symmetry = model.symmetry
     if symmetry.sphere:
         return np.eye(3)[None]
@@ -88,16 +88,16 @@ def register(
     robot: NDArray[np.bool_],
     cfg: RegistrationCfg,
 ) -> Array:
-    """Find T_camera_object, Shape=(4, 4), of the best fit.
+    """Estimate T_camera_object, Shape=(4, 4), by the best fit.
 
     Args:
         model: The object.
-        turns: Shape=(n, 3, 3), orientations in the world to try, as from `start_orientations`.
+        turns: Shape=(n, 3, 3), orientations in the world to try, from `start_orientations`.
         depth: Shape=(H, W) m, 0 where nothing was measured.
-        mask: Shape=(H, W), where the object is seen; not empty, with some depth.
+        mask: Shape=(H, W), mask of the object; not empty, with some depth.
         lens: Shape=(4,).
         T_world_camera: Shape=(4, 4).
-        robot: Shape=(H, W), where the robot is seen.
+        robot: Shape=(H, W), mask of the robot.
         cfg: Sizes, steps and thresholds.
     """
     size = box_of(mask, 0)
@@ -126,9 +126,9 @@ def register(
 
 
 def misfit(tally: Array) -> float:
-    """The share of the picture that a pose does not explain, from a tally of `count_agreement`; 0 is perfect.
+    """Compute the share of the picture that a pose does not explain, from `count_agreement`; 0 is perfect.
 
-    Occluded parts cost a little, or the object could hide behind the hand; so do small errors of depth.
+    Occluded parts cost a little, or the object could hide behind the hand; so do small depth errors.
     """
     bad = tally[kernels.WRONG] + tally[kernels.UNCOVERED] + tally[kernels.FREE]
     total = tally[kernels.AGREE] + bad
@@ -149,7 +149,7 @@ def _distinct(found: list[tuple[float, int, Array]], limit: int) -> list[tuple[f
 
 
 def _start(model: ObjectModel, patch: ImagePatch) -> Array:
-    """A first guess of the object's centre, Shape=(3,) m: a sixth of its diameter behind the middle of its mask."""
+    """Guess the object's centre, Shape=(3,) m: a sixth of its diameter behind the middle of its mask."""
     rows, columns = np.nonzero(patch.mask & (patch.depth > 0))
     z = float(np.median(patch.depth[rows, columns])) + model.diameter / 6
     pixel = np.array([columns.mean(), rows.mean()])

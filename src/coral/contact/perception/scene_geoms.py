@@ -1,4 +1,4 @@
-"""Which geoms of a trial's scene a camera names, and which ones a picture for people leaves out."""
+"""Names of a trial's geoms in pictures, and the geoms that pictures for people leave out."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def instance_names(model: mujoco.MjModel, trial: Trial) -> dict[int, str]:
 
 
 def hidden_geoms(model: mujoco.MjModel, trial: Trial) -> list[int]:
-    """List the geoms that a picture for people leaves out: collision shapes over visual ones, and the room."""
+    """List the geoms that pictures for people leave out: collision shapes over visual ones, and the room."""
     ours = {"table", *(fixture.name for fixture in trial.task.fixtures)}
     visual = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
     bodies = {model.body(name).id for name in trial.objects}

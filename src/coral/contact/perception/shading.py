@@ -7,16 +7,16 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 _AMBIENT, _HEADLIGHT, _LAMP = 0.3, 0.4, 0.3
-"""Shares of the light; they sum to 1, so that nothing is overexposed."""
+"""Shares of the light; their sum is 1, so that nothing is overexposed."""
 _SKY = np.array([191, 209, 230], np.uint8)
 
 
 def shade(normal: Array, solid: NDArray[np.int64], colour: Array, lens: Array) -> NDArray[np.uint8]:
-    """RGB picture, Shape=(H, W, 3).
+    """Shade a picture and return RGB, Shape=(H, W, 3).
 
     Args:
-        normal: Shape=(H, W, 3), unit normals in the camera frame; 0 where nothing is seen.
-        solid: Shape=(H, W), index into `colour`; -1 where nothing is seen.
+        normal: Shape=(H, W, 3), unit normals in the camera frame; 0 without a surface.
+        solid: Shape=(H, W), index into `colour`; -1 without a surface.
         colour: Shape=(N, 3), from 0 to 1.
         lens: Shape=(4,): fx, fy, cx, cy in pixels.
     """

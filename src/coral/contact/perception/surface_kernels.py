@@ -1,4 +1,4 @@
-"""Distance from points to triangles."""
+"""Distances from points to triangles."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 @njit(cache=True, error_model="numpy")
 def distance(points: NDArray[np.float64], triangles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Distance (m) of every point to the nearest triangle (Ericson, Real-Time Collision Detection, 5.1.5). Shape=(n,).
+    """Compute each point's distance (m) to the nearest triangle (Ericson, Real-Time Collision Detection, 5.1.5).
 
     Args:
         points: Shape=(n, 3) m.
@@ -26,7 +26,7 @@ def distance(points: NDArray[np.float64], triangles: NDArray[np.float64]) -> NDA
 
 @njit(cache=True, error_model="numpy")
 def _square(point: NDArray[np.float64], triangle: NDArray[np.float64]) -> float:
-    """Squared distance of one point to one triangle."""
+    """Compute the squared distance of one point to one triangle."""
     ab0, ab1, ab2 = triangle[1, 0] - triangle[0, 0], triangle[1, 1] - triangle[0, 1], triangle[1, 2] - triangle[0, 2]
     ac0, ac1, ac2 = triangle[2, 0] - triangle[0, 0], triangle[2, 1] - triangle[0, 1], triangle[2, 2] - triangle[0, 2]
     ap0, ap1, ap2 = point[0] - triangle[0, 0], point[1] - triangle[0, 1], point[2] - triangle[0, 2]

@@ -1,4 +1,4 @@
-"""The rotational symmetry of an object, and which of its equal poses to report."""
+"""The rotational symmetry of an object, and the choice among its equal poses."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ class Symmetry:
     """The rotations about one point that map an object onto itself, declared as in BOP (Hodan et al., 2018)."""
 
     rotations: Array = field(default_factory=lambda: np.eye(3)[None])
-    """Shape=(n, 3, 3), the finite ones, the identity first."""
+    """The finite rotations, Shape=(n, 3, 3), the identity first."""
     axis: Array | None = None
-    """Shape=(3,), unit axis of a continuous symmetry; None without one."""
+    """Unit axis of a continuous symmetry, Shape=(3,); None without one."""
     center: Array = field(default_factory=lambda: np.zeros(3))
-    """Shape=(3,) m, the fixed point."""
+    """The fixed point, Shape=(3,) m."""
     sphere: bool = False
     """Whether every rotation is a symmetry."""
 
@@ -36,7 +36,7 @@ class Symmetry:
             raise InputError("object", "symmetry", "a matrix that is no rotation", "rotation matrices")
 
     def members(self, steps: int = 36) -> Array:
-        """Transforms of the object onto itself, a continuous symmetry in `steps` steps. Shape=(m, 4, 4)."""
+        """Return transforms of the object onto itself, a continuous symmetry in `steps` steps. Shape=(m, 4, 4)."""
         turns = self.rotations
         if self.sphere:
             turns = spread_rotations(8 * steps)
@@ -49,7 +49,7 @@ class Symmetry:
         return transforms
 
     def nearest(self, pose: Array, reference: Array) -> Array:
-        """Of the equal poses, the one whose orientation is nearest to that of `reference`. Shape=(4, 4).
+        """Choose, among equal poses, the one whose orientation is nearest to that of `reference`. Shape=(4, 4).
 
         Args:
             pose: Shape=(4, 4), object to any frame.
@@ -72,20 +72,20 @@ class Symmetry:
         return result
 
     def _spin(self, turn: Array, reference: Array) -> float:
-        """Angle about the axis that brings `turn` nearest `reference`: the twist of the rotation between them."""
+        """Compute the angle about the axis that brings `turn` nearest to `reference`: the twist between them."""
         assert self.axis is not None
         q = quaternion_of(turn.T @ reference)
         return 2.0 * math.atan2(float(q[1:] @ self.axis), float(q[0]))
 
     def difference(self, pose: Array, truth: Array) -> tuple[float, float]:
-        """Distance (m) of the symmetry's centre and angle (rad) between two poses, modulo the symmetry."""
+        """Compute distance (m) of the symmetry's centre and angle (rad) between two poses, modulo the symmetry."""
         equal = self.nearest(pose, truth)
         shift = equal[:3, :3] @ self.center + equal[:3, 3] - truth[:3, :3] @ self.center - truth[:3, 3]
         return float(np.linalg.norm(shift)), rotation_angle(equal[:3, :3], truth[:3, :3])
 
 
 def of_kind(kind: str, extents: Array, center: Array | None = None) -> Symmetry:
-    """A declared symmetry along an object's own axes.
+    """Make a declared symmetry along an object's own axes.
 
     Args:
         kind: "none", "box" (half turns about all axes), "square-box" (quarter turns about the odd one), "cube",
@@ -114,9 +114,9 @@ def of_kind(kind: str, extents: Array, center: Array | None = None) -> Symmetry:
 
 
 def _generated(by: list[Array]) -> Array:
-    """The finite group that some rotations generate, the identity first. Shape=(n, 3, 3)."""
+    """Generate the finite group of some rotations, the identity first. Shape=(n, 3, 3)."""
     group = [np.eye(3)]
-    for member in group:  # grows while it is walked
+    for member in group:  # the loop extends the list
         for turn in by:
             new = np.rint(turn @ member)
             if not any(np.array_equal(new, known) for known in group):
@@ -130,7 +130,7 @@ def of_shape(points: Array, distance: Callable[[Array], Array], tolerance_m: flo
     Args:
         points: Shape=(n, 3) m, on the surface.
         distance: Distance (m) of points, Shape=(n, 3), to the surface.
-        tolerance_m: How far a turned surface point may lie from the surface.
+        tolerance_m: Maximum distance of a rotated surface point from the surface.
     """
     center = (points.max(0) + points.min(0)) / 2
 
@@ -138,7 +138,7 @@ def of_shape(points: Array, distance: Callable[[Array], Array], tolerance_m: flo
         return float(distance((points - center) @ turn.T + center).max()) < tolerance_m
 
     axes = np.eye(3)
-    # No finite group of these axes contains these angles: a shape that they keep is kept by every turn.
+    # No finite group of these axes contains these angles: a shape invariant under them is invariant under all.
     free = [a for a in axes if keeps(rotation_about(a, 1.0)) and keeps(rotation_about(a, 2.4))]
     if len(free) > 1:
         return Symmetry(center=center, sphere=True)

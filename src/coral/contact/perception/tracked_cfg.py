@@ -1,4 +1,4 @@
-"""Configuration of tracking: the camera and its place, the tracker, and how its poses are used."""
+"""Configuration of tracking: camera and viewpoint, tracker, and use of its poses."""
 
 from __future__ import annotations
 
@@ -21,51 +21,51 @@ from coral.errors import InputError
 
 Place = tuple[Signed, Signed, Signed]
 EYE, TARGET = (0.05, -0.9, 0.35), (0.05, 0.0, 0.08)
-"""From the robot's right across the table, low: the arm comes from behind and above, and hides least from there."""
+"""From the robot's right across the table, low: the arm comes from behind and above, and occludes least there."""
 EYES: Mapping[str, tuple[Place, Place]] = {
     "push-pick-board": ((-0.35, 0.75, 0.6), (0.05, 0.0, 0.05)),  # the hand takes the board's right-hand side
 }
-"""Viewpoints of the tasks that are seen better from elsewhere."""
+"""Viewpoints of tasks that are better observed from elsewhere."""
 _DRAWN = (0,)
 """Geom groups: the robot is drawn by its collision shapes, a little thicker than its visual ones and twice as fast."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrackedCfg(TrackerCfgs):
-    """The camera, the tracker, and how its poses are used."""
+    """The camera, the tracker, and the use of its poses."""
 
     period_s: Positive = 0.04
     """Time between two pictures."""
     latency_s: NonNegative = 0.04
-    """Time from a picture to the poses in it; at most `period_s`, as one picture is processed at a time."""
+    """Time from a picture to its poses; at most `period_s`, as one picture is processed at a time."""
     camera: RgbdCameraCfg = field(default_factory=RgbdCameraCfg)
     """Size, field of view and range."""
     eye_m: Place | None = None
     target_m: Place | None = None
-    """Where the camera is and what it looks at; by default where the task's objects are seen best."""
+    """Position of the camera and the point that it looks at; by default the best for the task."""
     noise: bool = True
-    """Whether depth and outlines are noisy, as a real camera's."""
+    """Whether depth and outlines are noisy, like a real camera's."""
     depth_noise: DepthNoiseCfg = field(default_factory=DepthNoiseCfg)
     """Amounts of that noise."""
     by: str = "model"
     """The tracker, as `--tracker` takes it."""
     colours: Literal["shaded", "best"] = "shaded"
-    """Where colours come from, for a tracker that wants them: "shaded" by rays, the same everywhere; "best": OpenGL's
-    where it works. Other trackers get no colours."""
+    """Source of colours for a tracker that needs them: "shaded" by rays, the same on all machines; "best": OpenGL if it
+    works. Other trackers get no colours."""
     motion: MotionFilterCfg = field(default_factory=MotionFilterCfg)
     """The filter of each object's poses."""
     grip: GraspDetectionCfg = field(default_factory=GraspDetectionCfg)
-    """When an object is believed to be between the fingers, and so to move with the hand."""
+    """Thresholds for detecting that the fingers hold an object, which then moves with the hand."""
     first_pictures: Count = 3
-    """Taken before the clock starts, for a better first pose."""
+    """Number of pictures before the clock starts, for a better first pose."""
     search_s: NonNegative = 1.0
-    """How long objects are searched for at the start."""
+    """Longest search for the objects at the start."""
     blind_s: Positive = 0.5
-    """After this time without a picture the camera counts as off."""
+    """Time without a picture after which the camera counts as off."""
     retreat_after_s: NonNegative = 1.0
-    """After an object has been lost for this time the hand retreats upwards; 0 for never."""
+    """Time after which the hand retreats upwards if an object stays lost; 0 for never."""
     retreat_s: Positive = 1.0
-    """How long it retreats at most; then the plan is followed for `retreat_after_s` again."""
+    """Longest retreat; after it the plan is followed for `retreat_after_s` again."""
     retreat_m_s: Positive = 0.15
     """Speed of the retreat."""
 
@@ -75,19 +75,19 @@ class TrackedCfg(TrackerCfgs):
         self.choice()
 
     def choice(self) -> TrackerChoice:
-        """The tracker that `by` names.
+        """Return the tracker that `by` names.
 
         Raises:
-            InputError: It names none.
+            InputError: There is no such tracker.
         """
         return choose_tracker(self.by, self, "tracked", "by")
 
 
 def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:
-    """Choose where the camera is and what it looks at.
+    """Choose the position of the camera and the point that it looks at.
 
     Raises:
-        InputError: It would look straight down.
+        InputError: The camera would look straight down.
     """
     eye, target = EYES.get(trial.task.name, (EYE, TARGET))
     eye, target = cfg.eye_m or eye, cfg.target_m or target

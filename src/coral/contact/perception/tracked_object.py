@@ -1,4 +1,4 @@
-"""One object that a camera watches: its tracker, and its motion in the world or in the hand that holds it."""
+"""One tracked object: its tracker, and its motion in the world or in the hand that holds it."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ class TrackedObject:
     """Tracks one object in the frame in which it rests: the world's, or the hand's while the fingers hold it.
 
     Args:
-        tracker: Finds it in pictures.
-        cfg: Of the filter of its poses.
+        tracker: Estimates its pose in pictures.
+        cfg: Filter of its poses.
     """
 
     def __init__(self, tracker: PoseTracker, cfg: MotionFilterCfg) -> None:
         self.tracker, self._cfg = tracker, cfg
-        # Squeezed between rubber pads it moves with them; what pictures show beyond that is mostly noise.
+        # Squeezed between rubber pads it moves with them; any other motion in the pictures is mostly noise.
         self.in_hand = replace(cfg, position_gain=_IN_HAND_GAIN, velocity_gain=0.0)
         self.held = False
         self.lost_since: float | None = None
         self.motion: MotionFilter | None = None
 
     def hold(self, held: bool, tool: Array, time_s: float) -> None:
-        """Change to the frame of the hand (`held`) or back to the world's.
+        """Change to the hand's frame (`held`) or back to the world's.
 
         Args:
             held: Whether the object now moves with the hand.
@@ -45,11 +45,11 @@ class TrackedObject:
 
     @property
     def known(self) -> MotionFilter:
-        """Its motion; only after it has been found."""
+        """Return its motion; only after it has been found."""
         assert self.motion is not None
         return self.motion
 
     def at(self, tool: Array, time_s: float) -> Array:
-        """T_world_object at a time, Shape=(4, 4), with the hand at T_world_tool."""
+        """Return T_world_object at a time, Shape=(4, 4), with the hand at T_world_tool."""
         found = self.known.predict(time_s)
         return tool @ found if self.held else found

@@ -1,4 +1,4 @@
-"""An evaluation world in which object poses come from a camera's pictures, late and noisy."""
+"""An evaluation world in which object poses come from a camera's pictures, delayed and noisy."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ class PictureSource(Protocol):
     """Takes the pictures of a simulated world."""
 
     def take(self, data: mujoco.MjData, rng: np.random.Generator) -> RgbdFrame | None:
-        """Take a picture of the present state; None where the camera delivers none."""
+        """Take a picture of the present state; None if the camera delivers none."""
         ...
 
 
 class TrackedWorld:
-    """Wraps a world: object poses come from a tracker, the robot's own sensors are passed on unchanged.
+    """Wraps a world: object poses come from a tracker, the robot's own measurements stay unchanged.
 
     Args:
-        world: The world itself; it must have a simulation, for the camera to draw.
-        trial: Used for what is known beforehand: shapes, symmetries and the task's ranges.
+        world: The world; it must have a simulation, for the camera.
+        trial: Used for prior knowledge: shapes, symmetries and the task's ranges.
         cfg: Camera, tracker and filter.
-        rng: For the noise of pictures.
-        eye: Takes the pictures; a ray-casting camera by default.
+        rng: Random numbers of the noise.
+        eye: Takes the pictures; by default a ray-casting camera.
 
     Raises:
-        InputError: The world cannot be seen.
+        InputError: The world has no pictures.
         TrackerFailed: The tracker's server does not answer.
     """
 
@@ -113,8 +113,7 @@ class TrackedWorld:
         """See `EvaluationWorld.step`.
 
         Raises:
-            WorldError: The world cannot go on, or there are no pictures any more ("camera-off"), or no poses
-                ("tracker-failed").
+            WorldError: The world failed, or there are no more pictures ("camera-off") or poses ("tracker-failed").
         """
         now = self._world.step(target)
         tool = body_to_matrix(now.tool)
@@ -158,14 +157,14 @@ class TrackedWorld:
         self._world.close()
 
     def news(self) -> list[dict[str, Any]]:
-        """The losses and recoveries of objects since the last call, as fields of events."""
+        """Return the objects lost and found since the last call, as fields of events."""
         said, self._news = self._news, []
         return said
 
     def retreat(self, target: HandTarget, now: Observation) -> HandTarget:
         """Replace the target by one straight above the hand while an object has been lost for too long.
 
-        A hand that hides an object from the camera would otherwise push on towards its last known pose.
+        A hand that occludes an object would otherwise push on towards its last known pose.
         """
         cfg = self.cfg
         lost = [one.lost_since for one in self._objects.values() if one.lost_since is not None and not one.held]
@@ -179,7 +178,7 @@ class TrackedWorld:
         return HandTarget(now.tool.position + lead, now.tool.quaternion, target.opening_m, target.stiffness)
 
     def compare(self, now: Observation, truth: Truth) -> dict[str, PoseDifference]:
-        """Measure how far the believed poses are from the true ones; for the record only."""
+        """Compute the errors of the estimated poses; for the record only."""
         return {
             name: compare_poses(
                 shape.symmetry, now.objects[name], truth.objects[name], self._objects[name].lost_since is not None
@@ -265,7 +264,7 @@ def _as_world_error() -> Iterator[None]:
 
 
 def nominal_pose(trial: Trial, name: str) -> Array:
-    """T_world_object in the middle of the task file's ranges; of equal poses the tracker reports the nearest to it."""
+    """Return T_world_object in the middle of the task file's ranges; of equal poses the nearest one is reported."""
     item = trial.task.object(name)
     turn = rotation_about(np.array([0.0, 0.0, 1.0]), float(np.radians(np.mean(item.yaw_deg))))
     return pose_matrix(

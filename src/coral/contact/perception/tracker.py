@@ -16,16 +16,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PoseEstimate:
-    """Where an object is believed to be."""
+    """Estimated pose of an object."""
 
     T_world_object: Array
     """Shape=(4, 4). For a lost object, the last pose; before the first one, the expected pose."""
     confidence: float
-    """In this pose, up to 1; 0 for a lost object."""
+    """Confidence in this pose, up to 1; 0 for a lost object."""
     lost: bool = False
-    """Whether the pose cannot be relied on."""
+    """Whether the pose is unreliable."""
     visible: float = 1.0
-    """Share of the object's drawing that is visible."""
+    """Visible share of the object's drawing."""
     reason: str = ""
     """Why it is lost: "not seen", "covered", "does not fit"; "" otherwise."""
     registered: bool = False
@@ -33,15 +33,15 @@ class PoseEstimate:
 
 
 class TrackerFailed(RunError):
-    """A tracker cannot go on, as when its server does not answer. A lost object is not a failure."""
+    """A tracker failed, for example because its server does not answer. A lost object is not a failure."""
 
 
 class PoseTracker(Protocol):
     """Finds and follows one object. The verbs are FoundationPose's.
 
     Attributes:
-        name: For records.
-        wants_colours: Whether its pictures must have colours; otherwise none are drawn.
+        name: Name for records.
+        wants_colours: Whether its pictures need colours; otherwise none are drawn.
     """
 
     name: str
@@ -52,10 +52,10 @@ class PoseTracker(Protocol):
 
         Args:
             frame: The picture.
-            mask: Shape=(H, W), where the object is seen in it.
+            mask: Shape=(H, W), mask of the object.
 
         Raises:
-            TrackerFailed: The tracker cannot go on.
+            TrackerFailed: The tracker failed.
         """
         ...
 
@@ -64,15 +64,15 @@ class PoseTracker(Protocol):
 
         Args:
             frame: The picture.
-            mask: Shape=(H, W), where the object is seen in it.
-            guess: T_world_object, Shape=(4, 4), where the object may be, as when the hand carries it. A tracker may
-                ignore this hint.
+            mask: Shape=(H, W), mask of the object.
+            guess: T_world_object, Shape=(4, 4), a possible pose, for example because the hand carries the object. A
+                tracker may ignore this hint.
 
         Raises:
-            TrackerFailed: The tracker cannot go on.
+            TrackerFailed: The tracker failed.
         """
         ...
 
     def close(self) -> None:
-        """Release what is held elsewhere, as on a server; never fails, and may be called again."""
+        """Release remote resources, for example on a server; never fails, and may be called again."""
         ...

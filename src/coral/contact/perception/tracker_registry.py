@@ -1,4 +1,4 @@
-"""The trackers by name: a new one is added here, and `--tracker`, its help and its errors follow."""
+"""The trackers by name: `--tracker`, its help and its errors follow from this registry."""
 
 from __future__ import annotations
 
@@ -24,34 +24,34 @@ class TrackerCfgs:
     """One configuration for each tracker."""
 
     tracker: TrackerCfg = field(default_factory=TrackerCfg)
-    """Of `model`, the embedded tracker."""
+    """Configuration of `model`, the embedded tracker."""
     foundationpose: FoundationPoseCfg = field(default_factory=FoundationPoseCfg)
-    """Of `foundationpose`."""
+    """Configuration of `foundationpose`."""
 
 
 @dataclass(frozen=True)
 class TrackerChoice:
-    """A tracker that was chosen."""
+    """A chosen tracker."""
 
     name: str
-    """For records."""
+    """Name for records."""
     wants_colours: bool
-    """Whether its pictures must have colours."""
+    """Whether its pictures need colours."""
     make: Callable[[ObjectModel, Array | None], PoseTracker]
-    """Makes one for an object that is expected at T_world_object, Shape=(4, 4), or None: with its axes along the
+    """Makes a tracker for an object that is expected at T_world_object, Shape=(4, 4), or None: with its axes along the
     world's."""
     check: Callable[[], None]
-    """Raises TrackerFailed where none could be made."""
+    """Raises TrackerFailed if no tracker could be made."""
 
 
 @dataclass(frozen=True)
 class TrackerKind:
-    """A tracker as the command line offers it."""
+    """A tracker on the command line."""
 
     form: str
-    """What to write after `--tracker`."""
+    """Form of the value after `--tracker`."""
     help: str
-    """What it is, as half a sentence."""
+    """Description, as half a sentence."""
     choose: Callable[[str | None, TrackerCfgs, tuple[str, str]], TrackerChoice | None]
     """The choice for an address (what follows the first colon; None without a colon), the configurations, and the place
     of the word, for errors; None where the word is not of this form."""
@@ -88,23 +88,23 @@ TRACKERS: dict[str, TrackerKind] = {
 
 
 def tracker_help() -> str:
-    """The trackers with what they are, for the command line's help."""
+    """List the trackers with their descriptions, for the command line's help."""
     return "; or ".join(f"{kind.form}, {kind.help}" for kind in TRACKERS.values())
 
 
 def choose_tracker(
     word: str, cfgs: TrackerCfgs | None = None, where: str = "--tracker", field: str = ""
 ) -> TrackerChoice:
-    """Choose the tracker that a word names.
+    """Choose a tracker by its name.
 
     Args:
-        word: NAME, or NAME:ADDRESS for a tracker on a server; NAME alone where the configuration has the address.
+        word: NAME, or NAME:ADDRESS for a tracker on a server; NAME alone if the configuration has the address.
         cfgs: The trackers' configurations.
-        where: What holds the word, for errors.
-        field: Likewise.
+        where: Source of the word, for errors.
+        field: Field of the word, for errors.
 
     Raises:
-        InputError: It names none.
+        InputError: There is no such tracker.
     """
     name, separator, address = word.partition(":")
     kind = TRACKERS.get(name)
@@ -116,5 +116,5 @@ def choose_tracker(
 
 
 def drop_addresses(content: dict[str, Any]) -> None:
-    """Remove from the mapping of a `TrackerCfgs` where servers are: their poses do not depend on it."""
+    """Remove server addresses from the mapping of a `TrackerCfgs`: poses do not depend on them."""
     content["foundationpose"].pop("url")

@@ -1,4 +1,4 @@
-"""Measures how well a tracker follows a motion: pose errors, times, and registrations from scratch."""
+"""Accuracy of a tracker over a motion: pose errors, times, and registrations from scratch."""
 
 from __future__ import annotations
 
@@ -31,23 +31,23 @@ MakeTracker = Callable[[ObjectModel], PoseTracker]
 
 @dataclass(frozen=True, kw_only=True)
 class AccuracyCfg:
-    """How the accuracy is measured."""
+    """Settings of the measurement."""
 
     camera: RgbdCameraCfg
-    """Of the pictures."""
+    """Camera of the pictures."""
     noise: DepthNoise | None
-    """Of the depth; None for none."""
+    """Depth noise; None for none."""
     colours: Colours = "none"
     """Whether pictures have colours: networks need them."""
     period_s: TimeStep = 0.1
-    """Between pictures: 10 Hz, the lower end of what closed loops need."""
+    """Time between pictures: 10 Hz, the lower end of the range of closed loops."""
     registrations: Count = 8
-    """Registrations from scratch, spread evenly over the pictures that show enough."""
+    """Number of registrations from scratch, spread evenly over the pictures that show enough."""
     enough: Fraction = 0.25
-    """Share of the object that must be visible for one."""
+    """Visible share of the object that a registration requires."""
     within_mm: float = 5.0
     within_deg: float = 5.0
-    """A registration with smaller errors than both counts as a success."""
+    """A registration with both errors smaller than these is a success."""
 
 
 @dataclass(frozen=True)
@@ -55,23 +55,23 @@ class Accuracy:
     """The accuracy for one object in one motion. Errors are modulo the object's symmetry, except ADD."""
 
     task: str
-    """Whose motion it is."""
+    """Task of the motion."""
     object: str
-    """Which object."""
+    """Name of the object."""
     frames: int
-    """Pictures tracked."""
+    """Number of tracked pictures."""
     mm: float
     deg: float
     """Median error of the position and of the orientation."""
     mm_95: float
     deg_95: float
-    """What 95 % of the pictures stay below."""
+    """Bounds on 95 % of the errors."""
     add_mm: float
     add_s_mm: float
     mssd_mm: float
     """Medians."""
     lost: int
-    """Pictures that the tracker reported as lost."""
+    """Number of pictures in which the tracker reported the object as lost."""
     least_visible: float
     """Smallest visible share of the object, at its true pose."""
     update_ms: float
@@ -79,7 +79,7 @@ class Accuracy:
     """Time of one update."""
     registrations: int
     registered: int
-    """Registrations from scratch, and how many were within the limits."""
+    """Number of registrations from scratch, and of those within the limits."""
     registration_s: float
     """Median time of a registration."""
 
@@ -155,7 +155,7 @@ def _warm(tracker: PoseTracker, mask: NDArray[np.bool_], frame: RgbdFrame) -> No
 
 
 def _visible_share(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_], truth: Array) -> float:
-    """Share of the object, at its true pose, that is visible."""
+    """Compute the visible share of the object, at its true pose."""
     if not mask.any():
         return 0.0
     cfg = ConfidenceCfg()
@@ -165,6 +165,6 @@ def _visible_share(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_]
 
 
 def _error(model: ObjectModel, estimate: Array, truth: Array) -> tuple[float, float]:
-    """Millimetres and degrees modulo symmetry."""
+    """Compute the error in millimetres and degrees, modulo symmetry."""
     shift, turn = model.symmetry.difference(estimate, truth)
     return 1e3 * shift, math.degrees(turn)

@@ -1,4 +1,4 @@
-"""Measures how a tracker loses and finds an object that leaves the view for a second or is covered by the hand."""
+"""Loss and recovery of an object that leaves the view for a second or is covered by the hand."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ class TrackingLoss:
 
     task: str
     object: str
-    """Which."""
+    """Name of the object."""
     how: How
-    """"out of view", taken away and put down 8 cm on and turned by 40 degrees; or "covered", moved on by 3 cm behind a
-    hand held before the camera."""
+    """"out of view": removed, and put back 8 cm farther with a rotation of 40 degrees; or "covered": moved by 3 cm
+    behind a hand in front of the camera."""
     noticed_frames: int
     """Pictures until the tracker reported the loss, counting the first one without the object as 1; 0 if it never did.
     """
     reported: float
     """Share of the pictures without the object in which it was reported as lost."""
     reason: str
-    """What the tracker said."""
+    """Reason that the tracker gave."""
     recovered_frames: int
-    """Likewise, until it reported a pose again."""
+    """Pictures until it reported a pose again, counted in the same way."""
     mm: float
     deg: float
-    """Error one second after, modulo symmetry."""
+    """Error one second later, modulo symmetry."""
     slowest_s: float
-    """Longest update on the way."""
+    """Longest update during that time."""
 
 
 def measure_loss(trial: Trial, make: MakeTracker, cfg: AccuracyCfg, how: How) -> TrackingLoss:
@@ -88,7 +88,7 @@ def measure_loss(trial: Trial, make: MakeTracker, cfg: AccuracyCfg, how: How) ->
 
 
 def _gone(stage: PosedScene, aside: MotionSample, name: str, how: How) -> tuple[MotionSample, MotionSample]:
-    """The poses while the object is gone, and after."""
+    """Return the poses while the object is away, and after its return."""
     here = aside.objects[name]
     if how == "out of view":
         away = pose_matrix(here[:3, :3], here[:3, 3] + np.array([0.0, 0.0, -5.0]))
@@ -105,7 +105,7 @@ def _gone(stage: PosedScene, aside: MotionSample, name: str, how: How) -> tuple[
     sight /= distance
     side = np.cross([0.0, 0.0, 1.0], sight)
     side /= np.linalg.norm(side)
-    # The palm's broad side before the lens: its height across the line of sight, fingers up.
+    # The palm's broad side faces the lens: its height is across the line of sight, fingers up.
     hand = pose_matrix(np.stack([sight, side, np.cross(sight, side)], 1), camera[:3, 3] + 0.16 * sight)
     hand[:3, 3] += 0.07 * hand[:3, 2]
     objects = aside.objects | {name: there}

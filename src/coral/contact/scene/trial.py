@@ -178,7 +178,7 @@ def _clash(trial: Trial, gap_m: float = 0.01) -> str | None:
 
 
 def _separated(first: Array, second: Array, axes: Array, gap_m: float) -> bool:
-    """Whether the points, Shape=(n, 3), lie further apart than the gap along one of the axes, Shape=(m, 3)."""
+    """Check whether two point sets, Shape=(n, 3), are separated by the gap along one of the axes, Shape=(m, 3)."""
     a, b = first @ axes.T, second @ axes.T
     return bool(np.any((b.min(axis=0) - a.max(axis=0) >= gap_m) | (a.min(axis=0) - b.max(axis=0) >= gap_m)))
 
