@@ -16,7 +16,7 @@ from coral.contact.scene.mujoco_scene import FINGER_FRICTION, FINGER_PRIORITY, R
 
 MAX_OPENING_M = 0.08
 SQUEEZE_M = -0.04
-"""Least opening that can be commanded: below nothing, so that thin things are held with the fingers' whole force."""
+"""Smallest commanded opening: below zero, so that thin objects are held with the fingers' full force."""
 FINGER_KG = 0.05
 FLANGE_TO_TOOL_M = 0.1034
 
@@ -26,21 +26,21 @@ class HandCfg:
     """The hand's apparent dynamics."""
 
     mass_kg: Positive = 4.5
-    """Apparent mass at the tool; what a Panda shows at mid reach (measured 3.4 to 6.1)."""
+    """Apparent mass at the tool, as of a Panda at mid reach (measured 3.4 to 6.1)."""
     inertia_kg_m2: Positive = 0.1
     """Apparent rotational inertia (measured 0.08 to 0.38)."""
     stiffness_n_m: Positive = 600.0
-    """Translational stiffness when nothing else is asked for."""
+    """Default translational stiffness."""
     lever_m2: Positive = 0.05
     """Rotational stiffness in N m/rad for each N/m of translational stiffness."""
     damping_ratio: Positive = 1.0
-    """1 is critical."""
+    """Damping ratio; 1 is critical."""
     axis_force_limit_n: Positive = 60.0
     axis_torque_limit_n_m: Positive = 10.0
-    """Bounds of the impedance along each axis; `reactive.force_limit_n` bounds the whole pull."""
+    """Bounds of the impedance along each axis; `reactive.force_limit_n` bounds the total pull."""
     finger_stiffness_n_m: Positive = 1000.0
     finger_force_n: Positive = 20.0
-    """Of each finger (the Panda's gripper holds with about 20 N)."""
+    """Force of each finger (the Panda's gripper holds with about 20 N)."""
 
 
 def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = True) -> None:
@@ -53,7 +53,7 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
     hand.add_joint(name="hand_turn", type=mujoco.mjtJoint.mjJNT_BALL)
     hand.mass = cfg.mass_kg - 2 * FINGER_KG
     hand.inertia = [cfg.inertia_kg_m2] * 3
-    hand.ipos = [0, 0, 0]  # at the tool: what an operational-space impedance shows
+    hand.ipos = [0, 0, 0]  # at the tool, as for an operational-space impedance
     hand.explicitinertial = True
     hand.add_site(name="tool", size=[0.005, 0.005, 0.005], group=5)
     rubber = {"priority": FINGER_PRIORITY, "friction": [FINGER_FRICTION, TORSION, ROLLING], "condim": condim}

@@ -26,38 +26,38 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class ControllerCfg:
-    """The planner of hand motions."""
+    """Configuration of the controller."""
 
     horizon: Annotated[int, Field(ge=1, le=10_000)] = 50
     """H control steps (paper, section 4)."""
     mppi: KnotMppiCfg = field(default_factory=KnotMppiCfg)
-    """The sampler; K and lambda are in it."""
+    """The sampler, with K and lambda."""
     sigma_m: tuple[NonNegative, NonNegative, NonNegative] = (0.04, 0.04, 0.04)
-    """Noise on the target's x, y, z (measured to work, with a table 5 cm below the hand as without)."""
+    """Noise on the target's x, y, z (measured to work with and without a table 5 cm below the hand)."""
     sigma_rad: tuple[NonNegative, NonNegative, NonNegative] = (0.12, 0.12, 0.2)
-    """On its rotation about x, y, z of the hand."""
+    """Noise on its rotation about x, y, z of the hand."""
     sigma_opening_m: NonNegative = 0.025
-    """On the opening."""
+    """Noise on the opening."""
     speed_m_s: Positive = 0.5
     turn_rad_s: Positive = 2.5
     opening_m_s: Positive = 0.2
-    """How fast a target may move."""
+    """Maximum speeds of a target."""
     lead_m: Positive = 0.06
     lead_rad: Positive = 0.5
-    """How far the target may be ahead of the measured hand when a plan begins (no wind-up)."""
+    """Maximum lead of a target over the measured hand at the start of a plan (no wind-up)."""
     workspace_low_m: tuple[Signed, Signed, Signed] = (-0.35, -0.45, -0.15)
     workspace_high_m: tuple[Signed, Signed, Signed] = (0.4, 0.5, 0.6)
-    """Corners of the box that targets stay in."""
+    """Corners of the box that bounds the targets."""
     shoulder_m: tuple[Signed, Signed, Signed] = (-0.5, 0.0, 0.333)
     reach_m: NonNegative = 0.855
-    """The wrist is led no further from there: the Panda's shoulder in robosuite, and how far its flange can be from it
-    by its data sheet. 0: no such limit. Within it, too, joint limits and its own links keep the arm from some poses."""
+    """Centre and radius of a sphere that bounds the wrist: the Panda's shoulder in robosuite, and the reach of its
+    flange by its data sheet. 0 disables it. Joint limits and the arm's own links exclude further poses inside."""
     guided: Fraction = 0.2
-    """Share of the samples that head for points of contact, where a stage has any."""
+    """Share of the samples guided to contact points, if a stage has any."""
     terminal: NonNegative = 1.0
-    """Weight of the last state (phi of Eq. 4) against the mean over the horizon."""
+    """Weight of the last state (phi of Eq. 4) relative to the mean over the horizon."""
     risk: RiskCfg = field(default_factory=RiskCfg)
-    """Over several beliefs."""
+    """Risk measure over several beliefs."""
 
     def __post_init__(self) -> None:
         """Check that the corners make a box."""
@@ -72,30 +72,30 @@ class ControllerCfg:
 
 @dataclass(frozen=True)
 class HandPlan:
-    """One plan and what its rehearsals expect."""
+    """One plan and the prediction of its rehearsals."""
 
     targets: tuple[HandTarget, ...]
-    """One for each control step of the horizon."""
+    """One target for each control step of the horizon."""
     expected_position: Array
-    """Shape=(H, 3) m, where the rehearsals expect the tool."""
+    """Predicted position of the tool, Shape=(H, 3) m."""
     expected_quaternion: Array
-    """Shape=(H, 4), how they expect it turned."""
+    """Predicted orientation of the tool, Shape=(H, 4)."""
     expected_force: Array
-    """Shape=(H, 3) N, what they expect the hand to feel."""
+    """Predicted force on the hand, Shape=(H, 3) N."""
     expected_torque: Array
-    """Shape=(H, 3) N m, likewise."""
+    """Predicted torque on the hand, Shape=(H, 3) N m."""
     update: Update
-    """The sampler's account."""
+    """Update of the sampler."""
     terms: dict[str, float]
-    """The expected value of each term of the cost, over the horizon."""
+    """Expected value of each cost term over the horizon."""
     now: Context
-    """The state after one step, a batch of one: what a stage's tests read."""
+    """State after one step, a batch of one, for a stage's conditions."""
     diverged: int
-    """Rehearsals that were left out."""
+    """Number of excluded rehearsals."""
 
     @property
     def cost(self) -> float:
-        """Expected cost of the plan."""
+        """Return the expected cost of the plan."""
         return float(sum(self.terms.values()))
 
 
@@ -104,9 +104,9 @@ class Controller:
 
     l is the stage's cost and phi its value at the last state (Eq. 4); x follows from u by rehearsals in the planning
     world, contacts included. u starts at the present target, moves no faster than `speed_m_s`, `turn_rad_s` and
-    `opening_m_s`, and stays in the workspace and within the arm's reach. MPPI over knots of u solves it: a knot holds
-    a position in the world, a rotation vector about the present target's orientation, and an opening, so that the
-    sampler works on plain vectors and no orientation is singular.
+    `opening_m_s`, and stays in the workspace and within the arm's reach. MPPI over knots of u solves the problem: a
+    knot is a position in the world, a rotation vector about the present target's orientation, and an opening, so that
+    the sampler works on plain vectors and no orientation is singular.
     """
 
     def __init__(self, world: PlanningWorld, cfg: ControllerCfg, rng: np.random.Generator) -> None:
@@ -120,7 +120,7 @@ class Controller:
         self._centre: Array | None = None
 
     def restart(self, now: Observation) -> None:
-        """Reset the plan to standing still where the hand is."""
+        """Reset the plan to standing still at the hand's position."""
         self._target = HandTarget(
             now.tool.position.copy(), now.tool.quaternion.copy(), now.opening_m, self.world.cfg.hand.stiffness_n_m
         )
@@ -130,8 +130,8 @@ class Controller:
         """Rehearse and improve the plan from the measured state.
 
         Args:
-            now: What the sensors say.
-            stage: What is wanted.
+            now: The latest observation.
+            stage: The active stage.
             step: Control steps since the episode began.
 
         Raises:
@@ -165,10 +165,10 @@ class Controller:
             propose = lambda sampled: self._towards(sampled, start, aims)  # noqa: E731
         update = self.mppi.improve(evaluate, propose, lambda knots: self._bound(knots, start))
         context, sane, terms, _ = rehearsed[0]
-        # Where no rehearsal counted the plan before is kept: the first of the samples.
+        # If every rehearsal is invalid, the previous plan is kept: it is the first of the samples.
         each = update.weights if update.ok else np.eye(1, len(update.weights))[0]
         weights = np.tile(each, len(self.world.models)) / len(self.world.models)
-        counted = weights > 0  # what else there is may be no number
+        counted = weights > 0  # the others may contain nan
         targets = self._targets(update.knots, start.quaternion, stage.stiffness_n_m)
         return HandPlan(
             targets=targets,
@@ -186,7 +186,7 @@ class Controller:
         )
 
     def executed(self, target: HandTarget, steps: int) -> None:
-        """Take note of the last command, and shift the plan by the steps that were executed."""
+        """Record the last command, and shift the plan by the executed steps."""
         self._target = target
         self.mppi.advance(steps * self.world.cfg.step_s, self.span_s)
 
@@ -197,7 +197,7 @@ class Controller:
         return np.asarray(total.mean(axis=1) + self.cfg.terminal * total[:, -1])
 
     def _bounded_start(self, now: Observation, target: HandTarget) -> HandTarget:
-        """The present target, clipped to the allowed lead over the hand."""
+        """Return the present target, clipped to the allowed lead over the hand."""
         ahead = target.position - now.tool.position
         length = float(np.linalg.norm(ahead))
         position = now.tool.position + ahead * min(1.0, self.cfg.lead_m / max(length, 1e-9))
@@ -219,7 +219,7 @@ class Controller:
         knots = knots.copy()
         before = np.tile(np.concatenate([start.position, np.zeros(3), [start.opening_m]]), (len(knots), 1))
         span = self.span_s / (knots.shape[1] - 1)
-        # A value that is held begins at once: held at the present target, the hand would never leave it.
+        # A constant value applies from the start: kept at the present target, the hand would never leave it.
         first = 0 if cfg.mppi.spline == "hold" else 1
         knots[:, :first] = before[:, None]
         for k in range(first, knots.shape[1]):
@@ -237,7 +237,7 @@ class Controller:
         return knots
 
     def _within_reach(self, knots: Array, centre: Array) -> Array:
-        """Positions, Shape=(K, 3), pulled back where the wrist would be out of the arm's reach."""
+        """Pull positions, Shape=(K, 3), back where the wrist would be out of the arm's reach."""
         shoulder, reach = np.asarray(self.cfg.shoulder_m), self.cfg.reach_m
         wrist = knots[:, :3] - FLANGE_TO_TOOL_M * column_of(multiply(centre, from_rotvec(knots[:, 3:6])), 2)
         away = wrist - shoulder
@@ -245,7 +245,7 @@ class Controller:
         return np.where(far > reach, knots[:, :3] - away * (1 - reach / np.maximum(far, reach)), knots[:, :3])
 
     def _towards(self, sampled: Array, start: HandTarget, aims: list[tuple[Guide, Array, Array | None]]) -> Array:
-        """Replace the last samples by motions towards points of contact, at a random pace, with half of the noise."""
+        """Replace the last samples by motions to contact points, at a random speed, with half of the noise."""
         chosen = range(len(sampled) - int(self.cfg.guided * len(sampled)), len(sampled))
         times = np.linspace(0.0, 1.0, sampled.shape[1])
         noises = 0.5 * (sampled - self.mppi.knots)
@@ -278,7 +278,7 @@ class Controller:
 
 
 def _mean_turn(quaternions: Array, weights: Array) -> Array:
-    """Shape=(H, 4): weighted mean of orientations that lie near each other, Shape=(K, H, 4)."""
+    """Compute the weighted mean, Shape=(H, 4), of orientations close to each other, Shape=(K, H, 4)."""
     same = np.where((quaternions * quaternions[:1]).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
     mean = np.tensordot(weights, same * quaternions, axes=1)
     return np.asarray(mean / np.linalg.norm(mean, axis=-1, keepdims=True))

@@ -12,21 +12,22 @@ from coral.contact.scene.mujoco_scene import add_scene, contact_pairs
 from coral.contact.scene.trial import Trial
 
 FOUND, FORCE, TORQUE, PLACE, NET = 1, 2, 4, 16, 3
-"""What a contact sensor tells, as bits, and how it reduces several contacts."""
+"""Bits of a contact sensor's data, and its reduction of several contacts."""
 
 SWING_RAD = 0.8
-"""Most that a finger on its spring may swing in one step. Its own 50 g swing by 1.4 rad in 10 ms: a squeezed box of
-0.1 kg was thrown out within a second in 22 of 33 rehearsals that did nothing but hold it (measured); now in none."""
+"""Maximum rotation of a finger on its spring in one step. A finger of 50 g rotates by 1.4 rad in 10 ms: a squeezed
+box of 0.1 kg was thrown out within a second in 22 of 33 rehearsals that only held it (measured), with the limit in
+none."""
 
 
 def build_model(trial: Trial, hand: HandCfg, physics_dt_s: float, endless: bool = False) -> mujoco.MjModel:
     """Compile the reduced model with the hand's default stiffness.
 
     Args:
-        trial: The trial as it is believed to be.
+        trial: The trial under the beliefs.
         hand: The hand.
         physics_dt_s: Step of the physics.
-        endless: The table is a plane, without edges.
+        endless: Whether the table is an infinite plane.
     """
     spec = reduced(trial, hand, physics_dt_s)
     if endless:
@@ -39,7 +40,7 @@ def build_model(trial: Trial, hand: HandCfg, physics_dt_s: float, endless: bool 
 
 
 def reduced(trial: Trial, hand: HandCfg, physics_dt_s: float) -> mujoco.MjSpec:
-    """Hand and scene: implicitfast, pyramidal cones, few contacts a pair (measured choices)."""
+    """Model hand and scene: implicitfast, pyramidal cones, few contacts per pair (measured choices)."""
     spec = mujoco.MjSpec()
     option = spec.option
     option.timestep = physics_dt_s
@@ -60,7 +61,7 @@ def reduced(trial: Trial, hand: HandCfg, physics_dt_s: float) -> mujoco.MjSpec:
 
 
 def pair(name: str, other: str) -> str:
-    """Name of the sensor of their touch; no name holds a slash, so that no two pairs share one."""
+    """Return the name of a pair's contact sensor; no name contains a slash, so no two pairs share one."""
     return f"{name}/{other}"
 
 
@@ -89,7 +90,7 @@ def _add_sensors(spec: mujoco.MjSpec, trial: Trial) -> None:
         for side in ("left", "right"):
             contact(pair(side, item.name), (body, side), (body, item.name), FOUND)
     for name, other in contact_pairs(trial):
-        if other in fixed or name < other:  # two objects share one
+        if other in fixed or name < other:  # a pair of objects has one sensor
             contact(pair(name, other), (body, name), (geom if other in fixed else body, other), FOUND)
 
 

@@ -1,7 +1,7 @@
-"""The planning world: a reduced model of hand and scene, built from beliefs, in which action sequences are rehearsed.
+"""The planning world: a reduced model of hand and scene, built from beliefs, for rehearsing control sequences.
 
 It is MuJoCo with the floating hand of `hand_model.py`, coarse steps and cheap contacts, rolled out in a batch on all
-cores by `mujoco.rollout`. Contacts are read by sensors, as a rollout has no other way out.
+cores by `mujoco.rollout`. Sensors read the contacts, since a rollout returns nothing else.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
 Array = NDArray[np.float64]
 CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_MOCAP_POS | mujoco.mjtState.mjSTATE_MOCAP_QUAT)
 FORCE, TORQUE, PLACE = slice(1, 4), slice(4, 7), slice(7, 10)
-"""Of a contact sensor: after whether there is one, the net force, its torque about a place, and that place."""
+"""Data of a contact sensor after its count: net force, torque about a point, and that point."""
 SANE_SPEED_M_S = 8.0
-"""A rollout in which anything moves faster has diverged."""
+"""A rollout with a higher speed of anything has diverged."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,36 +43,36 @@ class PlanningCfg:
     step_s: TimeStep = 0.02
     """One control step of the plan."""
     physics_dt_s: TimeStep = 0.01
-    """Step of the physics; a whole number of them makes a control step. 10 ms keeps the box within 12 mm of a 1 ms
-    reference over a second of pushing (measured), and costs a fifth of 2 ms."""
+    """Physics step; a control step is a whole number of them. 10 ms keeps the box within 12 mm of a 1 ms reference over
+    a second of pushing (measured), and costs a fifth of 2 ms."""
     inland_m: Positive = 0.12
-    """While the hand and everything that moves are this far from the table's edges, it is rehearsed as a plane: where a
-    cylinder touches a box is a general search, where it touches a plane a formula. That matters for cylinders that do
-    not sleep. A hand at full speed goes so far in a quarter of the horizon; by then it is planned anew six times."""
+    """While the hand and all moving objects are this far from the table's edges, the table is rehearsed as a plane:
+    contact between cylinder and box needs a general search, with a plane a formula. This matters for cylinders that do
+    not sleep. At full speed a hand crosses this distance in a quarter of the horizon, with six new plans meanwhile."""
     rest_m_s: NonNegative = 0.01
-    """Among several objects, one that lies still is asleep in a rehearsal until something touches it: half of the time
-    of pick-clutter is saved (benchmarks/planning_parts.py). Still is what no point of its rim exceeds this speed in; 0
+    """Among several objects, an object at rest sleeps in a rehearsal until something touches it, which halves the time
+    of pick-clutter (benchmarks/planning_parts.py). At rest means that no point of its rim moves faster than this; 0
     keeps all awake."""
     threads: Annotated[int, Field(ge=0, le=1024)] = 0
-    """Of the rollout; 0 takes every core."""
+    """Number of threads; 0 uses every core."""
     hand: HandCfg = field(default_factory=HandCfg)
     """The hand's apparent dynamics."""
     uncertainty: UncertaintyCfg = field(default_factory=UncertaintyCfg)
-    """Other beliefs that a plan is rehearsed under, over which its risk is taken."""
+    """Further beliefs under which plans are rehearsed, for their risk."""
 
 
 @dataclass(frozen=True)
 class ControlSequences:
-    """Hand targets of a batch of rehearsals, one for each control step."""
+    """Hand targets of a batch of rehearsals, one per control step."""
 
     position: Array
-    """Shape=(K, H, 3) m, target of the tool."""
+    """Position of the tool's target, Shape=(K, H, 3) m."""
     quaternion: Array
-    """Shape=(K, H, 4)."""
+    """Orientation of the tool's target, Shape=(K, H, 4)."""
     opening: Array
-    """Shape=(K, H) m."""
+    """Opening, Shape=(K, H) m."""
     stiffness: float
-    """N/m, for all."""
+    """Stiffness of all rehearsals, N/m."""
 
 
 class PlanningWorld:
@@ -80,11 +80,11 @@ class PlanningWorld:
 
     Args:
         trial: The trial; its sizes and shapes are known, its masses and frictions are replaced by `beliefs`.
-        beliefs: One belief for each object, or several sets of them, over which a plan's risk is taken. The first set
-            is what is believed.
-        start: The first observation; what the costs call `_init_`.
-        cfg: How coarse.
-        rng: Draws the other beliefs around a single one, where `uncertainty` asks for them.
+        beliefs: One belief for each object, or several sets of them for a plan's risk. The first set is the best
+            estimate.
+        start: The first observation; costs read it as `_init_`.
+        cfg: Time steps and approximations.
+        rng: Samples the other beliefs around a single one, if `uncertainty` requires them.
     """
 
     def __init__(
@@ -99,7 +99,7 @@ class PlanningWorld:
         self._rng = rng or np.random.default_rng(0)
         self._trial, self._start = trial, start
         self.edges = False
-        """Whether the table has its edges however far they are."""
+        """Whether the table has edges regardless of their distance."""
         self._substeps = whole_steps(cfg.step_s, cfg.physics_dt_s, "--cfg", "planning.physics_dt_s")
         self._rollouts = Rollouts(cfg.threads)
         self._names = [item.name for item in trial.task.objects]
@@ -135,20 +135,20 @@ class PlanningWorld:
 
     @property
     def schema(self) -> dict[str, Quantity]:
-        """What a cost can read here."""
+        """Return the quantities that a cost can read here."""
         return task_schema_of(self._trial.task)
 
     def rollout(self, now: Observation, controls: ControlSequences, step: int = 0) -> tuple[Context, NDArray[np.bool_]]:
-        """Rehearse K sequences from the state now, under each belief.
+        """Rehearse K sequences from the present state under each belief.
 
         Args:
             now: The measured state.
-            controls: What each rehearsal does.
+            controls: Control sequences of the rehearsals.
             step: Control steps since the episode began.
 
         Returns:
-            The states after each control step, K being beliefs x sequences in that order, and which rehearsals hold,
-            Shape=(K,): those that diverged do not, and their states are repeated from the last sane one.
+            The states after each control step, with K = beliefs x sequences in that order, and which rehearsals are
+            valid, Shape=(K,): diverged ones are not, and their states repeat the last valid one.
         """
         count, horizon = controls.opening.shape
         total = count * len(self.models)
@@ -173,7 +173,7 @@ class PlanningWorld:
         return Context(values, (total, horizon)), rolled.sane
 
     def present(self, now: Observation, step: int = 0) -> Context:
-        """The measured state as a batch of one; contacts as the first belief has them after a step of keeping still."""
+        """Return the measured state as a batch of one; contacts are the first belief's after a step of standing still."""
         still = ControlSequences(
             now.tool.position[None, None],
             now.tool.quaternion[None, None],
@@ -184,7 +184,7 @@ class PlanningWorld:
         return context.first() if len(self.models) > 1 else context
 
     def _inland(self, now: Observation) -> bool:
-        """Whether nothing comes near an edge of the table for a while."""
+        """Check whether nothing will come near an edge of the table for a while."""
         table = self._trial.task.table
         half, center = np.asarray(table.size)[:2] / 2 - self.cfg.inland_m, np.asarray(table.center)
         points = [
@@ -194,9 +194,9 @@ class PlanningWorld:
         return all(bool((np.abs(each[:, :2] - center) < half).all()) for each in points)
 
     def _initial(self, now: Observation) -> Array:
-        """Shape=(S,): MuJoCo's full physics state where rehearsals begin."""
+        """Return MuJoCo's full physics state at the start of rehearsals, Shape=(S,)."""
         if self._last is not None and self._last[0] is now:
-            return self._last[1]  # a plan asks for it twice
+            return self._last[1]  # a plan needs it twice
         model, data = self.models[0], self._scratch
         mujoco.mj_resetData(model, data)
         data.time = now.time_s
@@ -224,7 +224,7 @@ class PlanningWorld:
             return np.asarray(qpos[..., start : start + 3] + rotate(qpos[..., start + 3 : start + 7], local))
 
         def spin(name: str) -> Array:
-            start = index.pose[name].start  # a free joint's angular velocity is held in the body's own axes
+            start = index.pose[name].start  # a free joint stores angular velocity in body axes
             return rotate(qpos[..., start + 3 : start + 7], qvel[..., index.speed[name]][..., 3:])
 
         def wrung() -> Array:
@@ -275,7 +275,7 @@ def _itself(value: Array) -> Array:
 
 
 def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation) -> None:
-    """Write a measured state into a model that has the floating hand."""
+    """Write a measured state into a model with the floating hand."""
     start = int(model.joint("hand_x").qposadr[0])
     data.qpos[start : start + 3] = now.tool.position
     data.qpos[start + 3 : start + 7] = now.tool.quaternion
@@ -294,10 +294,10 @@ def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation) -> N
 
 
 def _shift_fingers(model: mujoco.MjModel, data: mujoco.MjData, most_m: float = 0.015) -> None:
-    """Shift the pair of fingers out of what one of them would be inside of, keeping the opening.
+    """Shift the pair of fingers out of a penetrated object, keeping the opening.
 
-    Only the sum of the fingers' ways is measured. Held off-centre, an object would start deep inside one finger and be
-    thrown out of the rehearsed grasp, so that no lift could be found.
+    Only the sum of the fingers' positions is measured. An object held off-centre would start deep inside one finger and
+    be thrown out of the rehearsed grasp, so that no lift could be found.
     """
     mujoco.mj_fwdPosition(model, data)
     depth = {"left": 0.0, "right": 0.0}
@@ -305,7 +305,8 @@ def _shift_fingers(model: mujoco.MjModel, data: mujoco.MjData, most_m: float = 0
         bodies = [model.body(model.geom_bodyid[geom]).name for geom in contact.geom]
         for side, other in (bodies, bodies[::-1]):
             if side in depth and other not in ("world", "hand", "left", "right"):
-                # The contact's x axis points from the first geom to the second: out of a second finger's way.
+                # The contact's x axis points from the first geom to the second: the direction that frees a second
+                # finger.
                 outward = contact.frame[:3] * (1.0 if side == bodies[1] else -1.0)
                 along = data.joint(f"{side}_slide").xaxis @ outward
                 if along > 0.7:
@@ -322,8 +323,8 @@ def _own_axes(body: BodyState) -> Array:
 def _without_divergence(
     speeds: NDArray[np.int_], initial: Array, step_s: float, states: Array, sensors: Array
 ) -> NDArray[np.bool_]:
-    """Which rollouts hold, Shape=(K,); the others' states are repeated from the last sane one, in place."""
-    # MuJoCo resets a state that has diverged and its rollout then stands still: only its clock tells.
+    """Return which rollouts are valid, Shape=(K,); repeat the last valid state in the others, in place."""
+    # MuJoCo resets a diverged state and its rollout then stands still: only its clock tells.
     clock = initial[0] + step_s * np.arange(1.0, states.shape[1] + 1)
     if (
         np.isfinite(states.sum())
@@ -331,7 +332,7 @@ def _without_divergence(
         and np.abs(states[..., 0] - clock).max() < 0.1 * step_s
         and max(float(np.abs(states[..., k]).max()) for k in speeds) <= SANE_SPEED_M_S
     ):
-        return np.ones(len(states), dtype=bool)  # as a rule nothing is wrong: that is told faster
+        return np.ones(len(states), dtype=bool)  # usually all are valid: a faster check
     bad: NDArray[np.bool_] = ~(np.abs(states[..., 0] - clock) < 0.1 * step_s)
     bad |= ~np.isfinite(states).all(axis=-1) | ~np.isfinite(sensors).all(axis=-1)
     bad |= np.asarray(np.abs(states[..., speeds]) > SANE_SPEED_M_S).any(axis=-1)
@@ -344,7 +345,7 @@ def _without_divergence(
 
 
 def _action(controls: ControlSequences, repeats: int, step_s: float) -> Array:
-    """Shape=(K, H, 7): speeds of the commanded pose and opening."""
+    """Return the speeds of the commanded pose and opening, Shape=(K, H, 7)."""
     move = np.diff(controls.position, axis=1, prepend=controls.position[:, :1]) / step_s
     q = controls.quaternion
     before = np.concatenate([q[:, :1], q[:, :-1]], axis=1) * np.array([1.0, -1, -1, -1])

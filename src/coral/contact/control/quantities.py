@@ -45,7 +45,7 @@ def constants(
 
 
 def task_schema_of(task: Task) -> dict[str, Quantity]:
-    """Names and units of everything that a cost for this task may read."""
+    """Describe names and units of all quantities that a cost for this task may read."""
     schema = dict(HAND)
     for item in task.objects:
         others = [other.name for other in task.objects if other.name != item.name]

@@ -1,8 +1,8 @@
 """Batched MuJoCo rollouts on several threads; resting objects sleep until something touches them.
 
-A sleeping object costs nearly nothing, and goes on as if it had been awake when it is touched. But what is asleep is no
-part of MuJoCo's state, and what one rollout wakes would be awake in the next one on that thread. So every rollout
-begins with a copy of the same data, and neither order nor threads change a result.
+A sleeping object costs nearly nothing, and behaves as if it had been awake once it is touched. But sleep is no part of
+MuJoCo's state, and an object woken by one rollout would be awake in the thread's next one. So every rollout begins with
+a copy of the same data, and neither order nor threads change a result.
 """
 
 from __future__ import annotations
@@ -22,30 +22,30 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 FULL = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
 SLEEP = int(getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", 0))
-"""0 in a MuJoCo that cannot: there everything stays awake."""
+"""0 in a MuJoCo without sleep: everything stays awake there."""
 MOMENT_S = 1e-9
-"""So long is the step in which what rests is put to sleep: MuJoCo does it at the end of one, and nothing shall move."""
+"""Duration of the step that puts resting objects to sleep: MuJoCo does it at a step's end, and nothing may move."""
 NEAR_M = 1e-3
-"""What is so near to something lies on it: cameras measure no better."""
+"""An object this close to something lies on it: cameras measure no better."""
 
 
 @dataclass(frozen=True)
 class RolloutStart:
-    """Where all rollouts of a model begin."""
+    """Start of all rollouts of a model."""
 
     model: mujoco.MjModel
-    """What is rolled out."""
+    """The model."""
     state: Array
     """Shape=(S,), MuJoCo's full physics state."""
     data: mujoco.MjData | None = None
-    """What every rollout has a copy of; None where nothing can sleep, and the state is all there is."""
+    """Copied at the start of every rollout; None if nothing can sleep, so that the state is sufficient."""
 
     @classmethod
     def at(cls, model: mujoco.MjModel, state: Array) -> RolloutStart:
-        """Begin at a state.
+        """Start from a state.
 
-        Where the model enables sleep, everything sleeps that is slower than its `sleep_tolerance`, lies on something
-        and touches nothing that is awake.
+        If the model enables sleep, every object sleeps that is slower than its `sleep_tolerance`, lies on something and
+        touches nothing that is awake.
         """
         if not model.opt.enableflags & SLEEP:
             return cls(model, state)
@@ -54,12 +54,12 @@ class RolloutStart:
         with _for_a_moment(model):
             mujoco.mj_forward(model, data)
             touching = model.body_treeid[model.geom_bodyid[data.contact.geom.ravel()]]
-            data.tree_asleep[touching[touching >= 0]] = -1  # MuJoCo counts up to it while a tree is slow
+            data.tree_asleep[touching[touching >= 0]] = -1  # MuJoCo's counter of slow steps at its end
             mujoco.mj_step(model, data)
         state = state.copy()
         sleeping = data.tree_asleep[model.dof_treeid] >= 0
         state[1 + model.nq : 1 + model.nq + model.nv][sleeping] = 0.0
-        for joint in np.flatnonzero(sleeping[model.jnt_dofadr]):  # to the last bit: a sleeper that was moved wakes up
+        for joint in np.flatnonzero(sleeping[model.jnt_dofadr]):  # bit for bit: a sleeper that was moved wakes up
             place = slice(int(model.jnt_qposadr[joint]), int(model.jnt_qposadr[joint]) + 7)
             state[1 : 1 + model.nq][place] = data.qpos[place]
         return cls(model, state, data)
@@ -67,7 +67,7 @@ class RolloutStart:
 
 @contextmanager
 def _for_a_moment(model: mujoco.MjModel) -> Iterator[None]:
-    """A step takes no time, and what is near touches."""
+    """Set a step that takes no time, and count near bodies as touching."""
     kept = model.opt.timestep, model.geom_margin.copy(), model.body_margin.copy()
     model.opt.timestep = MOMENT_S
     model.geom_margin[:] = model.body_margin[:] = NEAR_M
@@ -84,25 +84,25 @@ class Rolled:
     states: Array
     """Shape=(N, T, S), full physics states."""
     sensors: Array
-    """Shape=(N, T, M)."""
+    """Sensor data, Shape=(N, T, M)."""
     sane: NDArray[np.bool_]
-    """Shape=(N,), which hold."""
+    """Which rollouts are valid, Shape=(N,)."""
 
 
 Mend = Callable[[Array, Array], NDArray[np.bool_]]
-"""Looks at states and sensors of some rollouts, writes over what cannot be used, and says which hold."""
+"""Inspects states and sensors of rollouts, overwrites invalid ones, and returns which are valid."""
 
 
 class Rollouts:
-    """A pool of threads that roll out batches.
+    """A pool of threads for batches of rollouts.
 
     Args:
-        threads: 0 takes every core.
+        threads: Number of threads; 0 uses every core.
     """
 
     def __init__(self, threads: int) -> None:
         self._threads = threads or os.cpu_count() or 1
-        self._rollout = mujoco_rollout.Rollout(nthread=0)  # in the thread that calls it
+        self._rollout = mujoco_rollout.Rollout(nthread=0)  # in the calling thread
         self._pool = ThreadPoolExecutor(self._threads)
         self._datas: dict[int, list[mujoco.MjData]] = {}
 
@@ -115,11 +115,11 @@ class Rollouts:
         """Roll out every start under its share of the controls.
 
         Args:
-            starts: Of models that differ in numbers alone.
+            starts: Starts of models that differ only in numbers.
             control: Shape=(len(starts) * K, T * every, C): the first K for the first start, and so on.
-            spec: What a row of it sets, as MuJoCo's `mjtState` bits.
-            every: Of so many steps the last is kept.
-            mend: Looks at some of the rollouts as soon as they are there.
+            spec: Contents of a row, as MuJoCo's `mjtState` bits.
+            every: Keep the last of this many steps.
+            mend: Checks a part of the rollouts as soon as it is complete.
         """
         total, steps = control.shape[:2]
         each = [start for start in starts for _ in range(total // len(starts))]
@@ -133,7 +133,7 @@ class Rollouts:
         todo = iter(parts)
 
         def work(data: mujoco.MjData) -> None:
-            states = np.empty((parts[0].stop, steps, found.states.shape[2]))  # of the largest part
+            states = np.empty((parts[0].stop, steps, found.states.shape[2]))  # size of the largest part
             sensors = np.empty((*states.shape[:2], found.sensors.shape[2]))
             for part in todo:  # threads share it: an iterator hands out each part once
                 for rows in _at_once(each, part):
@@ -163,19 +163,19 @@ class Rollouts:
         return found
 
     def _own(self, model: mujoco.MjModel) -> list[mujoco.MjData]:
-        """The threads' MjData for models of this structure."""
+        """Return the threads' MjData for models of this structure."""
         if model.signature not in self._datas:
             self._datas[model.signature] = [mujoco.MjData(model) for _ in range(self._threads)]
         return self._datas[model.signature]
 
 
 def _by_columns(*shape: int) -> Array:
-    """An empty array in column-major order, as costs read it."""
+    """Allocate an array in column-major order, as costs read it."""
     return np.moveaxis(np.empty((shape[-1], *shape[:-1])), 0, -1)
 
 
 def _parts(total: int, threads: int) -> list[slice]:
-    """Slices of decreasing size, so that no thread waits long for another's last one."""
+    """Split into slices of decreasing size, so that no thread waits long for another's last one."""
     found: list[slice] = []
     begin = 0
     while begin < total:
@@ -186,7 +186,7 @@ def _parts(total: int, threads: int) -> list[slice]:
 
 
 def _at_once(each: Sequence[RolloutStart], part: slice) -> Iterator[slice]:
-    """What of a part MuJoCo may roll out in one call: one at a time where each begins with a copy."""
+    """Yield the slices that MuJoCo may roll out in one call: single ones if each begins with a copy."""
     if each[part.start].data is None:
         yield part
     else:

@@ -13,26 +13,26 @@ from coral.contact.scene.trial import PhysicalParameters
 
 @dataclass(frozen=True, kw_only=True)
 class UncertaintyCfg:
-    """How many sampled beliefs a plan is rehearsed under, and their spread."""
+    """Number and spread of the beliefs under which a plan is rehearsed."""
 
     sets: Count = 1
-    """Beliefs: what is believed, and others drawn around it. Each costs as many rehearsals again. 1: the belief alone,
-    as in the paper; `risk` then has nothing to weigh."""
+    """Number of beliefs: the estimate, and samples around it. Each costs a full set of rehearsals. 1: the estimate
+    alone, as in the paper, without an effect of `risk`."""
     mass: NonNegative = 0.3
-    """Standard deviation of the logarithm of a mass: about the share by which it may be off."""
+    """Standard deviation of the logarithm of a mass: about its relative error."""
     friction: NonNegative = 0.2
-    """Of a friction."""
+    """Standard deviation of the logarithm of a friction."""
 
 
 def sample_beliefs(
     belief: Mapping[str, PhysicalParameters], cfg: UncertaintyCfg, rng: np.random.Generator
 ) -> list[Mapping[str, PhysicalParameters]]:
-    """The belief itself, then samples around it: each mass and friction log-normal, independently.
+    """Return the belief itself, then samples around it: each mass and friction log-normal, independently.
 
     Args:
-        belief: What is believed of each object.
-        cfg: How many, how far.
-        rng: Of the samples.
+        belief: Estimates for each object.
+        cfg: Number and spread.
+        rng: Random generator of the samples.
     """
 
     def other(one: PhysicalParameters) -> PhysicalParameters:

@@ -1,1 +1,1 @@
-"""What a cost reads: batches of states under their names, and the stages of a strategy."""
+"""Inputs of a cost: batches of named states, and the stages of a strategy."""

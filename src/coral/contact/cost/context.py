@@ -1,10 +1,10 @@
-"""What a cost function may read: named quantities over a batch of rolled-out states.
+"""Inputs of a cost function: named quantities over a batch of rolled-out states.
 
-Every value is an array whose first two axes are rollout and time step, Shape=(K, H) for a number or a truth value and
-(K, H, n) for a vector; a quantity that does not change in a rollout has K = H = 1 and broadcasts. Frames: world,
+Every value is an array whose first two axes are rollout and time step: Shape=(K, H) for a number or a truth value,
+Shape=(K, H, n) for a vector. A quantity that is constant in a rollout has K = H = 1 and broadcasts. Frames: world,
 metres, z up, the table's top at z = 0. Quaternions are (w, x, y, z).
 
-The names are the same for expert costs, for programs that a model writes and for the reference page.
+The names are the same in expert costs, in programs written by a model and on the reference page.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ Terms = dict[str, Array]
 
 @dataclass(frozen=True)
 class Quantity:
-    """One name that a cost may read."""
+    """Description of one name that a cost may read."""
 
     size: int
     """0 for a number per state, n for a vector of n."""
     unit: str
-    """SI unit, or "" where there is none."""
+    """SI unit, or "" without one."""
     text: str
-    """What it is, in which frame."""
+    """Description, with the frame."""
     truth: bool = False
-    """Whether it is a yes or no (0 or 1 in the array)."""
+    """Whether it is a truth value (0 or 1 in the array)."""
     constant: bool = False
-    """Whether it stays the same during a rollout."""
+    """Whether it is constant during a rollout."""
 
 
 Schema = Mapping[str, Quantity]
 
 
 class Lazy(Mapping[str, Array]):
-    """Values computed at their first read: a cost reads only a few of the names that it may."""
+    """Values computed at first access: a cost reads only a few of the available names."""
 
     def __init__(self, makers: Mapping[str, Callable[[], Array]]) -> None:
         self._makers = makers
@@ -64,7 +64,7 @@ class Lazy(Mapping[str, Array]):
 
 
 class Context:
-    """A batch of states under their names; `state.box_pos` reads one."""
+    """A batch of states with named quantities; `state.box_pos` reads one."""
 
     def __init__(self, values: Mapping[str, Array], shape: tuple[int, int]) -> None:
         self._values = values
@@ -83,11 +83,11 @@ class Context:
         return name in self._values
 
     def names(self) -> list[str]:
-        """Everything that can be read."""
+        """Return all names."""
         return sorted(self._values)
 
     def first(self) -> Context:
-        """The first state of the first sequence, as a batch of one."""
+        """Return the first state of the first sequence, as a batch of one."""
         return Context(Lazy({name: partial(self._corner, name) for name in self._values}), (1, 1))
 
     def _corner(self, name: str) -> Array:
@@ -100,7 +100,7 @@ class Cost(Protocol):
     name: str
 
     def __call__(self, state: Context) -> Terms:
-        """The terms of every state.
+        """Compute the terms of every state.
 
         Raises:
             CostError: The cost cannot be evaluated on this state.

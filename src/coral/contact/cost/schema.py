@@ -1,4 +1,4 @@
-"""The names that a cost may read: quantities of the hand, of each object, and of what stays where it is."""
+"""Names that a cost may read: quantities of the hand, of each object, and of fixed things."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ HAND: Schema = {
 def object_quantities(
     name: str, points: Iterable[str] = (), fixtures: Iterable[str] = (), others: Iterable[str] = ()
 ) -> dict[str, Quantity]:
-    """The quantities of one movable object.
+    """Describe the quantities of one movable object.
 
     Args:
-        name: Its name in the task.
-        points: Named points on it, as `handle` on a board.
-        fixtures: Things that do not move and that it may touch, as `table` and `wall`.
+        name: Name of the object in the task.
+        points: Named points on it, such as `handle` on a board.
+        fixtures: Fixed things that it may touch, such as `table` and `wall`.
         others: Other movable objects that it may touch.
     """
     found = {
@@ -61,7 +61,7 @@ def object_quantities(
 def scenery_quantities(
     fixtures: Iterable[str] = (), places: Iterable[str] = (), numbers: Iterable[str] = ()
 ) -> dict[str, Quantity]:
-    """The quantities of what stays where it is: the table, fixtures, and places and numbers of the task file."""
+    """Describe the quantities of fixed things: table, fixtures, and the places and numbers of the task file."""
     found = {
         "table_min": Quantity(3, "m", "corner of the table with the smallest coordinates", constant=True),
         "table_max": Quantity(3, "m", "corner of the table with the largest coordinates", constant=True),

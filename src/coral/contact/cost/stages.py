@@ -1,4 +1,4 @@
-"""A strategy is a list of stages: a cost, where to touch, how stiff to be, and when the stage is over."""
+"""A strategy as a list of stages: cost, contact points, stiffness, and end condition of each."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ Test = Callable[[Context], bool]
 
 @dataclass(frozen=True)
 class Guide:
-    """Points that some of the samples head for (the candidates of Eq. 3, or any others)."""
+    """Points to which some of the samples are guided (the candidates of Eq. 3, or any others)."""
 
     points: Callable[[Context], Array]
-    """From the state now, Shape=(n, 3) m in the world for the tool to reach."""
+    """Function of the present state: tool positions, Shape=(n, 3) m in the world."""
     quaternion: Callable[[Context], Array] | None = None
-    """From the state now, Shape=(4,) for the tool to take there; None leaves it."""
+    """Function of the present state: tool orientation there, Shape=(4,); None leaves it free."""
     opening_m: float | None = None
-    """Wanted there; None leaves it."""
+    """Opening there; None leaves it free."""
 
 
 @dataclass(frozen=True)
@@ -32,32 +32,32 @@ class Stage:
     """One phase of a task."""
 
     name: str
-    """For logs."""
+    """Name for logs."""
     cost: CostFunction
     """Running cost (Eq. 5) as named terms."""
     guides: tuple[Guide, ...] = ()
-    """Where to touch."""
+    """Contact points."""
     stiffness_n_m: float = 600.0
-    """Of the hand; soft where a force matters."""
+    """Stiffness of the hand; low for stages that control a force."""
     until: Test | None = None
-    """Over when this holds of the state now; None: never."""
+    """Ends the stage if true for the present state; None: never."""
     back: tuple[str, Test] | None = None
-    """Another stage to return to when its test holds, as after a lost grasp."""
+    """Another stage, and the condition for returning to it, for example after a lost grasp."""
     sigma: float | tuple[float, float, float, float, float, float, float] = 1.0
-    """Factor on the sampling noise; or seven, for the target's x, y, z, its rotation about x, y, z of the hand and the
-    opening."""
+    """Factor on the sampling noise, or one for each of the target's x, y, z, its rotation about x, y, z of the hand,
+    and the opening."""
 
 
 @dataclass(frozen=True)
 class Strategy:
-    """Stages in order; one alone is a single-stage cost."""
+    """Stages in order; a single stage is a single cost."""
 
     name: str
     stages: tuple[Stage, ...]
     notes: str = field(default="", compare=False)
 
     def stage(self, name: str) -> int:
-        """Index of a stage by its name."""
+        """Return the index of a stage by its name."""
         return next(k for k, stage in enumerate(self.stages) if stage.name == name)
 
 
@@ -69,11 +69,11 @@ class Progress:
 
     @property
     def stage(self) -> Stage:
-        """The active stage."""
+        """Return the active stage."""
         return self.strategy.stages[self.index]
 
     def update(self, now: Context) -> bool:
-        """Update the active stage from the present state, a batch of one; true when it changed."""
+        """Update the active stage from the present state, a batch of one; return True if it changed."""
         stage = self.stage
         if stage.back is not None and stage.back[1](now):
             self.index = self.strategy.stage(stage.back[0])

@@ -49,7 +49,7 @@ def number(meter: Meter, value: Value) -> Number:
     """Return the value as a number; truth values count as 0 and 1.
 
     Raises:
-        CostError: It is none.
+        CostError: The value is not a number.
     """
     if isinstance(value, np.ndarray):
         if value.dtype == np.bool_:
@@ -71,7 +71,7 @@ def truth(meter: Meter, value: Value) -> bool | Mask:
     """Return whether the value is true, per state.
 
     Raises:
-        CostError: It is a vector or something else without a truth.
+        CostError: The value is a vector or something else without a truth value.
     """
     if isinstance(value, np.ndarray):
         if value.dtype == np.bool_:
@@ -112,7 +112,7 @@ def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
     """Apply an operator to two numbers.
 
     Raises:
-        CostError: One is no number, or both are constants and the result does not exist.
+        CostError: An operand is not a number, or both are constants and the result does not exist.
     """
     x, y = a, b
     a, b = number(meter, x), number(meter, y)
@@ -143,7 +143,7 @@ def checked(meter: Meter, value: Number) -> Number:
     """Return the constant after a range check.
 
     Raises:
-        CostError: It is a whole number that arrays could not hold exactly.
+        CostError: The value is a whole number that arrays could not hold exactly.
     """
     if isinstance(value, int) and abs(value) > LARGEST_INT:
         raise meter.fault("too_large_number", "whole numbers reach to 2**53")
@@ -163,7 +163,7 @@ def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
     """Apply an arithmetic operator or comparison to numbers, vectors or lists.
 
     Raises:
-        CostError: It does not apply to these values.
+        CostError: The operator does not apply to these values.
     """
     if isinstance(a, NUMBER) and isinstance(b, NUMBER):
         return scalar(meter, symbol, a, b)
@@ -256,7 +256,7 @@ def components(meter: Meter, value: Value, what: str = "a vector") -> tuple[Valu
     """Return the components of a vector.
 
     Raises:
-        CostError: It is no vector of numbers.
+        CostError: The value is not a vector of numbers.
     """
     found = as_vector(meter, value)
     if isinstance(found, Vec) and not is_matrix(found):

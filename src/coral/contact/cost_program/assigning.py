@@ -48,7 +48,7 @@ def _root(machine: Machine, target: ast.expr) -> str:
     """Return the variable whose value, or whose entry, a statement changes in place.
 
     Raises:
-        CostError: It is no variable of the program, or cannot be changed from here.
+        CostError: The target is not a variable of the program, or cannot be changed from here.
     """
     while isinstance(target, ast.Subscript):
         target = target.value

@@ -141,7 +141,7 @@ def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
     """Evaluate a call.
 
     Raises:
-        CostError: What is called is no function, or does not take these arguments.
+        CostError: The callee is not a function, or does not accept these arguments.
     """
     if isinstance(node.func, ast.Name) and node.func.id in ("getattr", "hasattr"):
         return _reflect(machine, node, node.func.id, evaluate)
@@ -176,7 +176,7 @@ def apply(machine: Machine, function: Value, args: list[Value], named: dict[str,
     """Apply a function to arguments.
 
     Raises:
-        CostError: It is no function, or does not take them.
+        CostError: The value is not a function, or does not accept the arguments.
     """
     if isinstance(function, Function):
         for value in (*args, *named.values()):

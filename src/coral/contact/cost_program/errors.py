@@ -56,9 +56,9 @@ class CostError(RuntimeError):
 
     Args:
         code: One of CODES.
-        text: What is wrong and what would be accepted.
-        line: Line of the program, 1 is its first; 0 where no line is to blame.
-        shown: The text of that line.
+        text: The fault, and the accepted form.
+        line: Line of the program, from 1; 0 if the fault is in no single line.
+        shown: Text of that line.
     """
 
     def __init__(self, code: str, text: str, line: int = 0, shown: str = "") -> None:

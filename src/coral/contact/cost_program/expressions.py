@@ -1,4 +1,4 @@
-"""Evaluating expressions for all states of the batch."""
+"""Evaluation of expressions for all states of the batch."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def evaluate(machine: Machine, node: ast.expr) -> Value:
     """Evaluate an expression.
 
     Raises:
-        CostError: It has none.
+        CostError: The expression cannot be evaluated.
     """
     machine.meter.step(node.lineno)
     found = EVALUATORS[type(node)](machine, node)
@@ -69,7 +69,7 @@ def guard(machine: Machine, value: Value) -> None:
     """Reject a value inside `try` for which Python might have jumped to `except`.
 
     Raises:
-        CostError: It is not finite in some state in which it counts.
+        CostError: The value is not finite in some state in which it counts.
     """
     for item in value.items if isinstance(value, Vec) else (value,):
         if isinstance(item, Vec):
@@ -151,7 +151,7 @@ def _binary(machine: Machine, node: Any) -> Value:
 
 
 def _holding(machine: Machine, held: Value, node: ast.expr) -> Value:
-    """Evaluate an expression while an earlier operand is held."""
+    """Evaluate an expression while an earlier operand is on the stack."""
     if isinstance(held, NUMBER):
         return evaluate(machine, node)
     machine.pending.append(held)
@@ -164,7 +164,7 @@ def operate(machine: Machine, operator: ast.operator, left: Value, right: Value)
     """Apply a Python operator to two values.
 
     Raises:
-        CostError: It does not apply to them.
+        CostError: The operator does not apply to these values.
     """
     meter = machine.meter
     if isinstance(operator, ast.Mult) and isinstance(left, Rotation) and isinstance(right, Rotation):

@@ -246,7 +246,7 @@ def flat(meter: Meter, value: Value) -> tuple[Value, ...]:
     """Return all numbers of a vector, matrix, list or number.
 
     Raises:
-        CostError: There is something else in it.
+        CostError: It contains something else.
     """
     value = as_vector(meter, value)
     if isinstance(value, Vec):

@@ -1,4 +1,4 @@
-"""Changing a list, dict or array in place: allowed if no other name refers to it, so that the result is Python's."""
+"""Changes of a list, dict or array in place, allowed only without a second reference: the result is then Python's."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def check_unshared(machine: Machine, value: Value, name: str, at: Value = None) 
         machine: The evaluation.
         value: The container that changes.
         name: Variable under which it changes.
-        at: Index or key of the only entry that changes; None where any may.
+        at: Index or key of the only entry that changes; None if any may.
 
     Raises:
         CostError: Another variable, container, closure, pending operand or running loop sees the change.

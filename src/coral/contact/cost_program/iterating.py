@@ -9,14 +9,14 @@ from coral.contact.cost_program.sharing import memory
 from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, kind
 
 ONCE = ("iterator", "reversed", "generator")
-"""Kinds of `Seq` that are good for one pass."""
+"""Kinds of `Seq` that allow only one pass."""
 
 
 def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
-    """Return the entries that a loop over the value runs through.
+    """Return the entries that a loop over the value visits.
 
     Raises:
-        CostError: It cannot be looped over.
+        CostError: The value is not iterable.
     """
     if isinstance(value, Seq):
         if value.kind == "set":

@@ -30,7 +30,7 @@ class TermNames:
 
         Args:
             node: The addend.
-            whole: Whether it is all that its statement adds, so that the statement's comment is about it.
+            whole: Whether its statement adds nothing else, so that the statement's comment describes it.
             variable: Variable that it is added to.
         """
         key = id(node)

@@ -19,23 +19,23 @@ class LimitsCfg:
     """Bounds on one program. The paper's example (A.6) takes about 550 steps and 350 arrays."""
 
     characters: int = 20_000
-    """Longest source text."""
+    """Maximum length of the source text."""
     nodes: int = 6_000
-    """Most syntax nodes in it."""
+    """Maximum number of its syntax nodes."""
     depth: int = 48
-    """Deepest nesting of expressions and blocks."""
+    """Maximum nesting of expressions and blocks."""
     steps: int = 20_000
-    """Most nodes evaluated for one batch."""
+    """Maximum number of nodes evaluated for one batch."""
     arrays: int = 4_000
-    """Most arrays made for one batch, so that memory stays below arrays * K * H * 8 bytes."""
+    """Maximum number of arrays for one batch, so that memory stays below arrays * K * H * 8 bytes."""
     loop: int = 64
-    """Most turns of one loop."""
+    """Maximum number of iterations of one loop."""
     items: int = 1_024
-    """Most entries of one list, tuple, dict or vector, nested ones counted."""
+    """Maximum number of entries of one list, tuple, dict or vector, nested ones included."""
     calls: int = 8
-    """Deepest nesting of the program's own functions."""
+    """Maximum nesting of the program's own functions."""
     terms: int = 64
-    """Most named terms."""
+    """Maximum number of named terms."""
 
 
 @dataclass
@@ -57,13 +57,13 @@ class Meter:
     cache: dict[str, object] = field(default_factory=dict)
     """Components of the quantities read so far."""
     trace: Trace | None = None
-    """Notes for the checks, where they are asked for."""
+    """Records for the checks, if enabled."""
 
     def step(self, line: int) -> None:
         """Count one node of the syntax tree.
 
         Raises:
-            CostError: The steps are used up.
+            CostError: The limit of steps is reached.
         """
         self.line = line
         self.steps += 1
@@ -74,7 +74,7 @@ class Meter:
         """Count arrays that are about to be created.
 
         Raises:
-            CostError: There would be too many.
+            CostError: The limit of arrays is exceeded.
         """
         self.arrays += count
         if self.arrays > self.cfg.arrays:

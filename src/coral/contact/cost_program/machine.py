@@ -29,9 +29,9 @@ class Loop:
     sources: tuple[Value, ...] = ()
     """Containers that it runs over."""
     turn: int = 0
-    """The present turn, from 0."""
+    """The present iteration, from 0."""
     continues: list[Exit] = field(default_factory=list)
-    """States that left the present turn."""
+    """States that left the present iteration."""
     breaks: list[Exit] = field(default_factory=list)
     """States that left the loop."""
 
@@ -41,11 +41,11 @@ class Machine:
     """One evaluation of one program."""
 
     meter: Meter
-    """What it has used, and where it is."""
+    """Resources used, and the present line."""
     space: StateSpace
-    """What `self` answers."""
+    """Quantities of `self`."""
     bullet: PyBullet
-    """What `p` answers."""
+    """Functions of `p`."""
     terms: TermNames
     """Names of the addends."""
     sums: frozenset[str]
@@ -61,11 +61,11 @@ class Machine:
     running: list[Loop] = field(default_factory=list)
     """Loops of all running functions."""
     pending: list[Value] = field(default_factory=list)
-    """Containers that an expression which is still being evaluated holds."""
+    """Containers held by an expression under evaluation."""
     exited: int = 0
-    """How often some states have left a block so far."""
+    """Number of times that some states have left a block."""
     guarded: int = 0
-    """Depth of `try` blocks that are being run."""
+    """Depth of running `try` blocks."""
     branching: int = 0
     """Depth of expressions that count for some states only."""
 
@@ -78,7 +78,7 @@ class Machine:
         """Return the innermost frame that holds a name.
 
         Raises:
-            CostError: It is a variable that is not set yet.
+            CostError: The name is a variable without a value yet.
         """
         frame: Scope | None = self.frame
         while frame is not None:
@@ -93,7 +93,7 @@ class Machine:
         """Return the value of a name.
 
         Raises:
-            CostError: There is none, or not in every state that reads it.
+            CostError: There is no such name, or it has no value in some state that reads it.
         """
         frame = self.owner(name)
         if frame is not None:
@@ -115,7 +115,7 @@ class Machine:
         """Check a value that is about to be read.
 
         Raises:
-            CostError: It is not there in every state that reads it, or of two kinds.
+            CostError: It is unset in some state that reads it, or of two kinds.
         """
         if isinstance(value, Partial):
             if self.meter.mask is None or bool(np.any(np.logical_and(self.meter.mask, ~value.mask))):

@@ -26,7 +26,7 @@ MISSING = object()
 def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
     """Merge any two values: `a` where the condition holds and `b` elsewhere.
 
-    What cannot be joined becomes a value that may not be read, so that a branch may leave unused things behind.
+    Values that cannot be merged become unreadable, so that a branch may leave unused values behind.
     """
     if a is b:
         return a

@@ -1,4 +1,4 @@
-"""Parsing: from text to a syntax tree that holds only the parts of Python that costs need."""
+"""Parsing of program text into a syntax tree with only those parts of Python that costs need."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class Parsed:
     """A program that passed the checks."""
 
     source: str
-    """Its text, to which line numbers refer."""
+    """Its text; line numbers refer to it."""
     tree: ast.Module
     """Its module."""
     entry: ast.FunctionDef

@@ -29,9 +29,9 @@ class Evaluated:
     """The cost of a batch."""
 
     cost: Array
-    """What the function returns, Shape=(K, H)."""
+    """Value of the function, Shape=(K, H)."""
     terms: Terms
-    """Its named terms, each Shape=(K, H); they add up to the cost but for rounding."""
+    """Its named terms, each Shape=(K, H); their sum is the cost up to rounding."""
     steps: int
     """Syntax nodes evaluated."""
     arrays: int
@@ -45,13 +45,13 @@ class CostProgram:
     array over the batch, a vector a tuple of them, and an `if` on the state runs both branches and joins them.
 
     Args:
-        source: A model's reply that holds `def state_cost(self)`.
-        schema: The quantities that the state has.
+        source: A model's reply that contains `def state_cost(self)`.
+        schema: The quantities of the state.
         name: Name for reports.
         limits: Bounds on its size and work.
 
     Raises:
-        CostError: The text is no program of the accepted language.
+        CostError: The text is not a program of the accepted language.
     """
 
     def __init__(self, source: str, schema: Schema, name: str = "program", limits: LimitsCfg | None = None) -> None:
@@ -110,7 +110,7 @@ class CostProgram:
         return Traced(self.evaluate(state, trace).terms, trace.distances)
 
     def not_finite(self, state: Context) -> CostError:
-        """Return where the cost stops being finite."""
+        """Make the error that names where the cost stops being finite."""
         trace = Trace()
         self.evaluate(state, trace)
         if trace.lost is None:

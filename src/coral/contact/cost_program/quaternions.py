@@ -36,7 +36,7 @@ def read_quat(meter: Meter, value: Value, order: str) -> Quat:
         order: Order that the function takes, "wxyz" or "xyzw".
 
     Raises:
-        CostError: It is no vector of four, or it is known to have the other order.
+        CostError: It is not a vector of four, or is known to have the other order.
     """
     items = components(meter, value, "a quaternion")
     if len(items) != 4:

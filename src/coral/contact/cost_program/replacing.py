@@ -22,9 +22,9 @@ def replaced(
         machine: The evaluation.
         base: The container.
         node: The index.
-        value: What is set.
+        value: The new value.
         evaluate: Evaluates an expression.
-        inside: Whether the value is the very entry after a change inside it, which keeps its memory.
+        inside: Whether the value is the same entry after a change inside it, which keeps its memory.
 
     Raises:
         CostError: There is no such entry, or the value does not fit in it.
@@ -114,7 +114,7 @@ def _number_for(machine: Machine, base: Vec, value: Value) -> Value:
     """Convert a number to the kind that the array holds.
 
     Raises:
-        CostError: It is none, or NumPy would cut off its decimals.
+        CostError: It is not a number, or NumPy would cut off its decimals.
     """
     found = number(machine.meter, renewed(value))
     if base.items and all(isinstance(item, bool) for item in base.items):

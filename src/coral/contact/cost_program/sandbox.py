@@ -1,7 +1,7 @@
 """The sandboxed process: it reads requests, evaluates programs over arrays in shared memory, and can do nothing else.
 
-Messages are JSON with their length before them, never pickles. Started by `worker.py` with the pipes as standard input
-and output; the arrays lie in a file without a name whose descriptor it inherits.
+Messages are JSON with a length prefix, never pickles. `worker.py` starts it with pipes as standard input and output;
+the arrays lie in an unnamed file whose descriptor it inherits.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from coral.contact.cost_program.trace import Trace
 HEADER = struct.Struct("<I")
 LONGEST_MESSAGE = 1 << 20
 KEPT = 64
-"""Programs at a time: a plan's costs and tests, and those of the plans that were checked before it."""
+"""Maximum number of loaded programs: a plan's costs and conditions, and those of the plans checked before it."""
 Request = dict[str, Any]
 Reply = dict[str, Any]
 
@@ -149,9 +149,9 @@ class Sandbox:
 
 
 def _refuse_files(event: str, _: tuple[object, ...]) -> None:
-    """Refuse in Python the file access for which the filter would end the process.
+    """Raise a Python error on file access, before the filter would kill the process.
 
-    Python's parser looks for the file of a faulty program to quote its line, and swallows this error.
+    Python's parser opens the file of a faulty program to quote its line, and ignores this error.
     """
     if event in ("open", "import"):
         raise PermissionError(f"a cost may not {event} anything")

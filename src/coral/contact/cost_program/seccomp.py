@@ -29,9 +29,9 @@ class Calls:
     memory: tuple[int, ...]
     """mmap and mprotect, allowed unless they ask for executable pages."""
     free: tuple[int, ...]
-    """Allowed."""
+    """Allowed without conditions."""
     fatal: tuple[int, ...]
-    """Kill the process at once: files, processes, network."""
+    """Kills the process at once: files, processes, network."""
 
 
 MACHINES = {
@@ -103,7 +103,7 @@ def available() -> bool:
 
 
 def install() -> bool:
-    """Install the filter for this process for good; return whether the kernel accepted it."""
+    """Install the filter for this process permanently; return whether the kernel accepted it."""
     calls = MACHINES[platform.machine()]
     code = filter_program(calls)
     buffer = ctypes.create_string_buffer(code, len(code))

@@ -1,7 +1,7 @@
-"""Which containers share memory, so that an in-place change of one is visible through the others.
+"""Shared memory of containers: an in-place change of one is visible through the others.
 
-Values of the interpreter never change; a change in place makes a new value for one name. That gives what Python gives
-as long as no second name sees the change, so every list, dict and array carries marks of the memory it stands for.
+Values of the interpreter never change; an in-place change makes a new value for one name. This equals Python as long as
+no second name sees the change, so every list, dict and array carries marks of the memory that it represents.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from itertools import count
 from coral.contact.cost_program.values import DictValue, Marks, Seq, Value, Vec
 
 LAZY = ("iterator", "reversed", "generator", "view", "values")
-"""Kinds of `Seq` that are no list: they have no entries by number, and make no array."""
+"""Kinds of `Seq` other than lists: they have no entries by number, and make no array."""
 _numbers = count()
 
 
 def marks_of(value: Vec | Seq | DictValue) -> Marks:
-    """Return the marks of the memory that a container stands for; a container without marks gets a new one."""
+    """Return the marks of a container's memory; a container without marks gets a new one."""
     if value.marks is None:
         value.marks = frozenset((next(_numbers),))
     return value.marks

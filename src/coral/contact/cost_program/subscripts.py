@@ -12,7 +12,7 @@ from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, is_mat
 
 Evaluate = Callable[[Machine, ast.expr], Value]
 Index = int | slice | tuple[int, ...] | str | EllipsisType | None
-"""Of one axis: an entry, a slice, a list of entries, a key; `...`; None for a new axis."""
+"""Index of one axis: an entry, a slice, a list of entries, a key; `...`; None for a new axis."""
 
 
 def subscript(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate) -> Value:
@@ -95,7 +95,7 @@ def indices(machine: Machine, base: Vec, node: ast.expr, evaluate: Evaluate) -> 
     """Evaluate the index of each axis, with `...` expanded and None for each new axis.
 
     Raises:
-        CostError: There are more than the array has axes.
+        CostError: There are more indices than axes.
     """
     nodes = node.elts if isinstance(node, ast.Tuple) else [node]
     parts = [index(machine, base, part, evaluate) for part in nodes]
@@ -115,7 +115,7 @@ def index(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate) -> 
     """Evaluate a node as an index.
 
     Raises:
-        CostError: It depends on the state.
+        CostError: The index depends on the state.
     """
     if isinstance(node, ast.Constant) and (node.value is None or node.value is ...) and isinstance(base, Vec):
         return node.value
@@ -178,7 +178,7 @@ def entry(machine: Machine, base: Vec | Seq, i: int) -> Value:
     """Resolve the index of an entry; negative ones count from the end.
 
     Raises:
-        CostError: There is none.
+        CostError: There is no such entry.
     """
     if not -len(base.items) <= i < len(base.items):
         raise machine.meter.fault("wrong_size", f"{kind(base)} has no entry {i}")

@@ -1,7 +1,7 @@
 """The addends of a scalar cost, so that `cost += ...` can be reported and plotted term by term.
 
-Beside the cost itself, which is computed exactly as Python would, a ledger keeps what each statement added. The terms
-add up to the cost but for rounding, and exactly where each statement runs once.
+Besides the cost itself, which is computed exactly as in Python, a ledger records what each statement added. The sum of
+the terms equals the cost up to rounding, and exactly if each statement runs once.
 """
 
 from __future__ import annotations

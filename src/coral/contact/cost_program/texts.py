@@ -27,7 +27,7 @@ def formatted(meter: Meter, value: Value, conversion: int, spec: Value) -> str:
     """Format a constant inside an f-string.
 
     Raises:
-        CostError: It depends on the state, or cannot be written in this way.
+        CostError: It depends on the state, or does not fit the format.
     """
     if not isinstance(value, str | int | float):
         raise meter.fault("wrong_type", f"an f-string holds constant texts and numbers, not {kind(value)}")

@@ -37,9 +37,9 @@ class Trace:
     """Record of one evaluation."""
 
     zeroed: int = -1
-    """Number of the distance to answer with 0 instead, as if the hand were at its target; -1 for none."""
+    """Number of the distance to replace by 0, as if the hand were at its target; -1 for none."""
     distances: list[Distance] = field(default_factory=list)
-    """In the order of evaluation, which is the same for every batch."""
+    """Distances in the order of evaluation, which is the same for every batch."""
     lost: tuple[int, str] | None = None
     """Line and text of the first expression that was not finite in some state in which it counted."""
 

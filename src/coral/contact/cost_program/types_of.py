@@ -15,7 +15,7 @@ def is_instance(meter: Meter, obj: Value, class_or_tuple: Value) -> Value:
     """Evaluate Python's isinstance, for a type or a tuple of types.
 
     Raises:
-        CostError: It would depend on how the state is stored.
+        CostError: The result would depend on how the state is stored.
     """
     wanted = class_or_tuple.items if isinstance(class_or_tuple, Seq) else (class_or_tuple,)
     names = [item.name for item in wanted if isinstance(item, Builtin) and item.bound is None]

@@ -1,4 +1,4 @@
-"""The values that a cost program can hold: a closed set, so that nothing else can be reached from inside it.
+"""The values of a cost program: a closed set, so that nothing else can be reached from inside it.
 
 A number is a Python number, or an array of one number per state, Shape=(K, H). A vector is a tuple of numbers, never an
 array with one more axis, so that code written for one state runs on a batch without any guess about axes.
@@ -28,7 +28,7 @@ class Vec:
     Args:
         items: Numbers, or vectors of one length.
         order: "wxyz" or "xyzw" when it is known to be a quaternion.
-        marks: The memory that it stands for, None while nobody asked; see `sharing.py`.
+        marks: Its memory, None until asked for; see `sharing.py`.
     """
 
     __slots__ = ("items", "marks", "order")
@@ -41,9 +41,9 @@ class Seq:
     """A list, or another iterable.
 
     Args:
-        items: What it holds.
-        kind: "list", "tuple", "range" or "set"; "view" (keys or items) or "values" of a dict; "iterator", "reversed"
-            or "generator", good for one pass.
+        items: The entries.
+        kind: "list", "tuple", "range" or "set"; "view" (keys or items) or "values" of a dict; "iterator", "reversed" or
+            "generator", for one pass.
         marks: See `Vec`.
     """
 
@@ -57,7 +57,7 @@ class DictValue:
     """A dict with texts or integers as keys.
 
     Args:
-        items: What it holds.
+        items: The entries.
         marks: See `Vec`.
     """
 
@@ -123,7 +123,7 @@ class Builtin:
     name: str
     """Its name."""
     call: Callable[[Meter, list[Value], dict[str, Value]], Value]
-    """What it does."""
+    """The function."""
     bound: Value = None
     """The value whose method it is."""
 
@@ -135,7 +135,7 @@ class Scope:
     parent: Scope | None
     """Frame of the function around its definition."""
     names: frozenset[str]
-    """Names that are its own."""
+    """Its own names."""
     entry: bool = False
     """Whether it is the cost function itself, whose sums are kept as named terms."""
     variables: dict[str, Value] = field(default_factory=dict)

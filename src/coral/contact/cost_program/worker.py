@@ -1,4 +1,4 @@
-"""Costs in a separate process: a program that hangs, exhausts memory or breaks out takes down only that process."""
+"""Costs in a separate process: a program that hangs, exhausts memory or breaks out affects only that process."""
 
 from __future__ import annotations
 
@@ -36,28 +36,28 @@ KEPT_ENVIRONMENT = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # nothing else, so that AP
 
 @dataclass(frozen=True, kw_only=True)
 class WorkerCfg:
-    """One process for costs."""
+    """Limits of the cost process."""
 
     cpu_s: float = 1.0
-    """Processor time of one batch, after which the process is killed; a cost takes some 0.01 s."""
+    """Processor time per batch, after which the process is killed; a cost takes about 0.01 s."""
     wait_s: float = 10.0
-    """Longest wait for one batch, on a machine that is busy with other things."""
+    """Longest wait for one batch, on a machine with other load."""
     start_s: float = 60.0
     """Longest wait for the process to start."""
     memory_bytes: int = 1 << 30
-    """What it may use beyond what it starts with."""
+    """Memory that it may use in addition to its initial memory."""
     shared_bytes: int = 32 << 20
     """Size of the shared arrays; it grows when a batch needs more."""
     limits: LimitsCfg = field(default_factory=LimitsCfg)
     """Bounds on a program."""
     allow_unfiltered: bool = field(default_factory=lambda: os.environ.get(ALLOW_UNFILTERED) == "1")
-    """Whether to run costs where the machine cannot filter system calls; else that is an error."""
+    """Whether to run costs if the machine cannot filter system calls; otherwise that is an error."""
 
 
 class CostWorker:
     """A persistent process that loads and evaluates cost programs.
 
-    It is started at the first use, and started again after it was killed. Use it as a context manager, or close it.
+    It starts at the first use, and again after a kill. Use it as a context manager, or close it.
 
     Args:
         cfg: Limits and waiting times.
@@ -90,7 +90,7 @@ class CostWorker:
         """Load and check a program.
 
         Raises:
-            CostError: The text is no program of the accepted language.
+            CostError: The text is not a program of the accepted language.
         """
         with self._lock:
             number, self._next = self._next, self._next + 1
@@ -158,7 +158,7 @@ class CostWorker:
             zeroed: For a traced evaluation, the distance to take as 0, or -1.
 
         Raises:
-            CostError: It cannot be evaluated, is not finite, or took its process down.
+            CostError: The program cannot be evaluated, is not finite, or killed its process.
         """
         with self._lock:
             reply, offset = self._evaluate(cost, state, zeroed)
