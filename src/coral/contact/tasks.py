@@ -10,10 +10,10 @@ from coral.contact.scene.task_file import load_task_file
 
 
 def load_task(name_or_path: str | Path) -> Task:
-    """A shipped task by name, one from a file, or a LIBERO scene (`libero:object/0`).
+    """Load a shipped task by name, one from a file, or a LIBERO scene (`libero:object/0`).
 
     Raises:
-        InputError: No such task, or something in the file is wrong; the error names the field.
+        InputError: There is no such task, or the file is invalid; the error names the field.
     """
     text = str(name_or_path)
     return load_libero(text) if text.startswith(PREFIX) else load_task_file(name_or_path)

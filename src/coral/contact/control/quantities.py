@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 def constants(
     trial: Trial, start: Observation, beliefs: Sequence[Mapping[str, PhysicalParameters]], total: int
 ) -> dict[str, Array]:
-    """Values that are constant in a rollout: sizes, beliefs, initial poses, places and numbers of the task."""
+    """Return the values constant in a rollout: sizes, beliefs, initial poses, places and numbers of the task."""
     task = trial.task
     found: dict[str, Array] = {}
     for item in task.objects:

@@ -1,4 +1,4 @@
-"""Costs written by hand for the six tasks, one stage each and as state machines (Table 1's expert baselines)."""
+"""Hand-written costs for the six tasks, as a single stage and as a state machine (Table 1's expert baselines)."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ _FSM = {
 
 
 def expert(task: Task, kind: Kind) -> Strategy:
-    """The hand-written strategy of a task. Tasks to pick, or to pick and place, share theirs.
+    """Return the hand-written strategy of a task. Tasks to pick, or to pick and place, share theirs.
 
     Raises:
-        InputError: Nobody has written one for this task.
+        InputError: There is none for this task.
     """
     table = _FSM if kind == "expert-fsm" else _SINGLE
     if task.name not in table and place.places(task):
@@ -60,7 +60,7 @@ def expert(task: Task, kind: Kind) -> Strategy:
 
 
 def _try_out(strategy: Strategy, task: Task) -> None:
-    """Evaluate the strategy once: a file with a shipped task's name may lack what the shipped one has."""
+    """Evaluate the strategy once: a file with a shipped task's name may lack quantities of the shipped one."""
     anywhere = {
         name: np.ones((1, 1, *([found.size] if found.size else []))) for name, found in task_schema_of(task).items()
     }

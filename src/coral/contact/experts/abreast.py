@@ -1,4 +1,4 @@
-"""Two fingers abreast behind a face: what the strategies that push with the palm down share."""
+"""Shared parts of strategies that push with two fingers abreast and the palm down."""
 
 from __future__ import annotations
 
@@ -11,38 +11,38 @@ from coral.contact.scene.geometry import from_rotvec, multiply, rotate
 
 Array = NDArray[np.float64]
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""Palm down, fingers side by side along the world's y: two fingers abreast hold a pushed face square."""
+"""Palm down, fingers side by side along the world's y: two fingers abreast keep a pushed face aligned."""
 PAD_M = 0.010
-"""From the tool to the finger's forward face."""
+"""Distance from the tool to the finger's forward face."""
 ABREAST_M = 0.03
-"""Opening at which the fingers push: wide enough to steer, narrower than the box."""
+"""Opening of the fingers while pushing: wide enough to steer, narrower than the box."""
 
 
 def on_box(state: Context, name: str, along: float, up: float) -> Array:
-    """A point of the box in the world; -1 to 1 over its own length and height."""
+    """Compute a point of the box in the world; `along` and `up` are -1 to 1 over its length and height."""
     half = state[f"{name}_size"] / 2
     local = half * np.array([along, 0.0, up])
     return np.asarray(state[f"{name}_pos"] + rotate(state[f"{name}_quat"], local))
 
 
 def facing(state: Context, name: str) -> Array:
-    """Orientation of the hand with the palm down and the fingers abreast of the object's near face, Shape=(4,)."""
+    """Compute the orientation with the palm down and the fingers abreast of the object's near face, Shape=(4,)."""
     return palm_down(axis(state[f"{name}_quat"], "x")[0, 0])
 
 
 def palm_down(ahead: Array) -> Array:
-    """Orientation of the hand, Shape=(4,), with the palm down and the fingers abreast of a direction, Shape=(3,)."""
+    """Compute the hand's orientation, Shape=(4,), palm down, the fingers abreast of a direction, Shape=(3,)."""
     return np.asarray(multiply(from_rotvec([0, 0, float(np.arctan2(ahead[1], ahead[0]))]), DOWN))
 
 
 def reach_terms(state: Context, name: str, target: Array, squareness: Array, above_m: float) -> Terms:
-    """Cost of coming down behind a face without touching the object.
+    """Compute the cost of coming down behind a face without touching the object.
 
     Args:
         state: The batch.
-        name: The object.
-        target: Shape=(..., 3) m, where the tool is to be.
-        squareness: Shape=(...), how far the hand is from abreast of the face.
+        name: Name of the object.
+        target: Shape=(..., 3) m, target of the tool.
+        squareness: Shape=(...), misalignment of the fingers with the face.
         above_m: Height from which the hand comes down.
     """
     off = state.ee_pos - target

@@ -1,4 +1,4 @@
-"""The cutting board: push it from behind until its handle is beyond the edge, go round, pinch the handle, lift."""
+"""The cutting board: push it from behind until its handle is over the edge, go around, pinch the handle, lift."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from coral.contact.scene.task import Task
 Array = NDArray[np.float64]
 
 DOWN_WIDE = np.array([0.0, np.sqrt(0.5), -np.sqrt(0.5), 0.0])
-"""Pointing down, the fingers opening along x: two points of contact behind the board."""
+"""Pointing down, the fingers opening along x: two contact points behind the board."""
 POINTING = np.array([0.87, -0.5, 0.0]) / np.hypot(0.87, 0.5)
-"""Along the edge and inward: what a Panda on the board's near side reaches with the opening upright."""
+"""Along the edge and inward: within reach of a Panda on the board's near side with the opening upright."""
 
 
 def pinch_quaternion(tool: Array) -> Array:
-    """Pointing along `POINTING`, the opening's y axis up (the grip from the other side is at the arm's limits)."""
+    """Compute the orientation along `POINTING` with the opening's y axis up (the opposite grip is at arm limits)."""
     y = np.array([0.0, 0.0, 1.0])
     found = quaternion_of(np.column_stack([np.cross(y, POINTING), y, POINTING]))
     return found if np.dot(found, tool) >= 0 else -found
@@ -30,19 +30,19 @@ PINCH = pinch_quaternion(np.array([1.0, 0, 0, 0]))
 
 
 def edge(state: Context) -> Array:
-    """How far the handle's middle is beyond the left edge (m)."""
+    """Compute how far the handle's middle is beyond the left edge (m)."""
     return np.asarray(state.board_handle_pos[..., 1] - state.table_max[..., 1])
 
 
 def behind(state: Context, gap_m: float = 0.02) -> Array:
-    """Where the tool stands to push: behind the rear edge, tips just above the table."""
+    """Compute the tool position for pushing: behind the rear edge, tips just above the table."""
     point = state.board_rear_pos + gap_m * -axis(state.board_quat, "y")
     point[..., 2] = 0.014
     return np.asarray(point)
 
 
 def grip(state: Context) -> Array:
-    """Where the tool pinches: short of the handle's middle, so that the palm stays clear of the handle's near side."""
+    """Compute the tool position for pinching: short of the handle's middle, so that the palm stays clear of it."""
     return np.asarray(state.board_handle_pos - 0.024 * POINTING)
 
 
@@ -55,7 +55,7 @@ def _turn(state: Context, quaternion: Array) -> Array:
 
 
 def push_terms(state: Context, overhang: float) -> Terms:
-    """Terms of pushing the board straight out over the edge."""
+    """Compute the terms of pushing the board straight out over the edge."""
     short = np.clip(overhang - edge(state), 0.0, None)
     too_far = np.clip(edge(state) - overhang - 0.02, 0.0, None)
     drift = np.abs((state.board_pos - state.board_init_pos)[..., 0])
@@ -70,7 +70,7 @@ def push_terms(state: Context, overhang: float) -> Terms:
 
 
 def fsm(task: Task) -> Strategy:
-    """Go behind, push, rise, turn, go down beside the handle, reach in, pinch, lift."""
+    """Go behind, push, rise, turn, descend beside the handle, reach in, pinch, lift."""
     overhang, height = task.numbers["overhang"], task.numbers["lift_height"]
 
     def leave(state: Context) -> Array:
@@ -214,7 +214,7 @@ def fsm(task: Task) -> Strategy:
 
 
 def single(task: Task) -> Strategy:
-    """One cost with a soft switch from pushing to picking by the handle's overhang."""
+    """Use one cost with a soft switch from pushing to picking by the handle's overhang."""
     overhang, height = task.numbers["overhang"], task.numbers["lift_height"]
 
     def cost(state: Context) -> Terms:
@@ -241,7 +241,7 @@ def single(task: Task) -> Strategy:
         }
 
     def aside(now: Context) -> Array:
-        """Beside the handle, high and low: where an open hand comes from, were it to reach in."""
+        """Return points beside the handle, high and low, from which an open hand can reach in."""
         return np.asarray(grip(now)[0] - 0.11 * POINTING + np.array([[0, 0, 0.17], [0, 0, 0.0]]))
 
     return Strategy(

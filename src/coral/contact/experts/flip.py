@@ -1,6 +1,6 @@
 """Flipping a standing box: push near its top so that it tips about its far lower edge, and let it lie.
 
-Tipped past its balance the box falls by itself; what the hand decides is where it pushes. High enough, the lower edge's
+Past its balance the box falls by itself; the hand only chooses the height of the push. High up, the lower edge's
 friction holds and the box tips; too low, it slides.
 """
 
@@ -18,26 +18,26 @@ from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
 HIGH = 0.75
-"""Where to push, -1 at the bottom to 1 at the top: as high as leaves the fingertip some face below the upper edge."""
+"""Height of the push, -1 at the bottom to 1 at the top: as high as possible with the fingertip below the edge."""
 
 
 def ahead(state: Context, name: str) -> Array:
-    """Unit vector across the broad side as the box stood at first: where it is to fall."""
+    """Compute the unit vector across the broad side of the box in its initial pose: the direction of the fall."""
     return rotation_of(state[f"{name}_init_quat"])[..., 0]
 
 
 def tipped(state: Context, name: str) -> Array:
-    """Sine of the angle by which the box leans ahead: 0 standing, 1 lying."""
+    """Compute the sine of the box's tilt towards that direction: 0 standing, 1 lying."""
     return dot(axis(state[f"{name}_quat"], "z"), ahead(state, name))
 
 
 def behind(state: Context, name: str, gap_m: float = 0.0) -> Array:
-    """Where the tool pushes: behind the broad side, near its top."""
+    """Compute the tool position for pushing: behind the broad side, near its top."""
     return on_box(state, name, -1.0, HIGH) - ahead(state, name) * (PAD_M + gap_m)
 
 
 def facing(state: Context, name: str) -> Array:
-    """Orientation for that: palm down, fingers abreast of the broad side, Shape=(4,)."""
+    """Compute the orientation for pushing: palm down, fingers abreast of the broad side, Shape=(4,)."""
     return palm_down(ahead(state, name)[0, 0])
 
 
@@ -46,7 +46,7 @@ def _squareness(state: Context, name: str) -> Array:
 
 
 def single(task: Task) -> Strategy:
-    """One cost: be behind the top of the box until it leans, and away from it once it lies."""
+    """Use one cost: stay behind the top of the box until it leans, and move away once it lies."""
     name = task.objects[0].name
 
     def cost(state: Context) -> Terms:
@@ -73,13 +73,13 @@ def single(task: Task) -> Strategy:
 
 
 def fsm(task: Task) -> Strategy:
-    """Get behind the top, tip, draw back."""
+    """Get behind the top, tip, retract."""
     name = task.objects[0].name
 
     def reach(state: Context) -> Terms:
         return {
             "reach": 12.0 * norm(state.ee_pos - behind(state, name, 0.015)),
-            # On the way round the box: a push from above or from a side would topple it elsewhere.
+            # On the way around the box: a push from above or from a side would topple it in another direction.
             "leave alone": 1.0 * state[f"{name}_hand_contact"] + 0.2 * norm(state[f"{name}_hand_force"]),
             "square": 4.0 * _squareness(state, name),
             "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),

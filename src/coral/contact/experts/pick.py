@@ -16,13 +16,13 @@ from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
 FINGER_OUT_M = 0.05
-"""From the tool to the middle of a finger of the open hand."""
+"""Distance from the tool to the middle of a finger of the open hand."""
 ENOUGH_M = 0.02
-"""Room beside a finger beyond which more is of no use."""
+"""Clearance beside a finger; more has no benefit."""
 
 
 def picks(task: Task) -> bool:
-    """Whether the task, by its goals, is to lift its first object and nothing else."""
+    """Check whether the task's only goal is to lift its first object."""
     return all(
         isinstance(condition, Lifted | Grasped) and condition.object == task.objects[0].name
         for condition in task.success.conditions
@@ -30,7 +30,7 @@ def picks(task: Task) -> bool:
 
 
 def across(state: Context, name: str) -> Array:
-    """How far (0 up) the opening is from square to the object's narrowest side, and the palm from facing down."""
+    """Compute the misalignment (0: none) of opening with the object's narrowest side, and of the palm with down."""
     opening, palm = axis(state.ee_quat, "y"), axis(state.ee_quat, "z")
     sides = rotation_of(state[f"{name}_quat"])
     square = 1 - np.abs(np.einsum("...i,...ij->...j", opening, sides))
@@ -40,14 +40,14 @@ def across(state: Context, name: str) -> Array:
 
 
 def grasp_point(state: Context, name: str) -> Array:
-    """Where the tool should be: the object's centre, or 2 cm below its top where it is tall."""
+    """Compute the tool position of the grasp: the object's centre, or 2 cm below the top of a tall object."""
     point = state[f"{name}_pos"].copy()
     point[..., 2] = np.maximum(point[..., 2], point[..., 2] + state[f"{name}_size"][..., 2] / 2 - 0.025)
     return point
 
 
 def over(name: str, height_m: float = 0.0, others: Sequence[str] = ()) -> Guide:
-    """Towards the grasp, opening square to the object's nearer side, fingers open."""
+    """Make a guide to the grasp, opening across the object's nearer side, fingers open."""
 
     def turn(state: Context) -> Array:
         return grasp_quaternion(state, name, others)
@@ -56,16 +56,17 @@ def over(name: str, height_m: float = 0.0, others: Sequence[str] = ()) -> Guide:
 
 
 def grasp_quaternion(state: Context, name: str, others: Sequence[str] = ()) -> Array:
-    """Orientation of a grasp from above, Shape=(4,): with room for the open fingers, and nearest the present one.
+    """Compute the orientation of a grasp from above, Shape=(4,): with room for the open fingers, closest to the
+    present.
 
-    An object as wide as it is deep can be grasped along both; beside a carton only one of them leaves a finger room.
+    A square object can be grasped along both sides; beside a carton only one of them leaves room for a finger.
     """
     tool, body = state.ee_quat[0, 0], state[f"{name}_quat"][0, 0]
     size = state[f"{name}_size"][0, 0]
     lying = [k for k in range(3) if abs(rotation_of(body)[2, k]) < 0.7]
     least = min(size[k] for k in lying)
     sides = [rotation_of(body)[:, k] for k in lying if size[k] < least + 0.003]
-    # Opening along a narrow side: the hand's y axis, that is the world's -y turned by the heading.
+    # Open along a narrow side: the hand's y axis, which is the world's -y turned by the heading.
     turns = [
         (multiply([np.cos(a / 2), 0, 0, np.sin(a / 2)], [0, 1.0, 0, 0]), side)
         for side in sides
@@ -95,7 +96,7 @@ def room(state: Context, other: str, point: Array) -> float:
 
 
 def single(task: Task) -> Strategy:
-    """One cost: reach, and near the object close, and once held lift."""
+    """Use one cost: reach, close near the object, and lift once it is held."""
     name = task.objects[0].name
     height = task.numbers.get("lift_height", 0.12)
 
@@ -118,7 +119,7 @@ def single(task: Task) -> Strategy:
 
 
 def fsm(task: Task) -> Strategy:
-    """Reach, close, lift; back to reaching when the object is lost."""
+    """Reach, close, lift; return to reaching if the object is lost."""
     name, *others = (item.name for item in task.objects)
     height = task.numbers.get("lift_height", 0.12)
 

@@ -1,4 +1,4 @@
-"""Pick and place: grasp as in picking, carry above what stands around, set down, let go, retire."""
+"""Pick and place: grasp as in picking, carry over other objects, set down, release, retreat."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
 CARRY_M = 0.14
-"""Height of the object's centre while it is carried: over everything that stands on the table of pick-clutter. A task
-whose goal lies behind a rim says so by its number `carry_height`."""
+"""Height of the object's centre while carried: above everything on the table of pick-clutter. A task with its goal
+behind a rim sets its number `carry_height`."""
 
 
 def _others(state: Context, task: Task) -> Array:
-    """How much what stands around is moved (m/s, summed), and pressed: 60 N count as 1 m/s."""
+    """Compute the motion of other objects (m/s, summed) and the force on them: 60 N count as 1 m/s."""
     moved = [norm(state[f"{item.name}_vel"]) + norm(state[f"{item.name}_hand_force"]) / 60 for item in task.objects[1:]]
     return np.asarray(sum(moved)) if moved else np.zeros(state.shape)
 
 
 def _lying(state: Context, name: str) -> Array:
-    """Height (m) of the object's centre when it stands on the goal."""
+    """Compute the height (m) of the object's centre when it stands on the goal."""
     return np.asarray(state.goal_pos[..., 2] + state[f"{name}_size"][..., 2] / 2)
 
 
 def places(task: Task) -> bool:
-    """Whether the task, by its goals, is to bring its first object to the place `goal` and to let it lie there."""
+    """Check whether the task's goals are to bring its first object to the place `goal` and leave it there."""
     first = [condition for condition in task.success.conditions if condition.object == task.objects[0].name]
     put = any(
         isinstance(condition, Inside) or (isinstance(condition, At) and condition.place == "goal")
@@ -41,7 +41,7 @@ def places(task: Task) -> bool:
 
 
 def single(task: Task) -> Strategy:
-    """One cost: reach, close, and once held go up, over and down by a geometric switch; then let go and retire."""
+    """Use one cost: reach, close; once held, up, over and down by a geometric switch; then release and retreat."""
     name = task.objects[0].name
     carry_m = task.numbers.get("carry_height", CARRY_M)
 
@@ -53,7 +53,7 @@ def single(task: Task) -> Strategy:
         place, lying = state[f"{name}_pos"], _lying(state, name)
         distance = norm(state.ee_pos - pick.grasp_point(state, name))
         close = near(distance, 0.02)
-        # Two fingers that press on the top from above touch it, too, and hold nothing.
+        # Two fingers that press on the top also touch the object, but do not hold it.
         held = close * state[f"{name}_left_contact"] * state[f"{name}_right_contact"]
         aside = norm((place - state.goal_pos)[..., :2])
         over = near(np.clip(aside - 0.02, 0, None), 0.015)
@@ -72,7 +72,7 @@ def single(task: Task) -> Strategy:
             "straight up": 15.0 * (1 - up) * norm((place - state[f"{name}_init_pos"])[..., :2]) * (aside > 0.06),
             "lower": -50.0 * held * down * (1 - there),
             "not too high": 20.0 * np.clip(place[..., 2] - carry_m - 0.01, 0, None),
-            "there": -35.0 * there,  # more than all that is no longer given for holding it
+            "there": -35.0 * there,  # more than the lost bonuses for holding it
             "retire": -20.0 * there * np.clip((state.ee_pos - place)[..., 2], 0, 0.12),
             "upright": 2.0 * (1 - axis(state[f"{name}_quat"], "z")[..., 2]),
             "not dropped": 60.0 * (1 - held) * norm(state[f"{name}_vel"]),
@@ -80,7 +80,7 @@ def single(task: Task) -> Strategy:
         }
 
     def onward(now: Context) -> Array:
-        """Where a closed hand should go next: to the grasp, and with the object up, over the goal and down."""
+        """Return the next target of a closed hand: the grasp; with the object: up, over the goal, and down."""
         if not (now[f"{name}_left_contact"] * now[f"{name}_right_contact"])[0, 0]:
             return np.asarray(pick.grasp_point(now, name)[0])
         place, goal = now[f"{name}_pos"][0, 0], now.goal_pos[0, 0]
@@ -98,7 +98,7 @@ def single(task: Task) -> Strategy:
 
 
 def fsm(task: Task) -> Strategy:
-    """Reach, close, raise, carry, lower, let go, retire; back to reaching when the object is lost."""
+    """Reach, close, raise, carry, lower, release, retreat; return to reaching if the object is lost."""
     name = task.objects[0].name
     carry_m = task.numbers.get("carry_height", CARRY_M)
     picking = pick.fsm(task)

@@ -1,8 +1,8 @@
-"""Pushing with a steady force: come behind the block, push it evenly towards the goal with a soft hand.
+"""Pushing with a steady force: approach from behind, push the block evenly towards the goal with a soft hand.
 
-The force of a slow push is the block's friction; what spoils it is stops, blows and the stiffness of the hand. So the
-hand is so soft that, led by as much as a target may lead it, it cannot push harder than the block may be pushed; and
-its target moves straight ahead at an even pace, its orientation left alone. A soft spring that moves evenly transmits
+The force of a slow push is the block's friction; stops, impacts and the hand's stiffness disturb it. So the hand is so
+soft that even at the longest lead of its target it cannot push harder than the block may be pushed; and its target
+moves straight ahead at constant speed with free orientation. A soft spring that moves evenly transmits the force
 evenly.
 """
 
@@ -19,37 +19,37 @@ from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
 PACE_M_S = 0.035
-"""20 cm in 6 s; the spring's damping adds 2 N at this pace."""
+"""20 cm in 6 s; the spring's damping adds 2 N at this speed."""
 SOFT_N_M = 150.0
 """The 6 cm that a target may lead the hand by make 9 N: enough for the heaviest block, and hardly more than is wanted.
 
 A sliding block chatters under the fingers, and at each beat they climb its face a little (2 to 3 cm on the way to the
-goal, measured, whatever the height, lean, opening and pace). A target that stays below then drags the block down, its
-friction grows with that, and with 200 N/m the force leaves its band for half the way. So the hand is softer, and its
+goal, measured, whatever the height, tilt, opening and speed). A target that stays below then drags the block down,
+which increases its friction; with 200 N/m the force leaves its band for half the way. So the hand is softer, and its
 target follows the climb. (Straight ahead, without rehearsing, 130 N/m kept 10 of 10 blocks in the band.)
 """
 STEADY = (0.2, 0.2, 0.02, 0.02, 0.02, 0.02, 0.0)
-"""Noise while pushing: next to none on the height, the orientation and the opening, which are as they should be.
+"""Sampling noise while pushing: almost none on height, orientation and opening, which are already right.
 
-With noise on them their target wanders (3 cm up, measured), as rehearsals hardly tell which is better.
+With noise, their target wanders (3 cm up, measured), because rehearsals hardly distinguish the values.
 """
 BELOW_TOP_M = 0.03
-"""The tool's height below the block's top: as low as the palm, 3.7 cm above the tool, allows, with room to climb."""
+"""Height of the tool below the block's top: as low as the palm, 3.7 cm above the tool, allows, with room to climb."""
 LOWEST_M = 0.016
-"""The fingertips reach 8 mm below the tool."""
+"""Lowest height of the tool; the fingertips reach 8 mm below it."""
 RECENT = 10
-"""Control steps that forces and velocities are averaged over: 0.2 s, as the force that is wanted is."""
+"""Control steps over which forces and velocities are averaged: 0.2 s, as in the task's condition."""
 
 
 def to_goal(state: Context, name: str) -> Array:
-    """From the block to the goal along the table, Shape=(..., 3) m."""
+    """Compute the vector from the block to the goal along the table, Shape=(..., 3) m."""
     return np.asarray((state.goal_pos - state[f"{name}_pos"]) * np.array([1.0, 1.0, 0.0]))
 
 
 def behind(state: Context, name: str, gap_m: float = 0.0) -> Array:
-    """Where the tool pushes: on the near face, where the line from the goal through the centre leaves the block.
+    """Compute the pushing point: on the near face, where the line from the goal through the centre leaves the block.
 
-    Pushed at the face's middle instead, a block that does not face the goal turns (35 deg over 15 cm, measured).
+    Pushed at the face's middle, a block that does not face the goal turns (35 deg over 15 cm, measured).
     """
     ahead = axis(state[f"{name}_quat"], "x")
     way = to_goal(state, name) + 0.03 * ahead  # near the goal, where the line means little, the middle after all
@@ -61,10 +61,10 @@ def behind(state: Context, name: str, gap_m: float = 0.0) -> Array:
 
 
 def off_face(state: Context, name: str) -> Array:
-    """How far the tool is from there along the table, and beyond what is a good height.
+    """Compute the distance of the tool from that point along the table, and outside a range of heights.
 
-    While it touches, its height is left to friction: asked to come down 2 cm, the hand drags down on the face and
-    pushes with twice the force (measured: 13 N of which 6 along the table).
+    During contact, friction determines its height: commanded down by 2 cm, the hand drags on the face and pushes with
+    twice the force (measured: 13 N, of which 6 along the table).
     """
     off = state.ee_pos - behind(state, name)
     high = np.clip(np.abs(off[..., 2]) - 0.02, 0, None)
@@ -72,9 +72,9 @@ def off_face(state: Context, name: str) -> Array:
 
 
 def square(state: Context, name: str) -> Array:
-    """How far the hand is from palm down with the fingers abreast of the near face; linear in small tilts.
+    """Compute the misalignment with palm down and fingers abreast of the near face; linear in small tilts.
 
-    A finger that leans is a wedge: it climbs the face (4 cm, measured) and presses the block down.
+    A tilted finger is a wedge: it climbs the face (4 cm, measured) and presses the block down.
     """
     ahead = axis(state[f"{name}_quat"], "x")
     palm = axis(state.ee_quat, "z")
@@ -82,9 +82,9 @@ def square(state: Context, name: str) -> Array:
 
 
 def ahead_of(now: Context, name: str) -> Array:
-    """Points on the line that is pushed along, Shape=(3, 3) m, at least 1 cm below the block's top.
+    """Compute points ahead on the line of the push, Shape=(3, 3) m, at least 1 cm below the block's top.
 
-    At the height that the fingers have climbed to: a target that stays below drags the block down.
+    They are at the height to which the fingers have climbed: a lower target drags the block down.
     """
     way = to_goal(now, name)[0, 0]
     top = now[f"{name}_pos"][0, 0, 2] + now[f"{name}_size"][0, 0, 2] / 2
@@ -93,20 +93,20 @@ def ahead_of(now: Context, name: str) -> Array:
 
 
 def recent(values: Array) -> Array:
-    """Mean over the last 0.2 s (10 steps) of a rehearsal, Shape=(K, H, n).
+    """Compute the running mean over the last 0.2 s (10 steps) of a rehearsal, Shape=(K, H, n).
 
     A coarse rehearsal of a sliding block chatters: nearly the same motions of the hand end with the block at 0 or at
-    6 cm/s, and their costs differ by a third (measured). A plan that is chosen by instants is chosen by luck.
+    6 cm/s, and their costs differ by a third (measured). Single instants would select a plan by luck.
     """
     total = np.cumsum(values, axis=1)
     count = np.minimum(np.arange(1, values.shape[1] + 1), RECENT)[:, None]
     before = np.zeros_like(total)
-    before[:, RECENT:] = total[:, :-RECENT]  # a rehearsal's first steps have fewer before them
+    before[:, RECENT:] = total[:, :-RECENT]  # the first steps have fewer predecessors
     return np.asarray((total - before) / count)
 
 
 def _uneven(state: Context, name: str) -> Array:
-    """From the pace towards the goal to the block's velocity; within 1 cm of it, from rest. Shape=(K, H, 3) m/s."""
+    """Compute the block's velocity error: wanted is the pace to the goal, rest within 1 cm of it. Shape=(K, H, 3)."""
     way = to_goal(state, name)
     left = norm(way)
     wanted = way / np.maximum(left, 1e-6)[..., None] * (PACE_M_S * level(left, 0.0, 0.01))[..., None]
@@ -114,16 +114,16 @@ def _uneven(state: Context, name: str) -> Array:
 
 
 def single(task: Task) -> Strategy:
-    """One cost: come behind the block, and once there push it evenly, switched by how far off its face the hand is."""
+    """Use one cost: get behind the block, then push it evenly, switched by the hand's distance from the face."""
     name = task.objects[0].name
 
     def cost(state: Context) -> Terms:
         way = to_goal(state, name)
         far = norm(way)
         along = way / np.maximum(far, 1e-6)[..., None]
-        left = level(far, 0.012, 0.02)  # arrived: nothing is left to do, and pressing on would spoil the force
-        # Before the block has moved the hand stays 1.5 cm behind its face until it is low enough; then its height is
-        # left to friction.
+        left = level(far, 0.012, 0.02)  # arrived: further pressing would only disturb the force
+        # Before the block moves, the hand stays 1.5 cm behind its face until it is low enough; afterwards friction
+        # determines its height.
         begun = 1 - near(norm(state[f"{name}_pos"] - state[f"{name}_init_pos"]), 0.03)
         from_face = state.ee_pos - behind(state, name)
         high = (1 - begun) * level(np.abs(from_face[..., 2]), 0.006, 0.015)
@@ -149,7 +149,7 @@ def single(task: Task) -> Strategy:
             "no drag": 0.1 * ready * np.abs(wrong[..., 2]),
             "square": 2.0 * square(state, name),
             "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
-            "arrived": -7.0 * (1 - left),  # worth more than what is given for pushing straight
+            "arrived": -7.0 * (1 - left),  # more than the terms for pushing straight
             "let go": (1 - left)
             * (8.0 * norm(state.ee_pos - behind(state, name, 0.03)) + 1.0 * state[f"{name}_hand_contact"]),
         }
@@ -187,23 +187,23 @@ def fsm(task: Task) -> Strategy:
         way = to_goal(state, name)
         far = norm(way)
         along = way / np.maximum(far, 1e-6)[..., None]
-        # As a vector: a drag downwards on the face adds to the block's friction, and both to the force (10 N, measured,
-        # with the block at a standstill), which the norm alone does not tell from pushing.
+        # As a vector: a drag down the face adds to the block's friction, and both add to the force (10 N, measured,
+        # with the block at rest); the norm alone does not distinguish this from pushing.
         wrong = recent(state[f"{name}_hand_force"] - state.push_force[..., None] * along)
         return {
             "to the goal": 4.0 * far,
             "evenly": 2.0 * norm(recent(_uneven(state, name))),
             "behind": 6.0 * np.clip(off_face(state, name) - 0.01, 0, None),
             "force": 0.05 * norm(wrong),
-            # The spring's other end moves straight at the pace, and this counts most: otherwise it wanders 2 or 3 cm
-            # aside, where the model sees little difference; and a block that is heavier than believed is left standing.
+            # The spring's target moves straight at constant speed. This has the highest weight: otherwise it wanders 2
+            # or 3 cm sideways, where the model sees little difference, and a block heavier than believed stops.
             "straight": 25.0 * norm(state.last_action[..., :2] - PACE_M_S * along[..., :2]),
             "no drag": 0.1 * np.abs(wrong[..., 2]),
             "square": 2.0 * square(state, name),
         }
 
     def let_go(state: Context) -> Terms:
-        # A block that has arrived stands still by its own friction; to go on pressing would only spoil the force.
+        # A block at the goal is held by its own friction; further pressing would only disturb the force.
         return {
             "away": 8.0 * norm(state.ee_pos - behind(state, name, 0.03)),
             "leave alone": 1.0 * state[f"{name}_hand_contact"],
@@ -240,7 +240,7 @@ def fsm(task: Task) -> Strategy:
                 back=("reach", lost),
                 sigma=STEADY,
             ),
-            # As soft: the target is still 5 cm ahead, and a stiffer spring would hit the block (53 N, measured).
+            # Equally soft: the target still leads by 5 cm, and a stiffer spring would hit the block (53 N, measured).
             Stage("let go", let_go, stiffness_n_m=SOFT_N_M, back=("reach", short), sigma=0.6),
         ),
     )

@@ -1,8 +1,8 @@
-"""Flipping against a wall: push the box to it, lift the near end while pressing, stand it up, let go.
+"""Flipping against a wall: push the box to it, lift the near end while pressing, stand it up, release.
 
-The wall is in front: the box is pushed along +x, and its end that faces the hand comes up. Seen from the side, the near
+The wall is in front: the box is pushed along +x, and its end that faces the hand rises. Seen from the side, the near
 face's lower edge slides up the finger's face while the far face slides into the corner of wall and table. The finger's
-friction lifts; the wall pushes back at the height of the box, which is why a flat box is easy and a cube is not.
+friction lifts; the wall reacts at the height of the box, so a flat box is easy and a cube is not.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ Array = NDArray[np.float64]
 
 
 def wall_face(state: Context) -> Array:
-    """Where the wall's near face stands along x."""
+    """Compute the x coordinate of the wall's near face."""
     return np.asarray(state.wall_pos[..., 0] - state.wall_size[..., 0] / 2)
 
 
 def raised(state: Context, name: str) -> Array:
-    """Sine of the angle to which the near end is raised: 0 flat, 1 standing."""
+    """Compute the sine of the angle to which the near end is raised: 0 flat, 1 standing."""
     return -axis(state[f"{name}_quat"], "x")[..., 2]
 
 
 def behind(state: Context, name: str, gap_m: float = 0.0, height_m: float = 0.016) -> Array:
-    """Where the tool pushes a lying box: at its near face, just above the table."""
+    """Compute the tool position for pushing a lying box: at its near face, just above the table."""
     ahead = axis(state[f"{name}_quat"], "x")
     point = on_box(state, name, -1.0, 0.0) - ahead * (PAD_M + gap_m)
     point[..., 2] = height_m
@@ -38,18 +38,18 @@ def behind(state: Context, name: str, gap_m: float = 0.0, height_m: float = 0.01
 
 
 def under(state: Context, name: str) -> Array:
-    """Where the tool lifts: the near face's lower edge on the finger's face, a little above the tip."""
+    """Compute the tool position for lifting: near face's lower edge on the finger's face, a little above the tip."""
     return np.asarray(on_box(state, name, -1.0, -1.0) + np.array([-PAD_M, 0.0, 0.004]))
 
 
 def square(state: Context, name: str | None = None) -> Array:
-    """How far the hand is from palm down with the fingers abreast of the box's near face (or of the wall)."""
+    """Compute the misalignment with palm down and the fingers abreast of the box's near face (or of the wall)."""
     ahead = np.array([1.0, 0.0, 0.0]) if name is None else axis(state[f"{name}_quat"], "x")
     return 1 + axis(state.ee_quat, "z")[..., 2] + 3.0 * np.square(dot(axis(state.ee_quat, "y"), ahead))
 
 
 def single(task: Task) -> Strategy:
-    """One cost: be behind the box, bring it to the wall, and there raise its near end."""
+    """Use one cost: get behind the box, push it to the wall, and raise its near end there."""
     name = task.objects[0].name
 
     def cost(state: Context) -> Terms:
@@ -73,7 +73,7 @@ def single(task: Task) -> Strategy:
 
 
 def fsm(task: Task) -> Strategy:
-    """Get behind, push to the wall, raise, let go."""
+    """Get behind, push to the wall, raise, release."""
     name = task.objects[0].name
 
     def reach(state: Context) -> Terms:

@@ -1,4 +1,4 @@
-"""The model of a LIBERO object: the boxes that touch, and the box regions that goals speak of."""
+"""The model of a LIBERO object: its collision boxes, and the named box regions of goals."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ class Box:
     """A box in its object's frame."""
 
     position: Array
-    """Shape=(3,) m, its centre."""
+    """Centre, Shape=(3,) m."""
     rotation: Array
-    """Shape=(3, 3), of its axes."""
+    """Rotation of its axes, Shape=(3, 3)."""
     size: Array
-    """Shape=(3,) m, full edges."""
+    """Full edges, Shape=(3,) m."""
 
     @property
     def corners(self) -> Array:
-        """Shape=(8, 3)."""
+        """Return the corners, Shape=(8, 3)."""
         return np.asarray(box_corners(self.size) @ self.rotation.T + self.position)
 
     def turned(self, rotation: Array) -> Box:
-        """The box with its object's axes turned by `rotation`, Shape=(3, 3)."""
+        """Rotate the box about its object's origin by `rotation`, Shape=(3, 3)."""
         return Box(rotation @ self.position, rotation @ self.rotation, self.size)
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
-        """Which points, Shape=(n, 3), lie in it, Shape=(n,)."""
+        """Check which points, Shape=(n, 3), lie inside; Shape=(n,)."""
         own = np.abs((points - self.position) @ self.rotation)
         return np.asarray(np.all(own <= self.size / 2, axis=1))
 
@@ -47,20 +47,20 @@ class Model:
     """An object."""
 
     boxes: tuple[Box, ...]
-    """What touches."""
+    """Collision boxes."""
     regions: dict[str, Box]
-    """By name."""
+    """Regions by name."""
     mass_kg: float
-    """Of the boxes at their densities; overlaps count twice, as MuJoCo counts them."""
+    """Mass of the boxes at their densities; overlaps count twice, as in MuJoCo."""
     friction: float
     """Sliding friction of its first box."""
 
 
 def read_model(path: Path) -> Model:
-    """Read an object's MuJoCo file. What it shows (group 1) is left out.
+    """Read an object's MuJoCo file, without its visual geoms (group 1).
 
     Raises:
-        InputError: It cannot be read, or what touches is no box.
+        InputError: The file cannot be read, or a collision geom is not a box.
     """
     try:
         root = ElementTree.parse(path).getroot()
@@ -87,7 +87,7 @@ def _box(element: ElementTree.Element, where: str) -> Box:
     quaternion = _numbers(element, "quat", "1 0 0 0", 4, where)
     if half.min() <= 0 or np.linalg.norm(quaternion) == 0:
         raise InputError(where, element.tag, ElementTree.tostring(element, "unicode").strip()[:80], "a box")
-    # MuJoCo norms a quaternion, and LIBERO relies on it.
+    # MuJoCo normalises quaternions, and LIBERO relies on it.
     rotation = rotation_of(quaternion / np.linalg.norm(quaternion))
     return Box(_numbers(element, "pos", "0 0 0", 3, where), rotation, 2 * half)
 

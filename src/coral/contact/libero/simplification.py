@@ -1,7 +1,7 @@
-"""An object of many boxes as few primitives: every resting box is four contacts, and rehearsals pay for each.
+"""Approximation of an object of many boxes by few primitives: each resting box costs four contacts per rehearsal.
 
-LIBERO approximates a can by some twenty thin boxes. It becomes one cylinder again where that fills the same space, else
-those of its own boxes that fill most of it.
+LIBERO approximates a can by about twenty thin boxes. They become one cylinder if it fills the same space, else those
+boxes that fill most of it.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from coral.contact.scene.shapes import Shape
 
 @dataclass(frozen=True, kw_only=True)
 class SolidCfg:
-    """How far the boxes are simplified."""
+    """Limits of the simplification."""
 
     most: int = 4
-    """As many boxes stay as they are. Twenty rehearsals of half a second of the first scene take 63 ms of one core with
-    one box for each object, 65 ms with up to four, 154 ms with up to twelve."""
+    """Maximum number of boxes. Twenty rehearsals of half a second of the first scene take 63 ms of one core with one
+    box for each object, 65 ms with up to four, 154 ms with up to twelve."""
     covered: float = 0.95
-    """Fraction of the boxes' common volume at which enough have been taken."""
+    """Share of the boxes' common volume that the selected boxes must cover."""
     round: float = 0.88
-    """Overlap (intersection over union) with the upright cylinder from which an object counts as one."""
+    """Overlap (intersection over union) with the upright cylinder above which an object counts as one."""
     grid: int = 40
-    """Points along each side by which volumes are compared."""
+    """Points along each side for comparing volumes."""
 
 
 def simplified(boxes: Sequence[Box], cfg: SolidCfg) -> tuple[Shape, ...]:
-    """The parts of an object whose frame's z axis points up.
+    """Return the parts of an object whose frame's z axis points up.
 
     Args:
-        boxes: In that frame.
-        cfg: How far.
+        boxes: Boxes in that frame.
+        cfg: Limits.
     """
     if len(boxes) <= cfg.most:
         return tuple(map(_as_shape, boxes))

@@ -1,7 +1,8 @@
-"""A task of LIBERO-OBJECT in one of the benchmark's initial states, as a task of ours.
+"""A task of LIBERO-OBJECT in one of the benchmark's initial states, as a task of this package.
 
-Frames: LIBERO's Panda stands at x = -0.6 m on the floor, ours at -0.5 m: everything is moved by the difference, and its
-floor is our table. An object's frame is LIBERO's turned upright, its origin LIBERO's, as its success test wants it.
+Frames: LIBERO's Panda stands at x = -0.6 m on the floor, ours at -0.5 m: everything is shifted by the difference, and
+its floor is our table. An object's frame is LIBERO's rotated upright; it keeps LIBERO's origin, as its success test
+requires.
 """
 
 from __future__ import annotations
@@ -27,14 +28,14 @@ from coral.errors import InputError
 PREFIX = "libero:"
 SHIFT_M = np.array([0.1, 0.0])
 BELOW_REGION_M = 0.01
-"""LIBERO's `in_box` grants so much below a region."""
+"""Tolerance of LIBERO's `in_box` below a region."""
 ROBOT_JOINTS = 9
 SPREAD = 0.25
 """LIBERO's masses and frictions are the same in every trial; ours vary by this share about them, unknown to the
 planner."""
 HEAVIEST_FRICTION = 2.0
 LIGHTEST_KG = 0.02
-"""A butter of 5 g, as LIBERO has it, is thrown by the contacts of a rehearsal's coarse steps."""
+"""Smallest mass: contacts in the coarse steps of a rehearsal throw LIBERO's butter of 5 g."""
 COLORS = (
     (0.75, 0.22, 0.2),
     (0.85, 0.78, 0.6),
@@ -47,13 +48,14 @@ COLORS = (
 
 
 def load_libero(text: str) -> Task:
-    """The task of `libero:object/TASK/STATE`, or of `libero:pick/TASK/STATE`, which asks to lift the object only.
+    """Load the task `libero:object/TASK/STATE`, or `libero:pick/TASK/STATE`, which requires only lifting the object.
 
     Args:
-        text: TASK counts the suite's tasks, STATE the benchmark's initial states, both from 0; STATE may be left out.
+        text: TASK is the index of the task in the suite, STATE that of the initial state, both from 0; STATE is
+            optional.
 
     Raises:
-        InputError: No such task, or the package is not installed or not as expected.
+        InputError: There is no such task, or the package is not installed or not as expected.
     """
     match = re.fullmatch(rf"{PREFIX}(object|pick)/(\d{{1,3}})(?:/(\d{{1,3}}))?", text)
     if match is None:
@@ -73,7 +75,7 @@ def load_libero(text: str) -> Task:
 
 
 def lifting(task: Task) -> Task:
-    """The same scene, asking what pick-box asks: to hold the object 10 cm up for half a second."""
+    """Make the task of lifting in the same scene: hold the object 10 cm up for half a second, as in pick-box."""
     item = task.objects[0]
     conditions = (Lifted(object=item.name, height_m=0.1), Grasped(object=item.name))
     return task.model_copy(
@@ -86,14 +88,14 @@ def lifting(task: Task) -> Task:
 
 
 def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCfg | None = None) -> Task:
-    """A task of the package in an initial state.
+    """Make a task of the package in an initial state.
 
     Args:
         package: The package.
-        task: Its name there.
-        name: What we call it.
-        state: Which initial state.
-        cfg: Of the simplification of shapes.
+        task: Name of the task there.
+        name: Name of the task here.
+        state: Index of the initial state.
+        cfg: Limits of the simplification of shapes.
 
     Raises:
         InputError: A file is missing or not as expected.
@@ -108,7 +110,7 @@ def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCf
     label = _plain(problem.container)
     fixtures, lift = _container(models[problem.container], position, rotation, label)
     middle = rotation @ region.position + np.array([*(position[:2] + SHIFT_M), lift])
-    # LIBERO takes the absolute value of the turned half edges, exact for quarter turns.
+    # LIBERO takes the absolute value of the rotated half edges, exact for quarter turns.
     half = np.abs(rotation @ region.rotation @ region.size) / 2
     floor = max(fixture.position[2] + fixture.size[2] / 2 for fixture in fixtures if fixture.name.endswith("bottom"))
     rim = max(fixture.position[2] + fixture.size[2] / 2 for fixture in fixtures)
@@ -143,7 +145,7 @@ def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCf
 
 
 def _poses(path: Path, problem: Problem, state: int) -> dict[str, tuple[Array, Array]]:
-    """Position and rotation of every object: MuJoCo's state is time, qpos, qvel, the robot's joints coming first."""
+    """Read position and rotation of every object: MuJoCo's state is time, qpos, qvel, with the robot's joints first."""
     count = len(problem.objects)
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -186,16 +188,16 @@ def _movable(
 
 
 def _symmetry(parts: tuple[Shape, ...]) -> Literal["none", "box", "cylinder"]:
-    """As which the tracker may take it; a body of several boxes has none, nor one whose box stands askew."""
+    """Choose the tracker's symmetry; a body of several boxes has none, nor does one whose box is tilted."""
     if len(parts) > 1 or any(abs(angle) % 90 > 1e-3 for angle in parts[0].rpy_deg):
         return "none"
     return "cylinder" if parts[0].shape == "cylinder" else "box"
 
 
 def _container(model: Model, position: Array, rotation: Array, name: str) -> tuple[tuple[Fixture, ...], float]:
-    """Its boxes as things that do not move, and the height of its frame's origin when it stands on the table.
+    """Convert its boxes to fixtures, and compute the height of its frame's origin when it stands on the table.
 
-    A fixture stands upright, so that sides that lean by a few degrees are set straight.
+    A fixture stands upright, so sides tilted by a few degrees are straightened.
     """
     straight = [Box(box.position, np.eye(3), np.abs(_quarter_turns(box.rotation)) @ box.size) for box in model.boxes]
     upright = _quarter_turns(rotation)
@@ -226,12 +228,12 @@ def _container(model: Model, position: Array, rotation: Array, name: str) -> tup
 
 
 def _above(item: Movable) -> float:
-    """How high over a rim its origin is carried (m): its lower half and 3 cm."""
+    """Compute the height of its origin over a rim while carried (m): its lower half and 3 cm."""
     return float(-corners(item, np.ones(3))[:, 2].min()) + 0.03
 
 
 def _quarter_turns(rotation: Array) -> Array:
-    """The rotation by quarter turns that is nearest: of each axis its largest coordinate, the rest by right hand."""
+    """Round a rotation to quarter turns: of each axis the largest coordinate, the rest right-handed."""
     rows = np.zeros((3, 3))
     first = int(np.abs(rotation[2]).argmax())
     rows[2, first] = np.sign(rotation[2, first])

@@ -15,20 +15,20 @@ _EXPECTED = "ws://HOST:PORT or NAME=ws://HOST:PORT"
 
 @dataclass(frozen=True)
 class Address:
-    """A served policy."""
+    """Name and URL of a served policy."""
 
     name: str
-    """For records; `openvla-oft` and `pi05` are compared with the paper's rows of Table 1."""
+    """Name for records; `openvla-oft` and `pi05` are compared with the paper's rows of Table 1."""
     url: str
-    """Of its server."""
+    """URL of its server."""
 
 
 def parse_address(text: str, taken: Collection[str] = (), where: str = "--policy") -> Address:
     """Parse an address.
 
     Args:
-        text: As on the command line.
-        taken: Names that are in use.
+        text: Text of the flag.
+        taken: Names already in use.
         where: The flag, for errors.
 
     Raises:

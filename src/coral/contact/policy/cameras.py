@@ -29,7 +29,7 @@ class PolicyCamerasCfg:
     """Width and height (openpi's LIBERO example sends 224)."""
     eye_m: tuple[Signed, Signed, Signed] = (0.8186, 0.0, 0.7104)
     target_m: tuple[Signed, Signed, Signed] = (-0.0615, 0.0, 0.0)
-    """Of the camera across the table: LIBERO's "agentview" in our frame."""
+    """Position and target of the camera across the table: LIBERO's "agentview" in our frame."""
     vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 45.0
     """Its field of view (MuJoCo's default, which LIBERO keeps)."""
     wrist_m: tuple[Signed, Signed, Signed] = (0.05, 0.0, -0.097)
@@ -37,16 +37,16 @@ class PolicyCamerasCfg:
     wrist_vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 75.0
     """Its field of view (robosuite's "eye_in_hand")."""
     mirrored: bool = True
-    """Left and right exchanged. LIBERO's pictures are: OpenGL's rows from bottom to top, turned by half."""
+    """Whether left and right are exchanged, as in LIBERO: it turns OpenGL's bottom-up rows by half a turn."""
     colours: Literal["shaded", "best"] = "shaded"
-    """"shaded" by rays, the same everywhere; "best": OpenGL's where it works, closer to training pictures."""
+    """"shaded" by rays, the same on all machines; "best": OpenGL if it works, closer to training pictures."""
 
 
 class PolicyCameras:
     """Takes both pictures of a simulated world.
 
     Args:
-        model: The world's model; it is not changed.
+        model: The world's model; not changed.
         cfg: The cameras.
 
     Raises:
@@ -83,7 +83,7 @@ class PolicyCameras:
 
 
 def wrist_pose(tool: BodyState, place_m: Array) -> Array:
-    """T_world_camera of the wrist's camera (x right, y down, z forward), Shape=(4, 4).
+    """Compute T_world_camera of the wrist's camera (x right, y down, z forward), Shape=(4, 4).
 
     Args:
         tool: The tool frame.

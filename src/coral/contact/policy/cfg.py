@@ -1,4 +1,4 @@
-"""Configuration of episodes that a served policy drives."""
+"""Configuration of episodes with a served policy."""
 
 from __future__ import annotations
 

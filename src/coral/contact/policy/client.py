@@ -1,4 +1,4 @@
-"""Asks a policy server for actions over a websocket: openpi's protocol, with deadlines and limits of its own.
+"""Client of a policy server over a websocket: openpi's protocol, with its own deadlines and limits.
 
 The server first sends its metadata, then one message for each observation. A text message instead of bytes reports an
 error. Messages are not numbered, so a late answer could be taken for the next one's: a connection that missed its
@@ -22,7 +22,7 @@ from coral.contact.policy.wire import WireError, decode, encode
 
 T = TypeVar("T")
 KEY_VARIABLE = "CORAL_POLICY_KEY"
-"""Environment variable with the key of servers that ask for one (sent as openpi's client does)."""
+"""Environment variable with the key, for servers that require one (sent as by openpi's client)."""
 OUTAGES = ("unreachable", "silence", "closed")
 """Failures of the connection, not of the policy: worth another attempt."""
 
@@ -34,17 +34,17 @@ class ClientCfg:
     connect_s: Positive = 10.0
     """Time to connect and receive the server's metadata."""
     answer_s: Positive = 90.0
-    """Time for one chunk of actions. A server that compiles at its first question may need a minute."""
+    """Time for one chunk of actions. A server that compiles at its first request may need a minute."""
     attempts: Count = 3
-    """How often a question is sent while the connection fails, each time on a new one."""
+    """Maximum number of times that a request is sent if the connection fails, each time on a new one."""
     wait_s: NonNegative = 2.0
-    """Between attempts."""
+    """Wait between attempts."""
     most_bytes: Count = 4 * 2**20
     """Longest message; a chunk of fifty actions has 3 kB."""
 
 
 class PolicyError(RuntimeError):
-    """The policy cannot go on; `code` names why.
+    """The policy failed; `code` is the reason.
 
     Codes: "unreachable", "silence" (the deadline passed), "closed" (by the server), "error" (it said so), "too-large",
     "bad-message", "bad-actions", "not-finite".
@@ -80,10 +80,10 @@ class PolicyClient:
         self._run(self._connect())
 
     def infer(self, observation: Mapping[str, Any]) -> Mapping[Any, Any]:
-        """Ask for the actions of an observation.
+        """Request the actions for an observation.
 
         Raises:
-            PolicyError: No usable answer came.
+            PolicyError: There is no usable answer.
         """
         try:
             question = encode(observation)
@@ -119,7 +119,8 @@ class PolicyClient:
         key = os.environ.get(KEY_VARIABLE)
         try:
             async with asyncio.timeout(self.cfg.connect_s):
-                # No pings: a server may be busy inferring for longer than they wait; the deadlines are the answer.
+                # No pings: inference may keep a server busy for longer than their time-out; the deadlines cover this
+                # case.
                 self._line = await connect(
                     self.url,
                     compression=None,
@@ -150,7 +151,7 @@ class PolicyClient:
     async def _receive(
         self, line: ClientConnection, within_s: float, question: bytes | None = None
     ) -> Mapping[Any, Any]:
-        """The server's next message; before that, a question is sent."""
+        """Receive the server's next message, after sending a request if there is one."""
         try:
             async with asyncio.timeout(within_s):
                 if question is not None:

@@ -1,9 +1,9 @@
-"""The LIBERO convention of observations and actions, which most published policies for a Panda are fine-tuned on.
+"""The LIBERO convention of observations and actions, used by most published policies for a Panda.
 
 Observation: two pictures, `state` = position of the tool (m), its orientation as axis times angle (rad), both finger
-joints (m), and the instruction. Action: seven numbers from -1 to 1, three of them a step of the position, three a turn,
-the last the fingers; robosuite's operational-space controller scales them. Sources: openpi's `examples/libero`,
-LIBERO's tabletop arena, robosuite's OSC_POSE defaults.
+joints (m), and the instruction. Action: seven numbers from -1 to 1: a step of the position, a rotation, and the
+fingers; robosuite's operational-space controller scales them. Sources: openpi's `examples/libero`, LIBERO's tabletop
+arena, robosuite's OSC_POSE defaults.
 """
 
 from __future__ import annotations
@@ -32,38 +32,38 @@ class LiberoCfg:
     ticks: Count = 5
     """World steps during one action, each within the reactive layer's limits."""
     execute: Count = 5
-    """Actions of a chunk that are taken before the policy is asked again (openpi's LIBERO example: 5)."""
+    """Number of actions of a chunk to execute before the next request (openpi's LIBERO example: 5)."""
     step_m: Positive = 0.05
-    """What 1 means for the position (robosuite: 0.05)."""
+    """Position step for an action of 1 (robosuite: 0.05)."""
     step_rad: Positive = 0.5
-    """What 1 means for the turn about each axis (robosuite: 0.5)."""
+    """Rotation about each axis for an action of 1 (robosuite: 0.5)."""
     opening_m_s: Positive = 0.2
-    """Speed of the fingers' distance; robosuite's gripper goes all the way in eight actions."""
+    """Speed of the finger opening; robosuite's gripper closes fully in eight actions."""
     gripper: Literal["positive", "negative"] = "positive"
-    """Which sign closes: "positive" (LIBERO, robosuite) or "negative"."""
+    """Sign that closes the fingers: "positive" (LIBERO, robosuite) or "negative"."""
     stiffness_n_m: Positive = 675.0
-    """Of the hand; robosuite's gain of 150 for its apparent mass of 4.5 kg."""
+    """Stiffness of the hand; robosuite's gain of 150 for its apparent mass of 4.5 kg."""
     origin_m: tuple[Signed, Signed, Signed] = (-0.16, 0.0, 0.9)
     """Our origin in LIBERO's world, whose table top is 0.9 m high and whose robot stands at x = -0.66."""
 
     @property
     def tick_s(self) -> float:
-        """Control period of the world."""
+        """Return the control period of the world."""
         return 1.0 / (self.rate_hz * self.ticks)
 
 
 def state(now: Observation, cfg: LiberoCfg) -> Array:
-    """The robot's own state, Shape=(8,)."""
+    """Compute the robot's state, Shape=(8,)."""
     return np.concatenate(
         [now.tool.position + cfg.origin_m, axis_angle(now.tool.quaternion), [now.opening_m / 2, -now.opening_m / 2]]
     )
 
 
 def axis_angle(quaternion: Array) -> Array:
-    """Axis times angle (rad), Shape=(3,), with x not negative.
+    """Convert to axis times angle (rad), Shape=(3,), with x not negative.
 
     A hand that points down is half a turn about x, where the shortest vector jumps between +pi and -pi; the policies
-    have seen +pi, and angles beyond it.
+    were trained with +pi, and with angles beyond it.
     """
     q = quaternion if quaternion[1] >= 0 else -quaternion
     sine = float(np.linalg.norm(q[1:]))
@@ -74,7 +74,7 @@ def actions_of(answer: Mapping[Any, Any]) -> Array:
     """Read the actions in a server's answer, Shape=(n, 7).
 
     Raises:
-        PolicyError: There are none ("bad-actions"), or they are not finite ("not-finite").
+        PolicyError: There are no actions ("bad-actions"), or they are not finite ("not-finite").
     """
     found = answer.get("actions", answer.get(b"actions"))
     if found is None:
@@ -96,7 +96,7 @@ def target(now: Observation, action: Array, cfg: LiberoCfg) -> HandTarget:
     """Convert an action to a target of the hand, relative to its measured pose.
 
     Args:
-        now: At the start of the action; the target's opening is the present one.
+        now: Observation at the start of the action; the target keeps its opening.
         action: Shape=(7,); clipped to -1 and 1.
         cfg: Scales.
     """
@@ -110,6 +110,6 @@ def target(now: Observation, action: Array, cfg: LiberoCfg) -> HandTarget:
 
 
 def opened(opening_m: float, action: Array, cfg: LiberoCfg) -> float:
-    """The commanded distance of the finger pads (m) a tick later; the sign of the action's last number moves it."""
+    """Compute the commanded opening (m) one tick later; the sign of the action's last number gives the direction."""
     closing = float(np.sign(action[6])) * (1.0 if cfg.gripper == "positive" else -1.0)
     return float(np.clip(opening_m - closing * cfg.opening_m_s * cfg.tick_s, SQUEEZE_M, MAX_OPENING_M))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 PLAIN = re.compile(r"[<>|=]?[biuf][1248]")
-"""The dtypes that are read: booleans, integers and floats. Others, such as objects, would be code or a guess."""
+"""Supported dtypes: booleans, integers and floats. Others, such as objects, could contain code or be ambiguous."""
 MOST_AXES = 8
 
 
@@ -31,7 +31,7 @@ def encode(message: Mapping[str, Any]) -> bytes:
         message: Texts, numbers, maps, lists and arrays.
 
     Raises:
-        WireError: An array of objects, or another thing that cannot be sent.
+        WireError: It contains an array of objects, or another value that cannot be sent.
     """
     try:
         return msgspec.msgpack.encode(dict(message), enc_hook=_packed)
@@ -43,7 +43,7 @@ def decode(data: bytes) -> Any:
     """Decode a message; its arrays are writable copies.
 
     Raises:
-        WireError: It is not MessagePack, or holds an array that is not plain numbers of the stated size.
+        WireError: It is not MessagePack, or contains an array that is not plain numbers of the stated size.
     """
     try:
         return _unpacked(msgspec.msgpack.decode(data))
@@ -85,7 +85,7 @@ def _unpacked(value: Any) -> Any:
 
 
 def marked(value: Mapping[Any, Any], mark: str) -> bool:
-    """Whether a map encodes an array or scalar; servers in other languages may send the mark as text."""
+    """Check whether a map encodes an array or scalar; servers in other languages may send the mark as text."""
     return mark.encode() in value or mark in value
 
 
@@ -93,7 +93,7 @@ def field(value: Mapping[Any, Any], name: str) -> Any:
     """Read a field of such a map.
 
     Raises:
-        WireError: It is missing.
+        WireError: The field is missing.
     """
     if not marked(value, name):
         raise WireError(f"an array without {name}")
