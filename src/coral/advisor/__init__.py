@@ -1,1 +1,1 @@
-"""Asking a foundation model without trusting it."""
+"""Questions to a foundation model, with verified answers."""

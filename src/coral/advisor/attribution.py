@@ -11,10 +11,10 @@ from coral.advisor.fallback import Fallback
 from coral.advisor.question import Usage
 
 Source = Literal["advisor", "memory", "recording", "fallback"]
-"""Who made a decision: the advisor that the run names (rules, where they are the advisor), an experience memory, a
-recording of an earlier advisor, or the fallback because none of them did."""
+"""Source of a decision: the advisor that the run names (which may be rules), an experience memory, a recording of an
+earlier advisor, or the fallback because none of them decided."""
 Fate = Literal["accepted", "refused", "malformed", "missing"]
-"""What became of a question: an answer that the verifier took or refused, a reply that is no answer, or no reply."""
+"""Fate of a question: an answer that the verifier accepted or refused, a reply that is not an answer, or no reply."""
 
 SOURCES: tuple[Source, ...] = get_args(Source)
 FATES: tuple[Fate, ...] = get_args(Fate)
@@ -24,17 +24,17 @@ _FATE: Mapping[Verdict, Fate] = {
     "malformed": "malformed",
     "unavailable": "missing",
 }
-"""A question that was withdrawn has no fate: nobody waited for its answer."""
+"""A withdrawn question has no fate: its answer was no longer needed."""
 
 DEFINITIONS = {
-    "decided_by": "Decisions by their source: the advisor, the memory, a recording, the fallback. Their sum is the "
+    "decided_by": "Number of decisions by source: the advisor, the memory, a recording, the fallback. Their sum is the "
     "number of decisions.",
-    "answers": "Questions by what came of them: accepted, refused by a verifier, malformed (a reply that is no "
-    "answer), missing (no reply). A question that was withdrawn is none of these.",
-    "tokens_in": "Tokens that the advisor read; none where a reply did not tell.",
-    "tokens_out": "Tokens that the advisor wrote; none where a reply did not tell.",
-    "cost_usd": "What the replies cost (USD); none where the price of one is not known.",
-    "thinking_s": "Time from the questions to their answers, summed, on the clock of the world (s).",
+    "answers": "Number of questions by fate: accepted, refused by a verifier, malformed (a reply that is no "
+    "answer), missing (no reply). A withdrawn question is none of these.",
+    "tokens_in": "Tokens that the advisor read; null if a reply did not report them.",
+    "tokens_out": "Tokens that the advisor wrote; null if a reply did not report them.",
+    "cost_usd": "Cost of the replies (USD); null if the price of one is unknown.",
+    "thinking_s": "Sum of the times from question to answer, on the clock of the world (s).",
 }
 
 
@@ -48,13 +48,13 @@ def source_of(advisor: Any) -> Source:
 class Attribution:
     """Counts of a run's decisions by source. `decided` and `attempted` return a copy with one more.
 
-    Spending of a single model, and its bounds, are in `Ledger`; this is of a whole run, whoever answered.
+    `Ledger` holds the spending of a single model, and its limits; this counts a whole run with all its advisors.
     """
 
     decided_by: Mapping[Source, int] = field(default_factory=lambda: dict.fromkeys(SOURCES, 0))
     answers: Mapping[Fate, int] = field(default_factory=lambda: dict.fromkeys(FATES, 0))
     tokens_in: int | None = 0
-    """None once a reply did not tell; so with the other two."""
+    """None once a reply did not report them; likewise the other two."""
     tokens_out: int | None = 0
     cost_usd: float | None = 0.0
     thinking_s: float = 0.0
@@ -71,9 +71,9 @@ class Attribution:
         """Count one more question by its verdict.
 
         Args:
-            verdict: Of the attempt.
-            cost: Of the attempt.
-            seconds: From question to verdict, on the clock of the world.
+            verdict: Verdict of the attempt.
+            cost: Cost of the attempt.
+            seconds: Time from question to verdict, on the clock of the world.
         """
         fate = _FATE.get(verdict)
         return replace(
@@ -109,8 +109,8 @@ class Spent:
 def spent(attempt: Attempt) -> Spent:
     """Compute the cost of an attempt.
 
-    A reply that came over the wire and counts no tokens is one that did not tell; so is a price of nothing. Where no
-    request was made (rules), or none was answered, nothing was spent.
+    A reply over the wire without a token count is unreported, and so is one with a price of nothing. Without a request
+    (rules), or without an answered one, nothing was spent.
     """
     usage: Usage = attempt.usage
     replied = usage.requests > 0 and attempt.verdict in ("accepted", "rejected", "malformed")
@@ -123,15 +123,15 @@ def spent(attempt: Attempt) -> Spent:
 
 
 def who_decided(metrics: Mapping[str, Any], *, things: str, fallback: Fallback, advisor: str = "the advisor") -> str:
-    """Say who decided, without a full stop; "" if the advisor made every decision.
+    """Describe who decided, without a full stop; "" if the advisor made every decision.
 
-    Such as "the advisor decided 5 of 7 goals, the fallback's rules 2".
+    For example "the advisor decided 5 of 7 goals, the fallback's rules 2".
 
     Args:
-        metrics: With the keys `decided_by` and `answers`; "" where a run of an older version has none.
-        things: What is decided, in the plural: "goals".
-        fallback: The policy that was chosen.
-        advisor: How to call the advisor.
+        metrics: Metrics with the keys `decided_by` and `answers`; "" if a run of an older version lacks them.
+        things: The kind of decision, in the plural: "goals".
+        fallback: The chosen policy.
+        advisor: Name of the advisor in the sentence.
     """
     by, answers = metrics.get("decided_by") or {}, metrics.get("answers") or {}
     total, own = sum(by.values()), int(by.get("advisor", 0))

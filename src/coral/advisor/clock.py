@@ -1,4 +1,4 @@
-"""The clocks on which a decision runs: simulated time, stepped by the mission, and wall time."""
+"""The clocks of a decision: simulated time, stepped by the mission, and wall time."""
 
 from __future__ import annotations
 
@@ -23,36 +23,36 @@ TINY_S = 1e-9
 """Ticks are multiples of 0.1 s in floating point: 0.3 + 10 and 103 * 0.1 are the same tick."""
 
 MOST_STEPS = 100_000
-"""Steps of the private loop after which a coroutine is taken to wait for something that never comes in a tick."""
+"""Steps of the private loop after which a coroutine is assumed to wait for something that never comes in a tick."""
 
 
 @dataclass
 class _Request:
-    """One request under way."""
+    """One pending request."""
 
     future: Future[Any]
     parked: asyncio.Future[Any]
-    """Where the asking coroutine waits."""
+    """Future on which the asking coroutine waits."""
     asked_s: float
     deadline_s: float
     asked_wall_s: float
     due_s: float | None
-    """When the reply is delivered; None while only the reply can tell."""
+    """Time of delivery; None while only the reply can tell."""
     wait: bool
-    """Whether simulated time stands still until the advisor has really answered."""
+    """Whether simulated time stops until the advisor has answered."""
     wall_s: float = field(default=math.nan)
     """Wall time the advisor took, once it has answered."""
 
 
 class SimulatedClock:
-    """Simulated seconds, advanced by the mission's own loop, which no advisor can stall in simulated time.
+    """Simulated seconds, advanced by the mission's loop; no advisor can delay it in simulated time.
 
-    Coroutines started here run on a private event loop inside `start` and `advance`, that is in the mission's
-    thread and between two ticks: they may read the map without locks. The advisor thinks on its own thread, and its
-    reply (or its failure) is handed over at the first tick at or after `asked + latency`. With a drawn or recorded
-    latency the outcome does not depend on how fast this machine or the network is: if the real answer is not
-    there when it is due, simulated time stands still until it is. With "measured" the latency is the wall time the
-    advisor took, and `advance` keeps simulated time from running ahead of it while a reply is outstanding.
+    Coroutines started here run on a private event loop inside `start` and `advance`, that is in the mission's thread
+    and between two ticks: they may read the map without locks. The advisor runs on its own thread; its reply (or
+    failure) is delivered at the first tick at or after `asked + latency`. With a drawn or recorded latency the outcome
+    does not depend on the speed of machine and network: if the real answer is not there when it is due, simulated time
+    stops until it is. With "measured", the latency is the advisor's wall time, and `advance` keeps simulated time from
+    running ahead of it while a reply is outstanding.
     """
 
     def __init__(
@@ -68,10 +68,10 @@ class SimulatedClock:
 
         Args:
             latency: Distribution of reply times, such as "fixed:10".
-            rng: Drawn from once per question when the latency is random.
-            thread: Where advisors think; one of its own by default.
-            wall_timeout_s: Longest wall time that simulated time may stand still for one reply (s).
-            paced: Whether `advance` may sleep to keep a measured latency true; False where the caller keeps time.
+            rng: Draws one latency per question if it is random.
+            thread: Thread of the advisors; by default its own.
+            wall_timeout_s: Longest wall time for which simulated time may stop for one reply (s).
+            paced: Whether `advance` may sleep to keep a measured latency true; False if the caller keeps time.
         """
         self.latency = parse_latency(latency) if isinstance(latency, str) else latency
         self._rng = rng
@@ -81,23 +81,23 @@ class SimulatedClock:
         self._paced = paced
         self._now_s = 0.0
         self.waited_s = 0.0
-        """Wall time spent so far waiting for replies, here and not in the control loop's own work (s)."""
+        """Wall time spent waiting for replies here, without the control loop's own work (s)."""
         self._loop = asyncio.new_event_loop()
         self._requests: list[_Request] = []
         self._tasks: list[asyncio.Task[Any]] = []
 
     def now(self) -> float:
-        """Simulated seconds since the start of the run."""
+        """Return simulated seconds since the start of the run."""
         return self._now_s
 
     @property
     def pending(self) -> bool:
-        """Whether a question is under way."""
+        """Return whether a question is pending."""
         return bool(self._requests)
 
     @property
     def pending_measured(self) -> bool:
-        """Whether a question is under way whose latency is measured in wall time."""
+        """Return whether a question is pending whose latency is measured in wall time."""
         return any(not r.wait and r.due_s is None and not r.future.done() for r in self._requests)
 
     def owns(self, loop: asyncio.AbstractEventLoop) -> bool:
@@ -108,7 +108,7 @@ class SimulatedClock:
         """Run a coroutine (a `consult`) up to its first wait; with latency 0, to its end.
 
         Raises:
-            Exception: Whatever the coroutine raised.
+            Exception: Any exception of the coroutine.
         """
         task = self._loop.create_task(coroutine)
         self._tasks.append(task)
@@ -119,7 +119,7 @@ class SimulatedClock:
         """Move to the next tick, deliver every reply that is due, and run what follows from it.
 
         Raises:
-            Exception: Whatever a started coroutine raised.
+            Exception: Any exception of a started coroutine.
         """
         if now_s < self._now_s - TINY_S:
             raise ValueError(f"time runs backwards: from {self._now_s} to {now_s}")
@@ -145,7 +145,7 @@ class SimulatedClock:
         Raises:
             TimeoutError: It was not due within `timeout_s` simulated seconds; the request is cancelled.
             Withdrawn: The question was withdrawn meanwhile.
-            BadAnswer, AdvisorUnavailable: As the advisor raised it, after the same latency as an answer.
+            BadAnswer, AdvisorUnavailable: Raised by the advisor; it takes the same latency as an answer.
         """
         if timeout_s <= 0:
             raise TimeoutError
@@ -175,7 +175,7 @@ class SimulatedClock:
     def stood_still(self, seconds: float) -> None:
         """Exclude a pause of `seconds` of wall time, ending now, from every latency under measurement.
 
-        An advisor may think on through a pause of the run. Its reply then counts as given when the pause began.
+        An advisor may continue during a pause of the run. Its reply then counts as given when the pause began.
         """
         began = time.monotonic() - seconds
         for request in self._requests:
@@ -186,7 +186,7 @@ class SimulatedClock:
                 request.wall_s = min(request.wall_s, started - request.asked_wall_s)
 
     def withdraw(self) -> None:
-        """Cancel every request under way because its question is outdated; the asking coroutines end as withdrawn."""
+        """Cancel every pending request because its question is outdated; the asking coroutines end as withdrawn."""
         for request in self._requests:
             if not request.parked.done():
                 request.parked.set_exception(Withdrawn())
@@ -278,7 +278,7 @@ def _outcome(future: Future[Any]) -> tuple[Any, BaseException | None]:
 
 
 class WallClock:
-    """Wall seconds since creation: for a real vehicle, and for programs that may simply wait.
+    """Wall seconds since creation: for a real vehicle, and for programs that may wait.
 
     With `start` and `advance` it is used like `SimulatedClock`, from a control loop that keeps its own period and is
     never blocked. Its `reply` also works inside any other running event loop (`asyncio.run(consult(...))`).
@@ -290,12 +290,12 @@ class WallClock:
         self._stepped: SimulatedClock | None = None
 
     def now(self) -> float:
-        """Wall seconds since this clock was made."""
+        """Return wall seconds since this clock was made."""
         return time.monotonic() - self._start_s
 
     @property
     def pending(self) -> bool:
-        """Whether a question started from the control loop is under way."""
+        """Return whether a question started from the control loop is pending."""
         return self._stepped is not None and self._stepped.pending
 
     def start(self, coroutine: Coroutine[Any, Any, R]) -> asyncio.Task[R]:

@@ -17,17 +17,17 @@ KEYS = {
     "anthropic": ("ANTHROPIC_API_KEY",),
     "google": ("GOOGLE_API_KEY", "GEMINI_API_KEY"),
 }
-"""Providers that can be named, and the environment variables (any one) that may hold their key."""
+"""Supported providers, and the environment variables that may hold their key (any one)."""
 
 LOCAL_KEY = "CORAL_LOCAL_API_KEY"
-"""Environment variable with the key of an OpenAI-compatible server, for those that want one."""
+"""Environment variable with the key of an OpenAI-compatible server, for servers that require one."""
 
 
 def require_key(provider: str, where: str) -> None:
     """Check that the environment holds a provider's key.
 
     Raises:
-        InputError: It does not; the message names the variable.
+        InputError: There is none; the message names the variable.
     """
     if not any(os.environ.get(name) for name in KEYS[provider]):
         raise InputError(where, "", f"no key for {provider}", f"the environment variable {' or '.join(KEYS[provider])}")
@@ -40,10 +40,10 @@ def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> tuple[Model, 
         provider: "openai", "anthropic", "google", or "local" (an OpenAI-compatible server).
         model: Name of the model there.
         url: Base URL of a local server; "" otherwise.
-        cfg: Time-outs and size bound.
+        cfg: Time-outs and size limit.
 
     Returns:
-        The model, and its connection pool, to be closed at the end.
+        The model, and its connection pool, which the caller closes.
     """
     from coral.advisor.wire import http_client
 

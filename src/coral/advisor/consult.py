@@ -19,18 +19,18 @@ Verdict = Literal["accepted", "rejected", "malformed", "unavailable", "withdrawn
 
 
 DEADLINE_S = 60.0
-"""Of a decision during a mission."""
+"""Default deadline of a decision during a mission."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BudgetCfg:
-    """How long one decision may take."""
+    """Limits of one decision."""
 
     max_requeries: int = 3
-    """Further attempts after the first; a rejected or malformed answer uses one up."""
+    """Further attempts after the first; each rejected or malformed answer uses one."""
     deadline_s: Positive | None = None
-    """Longest time for the whole decision, all attempts together, on the clock of the world (s); None: as long as the
-    application gives, by what is asked and whether a person answers."""
+    """Longest time for the whole decision, all attempts together, on the clock of the world (s); None: the
+    application's default for the kind of question and of advisor."""
 
     def within(self, deadline_s: float) -> BudgetCfg:
         """Return the same budget, with a deadline if none is set."""
@@ -42,7 +42,7 @@ class Attempt:
     """One line of the attempt log: the question, the reply, and the verdict."""
 
     decision: int
-    """Number of the decision this attempt belongs to, from 0 in each run."""
+    """Number of the decision to which this attempt belongs, from 0 in each run."""
     attempt: int
     """0 for the first question of a decision, 1 for the first re-query, ..."""
     asked_at_s: float
@@ -55,26 +55,26 @@ class Attempt:
     rejection: Rejection | None = None
     usage: Usage = field(default_factory=lambda: Usage(requests=0))
     final: bool = False
-    """Whether the advisor said that asking again cannot help."""
+    """Whether the advisor reported that asking again cannot help."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome(Generic[A]):
-    """How a decision ended: with an accepted answer, or with a named failure."""
+    """Result of a decision: an accepted answer, or a named failure."""
 
     answer: A | None
     question: Question[A] | None
     attempts: int
     failure: str = ""
-    """"" when accepted; else "requeries-used-up", "deadline", "withdrawn" or the advisor's own code."""
+    """"" if accepted; else "requeries-used-up", "deadline", "withdrawn" or the advisor's own code."""
     rejections: tuple[Rejection, ...] = ()
 
 
 class Clock(Protocol):
-    """Time as the world sees it."""
+    """The clock of the world."""
 
     def now(self) -> float:
-        """Seconds since the start of the run."""
+        """Return seconds since the start of the run."""
         ...
 
     async def reply(self, asking: Callable[[], Any], timeout_s: float) -> Any:
@@ -99,10 +99,10 @@ async def consult(
     """Reach one verified decision, or a named failure (paper CORAL III-D.3, Alg. 2).
 
     Args:
-        advisor: Who is asked.
-        observe: Makes the question from the world as it is now, given the reasons so far. None withdraws
-            the question: the world no longer needs an answer.
-        verify: Checks an answer against the world as it is when the answer arrives; None accepts it.
+        advisor: The advisor.
+        observe: Makes the question from the present world, given the reasons so far. None withdraws the question: the
+            world no longer needs an answer.
+        verify: Checks an answer against the world at the time of its arrival; None accepts it.
         budget: Bounds on attempts and time.
         clock: The clock of the world.
         log: Receives every attempt.
@@ -173,7 +173,7 @@ async def consult(
                 )
             continue
         except Exception as error:
-            # An exception in an advisor must cost its answer only, not the vehicle.
+            # An exception in an advisor must cost only its answer, not the vehicle.
             fault = Rejection(code="advisor-error", reason=f"{type(error).__name__}: {error}")
             record("unavailable", rejection=fault)
             continue

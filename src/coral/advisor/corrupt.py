@@ -11,14 +11,14 @@ from coral.advisor.question import Question
 
 
 def corrupt(error: str, question: Question[Any], answer: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
-    """Return another answer with one kind of error in it.
+    """Make another answer with one kind of error.
 
     Args:
         error: "wrong_type", "out_of_range", "backward" or "stale" (with no earlier answer to repeat).
-        question: Its answer type's schema bounds numbers; its facts (`n_centroids`, `centroids`, `robot`) bound indices
-            and tell what lies behind the robot.
+        question: The schema of its answer type bounds numbers; its facts (`n_centroids`, `centroids`, `robot`) bound
+            indices and show what lies behind the robot.
         answer: The right answer as JSON.
-        rng: Chooses among the ways to be wrong.
+        rng: Chooses the error.
     """
     spoilt = dict(answer)
     numbers = _number_fields(question)
@@ -60,7 +60,7 @@ def _beyond(name: str, schema: dict[str, Any], question: Question[Any], rng: np.
 
 
 def _count(question: Question[Any]) -> int | None:
-    """Return how many things can be chosen, from facts such as `n_centroids` or `centroids`."""
+    """Return the number of options, from facts such as `n_centroids` or `centroids`."""
     for key, value in question.facts.items():
         if key.startswith("n_") and isinstance(value, int):
             return value
@@ -85,7 +85,7 @@ def _behind(numbers: dict[str, dict[str, Any]], question: Question[Any], rng: np
 
 
 def _is_behind(centroid: Any, robot: Any) -> bool:
-    """Check whether a centroid of the facts lies behind the robot, as far as the facts say."""
+    """Check whether a centroid of the facts lies behind the robot, as far as the facts show it."""
     if "forward_m" in centroid:
         return bool(centroid["forward_m"] < 0)
     if not robot or "x" not in centroid:

@@ -1,4 +1,4 @@
-"""The inbox advisor: a person, or any program, answers; every open question is a folder."""
+"""The inbox advisor: a person or a program answers; each open question is a folder."""
 
 from __future__ import annotations
 
@@ -26,14 +26,15 @@ if TYPE_CHECKING:
 A = TypeVar("A", bound=BaseModel)
 
 WRITING = ".writing"
-"""Folder of an inbox in which questions are written before they appear."""
+"""Folder of an inbox in which questions are written before they are published."""
 
 
 class DeskAdvisor:
     """Puts each question into `INBOX/<id>/question.json` with its PNGs, and waits for `answer.json` beside it.
 
-    A folder appears whole (written in `INBOX/.writing/`, then renamed) and gets a `closed.json` when its question is no
-    longer open: answered, or withdrawn because the world moved on. `answer.json` must be written aside and renamed too.
+    A folder appears complete (written in `INBOX/.writing/`, then renamed) and gets a `closed.json` when its question is
+    no longer open: answered, or withdrawn because the world changed. `answer.json` must be written elsewhere and
+    renamed too.
     """
 
     latency = "measured"
@@ -43,9 +44,9 @@ class DeskAdvisor:
         """Open an inbox.
 
         Args:
-            inbox: Folder of questions; made with the first one if it is not there, so that it may lie in a run folder
-                that is still to be made.
-            poll_s: How often to look for an answer (s, wall).
+            inbox: Folder of questions; created with the first one if it does not exist, so that it may lie in a run
+                folder that does not exist yet.
+            poll_s: Interval of looking for an answer (s, wall).
 
         Raises:
             InputError: The folder cannot be written.
@@ -85,12 +86,12 @@ class DeskAdvisor:
         numbers = [int(p.name.partition("-")[0]) for p in self._inbox.iterdir() if p.name.partition("-")[0].isdigit()]
         number = max(numbers, default=0) + 1
         name = f"{number:06d}-{question.kind}"
-        # A level below, where the pattern */question.json of a program that watches the inbox does not find it.
+        # One level below, where the pattern */question.json of a program that watches the inbox does not match it.
         aside = self._inbox / WRITING / f"{name}.{os.getpid()}.{secrets.token_hex(4)}"
         content = question_folder(aside, question, name, rejections)
         while True:
             try:
-                # A rename onto a folder that holds files fails: two missions may share an inbox.
+                # A rename onto a non-empty folder fails: two missions may share an inbox.
                 os.rename(aside, self._inbox / name)
                 return self._inbox / name
             except OSError:
@@ -112,14 +113,14 @@ def question_folder(
     """Write a question and its PNGs into a new folder.
 
     Args:
-        folder: To be made, with its parents.
+        folder: Folder to create, with its parents.
         question: The question.
         name: Its id; by default the folder's name.
-        rejections: Why earlier answers were refused.
-        waiting: Whether this process waits for the answer; a question that nobody waits for stays open.
+        rejections: Reasons for refusing earlier answers.
+        waiting: Whether this process waits for the answer; otherwise the question stays open.
 
     Returns:
-        What `question.json` holds.
+        Contents of `question.json`.
     """
     folder.mkdir(parents=True)
     for picture in question.pictures:

@@ -15,21 +15,21 @@ RETRIED = (408, 409, 425, 429)
 """HTTP statuses below 500 after which the same request may succeed."""
 
 CLIENT_ERRORS = (wrong.AgentRunError, wrong.UserError, ValueError, KeyError, TypeError, AttributeError, OSError)
-"""What a client library may raise. It may trip over a reply, and must not take the mission with it."""
+"""Exceptions of a client library. A reply may make it fail, and that must not end the mission."""
 
 
 @dataclass(frozen=True)
 class Failure:
-    """A request that brought no answer."""
+    """A request without an answer."""
 
     error: BadAnswer | AdvisorUnavailable
     retry: bool = False
     wait_s: float | None = None
-    """How long the server asked to wait."""
+    """Wait requested by the server (s)."""
 
     @property
     def code(self) -> str:
-        """Name of the failure in the attempt log."""
+        """Return the name of the failure in the attempt log."""
         return self.error.rejection.code if isinstance(self.error, BadAnswer) else self.error.code
 
 
@@ -39,7 +39,7 @@ def diagnose(error: BaseException, who: str, limit_bytes: int) -> Failure:
     Args:
         error: The exception.
         who: Name of the advisor, for the message.
-        limit_bytes: The bound on replies that was in force.
+        limit_bytes: The size limit of replies.
     """
     said = scrub(str(error))[:300]
     if caused_by(error, ReplyTooLarge):

@@ -1,4 +1,4 @@
-"""An advisor that errs as real models do, at known rates, for the verification experiments."""
+"""An advisor with the errors of real models, at known rates, for the verification experiments."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 A = TypeVar("A", bound=BaseModel)
 
 Corrupt = Callable[[str, Question[Any], dict[str, Any], np.random.Generator], dict[str, Any]]
-"""Spoils an answer: (error kind, question, answer as JSON, random numbers) to another answer."""
+"""Spoils an answer: (kind of error, question, answer as JSON, random generator) to another answer."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,17 +32,17 @@ class FallibleCfg:
     """Probability of each kind of error, per answer; at most one happens."""
 
     malformed: float = 0.0
-    """JSON that breaks off."""
+    """Truncated JSON."""
     empty: float = 0.0
-    """No text at all."""
+    """An empty reply."""
     wrong_type: float = 0.0
-    """Words where a number belongs."""
+    """Words instead of a number."""
     out_of_range: float = 0.0
-    """An index or a number beyond what exists."""
+    """An index or a number out of range."""
     backward: float = 0.0
     """A point behind the robot."""
     stale: float = 0.0
-    """The choice of the previous question once more."""
+    """The choice of the previous question, repeated."""
     refusal: float = 0.0
     """A polite refusal."""
     silence: float = 0.0
@@ -58,7 +58,7 @@ class FallibleCfg:
         """Make all kinds equally likely, `probability` in total.
 
         Raises:
-            ValueError: It is not from 0 to 1.
+            ValueError: The probability is not from 0 to 1.
         """
         kinds = [field.name for field in dataclasses.fields(cls)]
         return cls(**{kind: probability / len(kinds) for kind in kinds})
@@ -67,8 +67,8 @@ class FallibleCfg:
 class FallibleAdvisor:
     """Passes on another advisor's answers and spoils some of them.
 
-    Spoilt answers go through the same parser as the text of a real model. What was done to one stands among the faults
-    of its usage, as `spoilt-out-of-range`, for whoever reads the log; nothing decides by it.
+    Spoilt answers go through the same parser as the text of a real model. The fault is recorded in the answer's usage,
+    such as `spoilt-out-of-range`, for readers of the log; no decision uses it.
     """
 
     def __init__(
@@ -77,11 +77,11 @@ class FallibleAdvisor:
         """Wrap an advisor.
 
         Args:
-            inner: Who really answers.
+            inner: The wrapped advisor.
             cfg: Error rates.
-            rng: Decides which answers are spoilt, and how. Same seed, same errors.
-            hooks: How to spoil answers to a kind of question, where the general way (by the answer's schema and the
-                question's facts) does not know enough.
+            rng: Chooses the answers to spoil and their errors. Same seed, same errors.
+            hooks: Functions that spoil answers to a kind of question, if the general way (by the answer's schema and
+                the question's facts) is not sufficient.
         """
         self.inner, self._cfg, self._rng = inner, cfg, rng
         self._hooks = dict(hooks or {})
@@ -91,7 +91,7 @@ class FallibleAdvisor:
         self.source = source_of(inner)
 
     async def warm_up(self) -> None:
-        """Warm the inner advisor up."""
+        """Warm up the inner advisor."""
         if (warm_up := getattr(self.inner, "warm_up", None)) is not None:
             await warm_up()
 
@@ -101,14 +101,14 @@ class FallibleAdvisor:
             await aclose()
 
     def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
-        """Answer, perhaps wrongly.
+        """Answer, with an error at the configured rate.
 
-        The draw is made here, before the first await: whether a request is cancelled early does not shift the errors
-        of the next one.
+        The error is drawn here, before the first await, so that an early cancellation does not shift the errors of
+        later questions.
 
         Raises:
-            BadAnswer: A spoilt answer that does not validate, or the inner advisor's own.
-            AdvisorUnavailable: Silence, which a simulated clock lets last until the deadline.
+            BadAnswer: A spoilt answer does not validate, or the inner advisor raised it.
+            AdvisorUnavailable: There is no reply; a simulated clock waits until the deadline.
         """
         rates = np.cumsum(dataclasses.astuple(self._cfg))
         hit = int(np.searchsorted(rates, self._rng.random(), side="right"))
@@ -164,7 +164,7 @@ def make_fallible(name: str, rest: str, setting: Setting) -> FallibleAdvisor:
     """Make an advisor with errors, fallible:P:INNER.
 
     Raises:
-        InputError: P is no probability, or there is no such inner advisor.
+        InputError: P is not a probability, or there is no such inner advisor.
     """
     rate, _, inner = rest.partition(":")
     if not inner:

@@ -1,4 +1,4 @@
-"""Running a coroutine to its end where an event loop may already be running, as in a notebook's cell."""
+"""Running a coroutine to its end although an event loop may already be running, as in a notebook's cell."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ R = TypeVar("R")
 
 
 def run_on(loop: asyncio.AbstractEventLoop, awaitable: Awaitable[R]) -> R:
-    """`loop.run_until_complete(awaitable)`, also while another loop runs in this thread; that one stands still.
+    """Run `loop.run_until_complete(awaitable)`, also while another loop runs in this thread; that one is suspended.
 
-    Everything stays in the caller's thread: what the coroutine calls may use what belongs to it.
+    Everything stays in the caller's thread, so the coroutine may use objects of that thread.
 
     Raises:
         RuntimeError: `loop` itself is running.
@@ -23,17 +23,17 @@ def run_on(loop: asyncio.AbstractEventLoop, awaitable: Awaitable[R]) -> R:
 
 
 def run_alone(coroutine: Coroutine[Any, Any, R]) -> R:
-    """`asyncio.run(coroutine)`, on the same terms: on a loop of its own, which lives no longer than the call."""
+    """Run `asyncio.run(coroutine)`, also while another loop runs in this thread, on a loop of its own."""
     with _outer_loop_aside(), asyncio.Runner(loop_factory=asyncio.new_event_loop) as runner:
         return runner.run(coroutine)
 
 
 @contextlib.contextmanager
 def _outer_loop_aside() -> Iterator[None]:
-    """Detach the running loop and its task from the thread for a while.
+    """Detach the running loop and its task from the thread temporarily.
 
-    Python refuses to run a second loop in a thread only because the first one is noted there; asyncio offers these
-    functions to those who write event loops.
+    Python refuses to run a second loop in a thread only because the first one is registered there; asyncio offers these
+    functions to implementers of event loops.
     """
     outer = asyncio._get_running_loop()
     if outer is None:

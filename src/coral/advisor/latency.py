@@ -20,10 +20,10 @@ class LatencyCfg:
     """A distribution of reply times."""
 
     kind: LatencyKind = "fixed"
-    """fixed and lognormal are drawn when the question is asked; measured is the wall time the advisor takes;
-    recorded is whatever the reply itself says (a replayed run)."""
+    """fixed and lognormal are drawn when the question is asked; measured is the advisor's wall time; recorded is
+    stated by the reply itself (a replayed run)."""
     median_s: float = 10.0
-    """Median (s). 10 s is what the CORAL paper reports for its VLM, 5 s what it reports for DREAM's."""
+    """Median (s). The CORAL paper reports 10 s for its VLM, and 5 s for DREAM's."""
     sigma: float = 0.0
     """Standard deviation of the natural logarithm of the reply time (lognormal only)."""
 
@@ -45,7 +45,7 @@ def parse_latency(spec: str, where: str = "--cfg.latency") -> LatencyCfg:
     """Read a latency as written on the command line, such as "fixed:10" or "lognormal:10:0.3".
 
     Raises:
-        InputError: The text is none of the known forms, or a number is negative or not finite.
+        InputError: The text has none of the known forms, or a number is negative or not finite.
     """
     kind, *rest = spec.strip().split(":")
     if kind in ("measured", "recorded") and not rest:
@@ -74,11 +74,11 @@ def latency_for(advisor: Any, spec: str = "auto") -> LatencyCfg:
     """Return the latency that a mission simulates for an advisor.
 
     Args:
-        advisor: Who is asked. A recording always keeps its recorded latencies.
-        spec: What was configured; "auto" leaves it to the advisor.
+        advisor: The advisor. A recording always keeps its recorded latencies.
+        spec: The configured latency; "auto" is the advisor's own.
 
     Raises:
-        InputError: The spec is none of the known forms.
+        InputError: The spec has none of the known forms.
     """
     own = default_latency(advisor)
     return own if spec == "auto" or own.kind == "recorded" else parse_latency(spec)

@@ -16,10 +16,10 @@ class Ledger:
         self.usd = 0.0
 
     def open_call(self) -> None:
-        """Count one request that is about to leave.
+        """Count one request before it is sent.
 
         Raises:
-            AdvisorUnavailable: The budget is used up (code "budget", final).
+            AdvisorUnavailable: The budget is exhausted (code "budget", final).
         """
         bounds = (
             (self.calls, self.cfg.max_calls, "calls", "max_calls"),

@@ -25,19 +25,19 @@ RAW_LIMIT = 65_536
 
 
 def schema_digest(answer_type: type[BaseModel]) -> str:
-    """SHA-256 (hexadecimal) of the JSON schema of an answer, independent of key order."""
+    """Compute SHA-256 (hexadecimal) of the JSON schema of an answer, independent of key order."""
     return _digest(json.dumps(answer_type.model_json_schema(), sort_keys=True))
 
 
 def prompt_digest(prompt: str) -> str:
-    """SHA-256 (hexadecimal) of a prompt's UTF-8 text."""
+    """Compute SHA-256 (hexadecimal) of a prompt's UTF-8 text."""
     return _digest(prompt)
 
 
 def question_key(question: Question[Any]) -> dict[str, Any]:
-    """Return what identifies a question, as JSON: the key of a recording.
+    """Return the identity of a question as JSON: the key of a recording.
 
-    Facts count only where there is no picture, because then nothing else tells one state of the world from another.
+    Facts count only without pictures, because then nothing else distinguishes states of the world.
     """
     return {
         "kind": question.kind,
@@ -50,7 +50,7 @@ def question_key(question: Question[Any]) -> dict[str, Any]:
 
 
 def attempt_to_json(attempt: Attempt) -> dict[str, Any]:
-    """One line of attempts.jsonl: the attempt with its pictures by digest."""
+    """Convert an attempt to one line of attempts.jsonl, with its pictures by digest."""
     rejection = attempt.rejection
     question = attempt.question
     return {
@@ -77,7 +77,7 @@ def attempt_to_json(attempt: Attempt) -> dict[str, Any]:
 class AttemptRecorder:
     """Appends attempts to `folder/attempts.jsonl`, and new pictures to `folder/pictures/<digest>.png`.
 
-    Every line is flushed: what a killed run asked and heard can be read and replayed.
+    Every line is flushed, so that the questions and replies of a killed run can be read and replayed.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -97,7 +97,7 @@ class AttemptRecorder:
             self._file.write(plain_json(attempt_to_json(attempt)) + "\n")
 
     def close(self) -> None:
-        """Close the log; what a full disk did not take was reported when it was written."""
+        """Close the log; an error of a full disk was reported at the time of writing."""
         with contextlib.suppress(OSError):
             self._file.close()
 

@@ -1,4 +1,4 @@
-"""How to call real models: deadlines, retries, output mode, and spending limits."""
+"""Calls of real models: deadlines, retries, output mode, and spending limits."""
 
 from __future__ import annotations
 
@@ -10,42 +10,42 @@ OutputMode = Literal["auto", "native", "tool", "prompted", "plain"]
 
 @dataclass(frozen=True, kw_only=True)
 class SpendCfg:
-    """Bounds of one run, over all its decisions; reaching one ends asking with a clear message."""
+    """Limits of one run, over all its decisions; reaching one ends asking with a clear message."""
 
     max_calls: int = 200
-    """Requests over the wire, retries included. A paper mission takes some 5 to 20 decisions."""
+    """Requests over the wire, retries included. A mission of the paper takes about 5 to 20 decisions."""
     max_tokens: int = 2_000_000
     """Input and output tokens together."""
     max_usd: float = 10.0
-    """Money (USD), as far as the provider's price is known."""
+    """Cost (USD), as far as the provider's price is known."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ModelCfg:
-    """One call of a real model."""
+    """Settings of calls to a real model."""
 
     output: OutputMode = "auto"
-    """How the answer's form is asked for: the provider's JSON schema (native), a tool call (tool), a schema in the
-    prompt with a JSON response format (prompted) or without (plain). auto: native at the named providers, plain at
-    a local server, because local servers differ (`coral advisor probe` tells what one can do)."""
+    """How the format of the answer is requested: the provider's JSON schema (native), a tool call (tool), a schema
+    in the prompt with a JSON response format (prompted) or without (plain). auto: native for the named providers,
+    plain for a local server, because local servers differ (`coral advisor probe` tests one)."""
     attempt_timeout_s: float = 45.0
     """Longest wait for one reply (s, wall)."""
     deadline_s: float = 60.0
     """Longest wait for one answer, retries and format repair included (s, wall). Client libraries apply their own
     time-out per attempt and retry silently; this one is hard."""
     max_retries: int = 3
-    """Further requests after 429, 5xx, or a connection that dropped."""
+    """Further requests after 429, 5xx, or a dropped connection."""
     backoff_s: float = 0.5
-    """First pause before a retry (s); it doubles each time. A Retry-After header is honoured instead."""
+    """First pause before a retry (s); it doubles each time. A Retry-After header takes precedence."""
     format_repairs: int = 1
-    """Further requests after a reply that does not parse, with our words on what was wrong with it."""
+    """Further requests after a reply that does not parse, with the reason."""
     max_reply_bytes: int = 1_000_000
-    """A longer reply is cut off while it arrives and counts as malformed."""
+    """A longer reply is truncated during transfer and counts as malformed."""
     max_output_tokens: int = 4096
     temperature: float | None = None
-    """None leaves it to the provider; some models refuse any value."""
+    """None is the provider's default; some models refuse any value."""
     pictures: bool = True
-    """False for a model without eyes, which answers HTTP 400 or 500 to a picture."""
+    """False for a model without vision, which answers HTTP 400 or 500 to a picture."""
     facts: bool = False
-    """Whether the numbers of `Question.facts` are added to the prompt (an experiment of its own)."""
+    """Whether the numbers of `Question.facts` are added to the prompt (a separate experiment)."""
     spend: SpendCfg = field(default_factory=SpendCfg)

@@ -1,4 +1,4 @@
-"""Real models: one question, one request, at most one retry or repair, and a hard deadline."""
+"""Real models: one question, one request, limited retries and repairs, and a hard deadline."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 A = TypeVar("A", bound=BaseModel)
 
 REPAIRED = ("empty", "not-json", "missing-field", "wrong-type", "out-of-range", "invalid", "cut-off")
-"""Faults of form, which a second request may repair. A refusal or an endless reply is not asked for again here."""
+"""Faults of format, which a second request may repair. A refusal or an endless reply is not repeated here."""
 
 
 @dataclass
@@ -48,15 +48,15 @@ class _Spent:
 class ModelAdvisor:
     """A vision-language or language model behind an API.
 
-    Each answer is a fresh conversation: the prompt, the reasons why earlier answers were refused (in our words), and
-    the pictures as they are now. Nothing of earlier attempts is sent again. The client library makes one request and
-    neither retries nor repairs.
+    Each answer is a new conversation: the prompt, the reasons why earlier answers were refused (in our words), and the
+    present pictures. Nothing else of earlier attempts is sent. The client library makes one request and neither retries
+    nor repairs.
     """
 
     latency = "measured"
 
     def __init__(self, provider: str, model: str, cfg: ModelCfg, url: str = "") -> None:
-        """Describe a model; it connects on the first answer or on `warm_up`.
+        """Describe a model; it connects at the first answer or at `warm_up`.
 
         Args:
             provider: "openai", "anthropic", "google" or "local".
@@ -81,17 +81,17 @@ class ModelAdvisor:
         """Make a provider's model.
 
         Raises:
-            InputError: The environment holds no key for it.
+            InputError: The environment has no key for it.
         """
         require_key(provider, where)
         return cls(provider, model, cfg)
 
     def with_cfg(self, cfg: ModelCfg) -> ModelAdvisor:
-        """Return the same model with another configuration and accounts of its own."""
+        """Return the same model with another configuration and its own accounts."""
         return ModelAdvisor(self._provider, self._model_name, cfg, self._url)
 
     async def warm_up(self) -> None:
-        """Import the client library and make the connection pool, before a control loop runs."""
+        """Import the client library and make the connection pool before a control loop runs."""
         self._connected()
 
     async def aclose(self) -> None:
@@ -109,12 +109,12 @@ class ModelAdvisor:
         """Ask the model.
 
         Raises:
-            BadAnswer: Its reply does not validate, nor does the repaired one.
+            BadAnswer: Its reply does not validate, and neither does the repaired one.
             AdvisorUnavailable: No reply: "timeout", "connection", "http-STATUS" (final if asking again cannot help),
                 "budget" (final), "key-refused" (final), "no-such-model" (final), "client-error".
         """
         spent = _Spent()
-        self._connected()  # The first import takes seconds; the deadline is for the model.
+        self._connected()  # The first import takes seconds; the deadline is the model's.
         try:
             async with asyncio.timeout(self.cfg.deadline_s) as deadline:
                 return await self._answer(question, rejections, spent, deadline.when() or 0.0)
@@ -152,7 +152,7 @@ class ModelAdvisor:
         raise AssertionError("the last repair returns or raises")
 
     def _content(self, question: Question[Any], rejections: Sequence[Rejection], repair: str) -> list[UserContent]:
-        """Build the user message: constant parts first, then pictures, then what is new."""
+        """Build the user message: constant parts first, then pictures, then the new parts."""
         from pydantic_ai.messages import BinaryContent
 
         content: list[UserContent] = [question.prompt]
@@ -194,7 +194,7 @@ class ModelAdvisor:
     async def _request(
         self, content: list[UserContent], parameters: ModelRequestParameters, spent: _Spent, deadline: float
     ) -> ModelResponse:
-        """Return one reply, after as many retries as needed and configured."""
+        """Return one reply, after as many retries as needed and allowed."""
         from pydantic_ai.messages import ModelRequest, UserPromptPart
         from pydantic_ai.settings import ModelSettings
 
@@ -273,16 +273,16 @@ def make_provider(name: str, rest: str, setting: Setting) -> ModelAdvisor:
     """Make a provider's model, PROVIDER:MODEL.
 
     Raises:
-        InputError: The environment holds no key for it.
+        InputError: The environment has no key for it.
     """
     return ModelAdvisor.provider(name, rest, setting.model, where=setting.where)
 
 
 def make_local(name: str, rest: str, setting: Setting) -> ModelAdvisor:
-    """Make a model on one's own server, local:URL#MODEL.
+    """Make a model on a private server, local:URL#MODEL.
 
     Raises:
-        InputError: The address is incomplete, or holds a secret.
+        InputError: The address is incomplete, or contains a secret.
     """
     if not re.match(r"https?://[^#\s]+#\S", rest):
         raise InputError(

@@ -1,4 +1,4 @@
-"""Parsing an answer from whatever text a model returned, without trusting it."""
+"""Parsing of an answer from a model's text, without trusting it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from coral.odd_text import encodable, encodable_values
 A = TypeVar("A", bound=BaseModel)
 
 MAX_CHARS = 65_536
-"""Longer replies are refused unread: an answer is a few hundred characters, and parsing is work on the robot."""
+"""Longer replies are refused unread: an answer has a few hundred characters, and parsing takes the robot's time."""
 MAX_DEPTH = 32
-"""Deepest nesting of brackets that is read."""
+"""Maximum nesting of brackets."""
 MAX_CANDIDATES = 64
-"""Bracketed passages of a reply that are tried, from the last one backwards."""
+"""Maximum number of bracketed passages of a reply to try, from the last one backwards."""
 
 _FENCE = re.compile(r"```[\w+-]*[ \t]*\r?\n(.*?)```", re.DOTALL)
 _TOKEN = re.compile(
@@ -35,13 +35,13 @@ _REFUSAL = re.compile(
 def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) -> A:
     """Find an answer in a reply and validate it.
 
-    Accepted are JSON and Python literals, whole, in a code fence, or surrounded by text. When several passages
-    validate, the last one counts: models reason first and answer last. A model class may read a form of its own:
-    its `from_text(text)` class method, if any, returns something to validate, or None.
+    Accepted are JSON and Python literals: alone, in a code fence, or surrounded by text. If several passages validate,
+    the last one counts: models reason first and answer last. A model class may read its own format: its
+    `from_text(text)` class method, if any, returns a value to validate, or None.
 
     Raises:
         BadAnswer: With code "empty", "too-long", "refusal", "not-json", "missing-field", "wrong-type", "out-of-range"
-            or "invalid", and a reason that says what to change.
+            or "invalid", and a reason that names the change to make.
     """
     if not text.strip():
         raise BadAnswer("empty", "The reply was empty; answer in the format asked for.", text, usage)
@@ -52,7 +52,7 @@ def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) ->
     first_error: ValidationError | None = None
     for value in _values(encodable(text), answer_type):
         try:
-            # JSON may escape a lone surrogate, which no file can hold.
+            # JSON may escape a lone surrogate, which no file can contain.
             return _validate(encodable_values(value), answer_type)
         except ValidationError as error:
             first_error = first_error or error
@@ -68,7 +68,7 @@ def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) ->
 
 
 def _values(text: str, answer_type: type[BaseModel]) -> Iterator[Any]:
-    """Find everything in the text that reads as an object or a list, the most likely answer first."""
+    """Find every object or list in the text, the most likely answer first."""
     whole = _read(text.strip())
     if isinstance(whole, dict | list):
         yield whole
@@ -87,8 +87,8 @@ def _values(text: str, answer_type: type[BaseModel]) -> Iterator[Any]:
 def _bracketed(text: str) -> list[tuple[int, int]]:
     """Find the outermost balanced {...} and [...] passages of a text, in order, in one pass.
 
-    Quotes are honoured inside brackets only, and double ones only: an apostrophe in prose opens no string. A bracket
-    that never closes hides nothing: what it encloses is found as well.
+    Quotes count only inside brackets, and only double ones: an apostrophe in prose opens no string. A bracket that
+    never closes hides nothing: its contents are found as well.
     """
     spans: list[tuple[int, int]] = []
     opened: list[int] = []
@@ -133,7 +133,7 @@ def _read(passage: str) -> Any:
 
 
 def _depth(passage: str) -> int:
-    """Bound the nesting of a passage from above (brackets in strings count too)."""
+    """Compute an upper bound on the nesting of a passage (brackets in strings count too)."""
     depth = deepest = 0
     for c in passage:
         if c in "{[(":
@@ -145,9 +145,9 @@ def _depth(passage: str) -> int:
 
 
 def _as_literal(passage: str) -> str | None:
-    """Return the passage as Python source of plain literals, or None if it holds anything else.
+    """Return the passage as Python source of plain literals, or None if it contains anything else.
 
-    Python's own reader can be brought down by long chains of operators; here no operator gets through.
+    Long chains of operators can crash Python's own parser; this lets no operator through.
     """
     parts: list[str] = []
     at = 0

@@ -17,7 +17,7 @@ from coral.errors import InputError
 
 NUMBER = 7
 COLOR = "yellow"
-"""Of the picture: a model that sees none, and guesses, rather says red or blue."""
+"""Colour of the picture: a model that sees none would rather guess red or blue."""
 RGB = (240, 205, 30)
 SKIP = "--no-preflight skips this question"
 
@@ -41,18 +41,18 @@ def model_of(advisor: Any) -> ModelAdvisor | None:
 def preflight(advisor: Any, *, pictures: bool, where: str = "--advisor", quiet: bool = False) -> None:
     """Ask the model of a run one small question, with a small picture if the run sends pictures.
 
-    Nothing happens where no model is asked. A retry at most, whatever the configuration allows later; its tokens are in
-    no account of the run.
+    Without a model nothing happens. It retries at most once, whatever the configuration allows later; its tokens do not
+    count for the run.
 
     Args:
-        advisor: As made for the run.
+        advisor: The advisor of the run.
         pictures: Whether questions of the run have pictures.
-        where: What to name in an error message.
-        quiet: Do not say in the terminal what is being waited for.
+        where: Flag to name in an error message.
+        quiet: Whether to print nothing about the wait.
 
     Raises:
-        InputError: The model cannot be used: nothing answers at its address, it is not known there, its key is refused,
-            its reply is no answer, or it does not see the picture.
+        InputError: The model cannot be used: its address does not respond, does not know it, or refuses its key, its
+            reply is not an answer, or it does not see the picture.
     """
     model = model_of(advisor)
     if model is None:
@@ -67,7 +67,7 @@ def preflight(advisor: Any, *, pictures: bool, where: str = "--advisor", quiet: 
 
 
 async def _ask(model: ModelAdvisor, seeing: bool) -> str:
-    """Return what is wrong with the model, or ""."""
+    """Return the model's fault, or ""."""
     color = "the color that fills the picture (red, green, blue, yellow, white or black)" if seeing else '"none"'
     question = Question(
         kind="preflight",

@@ -1,4 +1,4 @@
-"""Probing a model's endpoint: output modes, pictures, speed."""
+"""Probe of a model's endpoint: output modes, pictures, speed."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Finding:
 
     works: bool
     says: str
-    """"ok", or what went wrong."""
+    """"ok", or the fault."""
     wall_s: float
 
 
@@ -47,15 +47,15 @@ class ProbeReport:
 
     advisor: str
     modes: dict[str, Finding]
-    """Output mode to what came of it."""
+    """Finding of each output mode."""
     pictures: Finding | None
-    """Whether it names the colours of pictures; None when no output mode works."""
+    """Whether it names the colours of pictures; None if no output mode works."""
     recommended: OutputMode | None
     """Output mode to configure (`output`)."""
 
     @property
     def usable(self) -> bool:
-        """Whether the model can be used at all."""
+        """Return whether the model can be used at all."""
         return self.recommended is not None
 
     def lines(self) -> list[str]:
@@ -73,12 +73,12 @@ class ProbeReport:
 
 
 def probe(spec: str, cfg: ModelCfg | None = None, where: str = "MODEL") -> ProbeReport:
-    """Ask an endpoint a handful of small questions (at most seven requests, a few hundred tokens).
+    """Ask an endpoint a few small questions (at most seven requests, a few hundred tokens).
 
     Args:
         spec: `PROVIDER:MODEL` or `local:URL#MODEL`.
-        cfg: Time-outs; retries and repairs are off, because the first reply is what is probed.
-        where: What to name in an error message.
+        cfg: Time-outs; retries and repairs are off, because the first reply is tested.
+        where: Argument to name in an error message.
 
     Raises:
         InputError: The string names no real model, or the environment lacks its key.
@@ -113,7 +113,7 @@ async def _probe(advisor: ModelAdvisor, base: ModelCfg) -> ProbeReport:
 
 
 async def _ask(advisor: ModelAdvisor, number: int, color: str) -> tuple[Finding, str]:
-    """Ask one small question; return also the code of the failure, if any."""
+    """Ask one small question; return the finding and the code of the failure, if any."""
     what = "the color that fills the picture (red, green or blue)" if color else '"none"'
     question = Question(
         kind="probe",

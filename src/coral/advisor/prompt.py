@@ -1,4 +1,4 @@
-"""Prompts from template files: one per kind of question, with a version that follows from the file."""
+"""Prompts from template files: one per kind of question, with a version derived from the file."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def kinds() -> list[str]:
 
 @cache
 def version(kind: str) -> str:
-    """Return a template's version: the one its first line states, and a digest of the file, such as "1+3f2a9c04".
+    """Return a template's version: the one in its first line, and a digest of the file, such as "1+3f2a9c04".
 
     Raises:
         InputError: There is no such kind, or its first line is not `{# version: N #}`.
@@ -52,8 +52,8 @@ def render(kind: str, context: Mapping[str, Any] | None = None, /, **more: Any) 
 
     Args:
         kind: Name of a template, such as "reef-centroid".
-        context: What the template's placeholders stand for.
-        more: The same, by name.
+        context: Values of the template's placeholders.
+        more: Further values, by name.
 
     Returns:
         Text and version.
@@ -74,7 +74,7 @@ def render(kind: str, context: Mapping[str, Any] | None = None, /, **more: Any) 
 def render_rejections(rejections: Sequence[Rejection]) -> str:
     """Render why earlier answers were refused, as the last part of a prompt; "" if none was.
 
-    Advisors add this themselves, so that a template need not.
+    Advisors add this themselves; a template does not need it.
     """
     if not rejections:
         return ""

@@ -11,24 +11,24 @@ from pydantic import BaseModel
 
 A = TypeVar("A", bound=BaseModel)
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
-"""A plane affine map, two rows of three."""
+"""A planar affine map, two rows of three."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """One PNG that goes with a question."""
+    """One PNG of a question."""
 
     name: str
     """Short file-name stem, unique within the question ("map", "segmentation", "depth")."""
     png: bytes
     caption: str = ""
     pixel_from_world: Affine | None = None
-    """Where world points lie in it, for those who answer by pointing: (column, row) px = A (x, y, 1), x and y in m.
-    None when the picture shows no plane of the world."""
+    """Map from the world to the picture, for advisors that point: (column, row) px = A (x, y, 1), x and y in m. None
+    if the picture shows no plane of the world."""
 
     @property
     def digest(self) -> str:
-        """SHA-256 of the PNG bytes, hexadecimal."""
+        """Compute SHA-256 of the PNG bytes, hexadecimal."""
         return hashlib.sha256(self.png).hexdigest()
 
 
@@ -37,16 +37,16 @@ class Question(Generic[A]):
     """One question, complete in itself: an advisor needs nothing else to answer it."""
 
     kind: str
-    """Which template made it, such as "reef-centroid"."""
+    """Kind, which names its template, such as "reef-centroid"."""
     prompt: str
     answer_type: type[A]
     """Pydantic model that the answer must validate against."""
     facts: Mapping[str, Any]
-    """What the pictures show, as JSON numbers. Only the robot's own map and sensors, never ground truth."""
+    """Contents of the pictures as JSON numbers, from the robot's own map and sensors, never ground truth."""
     pictures: tuple[Picture, ...] = ()
     prompt_version: str = "1"
     asked_at_s: float = 0.0
-    """When it was put, on the clock of the world; `consult` notes it."""
+    """Time of the question on the clock of the world; `consult` records it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,22 +68,22 @@ class Usage:
     cost_usd: float = 0.0
     requests: int = 1
     faults: tuple[str, ...] = ()
-    """What went wrong on the way to this reply and was repaired or retried, in order, such as "http-429"."""
+    """Faults that were repaired or retried before this reply, in order, such as "http-429"."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Reply(Generic[A]):
-    """An answer that parsed, with the raw text it came from."""
+    """A parsed answer, with the raw text of the reply."""
 
     value: A
     raw: str
     usage: Usage = Usage(requests=0)
     latency_s: float | None = None
-    """How long the answer took, when the advisor knows better than the clock (a recording); infinite for never."""
+    """Latency of the answer, if the advisor knows better than the clock (a recording); infinite for never."""
 
 
 class BadAnswer(Exception):
-    """The advisor answered, but not with anything that validates. Its reason goes back to the model."""
+    """The reply does not validate. The reason goes back to the model."""
 
     def __init__(
         self, code: str, reason: str, raw: str = "", usage: Usage | None = None, latency_s: float | None = None
@@ -93,11 +93,11 @@ class BadAnswer(Exception):
         self.raw = raw
         self.usage = usage or Usage()
         self.latency_s = latency_s
-        """As in `Reply`."""
+        """Latency, as in `Reply`."""
 
 
 class AdvisorUnavailable(Exception):
-    """No answer could be had (network, time-out, budget). `code` names the failure in the attempt log."""
+    """There is no reply (network, time-out, budget). `code` names the failure in the attempt log."""
 
     def __init__(
         self, code: str, reason: str, *, final: bool = False, latency_s: float | None = None, usage: Usage | None = None
@@ -105,26 +105,26 @@ class AdvisorUnavailable(Exception):
         super().__init__(reason)
         self.code, self.reason = code, reason
         self.final = final
-        """True when asking again cannot help (budget used up, key refused)."""
+        """Whether asking again cannot help (budget exhausted, key refused)."""
         self.latency_s = latency_s
-        """As in `Reply`."""
+        """Latency, as in `Reply`."""
         self.usage = usage or Usage(requests=0)
 
 
 class Withdrawn(Exception):
-    """The question was withdrawn while it was under way: its answer is no longer needed."""
+    """The question was withdrawn while pending: its answer is no longer needed."""
 
 
 class Advisor(Protocol):
-    """Anything that thinks: rules, a foundation model, a person at a desk, a recording."""
+    """Answers questions: rules, a foundation model, a person at a desk, a recording."""
 
     name: str
 
     async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:
-        """Answer a question, knowing why earlier answers were refused.
+        """Answer a question, given the reasons for refusing earlier answers.
 
         Raises:
-            BadAnswer: A reply came that does not validate.
-            AdvisorUnavailable: No reply came.
+            BadAnswer: The reply does not validate.
+            AdvisorUnavailable: There is no reply.
         """
         ...

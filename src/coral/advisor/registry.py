@@ -1,4 +1,4 @@
-"""The registry of advisors: one entry each, which parsing, suggestions, help and documentation read."""
+"""The registry of advisors: one entry each; parsing, suggestions, help and documentation use it."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ class AdvisorEntry:
     """One advisor on the command line. To add one, write its file and its entry in `ENTRIES`."""
 
     form: str
-    """How it is written: a name, and behind colons what it takes."""
+    """Form on the command line: a name, and its arguments after colons."""
     what: str
-    """Who that is, in a few words."""
+    """Short description."""
     make: str
-    """`module:function` that makes it, imported when it is asked for: (name, rest, `Setting`) to `Advisor`."""
+    """`module:function` that makes it, imported on demand: (name, rest, `Setting`) to `Advisor`."""
     wraps: bool = False
     """Whether it changes the answers of another advisor: NAME:ARGUMENT:INNER."""
     rules: bool = False
     """Whether only rules of the application answer."""
     person: bool = False
-    """Whether it may take as long as a person does."""
+    """Whether it may need as much time as a person."""
 
     @property
     def name(self) -> str:
-        """Its first word."""
+        """Return the first word of its form."""
         return self.form.partition(":")[0]
 
     @property
     def takes(self) -> bool:
-        """Whether something must follow its name."""
+        """Return whether its form has an argument."""
         return ":" in self.form
 
 
@@ -95,7 +95,7 @@ OTHER_NAMES = {
     "operator": "desk",
     "rules": "heuristic",
 }
-"""What people write for a provider or an advisor, as its beginning."""
+"""Beginnings of common other names for providers and advisors."""
 _BY_NAME = {entry.name: entry for entry in ENTRIES}
 
 
@@ -110,7 +110,7 @@ def advisor_help(first: str) -> str:
 
 
 def innermost(spec: str) -> tuple[AdvisorEntry | None, str]:
-    """Return entry and string of the advisor that really answers, inside all wrappers; no entry if it names none."""
+    """Return entry and string of the advisor inside all wrappers, which really answers; no entry if it names none."""
     spec = spec.strip()
     entry, rest = _split(spec)
     while entry is not None and entry.wraps:
@@ -153,17 +153,17 @@ def make_advisor(
     """Make the advisor that a string names.
 
     Args:
-        spec: In one of the forms of `ENTRIES`.
+        spec: A string in one of the forms of `ENTRIES`.
         rules: The application's own rules, for `heuristic`: kind of question to function of its facts.
-        rng: Drawn from by advisors that err on purpose.
-        inbox: Folder in which `desk` puts its questions.
+        rng: Random generator of advisors with errors.
+        inbox: Folder of `desk` for its questions.
         cfg: Time-outs, budget and output mode of real models.
-        where: What to name in an error message.
-        spoil: How `fallible` spoils answers to a kind of question (`Corrupt`), where the general way knows too little.
+        where: Flag to name in an error message.
+        spoil: How `fallible` spoils answers to a kind of question (`Corrupt`), if the general way is not sufficient.
         mistakes: The application's plausible errors, for `sloppy`.
 
     Raises:
-        InputError: The string names no advisor, a file is missing or unreadable, or the environment lacks a key.
+        InputError: The string names no advisor, a file is missing or unreadable, or the environment has no key.
     """
     spec = spec.strip()
     entry, rest = _split(spec)
@@ -191,7 +191,7 @@ def make_advisor(
 
 
 def _split(spec: str) -> tuple[AdvisorEntry | None, str]:
-    """Return the entry that a string names, and its argument; none if the argument is missing or superfluous."""
+    """Return the named entry and its argument; no entry if the argument is missing or superfluous."""
     name, _, rest = spec.partition(":")
     entry = _BY_NAME.get(name.strip())
     fits = entry is not None and (bool(rest) if entry.takes else ":" not in spec)
@@ -199,7 +199,7 @@ def _split(spec: str) -> tuple[AdvisorEntry | None, str]:
 
 
 def _expected(spec: str) -> str:
-    """Suggest what a string that names no advisor might have meant."""
+    """Suggest valid forms for a string that names no advisor."""
     name, colon, rest = spec.partition(":")
     entry = _BY_NAME.get(name)
     if entry is not None and entry.takes and not rest:

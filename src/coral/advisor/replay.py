@@ -31,18 +31,18 @@ _PARTS = {
     "facts_digest": "facts",
     "prompt_digest": "prompt",
 }
-"""Parts of a question's key, the coarsest first, and how to call them."""
+"""Parts of a question's key, the coarsest first, and their names in messages."""
 
 
 MAX_BYTES = 1_000_000_000
-"""Of a recording; what comes after is not read."""
+"""Maximum size of a recording; the rest is not read."""
 
 Seconds = Annotated[float, Field(ge=0, le=1e9)]
 Tokens = Annotated[int, Field(ge=0, le=10**15)]
 
 
 class _Usage(BaseModel):
-    """What `Usage` is made of."""
+    """Schema of a recorded `Usage`."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -54,7 +54,7 @@ class _Usage(BaseModel):
 
 
 class _Entry(BaseModel):
-    """What has to be right of a recorded attempt before any of it is repeated."""
+    """Schema of a recorded attempt; nothing is repeated before all of them validate."""
 
     model_config = ConfigDict(strict=True)
 
@@ -83,8 +83,8 @@ class _Entry(BaseModel):
 class ReplayAdvisor:
     """Answers from the attempts.jsonl of an earlier run.
 
-    A question is found by its kind, prompt version, answer schema, picture digests and prompt digest. The same question
-    asked several times gets the recorded replies in their order.
+    A question is found by its kind, prompt version, answer schema, picture digests and prompt digest. If it was asked
+    several times, the recorded replies are repeated in order.
     """
 
     latency = "recorded"
@@ -94,8 +94,8 @@ class ReplayAdvisor:
         """Read a recording.
 
         Args:
-            file: attempts.jsonl, or a run folder that holds one.
-            where: What to name in an error message.
+            file: attempts.jsonl, or a run folder with one.
+            where: Flag to name in an error message.
 
         Raises:
             InputError: There is no such file, or a line is not an attempt.
@@ -116,10 +116,10 @@ class ReplayAdvisor:
     def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
         """Repeat the recorded answer to this question.
 
-        The recording is advanced here, before the first await, so that a question withdrawn at once counts too.
+        The recording advances here, before the first await, so that a question withdrawn at once counts too.
 
         Raises:
-            BadAnswer, AdvisorUnavailable: As recorded, or with code "not-recorded" when the question is not there.
+            BadAnswer, AdvisorUnavailable: As recorded, or with code "not-recorded" if the question is not there.
         """
         key = question_key(question)
         queue = self._recorded.get(json.dumps(key, sort_keys=True))
@@ -137,7 +137,7 @@ class ReplayAdvisor:
         if verdict == "malformed":
             raise BadAnswer(code, reason, raw, usage, latency_s)
         if verdict == "withdrawn" or (verdict == "unavailable" and code == "deadline"):
-            # No reply ever came: the mission's own deadline or withdrawal ends it again.
+            # No reply ever came: the mission's own deadline or withdrawal ends the question again.
             raise AdvisorUnavailable("silence", "no reply was recorded", latency_s=math.inf)
         if verdict == "unavailable":
             raise AdvisorUnavailable(code, reason, final=entry["final"], latency_s=latency_s, usage=usage)
@@ -153,7 +153,7 @@ class ReplayAdvisor:
         return Reply(value=value, raw=raw, usage=usage, latency_s=latency_s)
 
     def _missing(self, key: dict[str, Any], known: bool) -> str:
-        """Explain why a question is not in the recording, compared with the nearest one that is."""
+        """Explain why a question is not in the recording, by comparison with the nearest one that is."""
         if known:
             return f"{self._file}: this {key['kind']} question was asked more often than when it was recorded"
         if not self._keys:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 A = TypeVar("A", bound=BaseModel)
 
 Rule = Callable[[Mapping[str, Any], Sequence[Rejection]], BaseModel]
-"""Answers one kind of question from its facts and the reasons why earlier answers were refused."""
+"""Answers one kind of question from its facts and the reasons for refusing earlier answers."""
 
 
 class RuleAdvisor:
@@ -43,7 +43,7 @@ class RuleAdvisor:
             )
         value = rule(question.facts, rejections)
         if not isinstance(value, question.answer_type):
-            # Another model of the same shape is fine: its fields decide.
+            # Another model of the same shape is valid: its fields decide.
             value = question.answer_type.model_validate(value.model_dump())
         return Reply(value=value, raw=value.model_dump_json())
 

@@ -11,7 +11,7 @@ _SECRET_SHAPE = re.compile(r"\b(?:sk-[\w*-]{6,}|AIza[\w*-]{10,})|(?<=[Bb]earer )
 
 
 def scrub(text: str) -> str:
-    """Remove from a text everything that is, or looks like, a key of this environment."""
+    """Remove everything from a text that is, or looks like, a key of this environment."""
     for name, value in os.environ.items():
         if len(value) >= 8 and _SECRET_NAME.search(name):
             text = text.replace(value, "***")

@@ -22,18 +22,18 @@ class Setting:
     """The context passed to the maker of an advisor."""
 
     rules: Mapping[str, Rule]
-    """The application's own, kind of question to function of its facts."""
+    """Rules of the application, kind of question to function of its facts."""
     rng: np.random.Generator
-    """Of advisors that err on purpose."""
+    """Random generator of advisors with errors."""
     inbox: Path | None
-    """Where a person is asked."""
+    """Folder for questions to a person."""
     model: ModelCfg
-    """How a real model is called."""
+    """Configuration of real models."""
     where: str
-    """What to name in an error message."""
+    """Flag to name in an error message."""
     inner: Callable[[str], Advisor]
-    """Makes the advisor that another one wraps, from its string."""
+    """Makes the inner advisor of a wrapper from its string."""
     spoil: Mapping[str, Callable[..., dict[str, Any]]] = field(default_factory=dict)
-    """The application's ways to spoil an answer for `fallible`, by kind of question."""
+    """The application's functions that spoil an answer for `fallible`, by kind of question."""
     mistakes: tuple[Mistake, ...] = ()
     """The application's plausible errors, for `sloppy`."""

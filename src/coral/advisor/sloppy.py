@@ -26,7 +26,7 @@ Answer = dict[str, Any]
 
 FORM = "sloppy:P:INNER or sloppy:KIND=P+KIND=P:INNER, with probabilities from 0 to 1"
 KEPT = 64
-"""Earlier answers that are remembered of each kind of question."""
+"""Number of remembered answers per kind of question."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,13 +34,13 @@ class Earlier:
     """The right answer to an earlier question of the same kind."""
 
     at_s: float
-    """When it was asked, on the clock of the world."""
+    """Time of the question, on the clock of the world."""
     answer: Answer
 
 
 Err = Callable[[Question[Any], Answer, Sequence[Earlier], np.random.Generator], Answer | None]
-"""Makes the mistake: (question, right answer, earlier ones with the oldest first, random numbers) to the wrong answer,
-or None where this mistake cannot be made here."""
+"""Makes the mistake: (question, right answer, earlier ones with the oldest first, random generator) to the wrong
+answer, or None if this mistake is impossible here."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,13 +48,13 @@ class Mistake:
     """One kind of plausible error in an application."""
 
     name: str
-    """As on the command line."""
+    """Name on the command line."""
     what: str
-    """What the advisor gets wrong."""
+    """Description of the error."""
     found_in: str
-    """Published failure analysis in which models make it; "" where we know of none."""
+    """Published failure analysis in which models make it; "" if none is known."""
     questions: tuple[str, ...]
-    """Kinds of question to which it can happen."""
+    """Kinds of question in which it can happen."""
     err: Err
 
 
@@ -63,9 +63,9 @@ class Rates:
     """Error rates; an answer has at most one mistake."""
 
     level: float | None = None
-    """Probability that an answer is wrong, whatever the question: every mistake that can be made there is as likely."""
+    """Probability of a wrong answer to any question, divided equally among the mistakes possible there."""
     each: Mapping[str, float] = field(default_factory=dict)
-    """Else the probability of each mistake, in answers to the questions to which it can happen."""
+    """Else the probability of each mistake, in answers to the questions in which it can happen."""
 
     def __str__(self) -> str:
         if self.level is not None:
@@ -77,7 +77,7 @@ def parse_rates(text: str, mistakes: Sequence[Mistake], where: str = "--advisor"
     """Parse rates from the command line: `0.3`, or `mirrored=0.2+stale=0.1`.
 
     Raises:
-        InputError: A kind is not known, a rate is no probability, or rates of one question sum to more than 1.
+        InputError: A kind is unknown, a rate is not a probability, or rates of one question sum to more than 1.
     """
     known = {mistake.name: mistake for mistake in mistakes}
     if not known:
@@ -101,19 +101,18 @@ def parse_rates(text: str, mistakes: Sequence[Mistake], where: str = "--advisor"
 class SloppyAdvisor:
     """Passes on another advisor's answers, and puts a plausible error into some of them.
 
-    What was done to an answer stands among the faults of its usage, as `sloppy-mirrored`, in `attempts.jsonl` and in
-    the event of its verdict; nothing decides by it. An error that cannot be made in an answer is neither made nor
-    logged.
+    The error is recorded among the faults of the answer's usage, such as `sloppy-mirrored`, in `attempts.jsonl` and in
+    the event of its verdict; no decision uses it. An error that is impossible in an answer is neither made nor logged.
     """
 
     def __init__(self, inner: Advisor, rates: Rates, rng: np.random.Generator, mistakes: Sequence[Mistake]) -> None:
         """Wrap an advisor.
 
         Args:
-            inner: Who really answers.
-            rates: Of the mistakes.
-            rng: Decides which answers are wrong, and how. Same seed, same errors.
-            mistakes: Of the application.
+            inner: The wrapped advisor.
+            rates: Rates of the mistakes.
+            rng: Chooses the wrong answers and their errors. Same seed, same errors.
+            mistakes: Mistakes of the application.
         """
         self.inner, self._rates, self._rng, self._mistakes = inner, rates, rng, tuple(mistakes)
         self._past: dict[str, deque[Earlier]] = {}
@@ -122,7 +121,7 @@ class SloppyAdvisor:
         self.source = source_of(inner)
 
     async def warm_up(self) -> None:
-        """Warm the inner advisor up."""
+        """Warm up the inner advisor."""
         if (warm_up := getattr(self.inner, "warm_up", None)) is not None:
             await warm_up()
 
@@ -132,13 +131,13 @@ class SloppyAdvisor:
             await aclose()
 
     def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
-        """Answer, perhaps wrongly.
+        """Answer, with a mistake at the configured rate.
 
-        The draw is made here, before the first await: whether a request is cancelled early does not shift the errors of
-        the next one.
+        The error is drawn here, before the first await, so that an early cancellation does not shift the errors of
+        later questions.
 
         Raises:
-            BadAnswer, AdvisorUnavailable: The inner advisor's own.
+            BadAnswer, AdvisorUnavailable: Raised by the inner advisor.
         """
         able = [mistake for mistake in self._mistakes if question.kind in mistake.questions]
         chance, seed = float(self._rng.random()), int(self._rng.integers(2**63))
@@ -179,7 +178,7 @@ def make_sloppy(name: str, rest: str, setting: Setting) -> SloppyAdvisor:
     """Make an advisor with plausible errors, sloppy:ERRORS:INNER.
 
     Raises:
-        InputError: The errors are not written as they should be, or there is no such inner advisor.
+        InputError: The errors have the wrong form, or there is no such inner advisor.
     """
     errors, _, inner = rest.partition(":")
     if not inner:

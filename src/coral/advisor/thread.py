@@ -11,7 +11,7 @@ from typing import Any
 
 
 class AdvisorThread:
-    """A daemon thread with its own event loop. Connections opened by an advisor live and die with it."""
+    """A daemon thread with its own event loop, which owns the connections of the advisors."""
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
@@ -38,19 +38,17 @@ class AdvisorThread:
     def submit(self, asking: Callable[[], Coroutine[Any, Any, Any]]) -> Future[Any]:
         """Run a coroutine on the thread; cancelling the returned future cancels the coroutine.
 
-        `asking` itself is called here, in the caller's thread: what an advisor decides before its first await
-        (a seeded draw, the next line of a recording) happens in the order of the questions, whatever the
-        thread has time for.
+        `asking` itself is called here, in the caller's thread: what an advisor decides before its first await (a random
+        draw, the next line of a recording) happens in the order of the questions, independent of the thread's load.
         """
         return asyncio.run_coroutine_threadsafe(asking(), self._loop)
 
     def warm_up(self, advisor: Any, timeout_s: float = 60.0) -> None:
-        """Let an advisor import and connect before the control loop starts (its `warm_up` coroutine, if any).
+        """Let an advisor import and connect (its `warm_up` coroutine, if any) before the control loop starts.
 
-        Its `aclose` coroutine, if any, is run when the thread is closed.
+        Its `aclose` coroutine, if any, runs when the thread is closed.
 
-        The first call of a client library stalls for some 0.1 s and its import for seconds; neither belongs in a
-        control loop.
+        The first call of a client library takes about 0.1 s and its import seconds; neither belongs in a control loop.
 
         Raises:
             TimeoutError: It took longer than `timeout_s` of wall time.
@@ -73,4 +71,4 @@ class AdvisorThread:
 
 
 async def _nothing() -> None:
-    """Show that the loop runs."""
+    """Do nothing; it returns once the loop runs."""

@@ -1,4 +1,4 @@
-"""HTTP connections to models, with a cap on the size of a reply."""
+"""HTTP connections to models, with a limit on the size of a reply."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import httpx2
 
 
 class ReplyTooLarge(httpx2.TransportError):
-    """A reply was cut off because it went on for too long."""
+    """A reply was truncated because it was too long."""
 
 
 class _Capped(httpx2.AsyncByteStream):
@@ -28,10 +28,10 @@ class _Capped(httpx2.AsyncByteStream):
 
 
 def http_client(max_reply_bytes: int, timeout_s: float) -> httpx2.AsyncClient:
-    """An HTTP client that hangs up on a reply longer than `max_reply_bytes`.
+    """Make an HTTP client that closes the connection on a reply longer than `max_reply_bytes`.
 
     Args:
-        max_reply_bytes: Bound on the body. A body that comes compressed although none was asked for gets a twentieth
+        max_reply_bytes: Limit on the body. A body that is compressed although this was not requested gets a twentieth
             of it, so that it cannot unpack to much more.
         timeout_s: Longest wait for a connection or between two pieces of a reply (s).
     """

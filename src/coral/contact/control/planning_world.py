@@ -173,7 +173,7 @@ class PlanningWorld:
         return Context(values, (total, horizon)), rolled.sane
 
     def present(self, now: Observation, step: int = 0) -> Context:
-        """Return the measured state as a batch of one; contacts are the first belief's after a step of standing still."""
+        """Return the measured state as a batch of one; contacts are the first belief's after one still step."""
         still = ControlSequences(
             now.tool.position[None, None],
             now.tool.quaternion[None, None],

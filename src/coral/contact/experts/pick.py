@@ -56,8 +56,7 @@ def over(name: str, height_m: float = 0.0, others: Sequence[str] = ()) -> Guide:
 
 
 def grasp_quaternion(state: Context, name: str, others: Sequence[str] = ()) -> Array:
-    """Compute the orientation of a grasp from above, Shape=(4,): with room for the open fingers, closest to the
-    present.
+    """Compute the orientation of a grasp from above, Shape=(4,): with room for the fingers, near the present one.
 
     A square object can be grasped along both sides; beside a carton only one of them leaves room for a finger.
     """
@@ -88,7 +87,7 @@ def grasp_quaternion(state: Context, name: str, others: Sequence[str] = ()) -> A
 
 
 def room(state: Context, other: str, point: Array) -> float:
-    """How far (m) a finger at a point is beside another object, `ENOUGH_M` if by more, or if it stands above it."""
+    """Compute a finger's clearance (m) beside another object, at most `ENOUGH_M`; full above the object."""
     size, place = state[f"{other}_size"][0, 0], state[f"{other}_pos"][0, 0]
     local = rotate(conjugate(state[f"{other}_quat"][0, 0]), point - place)
     beside = float(norm(np.clip(np.abs(local) - size / 2, 0.0, None)))
