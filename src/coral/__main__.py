@@ -1,4 +1,4 @@
-"""`python -m coral` is the `coral` command."""
+"""Entry point of `python -m coral`: the `coral` command."""
 
 from __future__ import annotations
 

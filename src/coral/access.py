@@ -1,4 +1,4 @@
-"""Who may talk to a port that we open: its token, the names it answers to, and the pages that may ask it."""
+"""Access control of a port: its token, the host names that it answers to, and the origins that may send requests."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ TOKEN = re.compile(r"[A-Za-z0-9_-]{12,200}")
 
 
 @dataclass(frozen=True)
-class Instead:
-    """What a request gets instead of what it asked for."""
+class AccessResponse:
+    """Response to a request that is refused or redirected."""
 
     status: HTTPStatus
     reason: str = ""
@@ -29,61 +29,61 @@ class Instead:
 
 @dataclass(frozen=True)
 class Access:
-    """The rules of one server. Every request goes through `instead` first."""
+    """Access rules of one server. Every request goes through `refuse_or_redirect` first."""
 
     host: str
-    """Address it is bound to."""
+    """Address that the server is bound to."""
     port: int
     token: str
-    """"" when none is needed."""
+    """"" if none is needed."""
 
     @property
     def cookie(self) -> str:
-        """Name of the cookie; browsers share cookies between the ports of a machine."""
+        """Return the name of the cookie; browsers share cookies between the ports of a machine."""
         return f"coral_{self.port}"
 
     @property
     def url(self) -> str:
-        """Where to point a browser, token included."""
+        """Return the URL for a browser, token included."""
         everywhere = self.host in ("0.0.0.0", "::", "")
         host = socket.gethostname() if everywhere else f"[{self.host}]" if ":" in self.host else self.host
         token = f"?token={self.token}" if self.token else ""
         return f"http://{host}:{self.port}/{token}"
 
-    def instead(self, method: str, target: str, headers: Mapping[str, str]) -> Instead | None:
-        """A refusal or a redirection; None when the request may go on.
+    def refuse_or_redirect(self, method: str, target: str, headers: Mapping[str, str]) -> AccessResponse | None:
+        """Return a refusal or a redirection; None if the request may continue.
 
-        The address that was printed holds the token. Opening it sets a cookie and leads to the page itself, so that
-        the token leaves the address bar and is not shared with a screenshot.
+        The printed address contains the token. Opening it sets a cookie and redirects to the page itself, so that the
+        token disappears from the address bar and from screenshots.
 
         Args:
-            method: Of the HTTP request; a WebSocket is opened by GET.
+            method: Method of the HTTP request; a WebSocket is opened by GET.
             target: Path and query as requested.
-            headers: Of the request, looked up as "Host", "Origin", "Cookie", "Authorization".
+            headers: Headers of the request, looked up as "Host", "Origin", "Cookie", "Authorization".
         """
-        if not self.names_us(headers.get("Host")):
-            return Instead(HTTPStatus.MISDIRECTED_REQUEST, "This server does not answer to this name.")
-        if not self.same_origin(headers):
-            return Instead(HTTPStatus.FORBIDDEN, "Pages of other sites are not served.")
+        if not self.is_own_host(headers.get("Host")):
+            return AccessResponse(HTTPStatus.MISDIRECTED_REQUEST, "This server does not answer to this name.")
+        if not self.is_same_origin(headers):
+            return AccessResponse(HTTPStatus.FORBIDDEN, "Pages of other sites are not served.")
         url = urllib.parse.urlsplit("/" + target.lstrip("/"))
         given = urllib.parse.parse_qs(url.query).get("token", [""])[0]
         if self.token and method == "GET" and url.path == "/" and given:
             if not self.is_token(given):
-                return Instead(HTTPStatus.FORBIDDEN, "This token is not the one that was printed.")
+                return AccessResponse(HTTPStatus.FORBIDDEN, "This token is not the one that was printed.")
             cookie = f"{self.cookie}={self.token}; Path=/; HttpOnly; SameSite=Strict"
-            return Instead(HTTPStatus.SEE_OTHER, headers={"Location": "/", "Set-Cookie": cookie})
+            return AccessResponse(HTTPStatus.SEE_OTHER, headers={"Location": "/", "Set-Cookie": cookie})
         if not self.has_token(headers):
-            return Instead(
+            return AccessResponse(
                 HTTPStatus.UNAUTHORIZED,
                 "Open the page with the address that was printed when it started: it ends in ?token=...",
             )
         return None
 
-    def names_us(self, host_header: str | None) -> bool:
-        """Whether the Host header means this server.
+    def is_own_host(self, host_header: str | None) -> bool:
+        """Check whether the Host header names this server.
 
-        A page from elsewhere whose name was made to point here (DNS rebinding) still carries that name. An address
-        cannot be made to point anywhere else.
+        A foreign page whose name was made to resolve to this machine (DNS rebinding) still sends that name. An IP
+        address cannot be redirected.
         """
         name = _host_name(host_header or "", self.port)
         if name is None:
@@ -96,7 +96,7 @@ class Access:
         return name in {"localhost", self.host.lower(), own, own.partition(".")[0], f"{own.partition('.')[0]}.local"}
 
     def has_token(self, headers: Mapping[str, str]) -> bool:
-        """Whether a request's cookie or `Authorization: Bearer` header holds the token."""
+        """Check whether a request's cookie or `Authorization: Bearer` header contains the token."""
         if not self.token:
             return True
         scheme, _, given = headers.get("Authorization", "").partition(" ")
@@ -109,23 +109,23 @@ class Access:
         return cookie is not None and self.is_token(cookie.value)
 
     def is_token(self, given: str) -> bool:
-        """Compare in a time that tells nothing."""
+        """Compare in constant time."""
         return hmac.compare_digest(given.encode("utf-8", "replace"), self.token.encode())
 
-    def same_origin(self, headers: Mapping[str, str]) -> bool:
-        """Whether a request comes from our own page or from a program, and not from a page elsewhere.
+    def is_same_origin(self, headers: Mapping[str, str]) -> bool:
+        """Check whether a request comes from our own page or from a program, not from a page of another site.
 
-        Browsers add a page's origin to every WebSocket that it opens and to whatever it sends; no page can forge it.
+        Browsers add a page's origin to every WebSocket and to every request that sends data; no page can forge it.
         """
         origin = headers.get("Origin")
         return origin is None or origin == f"http://{headers.get('Host', '')}"
 
 
 def choose_token(host: str, token: str) -> str:
-    """The token to ask for: the given one, none on this machine alone, else a new one.
+    """Choose the token: the given one, none for access from this machine alone, else a new one.
 
     Raises:
-        InputError: The given one is too short or does not fit into an address.
+        InputError: The given token is too short or does not fit into an address.
     """
     if token:
         if not TOKEN.fullmatch(token):
@@ -140,12 +140,12 @@ def choose_token(host: str, token: str) -> str:
 
 
 def new_token() -> str:
-    """A token that nobody can guess."""
+    """Generate a token that nobody can guess."""
     return secrets.token_urlsafe(24)
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine can reach an address."""
+    """Check whether only this machine can reach an address."""
     address = _address(host)
     return host == "localhost" if address is None else address.is_loopback
 
@@ -158,7 +158,7 @@ def _address(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
 
 
 def _host_name(header: str, port: int) -> str | None:
-    """Name or address in a Host header for this port; None when it is for another one, or malformed."""
+    """Return the name or address in a Host header for this port; None if it is for another port, or malformed."""
     match = re.fullmatch(r"(?:\[([0-9A-Fa-f:.]+)\]|([A-Za-z0-9.-]+))(?::(\d{1,5}))?", header)
     if match is None or int(match[3] or 80) != port:
         return None

@@ -27,19 +27,19 @@ COMMANDS = {
     "contact run": ("coral.commands.contact_run:ContactRun", "attempt a contact task and write a run folder"),
     "contact bench": ("coral.commands.contact_bench:ContactBench", "compare variants over many trials, with tables"),
     "contact tasks": ("coral.commands.contact_tasks:ContactTasks", "list the contact tasks, or describe some"),
-    "contact track": ("coral.commands.contact_track:ContactTrack", "measure how exactly objects are tracked"),
+    "contact track": ("coral.commands.contact_track:ContactTrack", "measure the accuracy of the tracker"),
     "contact identify": ("coral.commands.contact_identify:ContactIdentify", "find mass and friction by pushing"),
     "memory list": ("coral.commands.memory:MemoryList", "list remembered successes of contact tasks"),
     "memory show": ("coral.commands.memory:MemoryShow", "show one of them, with its programs"),
     "memory forget": ("coral.commands.memory:MemoryForget", "forget one of them"),
     "memory export": ("coral.commands.memory:MemoryExport", "write them into a JSON file"),
-    "memory import": ("coral.commands.memory:MemoryImport", "take in an exported file"),
+    "memory import": ("coral.commands.memory:MemoryImport", "import an exported file"),
     "replay": ("coral.commands.replay:Replay", "watch a run folder again in a browser"),
     "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),
     "desk": ("coral.commands.desk:Desk", "answer a mission's questions in a browser"),
     "advisor show": ("coral.commands.advisor_show:AdvisorShow", "print a prompt and write its pictures"),
-    "advisor probe": ("coral.commands.advisor_probe:AdvisorProbe", "find out what a model's endpoint can do"),
-    "advisor bench": ("coral.commands.advisor_bench:AdvisorBench", "find out whether a model is good enough"),
+    "advisor probe": ("coral.commands.advisor_probe:AdvisorProbe", "test what a model's endpoint can do"),
+    "advisor bench": ("coral.commands.advisor_bench:AdvisorBench", "measure whether a model is good enough"),
     "advisor questions": ("coral.commands.advisor_questions:AdvisorQuestions", "make a set of questions for it"),
     "doctor": ("coral.commands.doctor:Doctor", "check this installation"),
     "version": ("coral.commands.version:Version", "print the version"),
@@ -47,23 +47,24 @@ COMMANDS = {
 
 
 class Command(Protocol):
-    """What a command's dataclass offers besides its fields."""
+    """Interface of a command's dataclass, besides its fields."""
 
     json: bool
 
     def __call__(self) -> Mapping[str, Any]:
-        """Do the work; the result is what `--json` prints."""
+        """Do the work and return the result, which `--json` prints."""
         ...
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """The result in words, for people."""
+        """Describe the result for people."""
         ...
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command.
 
-    Exit code 0 done, 1 failed with a message, 2 bad usage or input, 128 + N ended by signal N (130 by Ctrl-C).
+    Exit code: 0 for success, 1 for a failure with a message, 2 for bad usage or input, 128 + N after signal N (130 for
+    Ctrl-C).
     """
     with orderly_termination() as received:
         code = _run(list(sys.argv[1:] if argv is None else argv))
@@ -85,7 +86,7 @@ def _run(words: Sequence[str]) -> int:
         result = command()
         text = json.dumps(result, allow_nan=False, default=str) if command.json else command.describe(result)
         print(encodable(text), flush=True)
-        # A command may tell success from failure by its result, which is printed in either case.
+        # A command may report failure by its result, which is printed in either case.
         return int(getattr(command, "exit_code", lambda result: 0)(result))
     except InputError as error:
         return _tell(error, 2)
@@ -105,13 +106,13 @@ def _run(words: Sequence[str]) -> int:
 
 
 def _tell(message: object, code: int) -> int:
-    """One line on standard error, whatever was in a file, an answer or a file's name; returns the exit code."""
+    """Print one line on standard error, with control characters escaped; return the exit code."""
     print(f"coral: {printable(str(message))}", file=sys.stderr)
     return code
 
 
 def _command(words: Sequence[str]) -> str | None:
-    """Name of the command that the words begin with; None asks for the overview of a group of commands."""
+    """Return the name of the command at the beginning of the words; None for the overview of a group of commands."""
     for n in (2, 1):
         name = " ".join(words[:n])
         if name in COMMANDS:
@@ -125,7 +126,7 @@ def _command(words: Sequence[str]) -> str | None:
 
 
 def _parse(name: str, words: Sequence[str]) -> Command:
-    """Flags into the command's dataclass; tyro's complaint becomes one line."""
+    """Parse flags into the command's dataclass; tyro's complaint becomes one line."""
     import tyro
 
     module, _, kind = COMMANDS[name][0].partition(":")

@@ -1,4 +1,4 @@
-"""Configuration: frozen dataclasses, read from YAML with errors that name the field, written back complete."""
+"""Configuration: frozen dataclasses, read from YAML with errors that name the field, and written in full."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
 TimeStep = Annotated[float, Field(ge=0.001, le=1, allow_inf_nan=False)]
 CellSize = Annotated[float, Field(ge=0.01, le=1, allow_inf_nan=False)]
-"""Seconds and metres: finer ones take time and memory without end, coarser ones miss everything."""
+"""Ranges in seconds and metres: finer values take endless time and memory, coarser ones miss everything."""
 Signed = Annotated[float, Field(allow_inf_nan=False)]
-"""A number that may be negative: without a type that says so, no number in a configuration may be."""
+"""A number that may be negative; all other numbers in a configuration may not."""
 
 
 def whole_steps(period_s: float, step_s: float, where: str, field: str) -> int:
-    """Number of steps in a period.
+    """Return the number of steps in a period.
 
     Args:
         period_s: The period.
         step_s: One step.
-        where: File or flag that holds the step, for the error.
-        field: Its path in there.
+        where: File or flag of the step, for the error.
+        field: Path of the step in it.
 
     Raises:
-        InputError: It is no whole number.
+        InputError: The number is not whole.
     """
     steps = period_s / step_s
     if round(steps) < 1 or abs(steps - round(steps)) > 1e-6:
@@ -49,7 +49,7 @@ def whole_steps(period_s: float, step_s: float, where: str, field: str) -> int:
 
 
 def read_config(path: Path, default: C) -> C:
-    """A configuration from a YAML file that may name only some of the fields; the rest come from `default`.
+    """Read a configuration from a YAML file with some of the fields; the others come from `default`.
 
     Raises:
         InputError: The file is missing or broken, or a key or value in it is wrong.
@@ -58,30 +58,30 @@ def read_config(path: Path, default: C) -> C:
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
-    """A YAML file that holds a mapping.
+    """Read a YAML file that contains a mapping.
 
     Raises:
-        InputError: It is missing, no regular file, unreadable, not YAML, nested too deeply, or not a mapping.
+        InputError: The file is missing, not regular, unreadable, not YAML, nested too deeply, or not a mapping.
     """
     return load_mapping(read_regular(path, "a readable YAML file"), str(path), MAX_VALUES)
 
 
 def merge(default: C, changes: Mapping[str, Any], where: str) -> C:
-    """`default` with some fields replaced, checked.
+    """Replace some fields of `default`, and check the result.
 
     Raises:
-        InputError: An unknown key (with the nearest known one) or a value of the wrong type or range.
+        InputError: A key is unknown (with the nearest known one), or a value has the wrong type or range.
     """
     return checked(cast(C, _replace(default, changes, where, "")), where)
 
 
 def checked(cfg: C, where: str) -> C:
-    """The configuration itself, once all of its values have been found in range.
+    """Return the configuration after checking the range of all of its values.
 
-    Fields whose type states no range hold finite numbers from 0 on.
+    Fields whose type states no range must be finite and not negative.
 
     Raises:
-        InputError: A value is not.
+        InputError: A value is out of range.
     """
     try:
         _adapter(cast(Any, type(cfg))).validate_python(dataclasses.asdict(cast(Any, cfg)))
@@ -112,7 +112,7 @@ def _refuse_odd_numbers(cfg: Any, where: str, prefix: str) -> None:
 
 
 def to_mapping(cfg: Any) -> dict[str, Any]:
-    """Plain nested mapping of every field, as written to config.yaml."""
+    """Return the plain nested mapping of every field, as written to config.yaml."""
     plain: dict[str, Any] = _adapter(cast(Any, type(cfg))).dump_python(cfg, mode="json")
     return plain
 

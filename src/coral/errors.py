@@ -1,4 +1,4 @@
-"""The one exception a user sees: which file, which field, what was found, what was expected."""
+"""The exception for a user's mistakes: file, field, value found, value expected."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
-"""Errors of a disk that takes no more, whatever is written."""
+"""Errors of a full disk."""
 
 
 class InputError(ValueError):
-    """Bad input from the user. Printed as one line by the command line, which then exits with code 2.
+    """Bad input from the user. The command line prints it as one line and exits with code 2.
 
     Args:
-        where: File, folder or flag that holds the bad value.
-        field: Dotted path of the value inside it, or "" when the whole of it is bad.
-        found: What was found there.
+        where: File, folder or flag with the bad value.
+        field: Dotted path of the value in it, or "" if all of it is bad.
+        found: The bad value.
         expected: What would have been accepted.
     """
 
@@ -34,7 +34,7 @@ class RunError(RuntimeError):
 
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Let an error of writing a file name the file, which those of `write` do not."""
+    """Add the file's name to an error of writing it; errors of `write` lack it."""
     try:
         yield
     except OSError as error:
@@ -44,11 +44,11 @@ def naming(path: Path) -> Iterator[None]:
 
 
 def first_line(error: BaseException) -> str:
-    """Of its text; some have none, as MemoryError."""
+    """Return the first line of its text; some have none, such as MemoryError."""
     return next(iter(str(error).splitlines()), type(error).__name__)
 
 
 def nearest(word: str, known: Iterable[str], likeness: float = 0.5) -> str:
-    """Suggestion for a mistyped name: " (did you mean 'x'?)", or "" when none is as like it as `likeness`, 0 to 1."""
+    """Suggest a correction: " (did you mean 'x'?)", or "" if no known word is as similar as `likeness`, 0 to 1."""
     close = difflib.get_close_matches(word, list(known), n=1, cutoff=likeness)
     return f" (did you mean {close[0]!r}?)" if close else ""

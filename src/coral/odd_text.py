@@ -1,4 +1,4 @@
-"""Text from models, files and file names, made fit for files, terminals and pictures."""
+"""Sanitised text from models, files and file names, for files, terminals and pictures."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from collections.abc import Mapping
 from typing import Any
 
 UNKNOWN = "\ufffd"
-"""Stands for a character that cannot be written or shown."""
+"""Replacement for a character that cannot be written or shown."""
 
 
 def encodable(text: str) -> str:
-    """The text with each lone surrogate, which no encoding takes, replaced; parted pairs are joined."""
+    """Replace lone surrogates, which no encoding accepts, and join separated pairs."""
     if text.isascii():
         return text
     return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "replace")
 
 
 def encodable_values(value: Any) -> Any:
-    """JSON-like values with all of their text, keys too, made encodable; tuples become lists."""
+    """Make all text in JSON-like values encodable, keys included; tuples become lists."""
     if isinstance(value, str):
         return encodable(value)
     if isinstance(value, Mapping):
@@ -26,11 +26,11 @@ def encodable_values(value: Any) -> Any:
 
 
 def printable(text: str, longest: int | None = None) -> str:
-    """The text on one line for a terminal or a picture: spaces for what is like one, nothing that steers a terminal.
+    """Convert text to one line for a terminal or a picture: whitespace becomes spaces, control characters are removed.
 
     Args:
-        text: From anywhere.
-        longest: Most characters; what is cut ends in "…".
+        text: Any text.
+        longest: Maximum number of characters; shortened text ends in "…".
     """
     if longest is not None and len(text) > longest:
         text = text[: longest - 1] + "…"

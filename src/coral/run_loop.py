@@ -1,4 +1,4 @@
-"""Advances a run to its end while observers watch, and sums up how long it took."""
+"""Advances a run to its end while observers watch, and summarises its timing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Run(Protocol):
     end_reason: str
 
     def advance(self) -> None:
-        """Take the next control steps."""
+        """Execute the next control steps."""
         ...
 
 
@@ -24,14 +24,14 @@ R = TypeVar("R", bound=Run)
 
 
 class Observer(Protocol[R_contra]):
-    """Anything that watches a run: a progress bar, a live view."""
+    """Watches a run: a progress bar, a live view."""
 
     def tick(self, run: R_contra, /) -> None:
-        """Called after every `advance`."""
+        """Handle the state after an `advance`; called after each one."""
         ...
 
     def stop_requested(self) -> str:
-        """Reason to stop now, or ""."""
+        """Return the reason to stop now, or ""."""
         ...
 
 
@@ -46,7 +46,7 @@ def run_to_end(run: R, observers: Sequence[Observer[R]]) -> None:
 
 @contextmanager
 def stoppable(run: Run) -> Iterator[None]:
-    """Turn an interrupt into an end reason: the signal where the interrupt names one, else the operator."""
+    """Convert an interrupt to an end reason: its signal if it names one, else the operator."""
     try:
         yield
     except KeyboardInterrupt as stop:
@@ -54,7 +54,7 @@ def stoppable(run: Run) -> Iterator[None]:
 
 
 def timing_of(wall_s: float, sim_s: float, **samples_ms: Sequence[float]) -> dict[str, float]:
-    """Content of timing.json.
+    """Compute the content of timing.json.
 
     Args:
         wall_s: Wall time of the run.

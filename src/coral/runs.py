@@ -1,4 +1,4 @@
-"""A run is a folder: written as it happens, readable at any moment, never overwriting anything."""
+"""A run as a folder: written during the run, readable at any moment, never overwriting anything."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from coral.odd_text import encodable, encodable_values
 
 
 class RunWriter:
-    """Opens a new run folder and appends to it; every line is flushed, so a killed run keeps what it wrote."""
+    """Opens a new run folder and appends to it; every line is flushed, so a killed run keeps its log."""
 
     def __init__(self, folder: Path, columns: tuple[str, ...], robots: int = 1) -> None:
-        """Create `folder` (which must not hold anything yet).
+        """Create `folder`, which must not contain anything yet.
 
         Args:
-            folder: Where the run goes.
+            folder: The run folder.
             columns: Header of trajectory.csv.
-            robots: How many have a trajectory: trajectory.csv, trajectory_1.csv, ...
+            robots: Number of trajectories: trajectory.csv, trajectory_1.csv, ...
 
         Raises:
-            InputError: The folder holds something already, or cannot be written.
+            InputError: The folder is not empty, or cannot be written.
         """
         self.folder = folder
         try:
@@ -62,25 +62,25 @@ class RunWriter:
         _append(self._rows[robot], encodable(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values)))
 
     def yaml(self, name: str, content: Mapping[str, Any]) -> None:
-        """Write a YAML file beside the log."""
+        """Write a YAML file into the folder."""
         self.text(name, yaml.safe_dump(encodable_values(content), sort_keys=False, allow_unicode=True))
 
     def json(self, name: str, content: Mapping[str, Any]) -> None:
-        """Write a JSON file beside the log."""
+        """Write a JSON file into the folder."""
         self.text(name, json.dumps(encodable_values(content), indent=2, allow_nan=False, default=float) + "\n")
 
     def text(self, name: str, content: str) -> None:
-        """Write a file whole or not at all (temporary file, then rename)."""
+        """Write a file atomically (temporary file, then rename)."""
         self.bytes(name, encodable(content).encode())
 
     def bytes(self, name: str, content: bytes) -> None:
-        """Write a binary file whole or not at all."""
+        """Write a binary file atomically."""
         write_whole(self.folder / name, content)
 
     def close(self) -> None:
         """Close the logs; writing a finished file after this is still allowed.
 
-        What a full disk did not take was reported when it was written.
+        An error of a full disk was reported at the time of writing.
         """
         for log in (self._events, *self._rows):
             with contextlib.suppress(OSError):
@@ -88,15 +88,15 @@ class RunWriter:
 
 
 def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
-    """Write a file whole or not at all, and its folder where that is missing.
+    """Write a file atomically, and its folder if that is missing.
 
     Args:
-        path: Of the file; replaced when it is there.
-        content: All of it.
-        durable: Also whole or not at all when the machine loses power, which takes milliseconds more.
+        path: Path of the file; an existing file is replaced.
+        content: The complete content.
+        durable: Whether to write atomically even if the machine loses power, which takes milliseconds more.
 
     Raises:
-        OSError: It cannot be written; the error names the file.
+        OSError: The file cannot be written; the error names it.
     """
     with naming(path):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -120,7 +120,7 @@ def _append(log: IO[str], line: str) -> None:
 
 
 def read_events(path: Path) -> Iterator[dict[str, Any]]:
-    """Read the events of a run, in order; a killed run may end in half a line, which is left out."""
+    """Read the events of a run, in order; skip an incomplete last line of a killed run."""
     with open(path, encoding="utf-8") as lines:
         for line in lines:
             try:
@@ -130,18 +130,18 @@ def read_events(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def read_rows(path: Path) -> Iterator[dict[str, str]]:
-    """Read the whole rows of a trajectory, by column name."""
+    """Read the complete rows of a trajectory, by column name."""
     with open(path, encoding="utf-8", newline="") as lines:
         yield from csv.DictReader(line for line in lines if line.endswith("\n"))
 
 
 def trajectory_name(robot: int) -> str:
-    """File of a robot's trajectory in a run folder."""
+    """Return the file name of a robot's trajectory in a run folder."""
     return f"trajectory_{robot}.csv" if robot else "trajectory.csv"
 
 
 def new_run_folder(root: Path, name: str) -> Path:
-    """First free folder `root/name-001`, `root/name-002`, ..."""
+    """Return the first free folder among `root/name-001`, `root/name-002`, ..."""
     number = 1
     while (folder := root / f"{name}-{number:03d}").exists():
         number += 1
@@ -149,7 +149,7 @@ def new_run_folder(root: Path, name: str) -> Path:
 
 
 def provenance() -> dict[str, Any]:
-    """Where a result comes from: version, commit, machine and date (kept out of metrics.json)."""
+    """Return the origin of a result: version, commit, machine and date (kept out of metrics.json)."""
     return {
         "coral": __version__,
         "commit": _commit(),

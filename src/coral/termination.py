@@ -1,4 +1,4 @@
-"""SIGTERM and SIGHUP end a command as Ctrl-C does: what runs is ended in order and written down."""
+"""SIGTERM and SIGHUP end a command in the same way as Ctrl-C: it stops in order and writes its results."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasat
 
 
 class Terminated(KeyboardInterrupt):
-    """The process was asked to end; the text says by which signal, as a run's end reason."""
+    """The process was asked to end; the text names the signal, as a run's end reason."""
 
     def __init__(self, number: int) -> None:
         super().__init__(f"stopped by {signal.Signals(number).name}")
@@ -21,22 +21,21 @@ class Terminated(KeyboardInterrupt):
 
 @dataclass
 class Received:
-    """Which signal ended the command."""
+    """The signal that ended the command."""
 
     number: int = 0
-    """0 while there is none."""
+    """0 without a signal."""
 
     def exit_code(self, code: int) -> int:
-        """128 + the number of the signal, as shells count; `code` without one."""
+        """Return 128 + the number of the signal, as in shells; `code` without a signal."""
         return 128 + self.number if self.number else code
 
 
 @contextlib.contextmanager
 def orderly_termination() -> Iterator[Received]:
-    """Raise `Terminated` in the main thread at the first SIGTERM or SIGHUP; later ones do not disturb the ending.
+    """Raise `Terminated` in the main thread at the first SIGTERM or SIGHUP; ignore later ones.
 
-    A signal that somebody has decided upon already stays as it is: `nohup` ignores SIGHUP, a host program may have a
-    handler of its own.
+    A signal with a handler is left alone: `nohup` ignores SIGHUP, a host program may have its own handler.
     """
     received = Received()
 

@@ -1,4 +1,4 @@
-"""What the command-line parser complains about, in one line as all other bad input."""
+"""Complaints of the command-line parser, in one line like all other bad input."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ NUMBERS = {"INT": "a whole number", "FLOAT": "a number"}
 
 
 def usage_error(command: str, complaint: str) -> InputError:
-    """Tyro's complaint, a page in a box, as one error that names the flag, what was found and what was expected.
+    """Convert tyro's complaint, a page in a box, to one error with the flag, the value found and the value expected.
 
     Args:
-        command: The words that picked the command, such as "reef run".
-        complaint: What tyro printed.
+        command: The words that selected the command, such as "reef run".
+        complaint: The text printed by tyro.
     """
     where, flags = f"coral {command}", f"flags as in: coral {command} --help"
     text = " ".join(re.sub(r"[╭╮╰╯│─]+", " ", complaint).split())
@@ -28,9 +28,9 @@ def usage_error(command: str, complaint: str) -> InputError:
     if match := re.search(r"Missing from [^:]+: (\S+) (.*?)(?: \(required\)|$)", text):
         return InputError(where, match[1], "nothing", match[2].rstrip("."))
     if match := re.search(r"invalid choice (.+?) for argument '([^']+)'\. Expected one of \((.*?),?\)", text):
-        options = sorted(re.findall(r"'([^']*)'", match[3]))  # tyro has them in any order
+        options = sorted(re.findall(r"'([^']*)'", match[3]))  # tyro lists them in any order
         return InputError(where, _named(match[2]), match[1], f"one of {', '.join(o for o in options if o != 'None')}")
-    if match := re.search(r"Error parsing \S+: (.+?): found (.+), expected (.+)$", text):  # a configuration's own words
+    if match := re.search(r"Error parsing \S+: (.+?): found (.+), expected (.+)$", text):  # a configuration's own text
         return InputError(where, f"--cfg.{'.'.join(match[1].split(': '))}", match[2], match[3].strip())
     if match := re.search(r"Error parsing (\S+): (.*?)(?: Argument helptext: (\S+) (\S+)|$)", text):
         values = re.findall(r"'([^']*)'", match[2])
@@ -42,5 +42,5 @@ def usage_error(command: str, complaint: str) -> InputError:
 
 
 def _named(argument: str) -> str:
-    """An argument as `--help` shows it: positional ones in capitals."""
+    """Format an argument as `--help` shows it: positional ones in capitals."""
     return argument if argument.startswith("-") else argument.upper()

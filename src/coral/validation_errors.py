@@ -1,4 +1,4 @@
-"""Validation errors of pydantic as one line for the person who wrote the file."""
+"""Validation errors of pydantic as one line for the author of the file."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from coral.errors import InputError, nearest
 from coral.words import many
 
 LONGEST = 60
-"""Letters of a wrong value that are shown."""
+"""Maximum number of characters shown of a wrong value."""
 
 
 def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> InputError:
-    """The first validation error as one line: dotted field, found, expected.
+    """Convert the first validation error to one line: dotted field, found, expected.
 
     Args:
         where: The file.
-        error: What validating it raised.
-        model: What it was validated as; tells the keys that a place in the file may have.
+        error: The validation error.
+        model: The model used for validation; it gives the valid keys of each place in the file.
     """
     faults = error.errors(include_url=False)
     fault = faults[0]
-    if fault["type"] == "missing":  # where a key is missing, one beside it that nobody knows is that key, misspelt
+    if fault["type"] == "missing":  # an unknown key beside a missing one is that key, misspelt
         fault = next(
             (
                 other
@@ -70,13 +70,13 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
 
 
 def shown(value: Any) -> str:
-    """A wrong value, shortened for a message."""
+    """Shorten a wrong value for a message."""
     text = repr(value)
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 def _in_file(model: type[BaseModel], place: Sequence[int | str]) -> list[int | str]:
-    """A place as the file has it: without the tags that pydantic adds where one of several kinds was chosen."""
+    """Return a place as it is in the file: without the tags that pydantic adds for one of several kinds."""
     kept: list[int | str] = []
     kind: Any = model
     for part in place:
@@ -91,7 +91,7 @@ def _in_file(model: type[BaseModel], place: Sequence[int | str]) -> list[int | s
 
 
 def _inside(kind: Any, part: int | str) -> Any:
-    """Type of what lies under a key or at an index."""
+    """Return the type of the value at a key or an index."""
     if isinstance(part, int):
         return (*get_args(kind), None)[0]
     if get_origin(kind) is dict:
@@ -105,13 +105,13 @@ def _plain(kind: Any) -> Any:
 
 
 def _tagged(kind: Any) -> dict[int | str, Any]:
-    """The members of a union of models by the value of their `kind`."""
+    """Return the members of a union of models by the value of their `kind`."""
     members = get_args(kind) if get_origin(kind) in (Union, UnionType) else ()
     return {member.model_fields["kind"].default: member for member in members if hasattr(member, "model_fields")}
 
 
 def _keys(model: type[BaseModel], place: Sequence[int | str]) -> list[str]:
-    """Keys of the mapping at some place in a file, as pydantic names it."""
+    """Return the keys of the mapping at a place in a file, as pydantic names it."""
     kind: Any = model
     for part in place:
         kind = _plain(kind)

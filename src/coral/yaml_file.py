@@ -1,4 +1,4 @@
-"""YAML files of other people, read with limits on their kind, size, nesting and number of values."""
+"""YAML files of unknown origin, read with limits on their kind, size, nesting and number of values."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from coral.errors import InputError
 
 MAX_BYTES = 20_000_000
 MAX_DEPTH = 50
-"""Deepest nesting. PyYAML's C parser recurses over it: 15 000 levels end the process by a signal."""
+"""Maximum nesting. PyYAML's C parser is recursive: 15 000 levels end the process by a signal."""
 
 
 class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
-    """YAML in which no key stands twice; by the C parser where it is there, ten times faster with 600 objects."""
+    """YAML without duplicate keys; with the C parser if available, which is ten times faster with 600 objects."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """A mapping of the file."""
+        """Construct a mapping of the file."""
         seen = set()
         for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
             if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
@@ -32,15 +32,15 @@ class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mis
 
 
 def read_regular(path: Path, expected: str, most_bytes: int = MAX_BYTES) -> str:
-    """Text of a regular file. A pipe could make the reader wait for ever, a device could give bytes without end.
+    """Read the text of a regular file. A pipe could block the reader for ever, a device could deliver endless bytes.
 
     Args:
-        path: Of the file; a link is followed.
-        expected: What is read, for the message.
-        most_bytes: Largest size.
+        path: Path of the file; links are followed.
+        expected: Kind of file, for the message.
+        most_bytes: Maximum size.
 
     Raises:
-        InputError: It is missing, a folder, something else than a regular file, unreadable, too large, or not UTF-8.
+        InputError: It is missing, a folder, not a regular file, unreadable, too large, or not UTF-8.
     """
     where = str(path)
     try:
@@ -64,7 +64,7 @@ def read_regular(path: Path, expected: str, most_bytes: int = MAX_BYTES) -> str:
 
 
 class NotRegularError(OSError):
-    """A file that has no end, or that waits for somebody to write it."""
+    """A file without an end, or one that waits for a writer."""
 
     def __init__(self, kind: str) -> None:
         super().__init__(kind)
@@ -72,13 +72,13 @@ class NotRegularError(OSError):
 
 
 def regular_bytes(path: Path, most_bytes: int) -> bytes:
-    """Content of a regular file, at most one byte more than `most_bytes`.
+    """Read a regular file, at most one byte more than `most_bytes`.
 
     Raises:
         NotRegularError: It is a pipe, a device or a socket.
         OSError: It cannot be read.
     """
-    # A pipe that nobody writes is opened at once only so; on what has been found to be a file it means nothing.
+    # Only this opens a pipe without a writer at once; for a regular file it has no effect.
     descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     with open(descriptor, "rb") as file:
         mode = os.fstat(descriptor).st_mode
@@ -92,16 +92,16 @@ def regular_bytes(path: Path, most_bytes: int) -> bytes:
 def load_mapping(
     text: str, where: str, most_values: int, expected: str = "a mapping of keys to values"
 ) -> dict[str, Any]:
-    """The mapping that a YAML text holds; {} of an empty one.
+    """Return the mapping in a YAML text; {} for an empty one.
 
     Args:
-        text: Of the file.
+        text: Text of the file.
         where: The file, for messages.
-        most_values: Most values, also of those that aliases unfold to.
-        expected: What the whole is, for the message.
+        most_values: Maximum number of values, including expanded aliases.
+        expected: Expected content, for the message.
 
     Raises:
-        InputError: It is no YAML, no mapping, or nested or unfolding without end.
+        InputError: It is not YAML, not a mapping, or nested or expanded without end.
     """
     try:
         _refuse_depth(text, where, most_values)
@@ -112,7 +112,7 @@ def load_mapping(
         raise InputError(where, line, getattr(error, "problem", None) or "broken YAML", "valid YAML") from None
     except InputError:
         raise
-    except (ValueError, TypeError, RecursionError, OverflowError) as error:  # say a date such as 2026-13-45
+    except (ValueError, TypeError, RecursionError, OverflowError) as error:  # for example a date such as 2026-13-45
         raise InputError(where, "", str(error) or "brackets nested without end", "valid YAML") from None
     if content is None:
         return {}
@@ -123,7 +123,7 @@ def load_mapping(
 
 
 def _refuse_depth(text: str, where: str, most_values: int) -> None:
-    """Nesting and number, from the parser's events: those come one by one, without recursion."""
+    """Check nesting and number of values on the parser's events, which come one by one without recursion."""
     depth = seen = 0
     for event in yaml.parse(text, Loader=Loader):
         seen += isinstance(event, yaml.NodeEvent)
@@ -134,12 +134,12 @@ def _refuse_depth(text: str, where: str, most_values: int) -> None:
                 raise InputError(where, line, f"values nested more than {MAX_DEPTH} deep", "a file written by hand")
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
-        if seen > 3 * most_values:  # keys count here, and are not counted below
+        if seen > 3 * most_values:  # keys count here, but not below
             raise InputError(where, "", f"more than {most_values} values", "a smaller file")
 
 
 def _refuse_bombs(content: Any, where: str, most_values: int) -> None:
-    """Nothing may walk through what a few lines of YAML aliases unfold to."""
+    """Check the number of values without walking through what a few YAML aliases expand to."""
     seen, stack = 0, [content]
     while stack:
         node = stack.pop()

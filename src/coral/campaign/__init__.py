@@ -1,1 +1,1 @@
-"""Many episodes: grids, executors, crash-safe results, tables."""
+"""Campaigns of many episodes: grids, executors, crash-safe results, tables."""

@@ -1,4 +1,4 @@
-"""Shared by the bench commands of both applications: digests of conditions, flags, executors, tables as JSON."""
+"""Shared parts of the bench commands of both applications: digests of conditions, flags, executors, tables as JSON."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from coral.campaign.table import Table
 
 
 def digest(content: Any) -> str:
-    """Return twelve hexadecimal digits that identify contents."""
+    """Compute twelve hexadecimal digits that identify contents."""
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:12]
 
 

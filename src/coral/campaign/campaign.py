@@ -1,4 +1,4 @@
-"""Running a campaign: pending episodes go to the executor, outcomes go to the store."""
+"""Running of a campaign: pending episodes go to the executor, outcomes go to the store."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class Summary:
     """Summary of a call of `run_campaign`."""
 
     wanted: int
-    """Episodes of this grid."""
+    """Number of episodes of this grid."""
     found: int
-    """Of these, recorded before."""
+    """Number of episodes recorded before."""
     finished: int
-    """Finished now."""
+    """Number of episodes finished by this call."""
     failed: int
-    """Failed now."""
+    """Number of episodes that failed in this call."""
 
 
 def run_campaign(
@@ -45,14 +45,14 @@ def run_campaign(
     """Run the episodes that are not recorded yet. The store must be locked and opened.
 
     Args:
-        store: Where results go.
-        specs: Episodes wanted.
+        store: Store of the results.
+        specs: The requested episodes.
         episode: Runs one.
-        executor: Runs many.
-        retry_failed: Try those again whose failure is recorded.
-        mix: Accept results of workers that run another version of the code.
+        executor: Runs many episodes.
+        retry_failed: Whether to repeat episodes with a recorded failure.
+        mix: Whether to accept results of workers with another version of the code.
         first: Expected length of an episode; the longest start first, which keeps all workers busy to the end.
-        progress: Told of every outcome.
+        progress: Receives every outcome.
 
     Raises:
         RunError: A worker runs another version of the code than this process, or workers do not start.
@@ -89,7 +89,7 @@ def _check_version(outcome: EpisodeOutcome, mix: bool) -> None:
 
 
 def _measured(store: Store) -> Callable[[Spec], float]:
-    """Return the mean time of recorded episodes of the same variant and world, else variant, else of all."""
+    """Return a function that estimates an episode's time: the mean of its variant and world, variant, or all."""
     times: Mapping[tuple[str, ...], list[float]] = defaultdict(list)
     for record in store.records():
         seconds = record["about"].get("episode_wall_s")

@@ -1,4 +1,4 @@
-"""Episodes on a Ray cluster without a shared disk, whose nodes may come, go and die."""
+"""Episodes on a Ray cluster without a shared disk, whose nodes may join, leave and fail."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeT
 from coral.errors import InputError, RunError, first_line
 
 ATTEMPTS = 4
-"""A lost node and an episode that kills its worker look alike from here, and losing a node is ordinary on a
-cluster; so more patience than with local processes."""
+"""A lost node and an episode that kills its worker look alike to the driver, and losing a node is common on a
+cluster; hence more attempts than with local processes."""
 IN_FLIGHT = 4
-"""Tasks handed to Ray for each core of the cluster; what waits there makes an autoscaler add nodes."""
+"""Tasks submitted to Ray per core of the cluster; pending ones make an autoscaler add nodes."""
 
 
 class RayExecutor:
@@ -31,7 +31,7 @@ class RayExecutor:
         address: `auto`, `HOST:PORT` of the head, or `ray://HOST:PORT` of a Ray client server.
 
     Raises:
-        InputError: Ray is not installed, or the address is none.
+        InputError: Ray is not installed, or the address is invalid.
         RunError: No cluster answers at the address.
     """
 
@@ -59,7 +59,7 @@ class RayExecutor:
     def run(self, episode: Episode, tasks: Sequence[EpisodeTask]) -> Iterator[EpisodeOutcome]:
         """Yield each task's outcome as it comes (see `Executor`)."""
         ray = self._ray
-        # Retries are counted here, not by Ray, so that the record holds the number of attempts.
+        # Attempts are counted here, not by Ray, so that the record contains their number.
         remote = ray.remote(num_cpus=1, max_retries=0, runtime_env={"env_vars": ONE_THREAD})(_perform_there)
         shared = ray.put(episode)
         queue = deque((task, 1) for task in tasks)
@@ -73,7 +73,7 @@ class RayExecutor:
                     task, attempt = running.pop(reference)
                     try:
                         outcome, files = ray.get(reference)
-                    except ray.exceptions.RayTaskError as error:  # raised in the task, but not by the episode
+                    except ray.exceptions.RayTaskError as error:  # raised by Ray's task, not by the episode
                         yield EpisodeOutcome(
                             task.spec,
                             message=f"not run by Ray: {first_line(error.cause)}",
@@ -99,7 +99,7 @@ class RayExecutor:
 
 
 def _knock(address: str) -> None:
-    """Check quickly whether anything listens; Ray itself keeps trying for minutes."""
+    """Check quickly whether anything accepts a connection; Ray itself keeps trying for minutes."""
     host, separator, port = address.removeprefix("ray://").rpartition(":")
     if not separator and address == "auto":
         return

@@ -14,9 +14,9 @@ from coral.campaign.table import Table
 GUIDED, UNGUIDED = "full", "unguided"
 NAMES = {GUIDED: "with contact strategy", "no-regions": "its plan, samples unguided", UNGUIDED: "without"}
 COLUMNS = (("steps", 0), ("path_length_m", 2), ("first_touch_s", 2), ("plan_cost", 2), ("plan_cost_jump", 3))
-"""Measure and digits after the point."""
+"""Measure and number of decimals."""
 COMPARED = ("steps", "path_length_m", "first_touch_s")
-"""Measures of which a change means something: the variants' costs are different functions."""
+"""Measures that can be compared: the variants' costs are different functions."""
 HEADER = ("", "success", "steps", "path (m)", "first touch (s)", "planning cost", "its jumps")
 
 
@@ -24,8 +24,8 @@ def ablations(rows: Sequence[Row], command: str) -> list[Table]:
     """Make a table for each task, evaluation world and advisor that ran both with and without a contact strategy.
 
     Args:
-        rows: Of the data set.
-        command: That makes the tables.
+        rows: Rows of the data set.
+        command: The command that makes the tables.
     """
     done = [row for row in rows if row["status"] == "done" and row["advisor"] != NO_ADVISOR and row["variant"] in NAMES]
     keys = dict.fromkeys((str(row["world"]), str(row["evaluation_world"]), str(row["advisor"])) for row in done)
@@ -65,7 +65,7 @@ def _table(trials: dict[str, list[Row]], task: str, place: str, advisor: str, co
         ]
         lines.append(("paper, change", "", *printed["change"], *["–"] * 3))
     notes = (
-        "Medians over all trials; one that fails counts all its steps. Change: of the median with the strategy against "
+        "Medians over all trials; a failed one counts all its steps. Change: of the median with the strategy against "
         "that without.",
         "Without: the cost is of outcomes alone (variant `unguided`, as the paper calls it). Planning cost: mean "
         "expected cost of a trial's plans, no comparison between different costs; its jumps: mean change from one plan "

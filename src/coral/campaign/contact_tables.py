@@ -30,9 +30,9 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
     """Make all tables, one set for each evaluation world and each advisor among the rows.
 
     Args:
-        rows: Of the data set; `world` is the task, `evaluation_world` where it took place.
-        about: Of the campaign: commit, machine.
-        command: That makes the tables.
+        rows: Rows of the data set; `world` is the task, `evaluation_world` its world.
+        about: Conditions of the campaign: commit, machine.
+        command: The command that makes the tables.
     """
     advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
     tables: list[Table] = []
@@ -166,7 +166,7 @@ def _decided(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Tabl
         _name(variant): [row for row in rows if row["variant"] == variant]
         for variant in dict.fromkeys(str(row["variant"]) for row in rows)
     }
-    note = "Experts and served policies ask nobody: no decision is an advisor’s there."
+    note = "Experts and served policies ask no advisor."
     return decided_table(groups, caption, (note, *source), runs="trials")
 
 

@@ -55,7 +55,7 @@ def read_parquet(path: Path) -> list[Row]:
     """Read the rows of a Parquet file.
 
     Raises:
-        InputError: There is none, or it cannot be read.
+        InputError: There is no such file, or it cannot be read.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq

@@ -1,4 +1,4 @@
-"""Who decided in the rows of a table: shares of the advisor and the fallback, and the cost of the answers."""
+"""Table of who decided: shares of the advisor and the fallback, and the cost of the answers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from coral.campaign.measures import Measure, Row, field, number
 from coral.campaign.table import Table
 
 MARK = " §"
-"""Behind the name of a row in which a fallback decided; the paper's own tables use † and ‡."""
+"""Mark of a row in which a fallback decided; the paper's own tables use † and ‡."""
 
 COSTS = (
     field("tokens_in", "tokens in", "tokens_in", digits=0),
@@ -54,22 +54,22 @@ def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
         if not fell:
             continue
         what = (
-            "were made by the fallback’s rules, so that these rows are not the advisor’s work alone"
+            "were made by the fallback’s rules, so these rows are not the advisor’s alone"
             if policy == "rules"
-            else "were left undecided by the advisor, and what came of that counts as its own"
+            else "were left open by the advisor; the consequences count as its own"
         )
         notes.append(f"§: {fell} of {total} decisions {what} (fallback: {policy or 'unknown'}).")
     return tuple(notes)
 
 
 def decided_table(groups: Mapping[str, Sequence[Row]], caption: str, notes: tuple[str, ...], *, runs: str) -> Table:
-    """Make a line for each group of episodes: who decided, the fate of the answers, tokens, cost and thinking time.
+    """Make a row for each group of episodes: who decided, the fate of the answers, tokens, cost and thinking time.
 
     Args:
-        groups: Name of the line to its finished episodes.
-        caption: Of the table.
-        notes: Under it, after the explanation of the columns; with `mark_notes`.
-        runs: What an episode is called, in the plural.
+        groups: Finished episodes by the name of their row.
+        caption: Caption of the table.
+        notes: Notes after the explanation of the columns; with `mark_notes`.
+        runs: The word for episodes, in the plural.
     """
     everything = [row for rows in groups.values() for row in rows]
     sources = [s for s in SOURCES if s in ("advisor", "fallback") or _total(everything, "decided_by", s)]
@@ -102,7 +102,7 @@ def decided_table(groups: Mapping[str, Sequence[Row]], caption: str, notes: tupl
         tuple(lines),
         (
             f"Decisions are counted over all {runs}; answers, tokens, cost and thinking are means of the {runs}. "
-            "Missing: no reply came. “—”: not known in every one of them.",
+            "Missing: no reply. “—”: unknown for at least one of them.",
             *notes,
         ),
     )
@@ -125,6 +125,6 @@ def _part(count: int, total: int) -> str:
 
 
 def _mean(rows: Sequence[Row], measure: Measure) -> str:
-    """Return the mean of a cost; a dash if one of the episodes does not know its own."""
+    """Return the mean of a cost; a dash if it is unknown for one of the episodes."""
     values: list[Any] = [measure.of(row) for row in rows]
     return number(fmean(values), measure.digits) if values and None not in values else "—"

@@ -16,11 +16,11 @@ from coral.campaign.spec import Spec
 from coral.campaign.version import code_version
 
 Episode = Callable[[Spec, Path], Mapping[str, Any]]
-"""Runs one episode in a new folder and returns what is to be known of it (JSON values). It must be picklable, and
-deterministic but for what the record says about time."""
+"""Runs one episode in a new folder and returns its record (JSON values). It must be picklable, and deterministic
+except for times in the record."""
 
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-"""Environment of a worker: as many workers as cores, so one thread each."""
+"""Environment of a worker: there is one worker per core, so one thread each."""
 
 
 @dataclass(frozen=True)
@@ -44,17 +44,16 @@ class EpisodeOutcome:
 
 
 class Executor(Protocol):
-    """A place to run episodes."""
+    """Runs episodes."""
 
     jobs: int
-    """Episodes at a time, for the estimate of the time that is left."""
+    """Number of simultaneous episodes, for the estimate of the remaining time."""
 
     def run(self, episode: Episode, tasks: Sequence[EpisodeTask]) -> Iterator[EpisodeOutcome]:
         """Run every task and yield each outcome once, as soon as it is available.
 
-        What an episode wrote lies in its task's scratch folder by then. A worker that dies takes no other episode
-        with it: its own is tried again a few times, then its outcome is a failure. Closing the iterator early stops
-        every worker.
+        The episode's files are in its task's scratch folder by then. A worker that dies affects no other episode: its
+        own is repeated a few times, then its outcome is a failure. Closing the iterator early stops every worker.
         """
         ...
 

@@ -1,4 +1,4 @@
-"""What was imaged and inspected, how soon, and against which bound: one table of every variant."""
+"""Table of imaging and inspection for every variant: how much, how soon, and compared with which bound."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from coral.campaign.measures import Measure, Row, field, mean_text
 from coral.campaign.table import Table
 
 BASELINES = ("blind-sweep", "random", "oracle")
-"""Rows of every table that compares variants, where they ran: what looks like nothing, like chance, like the bound."""
+"""Rows of every table that compares variants, if they ran: blind survey, random choice, upper bound."""
 
 INSPECTED = field("inspected", "inspected (%)", "inspected", 100.0)
 TIME_TO_90 = field("time_to_90", "to 90 % (s)", "time_to_90_s", digits=0)
@@ -32,10 +32,10 @@ MEASURES = (
 NOTES = (
     "Inspected: mean share of the clusters’ oyster area that the true camera had in its picture at pixels of 0.05 m or "
     "less; imaged: within 6 m. Times and the area, the mean share over the first 600 s, are of inspected; (28/30): "
-    "only 28 of 30 missions got there.",
-    "Random: the whole system with an advisor that draws lots. Blind sweep: straight lanes, through whatever is in the "
-    "way. Oracle: a tour that knows the reef, at cruise speed, without inertia; a heuristic, not a proven optimum. "
-    "These two go on to their own end; the other missions only with --cfg.no-stop-when-covered.",
+    "only 28 of 30 missions reached it.",
+    "Random: the whole system with a random advisor. Blind sweep: straight lanes, through whatever is in the "
+    "way. Oracle: a tour with the true reef, at cruise speed, without inertia; a heuristic, not a proven optimum. "
+    "These two continue to their own end; the other missions only with --cfg.no-stop-when-covered.",
 )
 
 

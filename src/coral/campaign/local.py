@@ -20,7 +20,7 @@ from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeT
 from coral.errors import RunError
 
 ATTEMPTS = 2
-"""A worker may die by accident once (a full memory, a signal); an episode that kills two is to blame itself."""
+"""A worker may die by accident once (full memory, a signal); an episode that kills two workers is the cause itself."""
 _READY = "ready"
 
 
@@ -43,7 +43,7 @@ class LocalExecutor:
         """Yield each task's outcome as it comes (see `Executor`).
 
         Raises:
-            RunError: Workers do not even start.
+            RunError: Workers do not start.
         """
         queue, deaths = deque(tasks), dict.fromkeys((task.spec.key for task in tasks), 0)
         workers: list[_Worker] = []
@@ -107,7 +107,7 @@ def _give(worker: _Worker, queue: deque[EpisodeTask]) -> None:
     if queue and worker.ready and worker.task is None:
         worker.task = queue.popleft()
         shutil.rmtree(worker.task.scratch, ignore_errors=True)
-        with contextlib.suppress(OSError):  # it has just died: its closed pipe is noticed and the task is requeued
+        with contextlib.suppress(OSError):  # if it has just died, its closed pipe is noticed and the task requeued
             worker.pipe.send(worker.task)
 
 
@@ -126,7 +126,7 @@ def _cause(code: int) -> str:
 
 
 def _work(pipe: Connection, episode: Episode) -> None:
-    """Run a worker: tasks in, outcomes out, until the campaign is over or dead."""
+    """Run a worker: tasks in, outcomes out, until the campaign ends or its process dies."""
     # Ctrl-C reaches every process of the terminal; an episode interrupted by it must not be recorded as finished.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # an episode's children must not inherit the block
@@ -143,7 +143,7 @@ def _work(pipe: Connection, episode: Episode) -> None:
 
 
 def _die_with_parent() -> None:
-    """Make the worker die with its parent: a killed campaign must not go on writing into its folder."""
+    """Make the worker die with its parent: a killed campaign must not continue to write into its folder."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         wait([parent.sentinel])
@@ -152,7 +152,7 @@ def _die_with_parent() -> None:
 
 @contextlib.contextmanager
 def _deaf_to_ctrl_c() -> Iterator[None]:
-    """Block Ctrl-C: it waits, and a process started meanwhile never receives it, not even while it imports."""
+    """Block Ctrl-C: it stays pending, and a process started meanwhile never receives it, not even while importing."""
     resource_tracker.ensure_running()  # otherwise it starts with the first worker and undoes the blocking
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

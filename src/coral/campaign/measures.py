@@ -1,4 +1,4 @@
-"""The numbers of a mission that the tables compare, with their means and differences over a campaign's rows."""
+"""The measures of a mission in the tables, with their means and differences over a campaign's rows."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from coral.campaign.stats import Estimate, bootstrap_mean, paired_difference
 
 Row = Mapping[str, Any]
 Pair = tuple[Hashable, Hashable]
-"""World and seed: what a variant and the reference have in common."""
+"""World and seed, which pair a variant with the reference."""
 
 
 @dataclass(frozen=True)
 class Measure:
-    """A number of a mission, None if it is not defined."""
+    """A measure of a mission, None if it is undefined."""
 
     key: str
     label: str
@@ -36,12 +36,12 @@ def field(key: str, label: str, name: str, scale: float = 1.0, digits: int = 1) 
 
 
 def time_to_count(reference: Mapping[Pair, int]) -> Measure:
-    """Return the time (s) at which a mission had covered as many clusters as another one did in all (paper IV-E: K_i).
+    """Make a measure: the time (s) at which a mission covered as many clusters as the reference (paper IV-E: K_i).
 
-    None where it never did, where the other one is missing, and where it covered nothing.
+    None if it never did, if the reference is missing, or if the reference covered nothing.
 
     Args:
-        reference: Final count of the other variant for each world and seed.
+        reference: Final count of the reference for each world and seed.
     """
 
     def of(row: Row) -> float | None:
@@ -53,12 +53,12 @@ def time_to_count(reference: Mapping[Pair, int]) -> Measure:
 
 
 def pair(row: Row) -> Pair:
-    """Return the key on which two rows are compared, within one advisor and one configuration."""
+    """Return the key by which two rows are compared, within one advisor and one configuration."""
     return row["world"], row["seed"]
 
 
 def select(rows: Sequence[Row], advisor: str, overrides: str) -> list[Row]:
-    """Select finished missions with this advisor, and those that ask none."""
+    """Select finished missions with this advisor, and those without an advisor."""
     return [
         row
         for row in rows
@@ -79,7 +79,7 @@ def mean(rows: Sequence[Row], measure: Measure) -> Estimate:
 
 
 def difference(rows: Sequence[Row], reference: Sequence[Row], measure: Measure) -> Estimate:
-    """Compute the mean of this minus the reference over the pairs that both have."""
+    """Compute the mean difference from the reference over the pairs that both have."""
     ours = values(rows, measure)
     return paired_difference(ours, values(reference, measure), {key: key[0] for key in ours})
 

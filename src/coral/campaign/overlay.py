@@ -16,7 +16,7 @@ from coral.view.mapsvg import footprint
 from coral.view.run import RunFolder
 
 COLORS = {"dream": "#2b6cb8", "pd": "#e8590c", "full": "#f2b705"}
-"""The paper's: blue, orange, yellow; an edge keeps the yellow readable on white."""
+"""The paper's colours: blue, orange, yellow; an edge keeps the yellow readable on white."""
 MORE_COLORS = ("#7b3fa0", "#00897b", "#c2185b", "#5d4037", "#455a64", "#6d8b00", "#00acc1", "#9e9d24")
 
 
@@ -24,8 +24,8 @@ def draw_overlay(runs: Mapping[str, Mapping[str, Path]], path: Path, *, seed: in
     """Write the figure as PNG.
 
     Args:
-        runs: World to variant to run folder, in the order in which they are drawn.
-        path: Of the picture; replaced.
+        runs: Run folders by world and variant, in drawing order.
+        path: Path of the picture; replaced.
         seed: Shown in the title.
         advisor: Shown in the title.
     """

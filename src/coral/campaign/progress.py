@@ -13,11 +13,11 @@ from coral.odd_text import printable
 from coral.words import many
 
 LINE_EVERY_S = 15.0
-"""Without a terminal a line is written this often at most, so that a log stays readable."""
+"""Maximum rate of lines without a terminal, so that a log stays readable."""
 
 
 class CampaignProgress:
-    """A bar in a terminal, an occasional line elsewhere."""
+    """Shows a bar in a terminal, an occasional line elsewhere."""
 
     def __init__(
         self, *, quiet: bool = False, clock: Callable[[], float] = time.monotonic, console: Console | None = None
@@ -41,16 +41,16 @@ class CampaignProgress:
         """Start counting.
 
         Args:
-            total: Episodes of the grid.
-            found: Of these, recorded before.
-            jobs: Episodes that run at a time.
+            total: Number of episodes of the grid.
+            found: Number of episodes recorded before.
+            jobs: Number of simultaneous episodes.
         """
         self._total, self._found, self._jobs = total, found, jobs
         self._begun = self._told = self._clock()
         self._bar.start()
         self._show("")
         if found and not self._quiet:
-            self._console.print(f"there already: {found} of {many(total, 'episode')}", highlight=False)
+            self._console.print(f"recorded before: {found} of {many(total, 'episode')}", highlight=False)
 
     def ended(self, outcome: EpisodeOutcome) -> None:
         """Count an episode; a failure is reported at once."""
@@ -63,13 +63,13 @@ class CampaignProgress:
         self._show(outcome.spec.key)
 
     def status(self) -> str:
-        """Return counts and remaining time in words."""
+        """Format counts and remaining time."""
         done = self._found + self._ended
         left = self._total - done
         parts = [f"{done} of {self._total}"]
         parts += [f"{self._failed} failed"] if self._failed else []
         if self._ended and left:
-            # The last episodes to start leave workers idle, so no rate counts for less than one round.
+            # The last episodes leave workers idle, so the rate counts only after a full round.
             rounds = max(left / self._ended, 1.0 / max(1.0, self._ended / self._jobs))
             parts.append(f"about {duration(rounds * (self._clock() - self._begun))} left")
         elif not left:
@@ -77,7 +77,7 @@ class CampaignProgress:
         return " · ".join(parts)
 
     def close(self) -> None:
-        """Leave the last state on the screen."""
+        """Keep the last state on the screen."""
         self._bar.stop()
 
     def _show(self, key: str) -> None:

@@ -40,12 +40,12 @@ TABLE_III = ("L", "S", "O", "K", "E")
 REFERENCE = "full"
 SWEPT = (COVERAGE, INSPECTED, TIME_TO_90, COLLISIONS, MISSION_TIME, DISTANCE, CALLS, DEVIATIONS)
 DRAWN = (COVERAGE, COLLISIONS, MISSION_TIME)
-"""Of a sweep, in its tables and in its figure."""
+"""Measures of a sweep, in its tables and in its figure."""
 
 
 @cache
 def paper() -> dict[str, Any]:
-    """Load the paper's numbers, and notes on where they disagree."""
+    """Load the paper's numbers, and notes on its contradictions."""
     content: dict[str, Any] = json.loads((Path(__file__).parent / "reef_paper.json").read_text(encoding="utf-8"))
     return content
 
@@ -53,12 +53,12 @@ def paper() -> dict[str, Any]:
 def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
     """Make all tables, one set for each advisor: the paper's tables at the nominal setting, then those of the sweep.
 
-    Without the nominal setting the paper's tables are made once for each setting that is there.
+    Without the nominal setting, the paper's tables are made once for each setting.
 
     Args:
-        rows: Of the data set.
-        about: Of the campaign: commit, machine.
-        command: That makes the tables.
+        rows: Rows of the data set.
+        about: Conditions of the campaign: commit, machine.
+        command: The command that makes the tables.
     """
     advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
     tables = []
@@ -89,7 +89,7 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
     coverage_time = time_to_count(dream)
     time_note = (
         "Coverage time: simulated time until as many clusters were covered as DREAM covered in that world and "
-        "seed (paper IV-E), over the missions that got there; (28/30) says how many did."
+        "seed (paper IV-E), over the missions that reached it; (28/30) is their number."
         if dream
         else "Coverage time is measured against DREAM’s count; `dream` is not among the variants."
     )
@@ -202,7 +202,7 @@ def _differences(
     advisor: str,
     source: tuple[str, ...],
 ) -> Table:
-    """Return each variant minus the reference, with intervals, and a sentence on what makes no difference."""
+    """Return each variant minus the reference, with intervals, and a sentence about variants without a difference."""
     rows, silent = [], []
     reference = by_variant.get(REFERENCE, ())
     for variant in variants if reference else ():
@@ -222,8 +222,8 @@ def _differences(
             silent.append(name(variant))
     notes = [
         "Variant minus CORAL (full) in the same world with the same seed and advisor; 95 % intervals from a "
-        "seeded bootstrap that draws whole worlds. ≈: the interval holds zero, so these missions do not tell "
-        "the difference from chance."
+        "seeded bootstrap that draws whole worlds. ≈: the interval contains zero, so these missions do not "
+        "distinguish the difference from chance."
     ]
     if silent:
         notes.append(f"No difference in any of these numbers could be shown for: {', '.join(silent)}.")
@@ -302,7 +302,7 @@ def _source(
     about: Mapping[str, Any],
     command: str,
 ) -> tuple[str, ...]:
-    """Describe the source of a table's numbers; overrides None: from every setting, of the chosen rows' variants."""
+    """Describe the source of a table's numbers; overrides None: every setting of the selected rows' variants."""
     variants = {row["variant"] for row in chosen}
     seeds = sorted({int(row["seed"]) for row in chosen})
     worlds = list(dict.fromkeys(str(row["world"]) for row in chosen))
@@ -331,8 +331,8 @@ def _source(
     parts += mark_notes(chosen)
     if any(row["advisor"] == NO_ADVISOR for row in chosen) and advisor != NO_ADVISOR:
         parts.append(
-            "Variants that ask no advisor ran once and stand beside every advisor; their calls are questions "
-            "put to a rule of their own."
+            "Variants without an advisor ran once and appear beside every advisor; their calls are questions "
+            "to a rule of their own."
         )
     return tuple(parts)
 

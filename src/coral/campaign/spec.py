@@ -14,7 +14,7 @@ from coral.advisor.registry import rules_alone
 from coral.errors import InputError
 
 NO_ADVISOR = "none"
-"""Advisor of a variant that never asks one; such an episode is compared with those of every advisor."""
+"""Advisor of a variant without one; such an episode is compared with those of every advisor."""
 MOST_EPISODES = 1_000_000
 
 
@@ -31,7 +31,7 @@ def called(advisor: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Spec:
-    """The definition of an episode, apart from the campaign's configuration and the version of the code."""
+    """Definition of an episode, apart from the campaign's configuration and the version of the code."""
 
     system: str
     variant: str
@@ -39,10 +39,10 @@ class Spec:
     seed: int
     advisor: str
     overrides: tuple[tuple[str, Any], ...] = ()
-    """Dotted configuration keys and their JSON values that differ from the campaign's configuration, sorted."""
+    """Configuration keys (dotted) and JSON values that differ from the campaign's configuration, sorted."""
 
     def to_json(self) -> dict[str, Any]:
-        """Return a plain mapping, as stored."""
+        """Return the plain mapping that is stored."""
         return {
             "system": self.system,
             "variant": self.variant,
@@ -66,13 +66,13 @@ class Spec:
 
     @property
     def digest(self) -> str:
-        """Return ten hexadecimal digits that depend on every field and on nothing else."""
+        """Compute ten hexadecimal digits that depend on every field and on nothing else."""
         text = json.dumps(self.to_json(), sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()[:10]
 
     @property
     def key(self) -> str:
-        """Return the file name of the episode: readable in front, unique by its digest."""
+        """Return the file name of the episode: readable at the start, unique by its digest."""
         parts = (self.world.rsplit("/", 1)[-1], self.variant, self.advisor, f"s{self.seed}")
         words = "_".join(re.sub(r"[^A-Za-z0-9.]+", "-", part).strip("-.")[:32] for part in parts)
         return f"{words}_{self.digest}"
@@ -94,13 +94,13 @@ def grid(
         system: Name of the system.
         variants: Configurations of the pipeline.
         worlds: Names or paths.
-        seeds: Numbers from 0 on.
+        seeds: Numbers from 0.
         advisors: As on the command line.
-        alone: Variants that ask no advisor; they run once, not once for each advisor.
+        alone: Variants without an advisor; they run once, not once for each advisor.
         overrides: Sweep: each mapping of configuration keys to values is a further dimension.
 
     Raises:
-        InputError: A dimension is empty, or the grid is absurdly large.
+        InputError: A dimension is empty, or the grid is too large.
     """
     for flag, values in (("--variants", variants), ("--worlds", worlds), ("--seeds", seeds), ("--advisors", advisors)):
         if not values:
@@ -126,7 +126,7 @@ def parse_names(text: str, flag: str) -> tuple[str, ...]:
     """Parse names separated by commas, dropping duplicates.
 
     Raises:
-        InputError: There is none, or an empty one between two commas.
+        InputError: There is no name, or an empty one between two commas.
     """
     names = [name.strip() for name in text.split(",")]
     if not all(names):
@@ -138,7 +138,7 @@ def parse_seeds(text: str, flag: str = "--seeds") -> tuple[int, ...]:
     """Parse seeds such as `0-4` or `0,3,7-9`; ascending, without duplicates.
 
     Raises:
-        InputError: It is not a list of numbers and ranges.
+        InputError: The text is not a list of numbers and ranges.
     """
     seeds: set[int] = set()
     for part in text.split(","):

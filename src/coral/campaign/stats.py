@@ -1,4 +1,4 @@
-"""Means and paired differences, with bootstrap intervals that allow for the similarity of missions in one world."""
+"""Means and paired differences, with bootstrap intervals that account for the similarity of missions in one world."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ K = TypeVar("K", bound=Hashable)
 
 RESAMPLES = 4000
 SEED = 20260314
-"""Of the bootstrap: the same results give the same intervals."""
+"""Seed of the bootstrap: the same results give the same intervals."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Estimate:
 
     @property
     def tells(self) -> bool:
-        """Whether the interval excludes zero."""
+        """Return whether the interval excludes zero."""
         return bool(self.low > 0.0 or self.high < 0.0)
 
 
@@ -42,14 +42,14 @@ def bootstrap_mean(
     """Compute mean and percentile interval of the cluster bootstrap (Efron and Tibshirani 1993; Field and Welsh 2007).
 
     Whole groups are drawn with replacement: missions in the same world resemble each other, so drawing single missions
-    would make the interval too narrow. With one group only, its values are drawn instead.
+    would make the interval too narrow. With only one group, its values are drawn instead.
 
     Args:
         values: Shape=(N,).
         groups: Group of each value, Shape=(N,).
-        level: Of the interval.
+        level: Level of the interval.
         resamples: Number of bootstrap samples.
-        seed: Of their generator.
+        seed: Seed of their generator.
     """
     data = np.asarray(values, np.float64)
     if len(data) == 0:
@@ -73,10 +73,10 @@ def paired_difference(
     """Compute the mean of `ours - reference` over the pairs that both have.
 
     Args:
-        ours: Value for each pair's key.
-        reference: The same of the reference.
-        group: Group of each key, such as its world.
-        options: Of `bootstrap_mean`.
+        ours: Values of a variant by pair.
+        reference: Values of the reference by pair.
+        group: Group of each pair, such as its world.
+        options: Options of `bootstrap_mean`.
     """
     keys = [key for key in ours if key in reference]
     return bootstrap_mean([ours[key] - reference[key] for key in keys], [group[key] for key in keys], **options)

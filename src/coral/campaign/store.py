@@ -22,10 +22,10 @@ Record = dict[str, Any]
 class Store:
     """The folder of a campaign.
 
-    `manifest.json` names every episode ever asked for and the conditions they ran under, `episodes/KEY.json` is a
-    finished episode, `failures/KEY.json` one that could not be finished, `runs/KEY/` what an episode wrote, and
-    `runs/.KEY/` what one that is still running writes. The file in `episodes/` is the commit point: what has it is
-    finished and stays, what lacks it never happened. Only one process at a time writes (`lock`).
+    `manifest.json` lists every episode ever requested and their conditions, `episodes/KEY.json` is a finished episode,
+    `failures/KEY.json` a failed one, `runs/KEY/` contains the files of an episode, and `runs/.KEY/` those of a running
+    one. The file in `episodes/` is the commit point: with it an episode is finished and stays, without it the episode
+    never happened. Only one process at a time writes (`lock`).
     """
 
     def __init__(self, folder: Path | str) -> None:
@@ -34,10 +34,10 @@ class Store:
 
     @contextmanager
     def lock(self) -> Iterator[None]:
-        """Lock the folder for this process; the system releases it however the process ends.
+        """Lock the folder for this process; the system releases the lock however the process ends.
 
         Raises:
-            InputError: The folder cannot be written, holds something else, or another campaign writes to it.
+            InputError: The folder cannot be written, contains other files, or another campaign writes to it.
         """
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -67,10 +67,10 @@ class Store:
             yield
 
     def manifest(self) -> Record:
-        """Return what is known about the campaign.
+        """Return the manifest of the campaign.
 
         Raises:
-            InputError: There is none here, or it is not one of ours.
+            InputError: There is none here, or it has another format.
         """
         content = _read(self.manifest_path)
         if content is None or content.get("format") != FORMAT:
@@ -90,11 +90,11 @@ class Store:
         """Open the campaign with this grid: begin, continue or extend it.
 
         Args:
-            specs: Episodes that are wanted; they join those that were wanted before.
-            conditions: What must not change under results that are compared: name to value. Names that only one
-                side has are no conflict.
-            command: That asked for them.
-            mix: Take results under other conditions into the same folder all the same.
+            specs: Requested episodes; they join those requested before.
+            conditions: Conditions that must be equal for compared results: name to value. Names that only one side has
+                are no conflict.
+            command: The requesting command.
+            mix: Whether to accept results under other conditions in the same folder.
             about: Further facts for the tables (commit, machine, date).
 
         Raises:

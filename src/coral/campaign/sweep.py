@@ -10,7 +10,7 @@ from coral.campaign.spec import parse_names
 from coral.errors import InputError
 
 NOMINAL = "nominal"
-"""Setting of an episode in which nothing is changed."""
+"""Setting of an episode without changes."""
 
 
 def parse_sweeps(texts: Iterable[str]) -> tuple[dict[str, Any], ...]:
@@ -35,9 +35,9 @@ def setting_text(overrides: Mapping[str, Any] | str) -> str:
 
 
 def in_order(overrides: Iterable[str]) -> list[str]:
-    """Order distinct columns of overrides: the nominal setting, then key by key as they come, numbers ascending.
+    """Order distinct columns of overrides: the nominal setting, then key by key in their order, numbers ascending.
 
-    A campaign that was extended has its values in the order in which they were asked for.
+    An extended campaign has its values in the order of the requests.
     """
     settings = list(dict.fromkeys(overrides))
     keys = list(dict.fromkeys(tuple(json.loads(text)) for text in settings))

@@ -1,4 +1,4 @@
-"""Coverage, collisions and time over the values of each swept key, one column of small pictures per key."""
+"""Figure of coverage, collisions and time over the values of each swept key, one column of panels per key."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from coral.campaign.store import write_whole
 from coral.campaign.sweep import in_order
 
 EDGED = "#3a3000"
-"""Of the markers: the paper's yellow is pale on white."""
+"""Edge colour of the markers: the paper's yellow is pale on white."""
 UNITS = {"current": "m/s", "visibility": "m", "mask_errors": "share", "depth_noise": "m/m", "pose_drift": "m/√s"}
 
 
@@ -22,10 +22,10 @@ def draw_sweep(variants: Mapping[str, Sequence[Row]], measures: Sequence[Measure
     """Write the figure as PNG; return False, and write no file, if nothing was swept.
 
     Args:
-        variants: Name to the finished missions of every setting, under one advisor.
-        measures: One row of pictures each.
-        path: Of the picture; replaced.
-        title: Above it.
+        variants: Finished missions of every setting by variant, under one advisor.
+        measures: One row of panels each.
+        path: Path of the picture; replaced.
+        title: Title of the figure.
     """
     swept = _values(variants)
     if not swept:
@@ -60,7 +60,7 @@ def draw_sweep(variants: Mapping[str, Sequence[Row]], measures: Sequence[Measure
 
 
 def _values(variants: Mapping[str, Sequence[Row]]) -> dict[str, list[Any]]:
-    """Map each key to its values, in order; settings that change several keys at once are left out."""
+    """Map each key to its values, in order; leave out settings that change several keys at once."""
     swept: dict[str, list[Any]] = {}
     for text in in_order(row["overrides"] for rows in variants.values() for row in rows):
         changes = json.loads(text)

@@ -10,7 +10,7 @@ from coral.campaign.sweep import NOMINAL, in_order, setting_text
 from coral.campaign.table import Table
 
 FEW_WORLDS = 6
-"""Below this a bootstrap over worlds has too few different samples: three worlds make ten."""
+"""With fewer worlds a bootstrap has too few different samples: three worlds make ten."""
 
 
 def by_setting(rows: Sequence[Row]) -> dict[str, list[Row]]:
@@ -26,9 +26,9 @@ def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str,
 
     Args:
         rows: Finished missions of every setting.
-        measures: In the order of the columns.
-        caption: Which variant and advisor.
-        notes: Where the numbers come from.
+        measures: Measures in the order of the columns.
+        caption: Variant and advisor.
+        notes: Source of the numbers.
     """
     settings = by_setting(rows)
     worlds = len({row["world"] for row in rows})
@@ -84,5 +84,5 @@ _INTERVALS = (
 )
 _DIFFERENCES = (
     "Setting minus nominal in the same world with the same seed and advisor; 95 % intervals from the same "
-    "bootstrap. ≈: the interval holds zero, so these missions do not tell the difference from chance."
+    "bootstrap. ≈: the interval contains zero, so these missions do not distinguish the difference from chance."
 )

@@ -9,10 +9,10 @@ from html import escape
 
 @dataclass(frozen=True)
 class Table:
-    """Text only; the first column is left-aligned, the others are right-aligned."""
+    """A table of text; the first column is left-aligned, the others are right-aligned."""
 
     name: str
-    """Short, such as "Table I"."""
+    """Short name, such as "Table I"."""
     caption: str
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -83,9 +83,9 @@ def document(tables: Sequence[Table], form: str, title: str) -> str:
     """Render all tables as one file.
 
     Args:
-        tables: In order.
+        tables: Tables in order.
         form: `md`, `tex` or `html`.
-        title: Of the page.
+        title: Title of the page.
     """
     if form == "md":
         return "\n".join([f"# {title}", "", *(to_markdown(table) for table in tables)])

@@ -10,14 +10,14 @@ import coral
 
 _SOURCES = {".py", ".yaml", ".json", ".md", ".xml"}
 _ONLY_LOOKED_AT = {"campaign", "commands", "desk", "view"}
-"""Parts of the package that show or hand out results and cannot change one."""
+"""Parts of the package that only show or distribute results."""
 
 
 @cache
 def code_version() -> str:
     """Compute a digest of every file of the package that can change the result of an episode.
 
-    Unlike a commit it also tells edited files apart, and stays the same when only a table or a page changed.
+    Unlike a commit it also distinguishes edited files, and is unaffected by changes of tables or pages.
     """
     root = Path(coral.__file__).resolve().parent
     total = hashlib.sha256()

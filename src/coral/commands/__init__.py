@@ -1,1 +1,1 @@
-"""One command a file: a dataclass of flags that does the work and describes the result."""
+"""One file per command: a dataclass of flags, which does the work and describes the result."""

@@ -33,12 +33,12 @@ from coral.exam.sitting import sit
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mistakes import REEF_MISTAKES
 
-HELP = advisor_help("Who is asked, separated by commas: random, constant (controls that know nothing)")
+HELP = advisor_help("Advisors, separated by commas; also the controls random and constant, which know nothing")
 
 
 @dataclass(frozen=True, kw_only=True)
 class AdvisorBench:
-    """Put frozen questions with scored answers to advisors, each question once, with no simulation in the loop."""
+    """Ask advisors frozen questions with scored answers, each question once, without a mission or an episode."""
 
     advisors: Annotated[str, tyro.conf.arg(help=HELP)] = "random,heuristic"
     sets: str = "public"
@@ -46,25 +46,25 @@ class AdvisorBench:
     only: str = ""
     """Kinds of question, separated by commas; all by default."""
     limit: int | None = None
-    """So many questions of each kind."""
+    """At most this many questions of each kind."""
     out: Path | None = None
     """Folder for report.html, results.json and answers.jsonl."""
     export: Path | None = None
-    """Ask nobody: lay the questions out as a desk inbox in this folder."""
+    """Ask no advisor: export the questions as a desk inbox into this folder."""
     answers: Path | None = None
-    """Ask nobody: score what lies in this inbox, which --export wrote."""
+    """Ask no advisor: score the answers in this inbox, which --export wrote."""
     name: str = "inbox"
-    """Whose answers they are."""
+    """Name of the answers' author."""
     seed: int = 0
-    """Of advisors that draw or err on purpose."""
+    """Seed of advisors with random answers or errors."""
     at_once: int = 1
-    """Questions that a model is asked at a time."""
+    """Number of simultaneous questions to a model."""
     jobs: int = 1
-    """Processes for the episodes in which plans are tried."""
+    """Number of processes for the episodes that score plans."""
     preflight: bool = True
     """Ask each model one small question first, and refuse to begin if it cannot be used."""
     model: ModelCfg = field(default_factory=contact_model)
-    """How a real model is called, and what may be spent."""
+    """Calls of a real model, and the spending limit."""
     quiet: bool = False
     """No progress on standard error."""
     json: bool = False
@@ -151,7 +151,7 @@ class AdvisorBench:
     def describe(self, result: Mapping[str, Any]) -> str:
         """Return a line for each advisor, the best kind of answer last."""
         if "exported" in result:
-            return f"{result['exported']} questions lie in {result['inbox']}; `coral desk {result['inbox']}` shows them"
+            return f"{result['exported']} questions are in {result['inbox']}; `coral desk {result['inbox']}` shows them"
         kinds = list(result["rows"][0]["by_kind"])
         width = max(len("advisor"), *(len(row["name"]) for row in result["rows"]))
         lines = [f"{'advisor':<{width}}  score   95 % interval   " + "  ".join(kinds)]

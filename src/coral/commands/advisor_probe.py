@@ -1,4 +1,4 @@
-"""`coral advisor probe`: what a model's endpoint can do."""
+"""`coral advisor probe`: capabilities of a model's endpoint."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from coral.advisor.model_cfg import ModelCfg
 
 @dataclass(frozen=True, kw_only=True)
 class AdvisorProbe:
-    """Ask a model a few tiny questions and say which output modes work and whether it sees pictures."""
+    """Ask a model a few small questions and report which output modes work and whether it sees pictures."""
 
     model: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="MODEL")]
     """The model, as for --advisor: PROVIDER:MODEL or local:URL#MODEL."""

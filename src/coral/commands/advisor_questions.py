@@ -16,16 +16,16 @@ from coral.exam.question_set import save_set
 
 @dataclass(frozen=True, kw_only=True)
 class AdvisorQuestions:
-    """Make questions with scored answers from a seed: a set that no model can have seen."""
+    """Generate questions with scored answers from a seed: a set that no model can have seen."""
 
     seed: int
-    """Of worlds, of ways through them and of trials; the public set is of seed 17."""
+    """Seed of worlds, paths through them, and trials; the public set has seed 17."""
     out: Path
-    """The file, such as second.zip; its name is the set's name."""
+    """File of the set, such as second.zip; its name is the set's name."""
     reefs: int = 12
-    """How many reefs to generate besides the ten shipped ones."""
+    """Number of reefs to generate besides the ten shipped ones."""
     share: float = 1.0
-    """Share of the usual number of contact questions; below 1 also fewer of the shipped reefs."""
+    """Share of the usual number of contact questions; below 1, fewer of the shipped reefs too."""
     quiet: bool = False
     """No progress on standard error."""
     json: bool = False
@@ -39,7 +39,7 @@ class AdvisorQuestions:
             if value < 0:
                 raise InputError(flag, "", value, "a number from 0 on")
         if self.out.suffix != ".zip" or self.out.exists():
-            found = "a file that is there" if self.out.exists() else repr(self.out.name)
+            found = "an existing file" if self.out.exists() else repr(self.out.name)
             raise InputError("--out", "", found, "a new file whose name ends in .zip")
         counts = {kind: max(1, round(self.share * count)) for kind, count in CONTACT.items()}
         reefs = REEFS[: max(1, round(self.share * len(REEFS)))]
@@ -57,7 +57,7 @@ class AdvisorQuestions:
             print(text, file=sys.stderr, flush=True)
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return how many questions of each kind were made, and where they are."""
+        """Report the number of questions of each kind, and the file."""
         each = ", ".join(f"{count} {kind}" for kind, count in result["questions"].items())
         total = sum(result["questions"].values())
         return f"{total} questions ({each}) in {result['file']}, {result['bytes'] / 1e6:.1f} MB"

@@ -1,4 +1,4 @@
-"""`coral advisor show`: what a model is sent, word for word and picture by picture."""
+"""`coral advisor show`: the exact text and pictures of a question to a model."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from coral.odd_text import encodable
 
 @dataclass(frozen=True, kw_only=True)
 class AdvisorShow:
-    """Print the rendered prompt of a question kind; write the pictures that go with it."""
+    """Print the rendered prompt of a kind of question, and write its pictures."""
 
     kind: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="KIND")]
-    """Kind of question, such as reef-centroid; `list` names them all."""
+    """Kind of question, such as reef-centroid; `list` lists them all."""
     out: Path | None = None
     """Folder for prompt.md and the pictures; without it only the text is printed."""
     world: str = "s1"
-    """Reef in which the question of a reef kind comes up."""
+    """Reef in which a question of a reef kind comes up."""
     json: bool = False
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
-        """Render the prompt, and write the pictures if asked to."""
+        """Render the prompt, and write the pictures if requested."""
         if self.kind == "list":
             return {"kinds": kinds()}
         if self.kind not in kinds():
@@ -80,7 +80,7 @@ class _UntilAsked:
         self._log, self._mark = log, f'"kind": "{kind}"'
 
     def tick(self, mission: Any) -> None:
-        """Show nothing."""
+        """Do nothing."""
 
     def stop_requested(self) -> str:
         """Stop once the question is in the log."""

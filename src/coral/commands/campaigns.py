@@ -1,4 +1,4 @@
-"""Shared by `coral reef bench` and `coral contact bench`: flags, running pending episodes, results and tables."""
+"""Shared parts of `coral reef bench` and `coral contact bench`: flags, pending episodes, results and tables."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ from coral.words import many
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignFlags:
-    """Flags of a campaign, whatever its episodes are."""
+    """Flags of a campaign, the same for both applications."""
 
     preflight: bool = True
     """Ask each model one small question first, and refuse the campaign if one cannot be used."""
     jobs: int = 1
-    """Episodes at a time (executor local); several share the machine's cores, one each."""
+    """Number of simultaneous episodes (executor local), one core each."""
     executor: Literal["local", "ray"] = "local"
     """local: processes of this machine; ray: a Ray cluster."""
     address: str = "auto"
-    """Of the Ray cluster: auto, HOST:PORT, or ray://HOST:PORT."""
+    """Address of the Ray cluster: auto, HOST:PORT, or ray://HOST:PORT."""
     retry_failed: bool = False
-    """Run episodes again whose failure is recorded."""
+    """Repeat episodes with a recorded failure."""
     mix: bool = False
     """Accept results of other code or another configuration in the same folder."""
     collect: bool = False
-    """Run nothing: make the data set, the tables and the figures from what is there."""
+    """Run nothing: make the data set, the tables and the figures from the recorded episodes."""
     json: bool = False
     """Print one JSON object on standard output; progress stays on standard error."""
     quiet: bool = False
@@ -46,13 +46,13 @@ class CampaignFlags:
 
 @dataclass(frozen=True)
 class Results:
-    """The content of a campaign's folder."""
+    """The contents of a campaign's folder."""
 
     rows: Sequence[Row]
-    """One for each recorded episode, as read back from results.parquet."""
+    """One row per recorded episode, as read back from results.parquet."""
     records: Sequence[Mapping[str, Any]]
     about: Mapping[str, Any]
-    """Where the results come from: commit, machine."""
+    """Origin of the results: commit, machine."""
     command: str
     """The commands that made them."""
 
@@ -66,7 +66,7 @@ def check_jobs(jobs: int) -> None:
     """Check the number of workers.
 
     Raises:
-        InputError: It is below 1.
+        InputError: The number is below 1.
     """
     if jobs < 1:
         raise InputError("--jobs", "", jobs, "a number from 1 on")
@@ -86,7 +86,7 @@ def run_specs(flags: CampaignFlags, store: Store, specs: Sequence[Spec], episode
             progress=CampaignProgress(quiet=flags.quiet),
         )
     except KeyboardInterrupt:
-        print(f"stopped; the same command goes on from here ({store.folder})", file=sys.stderr)
+        print(f"stopped; the same command continues from here ({store.folder})", file=sys.stderr)
         raise
 
 
@@ -94,9 +94,9 @@ def read_results(store: Store, noun: str, command: str) -> Results:
     """Write results.parquet from the records, and read it back.
 
     Args:
-        store: Of the campaign.
-        noun: What an episode is called: "mission".
-        command: The command, where the manifest names none.
+        store: Store of the campaign.
+        noun: The word for an episode: "mission".
+        command: The command, if the manifest names none.
 
     Raises:
         RunError: Nothing is recorded.
@@ -135,9 +135,9 @@ def describe_campaign(out: Path, result: Mapping[str, Any], noun: str, files: Se
 
     Args:
         out: Folder of the campaign.
-        result: As of `write_tables`, with further files.
-        noun: What an episode is called.
-        files: Keys of the result that hold a path, or a list of paths.
+        result: Result of `write_tables`, with further files.
+        noun: The word for an episode.
+        files: Keys of the result with a path, or a list of paths.
     """
     failed = f"; {result['failed']} failed (see {out / 'failures'}; --retry-failed runs them again)"
     lines = [

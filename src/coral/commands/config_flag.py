@@ -14,10 +14,10 @@ C = TypeVar("C")
 
 
 def configured(words: Sequence[str], default: C) -> C | None:
-    """Return the configuration of the file that `--config FILE` or `--config=FILE` names; None without that flag.
+    """Return the configuration in the file of `--config FILE` or `--config=FILE`; None without that flag.
 
     Raises:
-        InputError: The file cannot be read, or something in it is wrong.
+        InputError: The file cannot be read, or is invalid.
     """
     for word, following in itertools.pairwise([*words, ""]):
         flag, joined, value = word.partition("=")
@@ -28,7 +28,7 @@ def configured(words: Sequence[str], default: C) -> C | None:
 
 
 def config_words(cfg: C, default: C, file: Path | None, prefix: str = "cfg") -> list[str]:
-    """Return the command-line words that reproduce a configuration: the file, and flags for what differs from it."""
+    """Return the command-line words that reproduce a configuration: the file, and flags for all differences from it."""
     base = default if file is None else read_config(file, default)
     named = ["--config", str(file)] if file is not None else []
     return named + [

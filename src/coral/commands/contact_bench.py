@@ -60,7 +60,7 @@ from coral.runs import provenance
 
 @dataclass(frozen=True)
 class ContactEpisode:
-    """Runs the episode of a spec. It carries the tasks, so that a worker needs none of the caller's files."""
+    """Runs the episode of a spec. It contains the tasks, so that a worker needs none of the caller's files."""
 
     cfg: EpisodeCfg
     model: ModelCfg
@@ -89,7 +89,7 @@ class ContactEpisode:
 
 
 def episode_alone() -> EpisodeCfg:
-    """Return the default episode configuration of a campaign, in which the advisor stands alone."""
+    """Return the default episode configuration of a campaign, in which no fallback decides for the advisor."""
     return with_fallback(EpisodeCfg(), FOR_BENCHES)
 
 
@@ -97,13 +97,13 @@ def episode_alone() -> EpisodeCfg:
 class ContactBench(CampaignFlags):
     """Compare variants of the contact pipeline over tasks, evaluation worlds and seeds.
 
-    The same command goes on where a stopped one left off; a larger grid in the same folder extends it.
+    The same command continues a stopped campaign; a larger grid in the same folder extends it.
     """
 
     variants: str = "expert,expert-fsm"
-    """Names, separated by commas; none beside policies: none."""
+    """Variants, separated by commas; none for policies only."""
     policies: str = ""
-    """Served policies beside the variants, NAME=ws://HOST:PORT, separated by commas."""
+    """Served policies to compare, NAME=ws://HOST:PORT, separated by commas."""
     tasks: str = "all"
     """Shipped tasks or task files, separated by commas; all: the shipped ones."""
     worlds: str = "panda"
@@ -112,30 +112,30 @@ class ContactBench(CampaignFlags):
     """Numbers and ranges, such as 0-4 or 0,3,7-9; the paper makes ten trials of each task."""
     advisors: Annotated[str, tyro.conf.arg(help=advisor_help("Separated by commas"))] = "heuristic"
     poses: Literal["tracked", "ground-truth"] | None = None
-    """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
+    """Source of the objects' poses: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     tracker: Annotated[
         str | None, tyro.conf.arg(help=f"{TRACKER_HELP} Every worker must be able to reach a server.")
     ] = None
     memory: str | None = None
-    """What variants that remember begin with: a memory (an SQLite file, or lance:FOLDER_OR_URI), or an export of one
-    (also the memory.json of a campaign). Every trial has a copy to itself. Without it they begin with nothing."""
+    """Initial memory of variants with memory: a memory (an SQLite file, or lance:FOLDER_OR_URI), or an export of one
+    (such as the memory.json of a campaign). Every trial has its own copy. By default it is empty."""
     samples: int | None = None
-    """Rehearsals of each plan, instead of the configuration's."""
+    """Rehearsals per plan, instead of the configuration's."""
     fallback: Fallback | None = None
-    """What happens where an advisor does not decide: hold (the default: it stands alone, and the episode ends), fail,
-    or rules, whose rows are marked."""
+    """Fallback when an advisor does not decide: hold (the default: nothing else decides, and the episode ends),
+    fail, or rules, whose rows are marked."""
     out: Path = Path("runs/contact-bench")
     """Folder of the campaign."""
     config: Path | None = None
     """YAML file with configuration values; flags override it."""
     model: ModelCfg = field(default_factory=contact_model)
-    """How a real model is called, and what each episode may spend."""
+    """Calls of a real model, and the spending limit of each episode."""
     cfg: EpisodeCfg = field(default_factory=episode_alone)
-    """The episode."""
+    """Configuration of the episodes."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactBench | None:
-        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
+        """Read the defaults of the flags from the file of `--config`, before the flags themselves."""
         cfg = configured(words, episode_alone())
         return None if cfg is None else cls(cfg=cfg)
 
@@ -170,7 +170,7 @@ class ContactBench(CampaignFlags):
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the tables and where everything is."""
+        """Describe the tables and list the files."""
         return describe_campaign(self.out, result, "episode", ("data", "tables", "memory", "figures"))
 
     def _advisor(self, name: str) -> Advisor:
@@ -219,7 +219,7 @@ class ContactBench(CampaignFlags):
     def _conditions(
         self, cfg: EpisodeCfg, tasks: Mapping[str, Task], memory: Mapping[str, Any] | None
     ) -> dict[str, str]:
-        """Return digests of everything that must be the same for every episode of a table."""
+        """Compute digests of all conditions that must be equal for every episode of a table."""
         content = to_mapping(cfg)
         content.pop("record")
         content["planning"].pop("threads")  # affects only the run time
@@ -258,9 +258,9 @@ class ContactBench(CampaignFlags):
         }
 
     def _remembered(self, store: Store) -> str:
-        """Collect what all trials of `full` added to their memories, in order, as one file; "" for nothing.
+        """Export the new experiences of all trials of `full`, in order, as one file; "" if there are none.
 
-        Plans without regions, as `unguided` and `no-regions` make them, would be no help to a variant that has some.
+        Plans without regions, as made by `unguided` and `no-regions`, would not help a variant with regions.
         """
         found: list[Any] = []
         for spec in store.specs():
@@ -274,7 +274,7 @@ class ContactBench(CampaignFlags):
         return str(path)
 
     def _draw(self, store: Store, rows: Sequence[Row]) -> list[str]:
-        """Draw Fig. 5 for every task that was run both with and without a contact strategy."""
+        """Draw Fig. 5 for every task that ran both with and without a contact strategy."""
         from coral.view.contact.ablation import draw_ablation
 
         folders = {
@@ -343,7 +343,7 @@ def read_memory(where: str | Path) -> dict[str, Any]:
     """Read the experiences of a memory, or of an export of one.
 
     Raises:
-        InputError: It is neither.
+        InputError: The file is neither.
     """
     if isinstance(where, str) and where.startswith("lance:"):
         known = Memory(where)

@@ -1,4 +1,4 @@
-"""`coral contact identify`: find the mass and friction of a board by touch, from a belief that is far off (Fig. 4)."""
+"""`coral contact identify`: identify mass and friction of a board by contact, from a wrong belief (Fig. 4)."""
 
 from __future__ import annotations
 
@@ -26,33 +26,33 @@ from coral.errors import InputError, RunError
 
 @dataclass(frozen=True, kw_only=True)
 class ContactIdentify:
-    """Touch a board of known mass and friction, and see how fast and how well replaying the history finds them."""
+    """Touch a board of known mass and friction, and measure how fast and how well replaying the history finds them."""
 
     task: str = "push-pick-board"
     """Task whose first object is touched."""
     world: str = "hand"
-    """Where: hand or panda."""
+    """Evaluation world: hand or panda."""
     by: Literal["pushes", "episode"] | None = None
-    """How: pushes, back and forth for nothing else; episode, the task itself, corrected as it goes. By default
-    episode with the panda, else pushes."""
+    """Motions: pushes, back and forth only to identify; episode, the task itself with corrections during it. By
+    default episode with the panda, else pushes."""
     mass: float = 0.1
     """True mass, kg."""
     friction: float = 0.5
     """True friction."""
     believed_mass: float = 2.0
-    """Mass believed at first, kg."""
+    """Initial belief of the mass, kg."""
     believed_friction: float = 0.9
-    """Friction believed at first."""
+    """Initial belief of the friction."""
     seed: int = 0
     """Seed of the trial and of the fits."""
     every: float = 2.0
-    """In an episode: correct after so much simulated time (s), five times at most, the last at its end."""
+    """For an episode: interval of corrections in simulated time (s), five at most, the last at its end."""
     poses: Literal["tracked", "ground-truth"] | None = None
-    """In an episode: where the object's poses come from; tracked unless said otherwise."""
+    """For an episode: source of the object's poses; tracked by default."""
     samples: int | None = None
-    """In an episode: rehearsals of each plan, instead of the configuration's."""
+    """For an episode: rehearsals per plan, instead of the configuration's."""
     out: Path | None = None
-    """Of an episode: keep its run folder here."""
+    """For an episode: keep its run folder here."""
     figure: Path | None = None
     """Also draw the corrections into this PNG."""
     json: bool = False
@@ -60,7 +60,7 @@ class ContactIdentify:
     quiet: bool = False
     """No progress bar."""
     cfg: ProbeCfg = field(default_factory=ProbeCfg)
-    """The pushes."""
+    """Settings of the pushes."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Touch and correct."""
@@ -109,7 +109,7 @@ class ContactIdentify:
         return "\n".join(
             [
                 *lines,
-                f"left over: mass {100 * result['mass_error']:+.0f} %, friction "
+                f"remaining error: mass {100 * result['mass_error']:+.0f} %, friction "
                 f"{100 * result['friction_error']:+.0f} % of {self.mass:g} kg and {self.friction:g}",
             ]
         )

@@ -47,7 +47,7 @@ from coral.errors import InputError
 from coral.runs import new_run_folder
 from coral.words import many
 
-TRACKER_HELP = f"What finds the objects in those pictures: {tracker_help()}."
+TRACKER_HELP = f"Tracker of the objects in those pictures: {tracker_help()}."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,35 +57,32 @@ class ContactRun:
     task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
     """A shipped task (see coral contact tasks) or a task file."""
     world: str = "panda"
-    """Where it takes place: panda, the robot in robosuite; hand, its hand alone, flying freely."""
-    advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who thinks, in variants that ask"))] = "heuristic"
+    """Evaluation world: panda, the robot in robosuite; hand, its hand alone, free-flying."""
+    advisor: Annotated[str, tyro.conf.arg(help=advisor_help("The advisor, in variants with one"))] = "heuristic"
     variant: str = "expert-fsm"
     """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, unguided, no-regions and
-    no-tracking are it without a part, unified asks everything at once. expert and expert-fsm follow hand-written costs
-    and ask nobody."""
+    no-tracking disable one part; unified asks one question for everything. expert and expert-fsm follow hand-written
+    costs without an advisor."""
     fallback: Fallback | None = None
-    """What happens where the advisor does not decide: rules (the default) stand in for it; hold and fail end the
-    episode."""
+    """Fallback when the advisor does not decide: rules (the default) decide; hold and fail end the episode."""
     preflight: bool = True
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
-    """Seed of everything random: poses, masses, frictions, sizes and the planner's noise."""
+    """Seed of all random numbers: poses, masses, frictions, sizes and the planner's noise."""
     policy: str | None = None
-    """[NAME=]ws://HOST:PORT: no planner and no variant, a vision-language-action policy that this server runs."""
+    """[NAME=]ws://HOST:PORT: run a vision-language-action policy on this server instead of planner and variant."""
     poses: Literal["tracked", "ground-truth"] | None = None
-    """Where the objects' poses come from: tracked, a simulated depth camera's pictures (the default); ground-truth."""
+    """Source of the objects' poses: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     tracker: Annotated[str | None, tyro.conf.arg(help=TRACKER_HELP)] = None
     samples: int | None = None
-    """Rehearsals of each plan, instead of the configuration's."""
+    """Rehearsals per plan, instead of the configuration's."""
     believe: str | None = None
-    """Believe this at first of masses (kg) and frictions, NAME=MASS,FRICTION[;...], instead of the advisor's
-    estimate."""
+    """Initial beliefs of masses (kg) and frictions, NAME=MASS,FRICTION[;...], instead of the advisor's estimates."""
     memory: str | None = None
-    """Experience memory: an SQLite file, or lance:FOLDER_OR_URI. It is read at the start, and a success is added to it.
-    Without it nothing is remembered, and other variants than full, no-refinement, no-regions and no-tracking never
-    remember."""
+    """Experience memory: an SQLite file, or lance:FOLDER_OR_URI. It is read at the start, and a success is added to
+    it. By default there is none. Only full, no-refinement, no-regions and no-tracking use it."""
     inbox: Path = Path("inbox")
-    """Folder of the questions that the advisor `desk` puts."""
+    """Folder for the questions of the advisor `desk`."""
     out: Path | None = None
     """Run folder, new or empty; by default the next free runs/TASK-NNN."""
     config: Path | None = None
@@ -97,13 +94,13 @@ class ContactRun:
     video: bool = False
     """Also write episode.mp4."""
     model: ModelCfg = field(default_factory=contact_model)
-    """How a real model is called, and what the run may spend."""
+    """Calls of a real model, and the spending limit of the run."""
     cfg: EpisodeCfg = field(default_factory=EpisodeCfg)
-    """The episode."""
+    """Configuration of the episode."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ContactRun | None:
-        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
+        """Read the defaults of the flags from the file of `--config`, before the flags themselves."""
         cfg = configured(words, EpisodeCfg())
         return None if cfg is None else cls(task=tyro.MISSING, cfg=cfg)
 
@@ -189,7 +186,7 @@ class ContactRun:
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 
     def _driven(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
-        """Run an episode driven by a served policy."""
+        """Run an episode with a served policy."""
         address = parse_address(policy, VARIANTS)
         with serving(address, cfg.policy.client) as client:
             folder = self.out or new_run_folder(Path("runs"), trial.task.name)
@@ -202,7 +199,7 @@ class ContactRun:
         return {**result, "run": str(folder), **render(folder, cfg)}
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the outcome in a few lines, and where the files are."""
+        """Describe the outcome in a few lines, and list the files."""
         reason = str(result["end_reason"])
         why = "" if result["success"] else f" ({END_REASONS.get(reason.partition(':')[0], '')})"
         whole_s = result["time_with_thinking_s"]
@@ -234,7 +231,7 @@ class StandInNotice:
         if event["event"] == "fallback" and not self._said:
             self._said = True
             stands_in = event["policy"] == "rules"
-            then = f"{event['by']} stands in from now on" if stands_in else "the episode ends"
+            then = f"continuing with {event['by']}" if stands_in else "the episode ends"
             print(
                 f"at {event['t']:.1f} s the advisor did not decide on the {event['what']} ({event['because']}): "
                 f"{then} (--fallback {event['policy']})",
@@ -247,7 +244,7 @@ def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
     """Return the configuration with another number of rollouts.
 
     Raises:
-        InputError: It is no count.
+        InputError: The number is not positive.
     """
     if samples is None:
         return cfg
@@ -273,7 +270,7 @@ def with_tracker(cfg: EpisodeCfg, tracker: str | None) -> EpisodeCfg:
     """Return the configuration with another tracker.
 
     Raises:
-        InputError: There is none of this name, or none is asked for poses.
+        InputError: There is no tracker of this name, or no tracker is in use.
     """
     if tracker is None:
         return cfg

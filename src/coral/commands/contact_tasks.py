@@ -1,4 +1,4 @@
-"""`coral contact tasks`: list the tasks, or describe one with everything that varies in it."""
+"""`coral contact tasks`: list the tasks, or describe one with its ranges."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 
 DRAWN = 5
-"""Trials that are drawn to see whether everything finds its place."""
+"""Number of sampled trials that check whether all objects find a place."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +22,7 @@ class ContactTasks:
     """List the shipped contact tasks, or check and describe the given task files."""
 
     tasks: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[TASK ...]")] = ()
-    """Names or task files; a list of all shipped tasks by default."""
+    """Names or task files; by default all shipped tasks are listed."""
     json: bool = False
     """Print one JSON object."""
 

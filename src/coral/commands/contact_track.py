@@ -19,25 +19,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class ContactTrack:
-    """Follow the objects of tasks through synthetic motions seen by a depth camera, and print the errors.
+    """Track the objects of tasks through synthetic motions seen by a depth camera, and print the errors.
 
-    The objects are moved as the task moves them, with a two-finger hand in the way; then they are taken out of view,
-    and covered by the hand, for a second each.
+    The objects move as in the task, with a two-finger hand in the way; then they are taken out of view, and covered by
+    the hand, for a second each.
     """
 
     tasks: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[TASK ...]")] = ()
     """Names or task files; all shipped tasks by default."""
     tracker: Annotated[str, tyro.conf.arg(help=f"The tracker: {tracker_help()}.")] = "model"
     seed: int = 0
-    """Of the trials and of the noise."""
+    """Seed of the trials and of the noise."""
     width: int = 320
-    """Columns of the camera; it has three rows for four columns."""
+    """Columns of the camera; the aspect ratio is 4:3."""
     rate_hz: float = 10.0
     """Pictures per second."""
     noise: bool = True
-    """Depth and outlines as a real camera sees them, or perfect ones."""
+    """Whether depth and outlines have a real camera's noise."""
     losses: bool = True
-    """Also take the objects away."""
+    """Also measure loss and recovery."""
     json: bool = False
     """Print one JSON object."""
 

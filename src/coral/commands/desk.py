@@ -21,13 +21,13 @@ class Desk:
     """Serve an inbox as a web page on which a person answers the questions of `--advisor desk`; Ctrl-C ends it."""
 
     inbox: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="INBOX")]
-    """Folder of questions, the same as for `coral reef run --advisor desk --inbox`; made if it is not there."""
+    """Folder of questions, the same as for `coral reef run --advisor desk --inbox`; created if it does not exist."""
     port: int = 8765
-    """Port to listen on; 0 takes a free one."""
+    """Port to listen on; 0 chooses a free one."""
     host: str = "127.0.0.1"
     """Address to listen on; any but this machine's own needs the token."""
     token: str = ""
-    """Token that a browser must bring; without one, $CORAL_DESK_TOKEN, or a new one if the host needs it."""
+    """Token that a browser must send; by default $CORAL_DESK_TOKEN, or a new one if the host needs it."""
     json: bool = False
     """Print one JSON object at the end; the address goes to standard error."""
 
@@ -55,7 +55,7 @@ class Desk:
             }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return how many answers were accepted."""
+        """Report the number of accepted answers."""
         n = result["answered"]
         return f"the desk is closed; {n} {'answer' if n == 1 else 'answers'} went into {result['inbox']}"
 

@@ -1,4 +1,4 @@
-"""`coral doctor`: check this installation, and list what each extra would add."""
+"""`coral doctor`: check this installation, and list the extras."""
 
 from __future__ import annotations
 

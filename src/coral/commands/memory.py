@@ -53,7 +53,7 @@ def _row(stored: Stored) -> dict[str, Any]:
 
 @dataclass(frozen=True, kw_only=True)
 class MemoryList:
-    """List what is remembered."""
+    """List the remembered experiences."""
 
     file: str = FILE
     """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
@@ -79,7 +79,7 @@ class MemoryShow:
     """Show one experience: task, numbers, programs, regions, provenance."""
 
     id: tyro.conf.Positional[int]
-    """As `coral memory list` tells."""
+    """Number of the experience, from `coral memory list`."""
     file: str = FILE
     """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
     json: bool = False
@@ -102,10 +102,10 @@ class MemoryShow:
 
 @dataclass(frozen=True, kw_only=True)
 class MemoryForget:
-    """Forget one experience."""
+    """Delete one experience."""
 
     id: tyro.conf.Positional[int]
-    """As `coral memory list` tells."""
+    """Number of the experience, from `coral memory list`."""
     file: str = FILE
     """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
     json: bool = False
@@ -123,7 +123,7 @@ class MemoryForget:
 
 @dataclass(frozen=True, kw_only=True)
 class MemoryExport:
-    """Write everything that is remembered into a JSON file."""
+    """Export all experiences into a JSON file."""
 
     to: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
     """The JSON file; it must not exist yet."""
@@ -149,12 +149,12 @@ class MemoryExport:
 
 @dataclass(frozen=True, kw_only=True)
 class MemoryImport:
-    """Take in exported experiences; those already known are left out, and each is verified again before use."""
+    """Import exported experiences; known ones are skipped, and each is verified again before use."""
 
     source: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
     """The JSON file."""
     file: str = FILE
-    """The memory, an SQLite file or lance:FOLDER_OR_URI; made if it is not there."""
+    """The memory, an SQLite file or lance:FOLDER_OR_URI; created if it does not exist."""
     json: bool = False
     """Print one JSON object."""
 

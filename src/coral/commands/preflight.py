@@ -1,4 +1,4 @@
-"""Preflight of a campaign: one small question to each of its models that still has an episode to run."""
+"""Preflight of a campaign: one small question to each of its models with pending episodes."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ def preflight_campaign(
     """Ask the models of the pending episodes; write nothing.
 
     Args:
-        store: Of the campaign; it need not exist yet.
-        specs: Episodes wanted.
-        make: The advisor that a string names.
+        store: Store of the campaign; it need not exist yet.
+        specs: Requested episodes.
+        make: Makes the advisor of a string.
         pictures: Whether questions have pictures.
-        retry_failed: As the campaign goes on.
-        quiet: Nothing on standard error.
+        retry_failed: Whether the campaign repeats failed episodes.
+        quiet: Whether to print nothing on standard error.
 
     Raises:
         InputError: A model cannot be used.

@@ -35,10 +35,10 @@ class RunBar:
         """Update the bar.
 
         Args:
-            name: Of the world or the task.
+            name: Name of the world or the task.
             t: Simulated time (s).
-            time_limit_s: Where the bar is full.
-            status: What else to tell.
+            time_limit_s: Time of a full bar.
+            status: Further text.
         """
         factor = t / max(time.monotonic() - self._started, 1e-3)
         speed = f"{factor:.0f}x" if factor >= 10 else f"{factor:.2g}x"
@@ -55,7 +55,7 @@ class RunBar:
         return ""
 
     def close(self) -> None:
-        """Leave the last state on the screen."""
+        """Keep the last state on the screen."""
         self._bar.stop()
 
 
@@ -71,7 +71,7 @@ class MissionProgress(RunBar):
 
 
 class RunningEpisode(Protocol):
-    """What the bar reads of an episode, whether a planner or a served policy drives it."""
+    """The part of an episode that the bar reads, with a planner or a served policy."""
 
     t: float
     time_limit_s: float
@@ -80,7 +80,7 @@ class RunningEpisode(Protocol):
 
     @property
     def stage(self) -> str:
-        """Name of the active stage."""
+        """Return the name of the active stage."""
         ...
 
 

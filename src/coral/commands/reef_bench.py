@@ -48,7 +48,7 @@ from coral.view.questions import question_pictures
 
 @dataclass(frozen=True)
 class ReefEpisode:
-    """Runs the mission of a spec. It carries the worlds, so that a worker needs none of the caller's files."""
+    """Runs the mission of a spec. It contains the worlds, so that a worker needs none of the caller's files."""
 
     cfg: MissionCfg
     model: ModelCfg
@@ -72,7 +72,7 @@ class ReefEpisode:
 
 
 def mission_alone() -> MissionCfg:
-    """Return the default mission configuration of a campaign, in which the advisor stands alone."""
+    """Return the default mission configuration of a campaign, in which no fallback decides for the advisor."""
     return with_fallback(MissionCfg(), FOR_BENCHES)
 
 
@@ -80,34 +80,34 @@ def mission_alone() -> MissionCfg:
 class ReefBench(CampaignFlags):
     """Compare variants of the reef survey over worlds, seeds and advisors.
 
-    The same command goes on where a stopped one left off; a larger grid in the same folder extends it.
+    The same command continues a stopped campaign; a larger grid in the same folder extends it.
     """
 
     variants: str = "dream,pd,full,blind-sweep,random,oracle"
-    """Names, separated by commas."""
+    """Variants, separated by commas."""
     worlds: str = "all"
     """Shipped reefs or world files, separated by commas; all: the ten shipped ones."""
     seeds: str = "0"
     """Numbers and ranges, such as 0-4 or 0,3,7-9."""
     advisors: Annotated[str, tyro.conf.arg(help=advisor_help("Separated by commas"))] = "heuristic"
     sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
-    """KEY=V1,V2,...: the whole grid as it is, and once more for each value. KEY: current, visibility, mask_errors,
-    depth_noise, pose_drift, or a key of the configuration. Given several times, each key is swept on its own."""
+    """KEY=V1,V2,...: repeat the whole grid for each value. KEY: current, visibility, mask_errors, depth_noise,
+    pose_drift, or a key of the configuration. If given several times, each key is swept separately."""
     fallback: Fallback | None = None
-    """What decides where an advisor did not: hold (the default: it stands alone), fail (the mission ends), or rules,
-    whose rows are marked."""
+    """Fallback when an advisor does not decide: hold (the default: nothing else decides), fail (the mission ends),
+    or rules, whose rows are marked."""
     out: Path = Path("runs/bench")
     """Folder of the campaign."""
     config: Path | None = None
     """YAML file with configuration values; flags override it."""
     model: ModelCfg = field(default_factory=ModelCfg)
-    """How a real model is called, and what each mission may spend."""
+    """Calls of a real model, and the spending limit of each mission."""
     cfg: MissionCfg = field(default_factory=mission_alone)
-    """The mission."""
+    """Configuration of the missions."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefBench | None:
-        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
+        """Read the defaults of the flags from the file of `--config`, before the flags themselves."""
         cfg = configured(words, mission_alone())
         return None if cfg is None else cls(cfg=cfg)
 
@@ -135,7 +135,7 @@ class ReefBench(CampaignFlags):
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the tables and where everything is."""
+        """Describe the tables and list the files."""
         return describe_campaign(self.out, result, "mission", ("data", "tables", "figure", "sweep"))
 
     def _worlds(self) -> dict[str, ReefWorld]:
@@ -170,7 +170,7 @@ class ReefBench(CampaignFlags):
         return specs
 
     def _conditions(self, worlds: Mapping[str, ReefWorld]) -> dict[str, str]:
-        """Return digests of everything that must be the same for every mission of a table."""
+        """Compute digests of all conditions that must be equal for every mission of a table."""
         cfg = {"mission": to_mapping(self.cfg), "model": to_mapping(self.model)}
         cfg["mission"].pop("record")
         return {
@@ -189,7 +189,7 @@ class ReefBench(CampaignFlags):
         }
 
     def _draw(self, store: Store, done: Sequence[Mapping[str, Any]]) -> str:
-        """Overlay of the first seed and advisor in every world: the paper's three variants, or the first four."""
+        """Draw the trajectories of the first seed and advisor in every world: the paper's variants, or the first 4."""
         specs = [Spec.from_json(record["spec"]) for record in done]
         if not specs:
             return ""
@@ -256,7 +256,7 @@ def mission_of(spec: Spec, cfg: MissionCfg, world: ReefWorld) -> tuple[MissionCf
     """Return configuration and world of a mission: the campaign's, then the spec's setting, then its variant.
 
     Raises:
-        InputError: An unknown key or a bad value.
+        InputError: A key is unknown, or a value is invalid.
     """
     cfg, world = apply_setting(spec.overrides, cfg, world)
     return checked(apply_variant(spec.variant, cfg), "--cfg"), world

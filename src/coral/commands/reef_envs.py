@@ -20,7 +20,7 @@ class ReefEnvs:
     worlds: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[WORLD ...]")] = ()
     """Names or world files; all shipped reefs by default."""
     preview: Path | None = None
-    """Draw: one PNG for each world into this folder, and sheet.png with all of them."""
+    """Draw one PNG for each world into this folder, and sheet.png with all of them."""
     json: bool = False
     """Print one JSON object."""
 

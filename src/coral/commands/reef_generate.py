@@ -19,18 +19,18 @@ from coral.words import many
 
 @dataclass(frozen=True, kw_only=True)
 class ReefGenerate:
-    """Make a new reef world; every cluster is proved reachable."""
+    """Generate a new reef world; every cluster is proved reachable."""
 
     out: Path
     """World file to write; it must not exist."""
     polyline: str = ""
-    """Spine to grow the reef along in place of a topology, as JSON in metres: [[3,3],[12,4],[15,12]]."""
+    """Spine of the reef instead of a topology, as JSON in metres: [[3,3],[12,4],[15,12]]."""
     json: bool = False
     """Print one JSON object."""
     preview: Path | None = None
     """Also draw it as a PNG."""
     cfg: Annotated[GeneratorCfg, tyro.conf.arg(name="")] = field(default_factory=GeneratorCfg)
-    """What the reef is like."""
+    """Properties of the reef."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Generate, write and draw the reef."""

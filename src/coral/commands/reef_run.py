@@ -36,7 +36,7 @@ from coral.view.questions import question_pictures
 from coral.words import many
 
 PERSON_DEADLINE_S = 600.0
-"""A person who answers gets this long, unless the configuration says otherwise; a model gets a minute."""
+"""Default deadline of a person's answer; a model has a minute."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,20 +49,20 @@ class ReefRun:
     variant: str = "full"
     """Configuration of the pipeline: full, or an ablation or baseline."""
     robots: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """How many robots survey the reef together, 1 to 4; by default as configured, which is 1."""
+    """Number of robots that survey the reef together, 1 to 4; by default as configured, which is 1."""
     fallback: Fallback | None = None
-    """What decides where the advisor did not: rules (the default, said at the end), hold (keep the goal, ask again),
-    fail (end the mission)."""
+    """Fallback when the advisor does not decide: rules (the default, reported at the end), hold (keep the goal, ask
+    again), fail (end the mission)."""
     preflight: bool = True
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
-    """Seed of everything random."""
+    """Seed of all random numbers."""
     out: Path | None = None
     """Run folder, new or empty; by default the next free runs/WORLD-NNN."""
     config: Path | None = None
     """YAML file with configuration values; flags override it."""
     inbox: Path | None = None
-    """Where `--advisor desk` puts its questions; by default inbox/ in the run folder."""
+    """Folder for the questions of `--advisor desk`; by default inbox/ in the run folder."""
     json: bool = False
     """Print one JSON object on standard output; progress stays on standard error."""
     quiet: bool = False
@@ -72,19 +72,19 @@ class ReefRun:
     live: bool = False
     """Show the mission in a browser while it runs, with pause and stop; the address goes to standard error."""
     live_port: int = 8080
-    """Port of the live page on this machine; 0 takes a free one."""
+    """Port of the live page on this machine; 0 chooses a free one."""
     live_speed: float = 5.0
-    """Speed limit of a live mission, in times real time; 0 sets none. The page can change it."""
+    """Speed limit of a live mission, in multiples of real time; 0 for none. The page can change it."""
     facts: bool = False
-    """Add the numbers that the pictures show to a model's prompt (an experiment of its own)."""
+    """Add the numbers shown by the pictures to a model's prompt (a separate experiment)."""
     model: ModelCfg = field(default_factory=ModelCfg)
-    """How a real model is called, and what the run may spend."""
+    """Calls of a real model, and the spending limit of the run."""
     cfg: MissionCfg = field(default_factory=MissionCfg)
-    """The mission."""
+    """Configuration of the mission."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefRun | None:
-        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
+        """Read the defaults of the flags from the file of `--config`, before the flags themselves."""
         cfg = configured(words, MissionCfg())
         return None if cfg is None else cls(world=tyro.MISSING, cfg=cfg)
 
@@ -169,7 +169,7 @@ class ReefRun:
             yield watched
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the outcome in a few lines, and where the files are."""
+        """Describe the outcome in a few lines, and list the files."""
         lines = [
             f"{self.world}: {result['clusters_covered']} of {result['clusters_total']} oyster clusters covered "
             f"({100 * result['coverage']:.0f} %), {many(result['collisions'], 'collision')}, "

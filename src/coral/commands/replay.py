@@ -20,14 +20,14 @@ from coral.errors import InputError
 
 @dataclass(frozen=True, kw_only=True)
 class Replay:
-    """Watch a run folder again in a browser, also one that was killed; Ctrl-C ends it."""
+    """Show a run folder again in a browser, also that of a killed run; Ctrl-C ends it."""
 
     run: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN")]
     """Run folder."""
     port: int = 8080
-    """Port of the page on this machine; 0 takes a free one."""
+    """Port of the page on this machine; 0 chooses a free one."""
     speed: Positive = 10.0
-    """Times real time, to begin with."""
+    """Initial speed, in multiples of real time."""
     json: bool = False
     """Print one JSON object at the end; the address goes to standard error."""
 

@@ -49,5 +49,5 @@ class Report:
         return made
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return where the files are."""
+        """List the files."""
         return "\n".join(f"{name}: {path}" for name, path in result.items())

@@ -1,1 +1,1 @@
-"""The operator's desk: a local web page over the inbox whose questions wait for a person's answer."""
+"""The operator's desk: a local web page on which a person answers the questions of an inbox."""

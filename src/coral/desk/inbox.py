@@ -1,4 +1,4 @@
-"""The desk's view of the inbox: the open questions, their content, and one answer to each."""
+"""The inbox as seen by the desk: the open questions, their content, and one answer to each."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ State = Literal["open", "sent", "answered", "withdrawn", "abandoned", "unreadabl
 ID = re.compile(r"\d{1,12}-[\w.-]{1,100}", re.ASCII)
 QUESTION_LIMIT = 4_000_000
 PICTURE_LIMIT = 16_000_000
-"""Bytes; anything larger was not written by a mission."""
+"""Maximum size of a picture; anything larger was not written by a mission."""
 MAX_BRACKETS = 300
-"""In an answer that is shown as a value; far more of them are nested deeper than Python can print."""
+"""Maximum number of brackets in an answer shown as a value; Python cannot print much deeper nesting."""
 PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
 
 
@@ -58,12 +58,12 @@ class InboxEntry:
     asked_at: float | None = None
     """Unix time (s)."""
     attempt: int = 0
-    """How many answers were refused before this question."""
+    """Number of refused answers before this question."""
     operator: str = ""
-    """Who answered here; "" when unknown."""
+    """Name of the person who answered here; "" if unknown."""
     answer: Any = None
     refused: str = ""
-    """Why the answer was refused, as far as the next question of the same mission tells."""
+    """Reason why the answer was refused, if the mission's next question states it."""
 
 
 class Inbox:
@@ -73,7 +73,8 @@ class Inbox:
         """Open an inbox.
 
         Args:
-            folder: Folder of questions; made if it is not there, so that the desk may be opened before the mission.
+            folder: Folder of questions; created if it does not exist, so that the desk may be opened before the
+                mission.
 
         Raises:
             InputError: It is not a folder, or cannot be made, read or written.
@@ -91,7 +92,7 @@ class Inbox:
         self._questions: dict[str, Mapping[str, Any]] = {}
 
     def entries(self) -> list[InboxEntry]:
-        """Return all questions in the order in which they were asked."""
+        """Return all questions in the order of asking."""
         found: list[InboxEntry] = []
         last: dict[str, int] = {}
         for question_id in sorted(self._ids(), key=lambda name: (int(name.partition("-")[0]), name)):
@@ -106,7 +107,7 @@ class Inbox:
         return found
 
     def missions(self) -> list[dict[str, Any]]:
-        """Return the notices of missions, the latest started last; those that ended without a word are "stopped"."""
+        """Return the notices of missions, the latest started last; those that ended without a notice are "stopped"."""
         notices = []
         for path in self.folder.glob("mission-*.json"):
             notice = _document(path)
@@ -126,7 +127,7 @@ class Inbox:
         """Return a question as it was asked: the content of its question.json.
 
         Raises:
-            NoSuchQuestion: There is none under this name.
+            NoSuchQuestion: There is none with this name.
         """
         content = self._questions.get(question_id)
         if content is None:
@@ -151,17 +152,17 @@ class Inbox:
         return content
 
     def answer(self, question_id: str, answer: Any, operator: str = "") -> None:
-        """Answer a question, unless someone else has.
+        """Answer a question, unless it is already answered.
 
-        The answer appears whole or not at all, and only one of several that arrive at once appears.
+        The answer is published atomically, and only one of several simultaneous answers is.
 
         Args:
-            question_id: Which one.
-            answer: What `json.loads` returns.
-            operator: Who answers.
+            question_id: Id of the question.
+            answer: A value as returned by `json.loads`.
+            operator: Name of the person.
 
         Raises:
-            NoSuchQuestion: There is none under this name.
+            NoSuchQuestion: There is none with this name.
             Unfit: The answer does not fit its schema.
             NotOpen: It is answered already, or no longer needed.
         """
@@ -219,7 +220,7 @@ class Inbox:
             return InboxEntry(id=question_id, kind=question_id.partition("-")[2], state="unreadable"), question_id
         asker = question.get("asker")
         rejections = question.get("rejections")
-        # Look for the close first: an answer found after that was there before the close.
+        # Read the closing first: an answer found afterwards existed before it.
         closed = _document(folder / "closed.json")
         answered = (folder / "answer.json").exists()
         state: State = "open"
@@ -240,7 +241,7 @@ class Inbox:
             answer=_shown(folder / "answer.json") if answered else None,
         )
         key = json.dumps(asker, sort_keys=True)
-        # The answerer is recorded shortly after the answer; from then on nothing about the question changes.
+        # The operator is recorded shortly after the answer; after that the question never changes.
         if closed is not None and (by or state == "withdrawn" or time.time() - _modified(folder / "closed.json") > 5.0):
             self._settled[question_id] = (entry, key)
         return entry, key
@@ -259,7 +260,7 @@ def _claim(partial: Path, target: Path) -> None:
     """Move a complete file to its name, unless the name is taken.
 
     Raises:
-        FileExistsError: It is.
+        FileExistsError: The name is taken.
     """
     try:
         os.link(partial, target)
@@ -295,7 +296,7 @@ def _content(path: Path, limit: int) -> bytes | None:
 
 
 def _shown(path: Path) -> Any:
-    """Return an answer for the history; one that a desk would not have accepted is cut to the start of its text."""
+    """Return an answer for the history; an unacceptable one is shortened to the start of its text."""
     text = (_content(path, QUESTION_LIMIT) or b"").decode("utf-8", "replace")
     simple = len(text) <= MAX_CHARS and text.count("[") + text.count("{") <= MAX_BRACKETS
     return _any(path) if simple else text[:400]

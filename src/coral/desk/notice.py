@@ -16,12 +16,12 @@ from typing import Any
 def mission_notice(inbox: Path, **about: Any) -> Iterator[Callable[[str], None]]:
     """Keep a `mission-HOST-PID.json` in an inbox while a mission runs, and leave it there with its outcome.
 
-    Yields a function that takes the outcome in a sentence; a mission that leaves without calling it has failed.
-    A notice is a courtesy: an inbox that cannot be written does not stop the mission.
+    It yields a function that takes the outcome as a sentence; a mission that ends without calling it has failed. The
+    notice is optional: an inbox that cannot be written does not stop the mission.
 
     Args:
-        inbox: Folder of questions; made if it is not there.
-        about: What to tell of the mission, such as its world and its run folder; JSON values.
+        inbox: Folder of questions; created if it does not exist.
+        about: Description of the mission, such as its world and its run folder; JSON values.
     """
     host, pid = socket.gethostname(), os.getpid()
     notice: dict[str, Any] = {
@@ -47,7 +47,7 @@ def mission_notice(inbox: Path, **about: Any) -> Iterator[Callable[[str], None]]
 
 
 def is_alive(host: str, pid: int) -> bool:
-    """Check whether a process runs; True if it is on another machine, where that cannot be checked."""
+    """Check whether a process runs; True for another machine, where this cannot be checked."""
     if host != socket.gethostname():
         return True
     try:

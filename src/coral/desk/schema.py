@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 MAX_FAULTS = 10
-"""More of them help nobody."""
+"""Maximum number of reported mismatches."""
 MAX_DEPTH = 32
-"""Deepest nesting of an answer that is looked at."""
+"""Maximum nesting of an answer."""
 MAX_STEPS = 200
-"""Steps from the schema's root to any of its parts; more of them are a schema that refers to itself."""
+"""Maximum number of steps from the schema's root to any part; a schema with more refers to itself."""
 
 Path = tuple[str | int, ...]
 
@@ -33,26 +33,26 @@ _NAMES = {
 
 @dataclass(frozen=True)
 class SchemaFault:
-    """One mismatch between a value and its schema."""
+    """A mismatch between a value and its schema."""
 
     path: Path
-    """Keys and positions that lead to the bad part; () is the whole value."""
+    """Keys and positions that lead to the part; () is the whole value."""
     reason: str
 
     @property
     def place(self) -> str:
-        """The path in readable form, such as "objects.0.mass"."""
+        """Format the path, such as "objects.0.mass"."""
         return ".".join(map(str, self.path))
 
 
 def faults(value: Any, schema: Mapping[str, Any]) -> list[SchemaFault]:
     """Return the mismatches between a value and a schema, at most `MAX_FAULTS`; [] if it fits.
 
-    Understood are types, enum and const, bounds on numbers, lengths, patterns, objects, lists, tuples, `anyOf`,
-    `oneOf`, `allOf` and references into the schema itself; other keywords are left to the model that reads the answer.
+    Supported are types, enum and const, bounds on numbers, lengths, patterns, objects, lists, tuples, `anyOf`, `oneOf`,
+    `allOf` and references within the schema; other keywords are checked by the model that reads the answer.
 
     Args:
-        value: What `json.loads` returns.
+        value: A value as returned by `json.loads`.
         schema: A JSON schema (draft 2020-12), as pydantic writes it.
     """
     found: list[SchemaFault] = []
@@ -101,7 +101,7 @@ def _check(value: Any, schema: Any, root: Mapping[str, Any], path: Path, depth: 
 
 
 def _either(value: Any, options: list[Any], root: Mapping[str, Any], path: Path, depth: int) -> Iterator[SchemaFault]:
-    """Return the faults of the option that fits best: the one whose first fault lies deepest."""
+    """Return the faults of the best-fitting option: the one whose first fault lies deepest."""
     tried = []
     for option in options:
         wrong = list(_check(value, option, root, path, depth + 1))
@@ -136,7 +136,7 @@ def _text(value: str, schema: Mapping[str, Any], path: Path) -> Iterator[SchemaF
         yield SchemaFault(path, f"must have {schema['minLength']} characters or more, not {len(value)}")
     if len(value) > schema.get("maxLength", math.inf):
         yield SchemaFault(path, f"must have {schema['maxLength']} characters or fewer, not {len(value)}")
-    with contextlib.suppress(re.error):  # patterns are JavaScript's; skip one that Python cannot read
+    with contextlib.suppress(re.error):  # patterns are JavaScript's; skip those that Python cannot read
         if "pattern" in schema and not re.search(schema["pattern"], value):
             yield SchemaFault(path, f"must match {schema['pattern']}, which {_short(value)} does not")
 
@@ -167,7 +167,7 @@ def _object(
 
 
 def _resolve(reference: str, root: Mapping[str, Any]) -> Any:
-    """Return the part of the schema that "#/..." refers to; other references are not checked."""
+    """Return the part of the schema at "#/..."; other references are not checked."""
     part: Any = root
     if not reference.startswith("#"):
         return True

@@ -1,4 +1,4 @@
-"""The desk's web server: one page and its questions, and nothing else of the machine."""
+"""The desk's web server: it serves one page and its questions, and no other files."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ from coral.desk.watch import InboxWatch
 from coral.errors import InputError
 
 BODY_LIMIT = 256 * 1024
-"""Bytes of a request's body."""
+"""Maximum size of a request's body, bytes."""
 PAGES = 32
-"""Pages that may be connected for live updates at one time; each holds a thread."""
+"""Maximum number of pages connected for live updates; each uses a thread."""
 KEEP_ALIVE_S = 10.0
-"""A comment is sent to a silent page this often, which also finds out that it has gone."""
+"""Interval of comments to a silent page, which also detect that it has disconnected."""
 NAME_LIMIT = 60
 
 PAGE = (Path(__file__).parent / "page.html").read_text(encoding="utf-8")
 
 
 def _content_policy(page: str) -> str:
-    """Return the Content-Security-Policy of a page that runs its own style and script and loads nothing else."""
+    """Return the Content-Security-Policy of a page that runs only its own style and script and loads nothing else."""
 
     def digest(tag: str) -> str:
         match = re.search(rf"<{tag}>(.*?)</{tag}>", page, re.DOTALL)
@@ -64,14 +64,14 @@ class DeskServer(ThreadingHTTPServer):
         """Bind to an address.
 
         Args:
-            inbox: What is served.
+            inbox: The inbox to serve.
             host: Address to listen on; any but this machine's own (loopback) needs a token, made if none is given.
-            port: 0 takes a free one.
-            token: Asked for in `?token=` (once; a cookie follows) or in `Authorization: Bearer`.
-            watch_period_s: How often to look at the inbox (s).
+            port: Port; 0 chooses a free one.
+            token: Required in `?token=` (once; a cookie follows) or in `Authorization: Bearer`.
+            watch_period_s: Interval of reading the inbox (s).
 
         Raises:
-            InputError: The port is in use, the address is not one of this machine's, or the token is unfit.
+            InputError: The port is in use, the address is not one of this machine's, or the token is unsuitable.
         """
         if not 0 <= port <= 65535:
             raise InputError("--port", "", port, "a port from 1 to 65535, or 0 for a free one")
@@ -95,16 +95,16 @@ class DeskServer(ThreadingHTTPServer):
         self.watch = InboxWatch(inbox, watch_period_s)
         self.pages = threading.BoundedSemaphore(PAGES)
         self.answered = 0
-        """Answers that went through this server."""
+        """Number of answers accepted by this server."""
 
     def server_bind(self) -> None:
-        """Bind without looking up this machine's name, which may take seconds."""
+        """Bind without resolving this machine's name, which may take seconds."""
         socketserver.TCPServer.server_bind(self)
         self.server_name, self.server_port = str(self.server_address[0]), int(self.server_address[1])
 
     @property
     def url(self) -> str:
-        """The URL for a browser, token included."""
+        """Return the URL for a browser, token included."""
         return self.access.url
 
     def serve_forever(self, poll_interval: float = 0.2) -> None:
@@ -164,7 +164,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.close_connection = True
         if not self._admitted():
             return
-        # Pages of other sites need a CORS preflight to set a custom header, and we never grant one.
+        # Pages of other sites need a CORS preflight to set a custom header, and it is never granted.
         if self._headers.get("X-Coral-Desk") != "1":
             self._refuse(
                 HTTPStatus.FORBIDDEN, "Answers are taken from the desk's own page, or with the header X-Coral-Desk: 1."
@@ -207,7 +207,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.server.watch.look()
 
     def _body(self) -> Mapping[str, Any] | None:
-        """Read the JSON object that was sent; None after refusing it."""
+        """Read the JSON object of the request; None after refusing it."""
         if self._headers.get("Content-Type", "").partition(";")[0].strip().lower() != "application/json":
             self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "Answers are sent as application/json.")
             return None
@@ -229,8 +229,8 @@ class _Handler(BaseHTTPRequestHandler):
         return content
 
     def _admitted(self) -> bool:
-        """Check whether to continue; if not, the request has been answered."""
-        instead = self.server.access.instead(self.command, self.path, self._headers)
+        """Check whether to continue; otherwise the request has been answered."""
+        instead = self.server.access.refuse_or_redirect(self.command, self.path, self._headers)
         if instead is None:
             return True
         if instead.headers:
@@ -240,7 +240,7 @@ class _Handler(BaseHTTPRequestHandler):
         return False
 
     def _events(self) -> None:
-        """Send server-sent events: the state now, and again whenever it changes."""
+        """Send server-sent events: the state now, and after every change."""
         if not self.server.pages.acquire(blocking=False):
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, f"{PAGES} pages are connected already.")
             return
@@ -307,7 +307,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_header(name, value)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Log nothing: a request line could hold the token."""
+        """Log nothing: a request line could contain the token."""
 
 
 def _no_constant(name: str) -> Any:

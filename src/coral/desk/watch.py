@@ -1,4 +1,4 @@
-"""One thread that watches the inbox, and notifies everyone who waits for a change."""
+"""A thread that watches the inbox, and notifies waiting callers of changes."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from coral.advisor.log import plain_json
 from coral.desk.inbox import Inbox, entry_json
 
 RECENT = 300
-"""Latest questions that a page lists."""
+"""Number of questions that a page lists, the latest first."""
 
 
 class InboxWatch:
-    """The state of an inbox as JSON text, with a version that grows when it changes."""
+    """The state of an inbox as JSON text, with a version that grows with every change."""
 
     def __init__(self, inbox: Inbox, period_s: float = 0.2) -> None:
         """Read the inbox once; `start` keeps it up to date.
 
         Args:
-            inbox: What to watch.
-            period_s: How often to look (s).
+            inbox: The inbox to watch.
+            period_s: Interval of reading (s).
         """
         self._inbox, self._period_s = inbox, period_s
         self._changed = threading.Condition()

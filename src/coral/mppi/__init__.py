@@ -1,1 +1,1 @@
-"""Sampling-based optimal control shared by both systems."""
+"""Sampling-based optimal control, shared by both applications."""

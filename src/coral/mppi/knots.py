@@ -1,4 +1,4 @@
-"""MPPI over spline knots: sample around the last plan, weigh by cost, average (Eqs. 4-6 of the CoRAL paper)."""
+"""MPPI over spline knots: sample around the last plan, weight by cost, average (Eqs. 4-6 of the CoRAL paper)."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ Evaluate = Callable[[Array], Array]
 
 @dataclass(frozen=True, kw_only=True)
 class KnotMppiCfg:
-    """The sampler of the CoRAL paper, over knots."""
+    """Sampler of the CoRAL paper, over knots."""
 
     samples: Annotated[int, Field(ge=1, le=100_000)] = 200
     """K (paper, section 4)."""
     temperature: Positive = 0.1
-    """lambda (paper, section 4), in units of the spread of the costs, so that it means the same for every cost."""
+    """lambda (paper, section 4), relative to the spread of the costs, so that it means the same for every cost."""
     knots: Annotated[int, Field(ge=2, le=1000)] = 6
-    """Values over the horizon that are sampled; between them the sequence is interpolated."""
+    """Number of sampled values over the horizon; the sequence is interpolated between them."""
     spline: Kind = "linear"
-    """How."""
+    """Interpolation between knots."""
     ramp: tuple[NonNegative, NonNegative] = (0.4, 1.4)
-    """The noise's factor at the first and at the last knot: near actions are refined, far ones explored."""
+    """Factor on the noise at the first and at the last knot: near actions are refined, far ones explored."""
     iterations: Count = 1
-    """Sample-and-average rounds in one plan."""
+    """Sample-and-average iterations per plan."""
     shrink: Positive = 0.6
     """Factor on the noise from one iteration to the next."""
     spread_quantile: Positive = 0.9
-    """Costs above this quantile do not count for the spread: one mad rollout must not flatten the others."""
+    """Costs above this quantile are excluded from the spread: one extreme rollout must not flatten the others."""
 
 
 @dataclass(frozen=True)
@@ -45,17 +45,17 @@ class Update:
     """The result of one update."""
 
     knots: Array
-    """Shape=(n, nu), the weighted mean."""
+    """Weighted mean of the samples, Shape=(n, nu)."""
     sampled: Array
-    """Shape=(K, n, nu) of the last iteration; the first row is the plan before."""
+    """Samples of the last iteration, Shape=(K, n, nu); the first is the previous plan."""
     costs: Array
-    """Shape=(K,); inf where a rollout does not count."""
+    """Costs of the samples, Shape=(K,); inf for invalid rollouts."""
     weights: Array
-    """Shape=(K,)."""
+    """Weights of the samples, Shape=(K,)."""
     effective_samples: float
-    """1 to K."""
+    """Effective sample size, 1 to K."""
     ok: bool
-    """False when no rollout counted, and the plan before was kept."""
+    """False if every rollout was invalid, and the previous plan was kept."""
 
 
 class KnotMppi:
@@ -68,7 +68,7 @@ class KnotMppi:
     Args:
         cfg: The sampler.
         sigma: Shape=(nu,) standard deviation of each axis at ramp 1.
-        rng: Source of the noise.
+        rng: Random generator of the noise.
     """
 
     def __init__(self, cfg: KnotMppiCfg, sigma: Array, rng: np.random.Generator) -> None:
@@ -76,7 +76,7 @@ class KnotMppi:
         self.knots = np.zeros((cfg.knots, self.sigma.size))
 
     def sample(self, scale: float = 1.0) -> Array:
-        """Perturbed plans, Shape=(K, n, nu); the first is the plan itself."""
+        """Sample perturbed plans, Shape=(K, n, nu); the first is the plan itself."""
         cfg = self.cfg
         ramp = np.linspace(*cfg.ramp, cfg.knots)[:, None]
         noise = self._rng.standard_normal((cfg.samples, *self.knots.shape)) * (scale * ramp * self.sigma)
@@ -89,12 +89,12 @@ class KnotMppi:
         proposals: Callable[[Array], Array] | None = None,
         bound: Callable[[Array], Array] = lambda knots: knots,
     ) -> Update:
-        """One plan: sample, evaluate, average, `iterations` times over.
+        """Improve the plan: sample, evaluate, average, `iterations` times.
 
         Args:
-            evaluate: Costs, Shape=(K,), of knots, Shape=(K, n, nu); inf or nan for what must not count.
-            proposals: Rewrites some of the samples, as towards points of contact.
-            bound: Makes sequences admissible.
+            evaluate: Costs, Shape=(K,), of knots, Shape=(K, n, nu); inf or nan for invalid samples.
+            proposals: Replaces some of the samples, for example by motions to contact points.
+            bound: Projects sequences onto the admissible set.
         """
         update: Update | None = None
         for iteration in range(self.cfg.iterations):
@@ -118,7 +118,7 @@ class KnotMppi:
 
 
 def spread(costs: Array, quantile: float = 1.0) -> float:
-    """Standard deviation of the finite costs up to a quantile; 1 where there is none to speak of."""
+    """Compute the standard deviation of the finite costs up to a quantile; 1 if it vanishes."""
     finite = costs[np.isfinite(costs)]
     if finite.size < 2:
         return 1.0

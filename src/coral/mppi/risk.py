@@ -1,4 +1,4 @@
-"""Risk: one cost for a control sequence that was rolled out under several beliefs."""
+"""Risk: one cost of a control sequence from its costs under several beliefs."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class RiskCfg:
-    """How costs under several beliefs become one."""
+    """Risk measure over several beliefs."""
 
     measure: Literal["mean", "worst", "cvar"] = "mean"
     """"mean"; "worst"; "cvar", the mean of the worst share."""
     share: Fraction = 0.5
-    """Of the beliefs, in "cvar"."""
+    """Share of the beliefs in "cvar"."""
 
 
 def risk(costs: Array, cfg: RiskCfg) -> Array:
-    """Cost of each sequence, Shape=(K,), from its costs under each belief, Shape=(beliefs, K)."""
+    """Compute the risk of each sequence, Shape=(K,), from its costs under each belief, Shape=(beliefs, K)."""
     if cfg.measure == "mean":
         return np.asarray(costs.mean(axis=0))
     if cfg.measure == "worst":

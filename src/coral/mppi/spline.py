@@ -1,4 +1,4 @@
-"""Control sequences as splines: a few knots over the horizon are sampled, the steps between them interpolated."""
+"""Control sequences as splines: sampling changes a few knots over the horizon, steps between them are interpolated."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ Kind = Literal["hold", "linear", "cubic"]
 
 
 def basis(times: Array, knots: int, span: float, kind: Kind = "linear") -> Array:
-    """Matrix B, Shape=(T, knots), with values(times) = B @ knot values, the knots evenly over [0, span].
+    """Compute B, Shape=(T, knots), with values(times) = B @ knot values, for knots evenly over [0, span].
 
-    Before the first and after the last knot the value is held. "cubic" is Catmull-Rom: it passes through the knots.
+    The value is constant before the first and after the last knot. "cubic" is Catmull-Rom: it passes through the knots.
     """
     return _basis(tuple(np.asarray(times, dtype=float)), knots, float(span), kind)
 
@@ -40,17 +40,17 @@ def _basis(times: tuple[float, ...], knots: int, span: float, kind: Kind) -> Arr
         weights = (-0.5 * s3 + s2 - 0.5 * s, 1.5 * s3 - 2.5 * s2 + 1, -1.5 * s3 + 2 * s2 + 0.5 * s, 0.5 * s3 - 0.5 * s2)
         for shift, weight in zip((-1, 0, 1, 2), weights, strict=True):
             np.add.at(matrix, (rows, np.clip(left + shift, 0, knots - 1)), weight)
-    matrix.flags.writeable = False  # it is kept for the next call
+    matrix.flags.writeable = False  # the cache returns it again
     return matrix
 
 
 def interpolate(knots: Array, times: Array, span: float, kind: Kind = "linear") -> Array:
-    """Values, Shape=(..., T, nu), at `times`, Shape=(T,), of splines with knots of Shape=(..., n, nu)."""
+    """Compute the values, Shape=(..., T, nu), at `times`, Shape=(T,), of splines with knots of Shape=(..., n, nu)."""
     return np.asarray(basis(times, knots.shape[-2], span, kind) @ knots)
 
 
 def shift(knots: Array, by: float, span: float, kind: Kind = "linear") -> Array:
-    """The same spline begun `by` later, Shape=(n, nu): the warm start of the next plan. The last value is held."""
+    """Shift a spline by `by` in time, Shape=(n, nu): the warm start of the next plan. The last value is held."""
     count = knots.shape[-2]
     times = np.linspace(0.0, span, count) + by
     return interpolate(knots, times, span, kind)

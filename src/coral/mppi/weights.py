@@ -9,15 +9,15 @@ Array = NDArray[np.float64]
 
 
 def softmax_weights(costs: Array, temperature: float, elites: int = 0) -> Array:
-    """Information-theoretic weights exp(-(J - min J) / lambda), normalised.
+    """Compute the information-theoretic weights exp(-(J - min J) / lambda), normalised.
 
     Args:
-        costs: Shape=(K,) cost of each rollout; inf for a rollout that must not count.
+        costs: Shape=(K,) cost of each rollout; inf for an invalid one.
         temperature: lambda > 0, in units of the cost.
-        elites: When positive, only so many of the cheapest rollouts count.
+        elites: If positive, only this many of the cheapest rollouts count.
 
     Returns:
-        Shape=(K,) weights that sum to 1, or all zero when no cost is finite.
+        Shape=(K,) weights that sum to 1, or all zero if no cost is finite.
     """
     weights = np.zeros_like(costs)
     finite = np.flatnonzero(np.isfinite(costs))
@@ -31,11 +31,11 @@ def softmax_weights(costs: Array, temperature: float, elites: int = 0) -> Array:
 
 
 def effective_sample_size(weights: Array) -> float:
-    """1 / sum of squared weights: 1 when one rollout decides, K when all count alike, 0 when none does."""
+    """Compute 1 / sum of squared weights: 1 if one rollout dominates, K if all count alike, 0 if none counts."""
     squares = float(np.square(weights).sum())
     return 1.0 / squares if squares > 0.0 else 0.0
 
 
 def weighted_mean(weights: Array, sequences: Array) -> Array:
-    """Mean control sequence, Shape=(T, nu), of sequences Shape=(K, T, nu) under weights Shape=(K,)."""
+    """Compute the mean control sequence, Shape=(T, nu), of Shape=(K, T, nu) with weights of Shape=(K,)."""
     return np.asarray(np.tensordot(weights, sequences, axes=1))

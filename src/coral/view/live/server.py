@@ -16,7 +16,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from coral.access import Access, Instead, new_token
+from coral.access import Access, AccessResponse, new_token
 
 HOST = "127.0.0.1"
 LOOKED_AT = ("Host", "Origin", "Cookie", "Authorization")
@@ -56,10 +56,10 @@ class GuardedServer(viser.ViserServer):  # type: ignore[misc]
     def _check(self, request: Request) -> Response | None:
         """Return the response to a rejected request; None to let it through."""
         if self.access is None:
-            return _response(Instead(HTTPStatus.SERVICE_UNAVAILABLE, "The page is about to open."))
+            return _response(AccessResponse(HTTPStatus.SERVICE_UNAVAILABLE, "The page is about to open."))
         # Join duplicate headers, so that no rule accepts them.
         headers = {name: ", ".join(request.headers.get_all(name)) for name in LOOKED_AT if name in request.headers}
-        instead = self.access.instead("GET", request.path, headers)
+        instead = self.access.refuse_or_redirect("GET", request.path, headers)
         return None if instead is None else _response(instead)
 
 
@@ -101,7 +101,7 @@ def _logger() -> logging.Logger:
     return logging.Logger("coral.live", level=logging.CRITICAL)
 
 
-def _response(instead: Instead) -> Response:
+def _response(instead: AccessResponse) -> Response:
     body = instead.reason.encode()
     headers = {
         "Content-Type": "text/plain; charset=utf-8",
