@@ -25,7 +25,7 @@ def test_without_a_terminal_lines_appear_now_and_then_and_at_the_end(told):
         progress.ended(outcome)
     progress.close()
     assert told.getvalue().splitlines() == [
-        "there already: 2 of 6 episodes",
+        "recorded before: 2 of 6 episodes",
         f"4 of 6 · about 20 s left · last: {SPEC.key}",
         f"failed: {SPEC.key}: [b] no",
         f"6 of 6 · 1 failed · in 40 s · last: {SPEC.key}",

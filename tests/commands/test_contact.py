@@ -282,7 +282,7 @@ def test_where_the_rules_stand_in_for_a_model_everything_says_so(task, refusing,
     last = "he advisor decided 0 of 3 decisions, the fallback's rules 3"
     assert said.rstrip().splitlines()[-1] == f"t{last}"
     assert f"T{last}".replace("'", "&#39;") in (out / "report.html").read_text()
-    assert "the advisor did not decide on the parameters (requeries-used-up): heuristic stands in" in err
+    assert "the advisor did not decide on the parameters (requeries-used-up): continuing with heuristic" in err
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from coral.reef.geometry import Frame
 from coral.view.pictures import Image, draw_text
 
 LABEL_COLORS: NDArray[np.uint8] = np.array([(164, 205, 230), (38, 166, 76), (33, 33, 40), (168, 165, 158)], np.uint8)
-"""Water pale blue, oysters green, obstacles dark, seabed gray, in the order of `Label`."""
+"""Colours in the order of `Label`: water pale blue, oysters green, obstacles dark, seabed gray."""
 DEPTH_MAX_M = 8.0
 """Far end of the depth colours; a fixed scale keeps pictures of one mission comparable."""
 NOTHING: tuple[int, int, int] = (14, 16, 28)
@@ -29,7 +29,7 @@ DEPTH_PALETTE[255] = NOTHING
 
 
 def depth_levels(depth: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Map depth (m, inf or 0 if nothing is seen) to indices into `DEPTH_PALETTE`. Shape=(H, W)."""
+    """Map depth (m, inf or 0 without a measurement) to indices into `DEPTH_PALETTE`. Shape=(H, W)."""
     seen = np.isfinite(depth) & (depth > 0)
     levels = np.clip(np.where(seen, depth, 0) * (254 / DEPTH_MAX_M), 0, 254)
     return np.where(seen, levels, 255).astype(np.uint8)
@@ -41,9 +41,9 @@ def camera_picture(
     """Draw a frame of the front camera. Shape=(size[1], size[0], 3) RGB.
 
     Args:
-        frame: What the camera saw.
-        kind: "segmentation" (green oysters, gray seabed, dark obstacles, blue water) or "depth" (bright near, dark
-            far, with a scale in metres).
+        frame: The camera frame.
+        kind: "segmentation" (green oysters, gray seabed, dark obstacles, blue water) or "depth" (bright near, dark far,
+            with a scale in metres).
         size: Width and height (px).
     """
     if kind == "segmentation":

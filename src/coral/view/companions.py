@@ -14,9 +14,9 @@ from coral.view.mapframe import RED, YELLOW, MapPicture
 from coral.view.pictures import RGB, draw_arrow, draw_dot, draw_line, draw_text, text_size
 
 PURPLE: RGB = (126, 58, 200)
-"""Of every other robot in the pictures that an advisor sees."""
+"""Colour of every other robot in the pictures for an advisor."""
 COLORS: tuple[RGB, ...] = (RED, PURPLE, (0, 150, 170), (140, 80, 25))
-"""Of robots 0 to 3 in pictures for people; the first one's track is yellow, as in the paper."""
+"""Colours of robots 0 to 3 in pictures for people; the first one's track is yellow, as in the paper."""
 WHITE: RGB = (255, 255, 255)
 
 

@@ -18,12 +18,12 @@ class Try:
     attempt: int
     asked_at_s: float
     answered_at_s: float | None
-    """None when no verdict was recorded."""
+    """None if no verdict was recorded."""
     verdict: str
-    """"open" when no verdict was recorded."""
+    """"open" if no verdict was recorded."""
     code: str = ""
     reason: str = ""
-    """Why it was rejected."""
+    """Reason of a rejection."""
     answer: Mapping[str, Any] = field(default_factory=dict)
     raw: str = ""
     pictures: tuple[tuple[str, str], ...] = ()
@@ -31,12 +31,12 @@ class Try:
 
     @property
     def latency_s(self) -> float | None:
-        """Simulated seconds from the question to its verdict."""
+        """Return the simulated seconds from the question to its verdict."""
         return None if self.answered_at_s is None else self.answered_at_s - self.asked_at_s
 
     @property
     def said(self) -> str:
-        """The answer in words, without its reasoning."""
+        """Return the answer in words, without its reasoning."""
         if "selected_centroid_index" in self.answer:
             index = self.answer["selected_centroid_index"]
             return "no centroid" if index is None else f"centroid {index}"
@@ -62,7 +62,7 @@ class Try:
 
     @property
     def why(self) -> str:
-        """The advisor's own reasoning."""
+        """Return the advisor's own reasoning."""
         return str(self.answer.get("reason") or self.answer.get("reasoning") or "")
 
 
@@ -73,29 +73,29 @@ class Decision:
     number: int
     t: float
     cause: str
-    """Of the trigger that fired last before the question."""
+    """Cause of the last trigger before the question."""
     mode: str
     tries: tuple[Try, ...]
     centroids: tuple[Record, ...]
-    """As offered in the last question: index, x, y, visited."""
+    """Centroids of the last question: index, x, y, visited."""
     x: float
     y: float
-    """Where the robot was when it was asked (m); nan when not recorded."""
+    """Position of the robot at the time of the question (m); nan if not recorded."""
     goal: tuple[float, float] | None = None
     source: str = ""
     reason: str = ""
     fallback: str = ""
     robot: int = 0
-    """Who asked."""
+    """Number of the asking robot."""
 
     @property
     def outcome(self) -> str:
-        """Verdict of the last attempt."""
+        """Return the verdict of the last attempt."""
         return self.tries[-1].verdict
 
     @property
     def end_s(self) -> float:
-        """Time of the last event of the decision (s)."""
+        """Return the time of the decision's last event (s)."""
         last = self.tries[-1]
         return last.asked_at_s if last.answered_at_s is None else last.answered_at_s
 

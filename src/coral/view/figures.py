@@ -13,11 +13,11 @@ from coral.view.run import Record, RunFolder
 from coral.view.svg import LEFT, RIGHT, WIDTH, Span, chart, clock, line, path, text, thin, time_axis
 
 ROBOT_RADIUS_M = 0.3
-"""Radius of the disc that collisions are counted for (CORAL IV-F)."""
+"""Radius of the disc for collisions (CORAL IV-F)."""
 
 
 def coverage_chart(run: RunFolder) -> str:
-    """Draw the share of true clusters covered over time, each cluster named at the moment when it was covered."""
+    """Draw the share of true clusters covered over time, each cluster named at the time of its coverage."""
     axis = time_axis(run.duration_s)
     top, bottom = 26.0, 196.0
     y = Span(0.0, 1.0, bottom, top)
@@ -135,7 +135,7 @@ LANES = (
 
 
 def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
-    """Draw why the advisor was or was not asked, how long it took, and in which mode."""
+    """Draw when and why the advisor was or was not asked, its latency, and its mode."""
     axis = time_axis(run.duration_s)
     triggers = run.select("trigger")
     causes = {str(event.get("cause")) for event in triggers}

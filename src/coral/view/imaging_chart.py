@@ -1,4 +1,4 @@
-"""The judge's curves in a run report: the share of the oyster area imaged, and inspected, over time."""
+"""The inspection curves of a run report: share of the oyster area imaged, and inspected, over time."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from coral.view.run import RunFolder, read_table
 from coral.view.svg import LEFT, Span, chart, clock, line, path, text, time_axis
 
 MARKS = (0.5, 0.8, 0.9, 1.0)
-"""Shares whose times are marked on the curve of what was inspected."""
+"""Shares whose times are marked on the curve of the inspected area."""
 
 
 def imaging_chart(run: RunFolder) -> str:
-    """Draw both curves over time; "" for a run that was not judged."""
+    """Draw both curves over time; "" for a run without them."""
     table = read_table(run.path / JUDGE_FILE)
     if not {"t", "imaged", "inspected"} <= table.keys() or not len(table["t"]):
         return ""

@@ -13,7 +13,7 @@ from coral.view.pictures import RGB, Image, draw_arrow, draw_dot, draw_line, dra
 
 UNEXPLORED, FREE, OBSTACLE, OYSTER = 0, 1, 2, 3
 CELL_COLORS: NDArray[np.uint8] = np.array([(255, 255, 255), (190, 193, 197), (0, 0, 0), (38, 166, 76)], np.uint8)
-"""White unexplored, gray explored free, black obstacles, green oysters (CORAL III-A)."""
+"""Colours: white unexplored, gray explored free, black obstacles, green oysters (CORAL III-A)."""
 
 ORANGE: RGB = (255, 133, 0)
 PALE_ORANGE: RGB = (255, 214, 163)
@@ -30,7 +30,7 @@ class MapPicture:
     """A drawn map and its position in the world."""
 
     rgb: Image
-    """Shape=(h, w, 3); north is up, +x is right."""
+    """The picture, Shape=(h, w, 3); north is up, +x is right."""
     scale: float
     """Pixels per metre."""
     left_px: float
@@ -38,7 +38,7 @@ class MapPicture:
     bottom_px: float
     """Row of y = 0."""
     window: tuple[float, float, float, float]
-    """(x0, y0, x1, y1) shown (m)."""
+    """Shown area (x0, y0, x1, y1) (m)."""
 
     def to_pixels(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Convert world points, Shape=(..., 2) m, to picture (column, row) px."""
@@ -90,11 +90,11 @@ def draw_axes(view: MapPicture, left: int, top: int, width: int, height: int) ->
 
 
 LEGEND_PX = 620
-"""Width that the legend needs (px)."""
+"""Width of the legend (px)."""
 
 
 def draw_legend(rgb: Image, left: int, top: int, goal: bool) -> None:
-    """Draw two lines that explain the colours, in place, from (left, top) px; `goal` says whether one is drawn."""
+    """Draw two lines that explain the colours, in place, from (left, top) px; `goal`: whether a goal is drawn."""
     squares = [
         (CELL_COLORS[0], "unexplored"),
         (CELL_COLORS[1], "explored"),

@@ -22,7 +22,7 @@ from coral.view.svg import clock, line, text
 SIZE_PX = 760.0
 """Longer side of the map in its own pixels."""
 PAD = (38.0, 12.0, 12.0, 30.0)
-"""Left, top, right, bottom (px), for the axes."""
+"""Margins for the axes: left, top, right, bottom (px)."""
 
 
 class MapSvg:
@@ -146,7 +146,7 @@ class MapSvg:
         )
 
     def _decisions(self, made: Sequence[Decision]) -> str:
-        """Draw numbered markers where the robot was when it asked, moved apart where they would overlap."""
+        """Draw numbered markers at the positions of the questions, moved apart if they would overlap."""
         placed: list[tuple[float, float]] = []
         parts = []
         for d in made:

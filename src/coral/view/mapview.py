@@ -1,4 +1,4 @@
-"""The one picture of a survey map, in the paper's colour code, for advisors and for people (CORAL III-A, appendix)."""
+"""The picture of a survey map, in the paper's colour code, for advisors and for people (CORAL III-A, appendix)."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _CELL_WORDS = np.ascontiguousarray(np.pad(CELL_COLORS, ((0, 0), (0, 1)))).view(n
 class MapScene:
     """The content of a map picture; world frame ENU, metres.
 
-    Everything here is what the robot itself believes: pictures of it may go to an advisor.
+    Everything here is the robot's own estimate: pictures of it may go to an advisor.
     """
 
     cells: NDArray[np.uint8]
@@ -60,29 +60,29 @@ class MapScene:
     visited: Sequence[bool] | None = None
     """Whether the robot has been at each centroid; None means none has been visited."""
     chain: Sequence[int] | None = None
-    """Rows of `centroids` in chain order, joined by blue lines; None joins them as they stand, () draws no line."""
+    """Rows of `centroids` in chain order, joined by blue lines; None joins them in order, () draws no line."""
     goal: tuple[float, float] | None = None
     rollouts: NDArray[np.float64] | None = None
-    """Shape=(R, T, 2), sampled futures of the controller."""
+    """Sampled rollouts of the controller, Shape=(R, T, 2)."""
     reference: NDArray[np.float64] | None = None
-    """Shape=(M, 2), the path the robot was meant to follow."""
+    """The planned path, Shape=(M, 2)."""
     others: tuple[Companion, ...] = ()
     """The other robots of the mission."""
     named: bool = False
-    """Whether a key says which of several robots has which colour."""
+    """Whether a key shows the colours of several robots."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MapViewCfg:
-    """How a map picture is laid out."""
+    """Layout of a map picture."""
 
     size_px: int = 768
     """Longer side; providers scale larger pictures down to about this."""
     crop: bool = True
-    """Show only the explored area with a margin, else the whole grid."""
+    """Whether to show only the explored area with a margin, else the whole grid."""
     margin_m: float = 1.5
     min_side_m: float = 10.0
-    """A crop is never smaller, so that the first pictures of a mission keep a sense of scale."""
+    """Minimum side of a crop, so that the first pictures of a mission keep a sense of scale."""
     window: tuple[float, float, float, float] | None = None
     """Explicit (x0, y0, x1, y1) in metres; overrides `crop`."""
     axes: bool = True
@@ -91,7 +91,7 @@ class MapViewCfg:
 
 
 def cell_classes(explored: NDArray[np.bool_], obstacle: NDArray[np.bool_], target: NDArray[np.bool_]) -> Image:
-    """Classify the map cells, Shape=(H, W) each; an oyster wins over an obstacle, both over free space."""
+    """Classify the map cells, Shape=(H, W) each; oysters take precedence over obstacles, both over free space."""
     cells = explored.astype(np.uint8)
     cells[obstacle] = OBSTACLE
     cells[target] = OYSTER
@@ -101,10 +101,10 @@ def cell_classes(explored: NDArray[np.bool_], obstacle: NDArray[np.bool_], targe
 def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     """Draw the map as the paper shows it (CORAL III-A and prompts A and B).
 
-    White is unexplored, gray explored free space, black obstacles, green oysters; orange dots are cluster
-    centroids with their labels, pale once visited, joined by blue lines in chain order; the yellow line is where the
-    robot has been; the red dot and arrow are the robot and its +X (forward), the blue arrow its +Y (left); the
-    magenta cross-hair is the present goal. Other robots are dots with an arrow and a ring for their goal.
+    White is unexplored, gray explored free space, black obstacles, green oysters; orange dots are cluster centroids
+    with their labels, pale once visited, joined by blue lines in chain order; the yellow line is the robot's track; the
+    red dot and arrow are the robot and its +X (forward), the blue arrow its +Y (left); the magenta cross-hair is the
+    present goal. Other robots are dots with an arrow and a ring for their goal.
     """
     cfg = cfg or MapViewCfg()
     window = _window(scene, cfg)
@@ -113,7 +113,7 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     legend_px = 54 if cfg.legend else 0
     scale = min((cfg.size_px - left - right) / (x1 - x0), (cfg.size_px - top - bottom - legend_px) / (y1 - y0))
     inner_w, inner_h = round(scale * (x1 - x0)), round(scale * (y1 - y0))
-    # The legend needs its width even when the map is a narrow upright strip.
+    # The legend needs its width even if the map is a narrow upright strip.
     width = max(inner_w + left + right, LEGEND_PX if cfg.legend and cfg.size_px >= LEGEND_PX else 0)
     rgb = np.full((inner_h + bottom + top + legend_px, width, 3), 255, np.uint8)
     view = MapPicture(rgb, scale, left - scale * x0, top + inner_h + scale * y0, window)
@@ -153,7 +153,7 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
         return whole
     x0, x1 = _span(min(xs) - cfg.margin_m, max(xs) + cfg.margin_m, cfg.min_side_m, whole[0], whole[2])
     y0, y1 = _span(min(ys) - cfg.margin_m, max(ys) + cfg.margin_m, cfg.min_side_m, whole[1], whole[3])
-    # A picture longer than 3:2 wastes the pixels an advisor gets.
+    # A picture longer than 3:2 wastes the pixels of an advisor's picture.
     side = max(x1 - x0, y1 - y0) / 1.5
     x0, x1 = _span(x0, x1, side, whole[0], whole[2])
     y0, y1 = _span(y0, y1, side, whole[1], whole[3])
@@ -184,10 +184,10 @@ def _ground(scene: MapScene, window: tuple[float, float, float, float], width: i
     have = scene.cells[max(r0, 0) : min(r1, rows), max(c0, 0) : min(c1, columns)]
     cells[max(-r0, 0) : max(-r0, 0) + have.shape[0], max(-c0, 0) : max(-c0, 0) + have.shape[1]] = have
     zoom = min(width / cells.shape[1], height / cells.shape[0])
-    if zoom >= 2:  # whole-number enlargement first keeps the edges of cells crisp; interpolation smooths the rest
+    if zoom >= 2:  # integer enlargement first keeps the edges of cells sharp; interpolation smooths the rest
         cells = np.repeat(np.repeat(cells, int(zoom), axis=0), int(zoom), axis=1)
     filter_ = cv2.INTER_LINEAR if zoom >= 1 else cv2.INTER_AREA
-    # One four-byte look-up for each cell is several times faster than one for each of three channels.
+    # One four-byte look-up per cell is several times faster than one per channel.
     colored = _CELL_WORDS[cells[::-1]].view(np.uint8).reshape(*cells.shape, 4)
     return np.asarray(cv2.resize(colored, (width, height), interpolation=filter_)[..., :3], np.uint8)
 
@@ -224,7 +224,7 @@ def _overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
 
 
 def _thinned(path: NDArray[np.float64], step: float) -> NDArray[np.float64]:
-    """Drop the points of a path that lie within about `step` of the previous one, ends kept. Shape=(N, 2)."""
+    """Drop points of a path within about `step` of the previous one, but keep the ends. Shape=(N, 2)."""
     path = np.asarray(path, np.float64).reshape(-1, 2)
     if len(path) < 3:
         return path

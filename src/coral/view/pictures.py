@@ -16,10 +16,10 @@ RGB = tuple[int, int, int]
 Image = NDArray[np.uint8]
 
 LONGEST = 200
-"""Characters of one text; more are cut. OpenCV ends the process over half a letter, so text is made printable too."""
+"""Maximum characters of one text. OpenCV ends the process over half a letter, so text is made printable too."""
 
 _SUBPIXEL = 4
-"""Fractional bits of the coordinates handed to OpenCV's anti-aliased drawing."""
+"""Fractional bits of the coordinates for OpenCV's anti-aliased drawing."""
 
 
 def png(rgb: Image) -> bytes:
@@ -88,7 +88,7 @@ def _sprite(text: str, size: int, weight: int, halo: int) -> tuple[NDArray[np.fl
 
 
 def text_size(text: str, size: int, weight: int = 500, halo: int = 0) -> tuple[int, int]:
-    """Return the width and height (px) that `draw_text` will cover."""
+    """Return the width and height (px) of a text drawn by `draw_text`."""
     height, width = _sprite(printable(text, LONGEST), size, weight, halo)[0].shape
     return width, height
 
@@ -109,11 +109,11 @@ def draw_text(
 
     Args:
         image: Shape=(H, W, 3) RGB.
-        text: One line; what cannot be shown, or is longer than any picture is wide, is replaced.
+        text: One line; characters that cannot be shown, and those beyond the maximum, are replaced.
         x: Anchor column (px).
         y: Anchor row (px).
         size: Letter height (px).
-        color: Of the letters; the halo is white.
+        color: Colour of the letters; the halo is white.
         weight: 400 regular to 800 bold.
         halo: Width of the white edge (px), so that the text reads on any ground.
         anchor: First letter l/m/r: text starts at, is centred on, ends at x; second t/m/b likewise for y.

@@ -1,4 +1,4 @@
-"""Top views of reef worlds, as a person plans a dive: clusters, obstacles, start, current, scale."""
+"""Top views of reef worlds: clusters, obstacles, start, current, scale."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def preview_sheet(worlds: Sequence[ReefWorld], path: Path, columns: int = 5) -> 
         _draw(axes, worlds[k], size=8.5)
         axes.set_title(f"{worlds[k].name}   {width:g} × {height:g} m", fontsize=12)
         axes.set_xlim(width / 2 - widest / 2 - 0.3, width / 2 + widest / 2 + 0.3)
-        axes.set_ylim(height - highest - 0.3, height + 0.3)  # titles sit on the worlds
+        axes.set_ylim(height - highest - 0.3, height + 0.3)  # titles are on top of the worlds
     figure.legend(handles=_legend(), loc="outside lower center", ncols=5, frameon=False, fontsize=11)
     figure.savefig(path, format="png")
     return path

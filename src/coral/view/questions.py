@@ -1,4 +1,4 @@
-"""The pictures that accompany a reef question: what a person would need to answer it."""
+"""The pictures of a reef question: map, segmentation and depth."""
 
 from __future__ import annotations
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 LONGEST_S = 1e7
-"""Latest time that is believed (s): four months."""
+"""Maximum plausible time (s): four months."""
 LARGEST = 1e9
-"""Largest number that is believed elsewhere."""
+"""Maximum plausible number elsewhere."""
 DEEPEST = 60
-"""Deepest nesting that is walked through."""
+"""Maximum nesting."""
 
 NUMBERS = frozenset(
     [
@@ -40,7 +40,7 @@ NUMBERS = frozenset(
         "attempts",
     ]
 )
-"""Fields that hold a number, or null where nothing was to tell."""
+"""Fields with a number, or null if there is none."""
 LISTS = frozenset(("pictures", "centroids", "captions"))
 NEEDED = {
     "goal": ("x", "y"),
@@ -50,7 +50,7 @@ NEEDED = {
     "contact": ("first", "second", "force_n"),
     "contact_end": ("first", "second", "begun_s", "ended_s"),
 }
-"""Fields that an event of a kind cannot do without."""
+"""Required fields of each kind of event."""
 FIGURES = frozenset(
     [
         "coverage",
@@ -66,7 +66,7 @@ FIGURES = frozenset(
         "robots",
     ]
 )
-"""Metrics that the headline and the tiles count with."""
+"""Metrics that the headline and the tiles use as numbers."""
 
 
 def is_number(value: object) -> bool:

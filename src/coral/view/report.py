@@ -41,9 +41,9 @@ from coral.words import many
 
 TEMPLATES = Path(__file__).parent / "templates"
 FRAME_BUDGET = 3_000_000
-"""Bytes of page that the time slider's snapshots may take."""
+"""Maximum size of the time slider's snapshots in the page (bytes)."""
 PICTURE_BUDGET = 3_000_000
-"""Bytes of page that the pictures shown to the advisor may take."""
+"""Maximum size of the advisor's pictures in the page (bytes)."""
 PICTURE_SIZES = ((768, 80), (560, 75), (400, 65), (280, 55))
 """(Width px, quality) tried in turn until the pictures fit."""
 
@@ -58,8 +58,7 @@ IMAGING_NOTE = (
 def write_report(run_folder: str | Path) -> Path:
     """Write `report.html` into a run folder, finished or killed, and return its path.
 
-    The page holds its pictures, styles and script; it loads nothing from anywhere. A report that is there already
-    is replaced.
+    The page contains its pictures, styles and script, and loads nothing from elsewhere. An existing report is replaced.
 
     Raises:
         InputError: There is no run in the folder, or the page cannot be written.
@@ -72,7 +71,7 @@ def write_page(folder: Path, page: str) -> Path:
     """Write `report.html` atomically and return its path.
 
     Raises:
-        InputError: It cannot be written.
+        InputError: The page cannot be written.
     """
     path = folder / "report.html"
     partial = path.with_name("report.html.part")
@@ -135,7 +134,7 @@ def render_report(run: RunFolder) -> str:
 
 
 def _metrics(run: RunFolder) -> Mapping[str, Any]:
-    """Return the run's own metrics, or those that the recorded part allows."""
+    """Return the run's own metrics, or those computed from the record."""
     if run.metrics:
         return run.metrics
     tables = []
@@ -161,7 +160,7 @@ def _size(run: RunFolder) -> tuple[float, float]:
 
 def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     if not metrics or not metrics.get("steps"):
-        return "Nothing was recorded that could be reported on yet."
+        return "Nothing was recorded yet."
     covered, total = int(metrics.get("clusters_covered", 0)), int(metrics.get("clusters_total", 0))
     touched = int(metrics.get("collisions", 0))
     found = f"all {total}" if total and covered == total else f"{covered} of {total}"
@@ -226,7 +225,7 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
 
 
 def _inspected(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """Return the tiles of the inspected share and of standing still; none for a run that was not judged."""
+    """Return the tiles of the inspected share and of idle time; none for a run without them."""
     share, soon, ratio = (metrics.get(key) for key in ("inspected", "time_to_90_s", "oracle_ratio_90"))
     if not isinstance(share, int | float):
         return []
@@ -240,7 +239,7 @@ def _inspected(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
 
 
 def _each(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
-    """Return head and rows of a table of every robot's own figures; empty for one robot."""
+    """Return header and rows of a table of every robot's own figures; empty for one robot."""
     each = [one for one in metrics.get("per_robot") or () if isinstance(one, dict)]
     if not each:
         return [], []
@@ -248,7 +247,7 @@ def _each(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
 
 
 def _title(key: str) -> str:
-    """Return a metric's key in words, its unit in brackets."""
+    """Return a metric's name in words, with its unit in brackets."""
     for suffix, unit in (("_m_s", "m/s"), ("_ms", "ms"), ("_s", "s"), ("_m", "m")):
         if key.endswith(suffix):
             return f"{key.removesuffix(suffix).replace('_', ' ')} ({unit})"
@@ -281,8 +280,8 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
         *([(IMAGING, IMAGING_NOTE, imaging)] if imaging else []),
         (
             "Decisions and triggers",
-            "Dots: the advisor was asked. Thin bars: a trigger was held back. Wide bars: the advisor thinking, "
-            "coloured by verdict; the controller goes on meanwhile.",
+            "Dots: the advisor was asked. Thin bars: a trigger was held back. Wide bars: waiting for the advisor, "
+            "coloured by verdict; the controller continues meanwhile.",
             event_chart(run, made),
         ),
         (f"Speed{first}", "Speed over ground and the controller's command.", speed_chart(run)),
@@ -316,7 +315,7 @@ def _provenance(run: RunFolder, start: Record) -> list[tuple[str, str]]:
 
 
 def _pictures(run: RunFolder, made: Sequence[Decision]) -> dict[str, str]:
-    """Return data URLs of the pictures that were shown, by digest; the more pictures, the smaller each one."""
+    """Return data URLs of the pictures shown, by digest; the more pictures, the smaller each one."""
     wanted = {digest for d in made for one in d.tries for _, digest in one.pictures}
     found = {digest: path for digest in sorted(wanted) if (path := run.picture(digest)) is not None}
     images = {digest: image for digest, path in found.items() if (image := cv2.imread(str(path))) is not None}
@@ -380,7 +379,7 @@ def _script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str
 
 
 def _motion(run: RunFolder, keep: Any) -> dict[str, list[float]]:
-    """Return another robot's motion at the samples `keep`, held at its last one; empty without any."""
+    """Return another robot's motion at the samples `keep`, constant after its last one; empty without any."""
     length = len(run.column("t"))
     at = np.minimum(keep, length - 1) if length else np.zeros(0, int)
     return {

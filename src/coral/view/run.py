@@ -1,4 +1,4 @@
-"""Reading a run folder back, finished or cut off at any moment."""
+"""Reading a run folder, finished or interrupted at any moment."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from coral.yaml_file import load_mapping, regular_bytes
 
 Record = Mapping[str, Any]
 MAX_BYTES = 1_000_000_000
-"""Of one file; what comes after is not read."""
+"""Maximum size of one file; the rest is not read."""
 MAX_VALUES = 500_000
 _MARKS = ("events.jsonl", "trajectory.csv", "config.yaml", "metrics.json")
 
 
 @dataclass(frozen=True)
 class RunFolder:
-    """Everything in a run folder, as far as it was written."""
+    """Contents of a run folder, as far as they were written."""
 
     path: Path
     events: tuple[Record, ...]
@@ -43,20 +43,20 @@ class RunFolder:
     world: Record
     """The reef, or the task of a contact run."""
     frame_steps: tuple[int, ...]
-    """Steps at which `frames/` holds a map, ascending."""
+    """Steps with a map in `frames/`, ascending."""
     notes: tuple[str, ...]
-    """What was missing or unreadable, one sentence each."""
+    """Notes on missing or unreadable data, one sentence each."""
     fleet: tuple[Mapping[str, NDArray[np.float64]], ...] = ()
-    """Columns of trajectory_1.csv and so on, when several robots surveyed."""
+    """Columns of trajectory_1.csv and so on, if several robots surveyed."""
 
     @property
     def complete(self) -> bool:
-        """Whether the run reached its own end: its metrics were written."""
+        """Return whether the run reached its own end: its metrics were written."""
         return bool(self.metrics)
 
     @property
     def duration_s(self) -> float:
-        """Simulated time of the last record (s)."""
+        """Return the simulated time of the last record (s)."""
         times = self.column("t")
         last = [float(times[-1])] if len(times) else [0.0]
         return max(last + [float(event["t"]) for event in self.events[-1:]])
@@ -84,7 +84,7 @@ class RunFolder:
         return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
 
     def picture(self, digest: str) -> Path | None:
-        """Read a picture that an advisor was shown, by digest."""
+        """Find a picture of a question by its digest."""
         path = self.path / "pictures" / f"{digest}.png"
         return path if digest.isalnum() and path.is_file() else None
 
@@ -92,11 +92,11 @@ class RunFolder:
     def read(cls, path: str | Path) -> RunFolder:
         """Read a run folder.
 
-        A run may have been killed while it wrote: a cut last line is left out, a missing file is empty, and
-        `notes` says so.
+        A run may have been killed during a write: an incomplete last line is skipped, a missing file is empty, and
+        `notes` reports it.
 
         Raises:
-            InputError: There is no such folder, or it does not hold a run.
+            InputError: There is no such folder, or it contains no run.
         """
         folder = Path(path)
         if not folder.is_dir():
@@ -208,7 +208,7 @@ def _table(path: Path, notes: list[str]) -> dict[str, NDArray[np.float64]]:
     if not rows:
         return {}
     header, body = rows[0], rows[1:]
-    # Without a final newline the last number may lack digits, even when every field is there.
+    # Without a final newline the last number may lack digits, even if every field is there.
     if body and not text.endswith("\n"):
         body.pop()
         notes.append(f"{path.name}: the last line was cut off while it was written and was left out.")
@@ -230,7 +230,7 @@ def _numbers(row: Sequence[str], count: int) -> list[float] | None:
 
 
 def _document(path: Path, parse: Callable[[str], Any], notes: list[str]) -> Record:
-    """Read a JSON or YAML file that holds one mapping; empty if missing or truncated."""
+    """Read a JSON or YAML file with one mapping; empty if missing or truncated."""
     text = _text(path, notes)
     if not text:
         return {}

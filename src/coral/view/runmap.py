@@ -1,4 +1,4 @@
-"""The map of a recorded run at any moment, drawn by the one renderer; `map.png`."""
+"""The map of a recorded run at any moment, drawn by the same renderer as the advisor's; `map.png`."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ def write_map(run_folder: str | Path) -> Path:
 
 
 def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[np.uint8] | None = None) -> MapScene:
-    """Return the robot's belief at time `t` (s), as far as it was recorded.
+    """Return the robot's map and state at time `t` (s), as far as recorded.
 
     Args:
         run: The run.
         made: Its decisions, from `decisions`.
         t: Simulated time (s).
-        cells: Map classes to use, Shape=(H, W); None takes the last snapshot that is no later than `t`.
+        cells: Map classes, Shape=(H, W); None takes the last snapshot that is no later than `t`.
     """
     pose, track, goal = _whereabouts(run, t)
     offered = next((d.centroids for d in reversed(made) if d.t <= t + 1e-6), ())

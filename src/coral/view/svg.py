@@ -14,7 +14,7 @@ from coral.view.mapframe import nice_step
 
 LEFT, RIGHT = 122.0, 18.0
 WIDTH = 1100.0
-"""Charts share their horizontal layout, so that one time lies at one place in all of them."""
+"""Charts share their horizontal layout, so that a time has the same position in all of them."""
 
 Floats = NDArray[np.float64]
 
@@ -88,13 +88,13 @@ def chart(
     """Wrap drawn parts into an SVG with a time axis and the cursor that follows the time slider.
 
     Args:
-        height: Of the picture (px of its own coordinates).
+        height: Height of the picture (px of its own coordinates).
         body: Parts from the functions above.
-        axis: From `time_axis`.
-        label: Said to screen readers.
+        axis: Time axis from `time_axis`.
+        label: Label for screen readers.
         top: Upper edge of the plot area (px).
         bottom: Lower edge of the plot area (px).
-        show_times: Write the times below.
+        show_times: Whether to write the times below.
     """
     grid = [line(axis(t), top, axis(t), bottom, "grid") for t in time_ticks(axis)]
     times = [text(axis(t), bottom + 18, clock(t), "tick") for t in time_ticks(axis)] if show_times else []

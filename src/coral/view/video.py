@@ -26,7 +26,7 @@ STRIP = 72
 EYE = (432, 324)
 FPS = 12
 LONGEST_S = 28.0
-"""Of the film; a long mission plays faster."""
+"""Maximum length of the film; a long mission plays faster."""
 FINEST_S = 0.5
 """Simulated time between two pictures of a short mission."""
 INK, MUTED, TEAL, RED, PAPER = (27, 39, 51), (93, 107, 122), (11, 100, 112), (200, 53, 43), (255, 255, 255)
@@ -36,7 +36,7 @@ def write_video(run_folder: str | Path) -> Path:
     """Write `mission.mp4` (H.264) into a run folder and return its path.
 
     Raises:
-        InputError: The folder holds no run or no snapshots, or the film cannot be written.
+        InputError: The folder has no run or no snapshots, or the film cannot be written.
     """
     run = RunFolder.read(run_folder)
     if not run.frame_steps:
@@ -67,7 +67,7 @@ def write_video(run_folder: str | Path) -> Path:
 
 
 def moments(duration_s: float) -> list[float]:
-    """Choose the times (s) that the film shows, evenly spaced from the start to the end of the run."""
+    """Choose the times (s) of the film's pictures, evenly spaced from the start to the end of the run."""
     count = max(2, min(math.floor(duration_s / FINEST_S) + 1, round(LONGEST_S * FPS)))
     return [float(t) for t in np.linspace(0.0, duration_s, count)]
 

@@ -48,7 +48,7 @@ def told(tmp_path, *events):
 
 def test_thoughts_stand_in_order_under_the_moment_they_were_had(spoilt):
     found = thoughts(spoilt)
-    assert [thought.title for thought in found] == ["Before it began", "Stuck: the outer loop thinks again"]
+    assert [thought.title for thought in found] == ["At the start", "Stuck: the outer loop asks again"]
     assert [part.title for part in found[0].parts][:1] == ["Masses and frictions"]
     assert found[1].parts[0].title.startswith("Diagnosis: ")
     assert found[1].parts[0].rows[0][0] == "time (s)"
@@ -65,10 +65,10 @@ def test_every_answer_is_there_and_each_spoilt_one_is_named(spoilt):
 
 def test_the_page_shows_thoughts_reasons_and_what_the_advisor_saw(spoilt):
     page = write_contact_report(spoilt.path).read_text()
-    assert "What it thought" in page
-    assert "Stuck: the outer loop thinks again" in page
+    assert "Reasoning" in page
+    assert "Stuck: the outer loop asks again" in page
     assert 'class="spoilt"' in page
-    assert ">thought again<" in page
+    assert ">asked again<" in page
     assert seen(spoilt) in page
     assert "http" not in page.replace("http://www.w3.org", "")
 
@@ -120,7 +120,7 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
         ),
         (
             {"event": "fallback", "what": "plan", "by": "heuristic", "because": "requeries-used-up"},
-            "The rules of heuristic took over",
+            "The fallback decided: heuristic",
             "no answer passed the checks",
         ),
         ({"event": "remembered", "id": 7, "file": "m.sqlite"}, "Remembered", "number 7 in m.sqlite"),
@@ -131,7 +131,7 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
         ),
         (
             {"event": "poses", "attempts": 2, "box": [0.1, 0.0, 0.03, 1, 0, 0, 0], "refused": ["off the table"]},
-            "Where the objects are held to be, from now on",
+            "Estimated object poses, used from now on",
             "Accepted at attempt 2",
         ),
         (
@@ -167,4 +167,4 @@ def test_a_run_that_never_began_has_a_page_that_says_why(tmp_path):
         == 0
     )
     page = write_contact_report(folder).read_text()
-    assert "Ended before it began: nobody found a way (no goal asks for anything to be moved: upright)." in page
+    assert "Ended at the start: neither the advisor nor the rules had a strategy (no goal asks" in page

@@ -14,19 +14,19 @@ from coral.errors import InputError
 from coral.view.run import RunFolder
 
 HUES = ("#178048", "#c8352b", "#c8862b")
-"""Of what is with the strategy and what is without, as in the paper; of what lies between."""
+"""Colours of the variants with and without the strategy, as in the paper; and of the one between."""
 
 
 def draw_ablation(runs: Mapping[str, Sequence[Path]], path: Path, title: str) -> None:
     """Write the figure as PNG, atomically.
 
     Args:
-        runs: Name of each variant, that with the strategy first, to its run folders, the same seeds in the same order.
-        path: Of the picture; replaced.
-        title: Above it.
+        runs: Run folders by variant, the one with the strategy first; the same seeds in the same order.
+        path: Path of the picture; replaced.
+        title: Title of the picture.
 
     Raises:
-        InputError: The picture cannot be written, or a folder is no run.
+        InputError: The picture cannot be written, or a folder is not a run.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

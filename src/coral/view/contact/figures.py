@@ -14,7 +14,7 @@ from coral.view.svg import LEFT, RIGHT, WIDTH, Span, chart, line, path, text, th
 
 Floats = NDArray[np.float64]
 HUES = ("#0b6470", "#c8352b", "#b86e00", "#5a3ea8", "#178048", "#195ae6", "#8a4b2a", "#be00aa", "#5d6b7a", "#7a8f00")
-"""Colours of curves, told apart by most eyes in this order."""
+"""Colours of curves, distinguishable in this order for most people."""
 
 
 def stages_chart(run: RunFolder) -> str:
@@ -23,7 +23,7 @@ def stages_chart(run: RunFolder) -> str:
     touches = touching(run)
     pairs = list(dict.fromkeys((touch["first"], touch["second"]) for touch in touches))
     again = run.select("stuck", "cost_error")
-    rows = ["stage", *(f"{first} – {second}" for first, second in pairs), *(["thought again"] if again else [])]
+    rows = ["stage", *(f"{first} – {second}" for first, second in pairs), *(["asked again"] if again else [])]
     top, pitch = 10.0, 26.0
     bottom = top + pitch * len(rows)
     body = []
@@ -84,7 +84,7 @@ def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
     wanted = [c for c in _conditions(run) if c.get("kind") == "steady-force"]
     bands = [(float(c["newtons"]), float(c["newtons"]) * float(c.get("tolerance", 0.4))) for c in wanted]
     return curves_chart(
-        run, run.column("t"), {**curves, "felt at the wrist": np.asarray(felt)}, "force, N", floor=0.0, bands=bands
+        run, run.column("t"), {**curves, "measured at the wrist": np.asarray(felt)}, "force, N", floor=0.0, bands=bands
     )
 
 
@@ -116,7 +116,7 @@ def tracks(run: RunFolder) -> str:
         else f"{event['object']} found at {event['t']:.2f} s"
         for event in run.select("track")
     ]
-    return f"{'; '.join(said[:20])}{' …' if len(said) > 20 else ''}." if said else "Nothing was lost."
+    return f"{'; '.join(said[:20])}{' …' if len(said) > 20 else ''}." if said else "No object was lost."
 
 
 def curves_chart(
@@ -136,11 +136,11 @@ def curves_chart(
         run: The run.
         t: Shape=(N,) s.
         curves: Name to values, Shape=(N,).
-        label: Of the vertical axis, and for screen readers.
-        height: Of the plot (px).
-        floor: Lowest value that the scale holds.
-        bands: Wanted value and what it may be off by.
-        stages: Whether to mark where a stage began.
+        label: Label of the vertical axis, also for screen readers.
+        height: Height of the plot (px).
+        floor: A value that the scale must include.
+        bands: Wanted values with their tolerances.
+        stages: Whether to mark the beginning of each stage.
     """
     axis = time_axis(run.duration_s)
     legend, rows = _legend(list(curves))

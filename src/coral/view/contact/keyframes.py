@@ -20,7 +20,7 @@ CAPTION = 30
 
 @dataclass(frozen=True)
 class Keyframe:
-    """A moment and the reason why it was chosen."""
+    """A moment and the reason for its selection."""
 
     t: float
     why: str
@@ -56,11 +56,11 @@ def moments(run: RunFolder) -> list[tuple[float, str]]:
 
 
 def keyframes(run: RunFolder) -> list[Keyframe]:
-    """Draw the key frames of a run that kept its states.
+    """Draw the key frames of a run with recorded states.
 
     Raises:
-        InputError: It kept none.
-        RunError: Its world cannot be built here.
+        InputError: The run has no recorded states.
+        RunError: Its world cannot be built on this machine.
     """
     scene = ReplayedScene(run, SIZE)
     return [Keyframe(t, why, scene.at(t)) for t, why in moments(run)]

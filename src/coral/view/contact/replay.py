@@ -19,7 +19,7 @@ from coral.view.run import RunFolder, read_table
 
 Array = NDArray[np.float64]
 FROM = np.array([0.6, -0.68, 0.42])
-"""Direction of the camera: opposite the robot and to its right, where the arm hides nothing."""
+"""Direction of the camera: opposite the robot and to its right, where the arm occludes nothing."""
 VFOV_DEG = 38.0
 
 
@@ -31,8 +31,8 @@ class ReplayedScene:
         size: Width and height of the pictures (px).
 
     Raises:
-        InputError: The run kept no states, or not those of its world.
-        RunError: Its world cannot be built here.
+        InputError: The run has no recorded states, or those of another world.
+        RunError: Its world cannot be built on this machine.
     """
 
     def __init__(self, run: RunFolder, size: tuple[int, int]) -> None:
@@ -95,7 +95,7 @@ def trial_of_run(run: RunFolder) -> Trial:
     """Sample the trial of a run again.
 
     Raises:
-        InputError: The run holds no task, or no seed.
+        InputError: The run has no task, or no seed.
     """
     path = Path(run.path) / "task.yaml"
     seed = run.config.get("seed")

@@ -45,12 +45,12 @@ ENDED = {
     "dropped": "failed: an object fell off the table",
     "tunnelling": "void: an object went through something solid",
     "diverged": "void: the simulation diverged",
-    "unreachable": "failed: the arm could not go on",
+    "unreachable": "failed: the arm could not reach its commanded pose",
     "camera-off": "failed: the camera gave no pictures",
     "not-found": "failed: an object was not found",
     "cost-error": "failed: the cost could not be evaluated",
-    "no-strategy": "failed: nobody found a way",
-    "no-decision": "failed: the advisor did not decide, and nobody stood in for it",
+    "no-strategy": "failed: neither the advisor nor the rules had a strategy",
+    "no-decision": "failed: the advisor did not decide",
     "advisor failed": "ended: the advisor did not decide",
     "no-plan": "failed: no usable rehearsal",
     "policy": "failed: the served policy gave no actions",
@@ -61,7 +61,7 @@ ENDED = {
 def write_contact_report(run_folder: str | Path) -> Path:
     """Write `report.html` and, if states were kept, `keyframes.png` into a run folder; return the page's path.
 
-    The page holds its pictures and styles; it loads nothing from anywhere. What is there already is replaced.
+    The page contains its pictures and styles and loads nothing from elsewhere. Existing files are replaced.
 
     Raises:
         InputError: There is no run in the folder, or a file cannot be written.
@@ -141,7 +141,7 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
 
 
 def _metrics(run: RunFolder) -> Mapping[str, Any]:
-    """Return the run's own metrics, or those that the recorded part allows."""
+    """Return the run's own metrics, or those computed from the record."""
     if run.metrics:
         return run.metrics
     names = list(run.trajectory)
@@ -159,8 +159,8 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     if not metrics.get("steps"):
         if reason in ENDED and reason != "killed":
             what = ENDED[reason].partition(": ")[2] or ENDED[reason]
-            return f"Ended before it began: {what}{f' ({detail})' if detail else ''}."
-        return "Nothing was recorded that could be reported on yet."
+            return f"Ended at the start: {what}{f' ({detail})' if detail else ''}."
+        return "Nothing was recorded yet."
     seconds, plans = float(metrics.get("sim_time_s", 0.0)), int(metrics.get("plans", 0))
     how = f"{plans} plans, {float(metrics.get('path_length_m', 0.0)):.2f} m of path"
     strategy = f"following “{metrics.get('strategy')}”" if metrics.get("strategy") else ""
@@ -227,17 +227,17 @@ def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
     if not len(run.column("t")):
         return []
     trial = [
-        ("Stages and contacts", "Which stage of the strategy was on, and what touched what.", stages_chart(run)),
+        ("Stages and contacts", "The active stage of the strategy, and all contacts.", stages_chart(run)),
         (
             "Force",
-            "The hand’s net force on each object, and what the wrist felt; a grasp’s squeeze cancels in it. "
-            "A green band is what the task asks for.",
+            "The hand’s net force on each object, and the force at the wrist, where a grasp’s squeeze cancels. "
+            "Green band: the force that the task asks for.",
             force_chart(run, objects),
         ),
-        ("Height above the table", "Of the tool and of each object’s centre.", motion_chart(run, objects)),
+        ("Height above the table", "Height of the tool and of each object’s centre.", motion_chart(run, objects)),
         ("Fingers", "Distance between the finger pads.", opening_chart(run)),
     ]
-    note = f"Distance of each tracked pose from the true one, modulo symmetry; nothing decides by it. {tracks(run)}"
+    note = f"Distance of each tracked pose from the true one, modulo symmetry; no decision uses it. {tracks(run)}"
     trial.append(("Tracking", note, tracking_chart(run, objects)))
     if run.select("plan"):
         trial[1:1] = [
@@ -248,7 +248,7 @@ def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
                 cost_chart(run),
             )
         ]
-        trial.append(("Effective samples", "How many of the rehearsals shared in each plan.", samples_chart(run)))
+        trial.append(("Effective samples", "Effective sample size of each plan.", samples_chart(run)))
     return trial
 
 

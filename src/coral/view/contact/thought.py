@@ -21,14 +21,14 @@ ASKED = {
     "parameter-repair": "corrected parameters",
     "unified": "everything at once",
 }
-"""Kinds of question in words."""
+"""Names of the kinds of question."""
 FAILED = {
     "requeries-used-up": "no answer passed the checks",
     "deadline": "no answer came in time",
     "silence": "no answer came",
     "no-better-fit": "no mass and friction explain the history better",
 }
-"""Why a question was given up; other codes stand as they are."""
+"""Reasons for giving up a question; other codes are shown as they are."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,19 +36,19 @@ class ThoughtPart:
     """One step of the reasoning."""
 
     title: str
-    """What it was."""
+    """Kind of the step."""
     state: str = ""
     """"good", "bad", "warn" or ""."""
     chips: tuple[str, ...] = ()
     """Short facts."""
     text: str = ""
-    """A sentence or two, in the advisor's words where it has any."""
+    """A sentence or two, in the advisor's words if there are any."""
     refused: tuple[str, ...] = ()
-    """Why answers were refused, in order."""
+    """Reasons for refused answers, in order."""
     code: str = ""
-    """Programs that came of it."""
+    """Resulting programs."""
     rows: tuple[tuple[str, ...], ...] = ()
-    """A small table; its first row is the head."""
+    """A small table; its first row is the header."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,11 +58,11 @@ class Thought:
     t: float
     """Simulated time (s)."""
     title: str
-    """Why it was thought."""
+    """Cause of the reasoning."""
     state: str
-    """As of a part."""
+    """As in `ThoughtPart`."""
     parts: tuple[ThoughtPart, ...]
-    """In order."""
+    """Its steps in order."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,7 +126,7 @@ def counted(given: list[Answer]) -> str:
     absent = sum(one.verdict in ("unavailable", "withdrawn") for one in given)
     spoilt = [one for one in given if one.spoilt]
     passed = sum(one.verdict == "accepted" for one in spoilt)
-    said = [f"{many(len(given), 'question')} put, {many(len(given) - len(wrong) - absent, 'answer')} accepted"]
+    said = [f"{many(len(given), 'question')} asked, {many(len(given) - len(wrong) - absent, 'answer')} accepted"]
     said += [f"{len(wrong)} refused"] if wrong else []
     said += [f"{absent} without an answer"] if absent else []
     tail = ""
@@ -137,7 +137,7 @@ def counted(given: list[Answer]) -> str:
 
 
 def seen(run: RunFolder) -> str:
-    """Return the first picture that went with a question, as a data URL; "" if there was none."""
+    """Return the first picture of a question, as a data URL; "" if there was none."""
     for entry in run.attempts:
         for digest in entry.get("pictures", ()):
             path = run.picture(str(digest))
@@ -152,10 +152,10 @@ def _why(kinds: list[str], step: int) -> tuple[str, str]:
     if "cost_error" in kinds:
         return "The cost failed while it was in use", "bad"
     if "stuck" in kinds:
-        return "Stuck: the outer loop thinks again", "warn"
+        return "Stuck: the outer loop asks again", "warn"
     if "remembered" in kinds:
-        return "Kept for another time", "good"
-    return ("Before it began" if step == 0 else "Thought again"), ""
+        return "Stored in the memory", "good"
+    return ("At the start" if step == 0 else "Asked again"), ""
 
 
 def _beliefs(event: Record) -> ThoughtPart:
@@ -171,7 +171,7 @@ def _beliefs(event: Record) -> ThoughtPart:
             title="Masses and frictions",
             state="bad",
             chips=chips,
-            text=f"Not the advisor’s, because {_failed(failure)}.",
+            text=f"Not decided by the advisor: {_describe_failure(failure)}.",
             refused=_refused(event),
         )
     given = "Given on the command line." if event.get("source") == "given" else _tries(event)
@@ -182,7 +182,7 @@ def _poses(event: Record) -> ThoughtPart:
     named = {key: value for key, value in event.items() if isinstance(value, list) and len(value) == 7}
     chips = tuple(f"{name} at {', '.join(f'{100 * v:.1f}' for v in value[:3])} cm" for name, value in named.items())
     return ThoughtPart(
-        title="Where the objects are held to be, from now on",
+        title="Estimated object poses, used from now on",
         state="warn",
         chips=chips,
         text=_tries(event),
@@ -192,13 +192,15 @@ def _poses(event: Record) -> ThoughtPart:
 
 def _recall(event: Record) -> ThoughtPart:
     known = f"It is similar by {float(event['similarity']):.2f} and differs by {float(event['distance']):.2f}"
-    gain = f"rehearsed, the ways tried lower the cost by {100 * float(event['gain']):.0f} %"
+    gain = f"the best rehearsal lowers the cost by {100 * float(event['gain']):.0f} %"
     if event.get("refused"):
         return ThoughtPart(
             title=f"Memory {event['id']} was not used", state="warn", text=f"{known}.", refused=(str(event["refused"]),)
         )
     return ThoughtPart(
-        title=f"Memory {event['id']} was used", state="good", text=f"{known}; {gain}. No plan was asked for."
+        title=f"Memory {event['id']} was used",
+        state="good",
+        text=f"{known}; {gain}. No question about a plan was needed.",
     )
 
 
@@ -207,7 +209,10 @@ def _plan(event: Record) -> ThoughtPart:
     title, failure = ("A better plan" if again else "The plan"), str(event.get("failure", ""))
     if failure:
         return ThoughtPart(
-            title=f"{title}: none", state="bad", text=f"{_failed(failure).capitalize()}.", refused=_refused(event)
+            title=f"{title}: none",
+            state="bad",
+            text=f"{_describe_failure(failure).capitalize()}.",
+            refused=_refused(event),
         )
     return ThoughtPart(
         title=title,
@@ -227,11 +232,11 @@ def _regions(event: Record) -> ThoughtPart:
     )
     failure = str(event.get("failure", ""))
     return ThoughtPart(
-        title="Where to touch",
+        title="Contact regions",
         state="bad" if failure else "",
         chips=chips,
         refused=_refused(event),
-        text=f"Not the advisor’s, because {_failed(failure)}." if failure else "",
+        text=f"Not decided by the advisor: {_describe_failure(failure)}." if failure else "",
     )
 
 
@@ -271,7 +276,7 @@ def _stuck(event: Record) -> ThoughtPart:
         chips=(
             f"stage “{event.get('stage')}”",
             f"{event.get('attempts')} attempts without progress",
-            f"looked at the {event.get('object')}",
+            f"object: {event.get('object')}",
         ),
         rows=tuple(rows) if len(rows) > 1 else (),
     )
@@ -308,11 +313,11 @@ def _cost_error(event: Record) -> ThoughtPart:
 
 
 def _fallback(event: Record) -> ThoughtPart:
-    why = f"because {_failed(str(event.get('because')))}."
-    titles = {"nobody": "The advisor did not decide, and nobody stood in for it", "the plan before": "The plan stays"}
+    why = _describe_failure(str(event.get("because")))
+    titles = {"nobody": "The advisor did not decide: the episode ends", "the plan before": "The plan stays"}
     by = str(event.get("by"))
     return ThoughtPart(
-        title=titles.get(by, f"The rules of {by} took over"), state="bad", text=f"For the {event.get('what')}, {why}"
+        title=titles.get(by, f"The fallback decided: {by}"), state="bad", text=f"On the {event.get('what')}: {why}."
     )
 
 
@@ -352,8 +357,8 @@ def _tries(event: Record) -> str:
     return "" if count <= 1 else f"Accepted at attempt {count}."
 
 
-def _failed(code: str) -> str:
-    return FAILED.get(code, f"of “{code}”" if code else "nothing was answered")
+def _describe_failure(code: str) -> str:
+    return FAILED.get(code, f"“{code}”" if code else "no answer")
 
 
 def _numbers(values: list[float], digits: int) -> str:

@@ -20,7 +20,7 @@ STRIP = 56
 """Height of the status strip below the scene (px)."""
 FPS = 12.5
 LONGEST_S = 40.0
-"""Of the film; a longer episode plays faster than real time."""
+"""Maximum length of the film; a longer episode plays faster than real time."""
 INK, MUTED, TEAL, RED = (27, 39, 51), (93, 107, 122), (11, 100, 112), (200, 53, 43)
 
 
@@ -28,8 +28,8 @@ def write_contact_video(run_folder: str | Path) -> Path:
     """Write `episode.mp4` (H.264) into a run folder and return its path.
 
     Raises:
-        InputError: The folder holds no contact run or no states, or the film cannot be written.
-        RunError: Its world cannot be built here.
+        InputError: The folder has no contact run or no states, or the film cannot be written.
+        RunError: Its world cannot be built on this machine.
     """
     run = RunFolder.read(run_folder)
     scene = ReplayedScene(run, (WIDTH, HEIGHT))
@@ -59,7 +59,7 @@ def write_contact_video(run_folder: str | Path) -> Path:
 
 
 def moments(duration_s: float) -> list[float]:
-    """Choose the times (s) that the film shows: real time, or faster if that would take too long."""
+    """Choose the times (s) of the film's pictures: real time, or faster if that would take too long."""
     count = max(2, round(min(duration_s, LONGEST_S) * FPS) + 1)
     return [float(t) for t in np.linspace(0.0, duration_s, count)]
 

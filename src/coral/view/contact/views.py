@@ -1,4 +1,4 @@
-"""Orthographic drawings of a contact run: the paths from three sides, and where the hand touched each object."""
+"""Orthographic drawings of a contact run: the paths from three sides, and the contact points on each object."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ViewPanel:
 
 
 def three_views(run: RunFolder, trial: Trial) -> str:
-    """Draw the paths of tool and objects, with the objects' first and last places, from above and from two sides."""
+    """Draw the paths of tool and objects, with the objects' first and last poses, from above and from two sides."""
     paths = {"tool": _path(run, ""), **{name: _path(run, f"{name}_") for name in trial.objects}}
     paths = {name: points for name, points in paths.items() if len(points)}
     if not paths:
@@ -89,7 +89,7 @@ def three_views(run: RunFolder, trial: Trial) -> str:
 
 
 def touch_views(run: RunFolder, trial: Trial, name: str) -> str:
-    """Draw where the hand touched an object, in the object's frame, from three sides; "" if it never did."""
+    """Draw the hand's contact points on an object, in the object's frame, from three sides; "" if there are none."""
     points = np.stack([run.column(f"{name}_touch_{axis}") for axis in "xyz"], axis=1)
     force = run.column(f"{name}_hand_force")
     touched = np.isfinite(points).all(axis=1)

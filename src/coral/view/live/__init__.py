@@ -1,1 +1,1 @@
-"""A browser page that shows a running mission, or replays a recorded one."""
+"""The live page: a browser view of a running mission or of a recorded one."""

@@ -1,4 +1,4 @@
-"""The words and numbers of the live page as HTML."""
+"""HTML of the live page's texts and numbers."""
 
 from __future__ import annotations
 

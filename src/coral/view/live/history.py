@@ -1,4 +1,4 @@
-"""Growing curves, kept at a size that can be drawn."""
+"""Growing curves, thinned to a size that can be drawn."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 POINTS = 400
-"""Of a curve on the page: more than its pixels."""
+"""Points of a curve on the page: more than its pixels."""
 
 
 class History:
-    """Samples of several values over time; when full, every second one is dropped and later ones thinned alike."""
+    """Samples of several values over time; when full, it drops every second one and thins later ones alike."""
 
     def __init__(self, names: Sequence[str], *, limit: int = 2 * POINTS) -> None:
         self.names = tuple(names)

@@ -10,7 +10,7 @@ STOPPED = "stopped by the operator"
 
 
 class Pace:
-    """Pause, stop and speed as set by the viewer. Every method may be called from any thread."""
+    """Pause, stop and speed, set by the viewer. Every method may be called from any thread."""
 
     def __init__(
         self,
@@ -22,9 +22,9 @@ class Pace:
         """Start running.
 
         Args:
-            speed: Simulated seconds per wall second at most; 0 sets no limit.
-            clock: Wall time (s).
-            wait: Waits for so many seconds at most, less when a wish changes.
+            speed: Maximum simulated seconds per wall second; 0 for no limit.
+            clock: Wall clock (s).
+            wait: Waits for at most this many seconds, less if a setting changes.
         """
         self._changed = threading.Event()
         self._clock = clock
@@ -36,7 +36,7 @@ class Pace:
 
     @property
     def paused(self) -> bool:
-        """Whether the run is paused."""
+        """Return whether the run is paused."""
         return self._paused
 
     @paused.setter
@@ -46,7 +46,7 @@ class Pace:
 
     @property
     def speed(self) -> float:
-        """Simulated seconds per wall second at most; 0 is no limit."""
+        """Return the maximum simulated seconds per wall second; 0 for no limit."""
         return self._speed
 
     @speed.setter
@@ -56,7 +56,7 @@ class Pace:
 
     @property
     def stop(self) -> str:
-        """Why the viewer ended the run, or ""."""
+        """Return why the viewer ended the run, or ""."""
         return self._stop
 
     def end(self, reason: str = STOPPED) -> None:

@@ -21,25 +21,25 @@ from coral.view.live.state import LiveState
 PERIOD_S = 0.33
 """Shortest wall time between two pictures."""
 IDLE = 9.0
-"""After a picture that took c seconds of CPU, the page rests IDLE c: a tenth of one core at most."""
+"""After a picture that took c seconds of CPU, the page rests IDLE c: it uses a tenth of one core at most."""
 FOLLOW_M = 9.0
-"""How far the camera is from the robot when it begins to follow it; nearer if it was."""
+"""Initial distance of a camera that follows the robot; less if it was closer."""
 
 
 class LivePage:
-    """Shows the latest state to every connected browser; states that come too fast are dropped."""
+    """Shows the latest state to every connected browser and drops states that come too fast."""
 
     def __init__(self, port: int, controls: PageControls, *, label: str = "CORAL", flag: str = "--port") -> None:
         """Open the page on this machine.
 
         Args:
-            port: To listen on; 0 takes a free one.
+            port: Port; 0 chooses a free one.
             controls: The page's buttons.
-            label: Over the panel.
-            flag: What the port is called on the command line.
+            label: Title of the panel.
+            flag: Flag of the port on the command line.
 
         Raises:
-            InputError: The port is in use, or no port.
+            InputError: The port is in use or invalid.
         """
         _check_free(port, flag)
         self._server = GuardedServer(port, label)
@@ -47,7 +47,7 @@ class LivePage:
         if port and self.port != port:
             self._stop_server()
             raise InputError(flag, "", f"port {port} in use", "a free port, or 0 for any")
-        # Keep viser's own messages out of a command's output.
+        # Suppress viser's own messages in a command's output.
         rich.reconfigure(stderr=True)
         self._scene = LiveScene(self._server)
         self._panel = LivePanel(self._server, controls, self._hide, self._set_follow)
@@ -65,22 +65,22 @@ class LivePage:
 
     @property
     def url(self) -> str:
-        """The page's URL, with the token that it requires."""
+        """Return the page's URL, with the token that it requires."""
         assert self._server.access is not None
         return self._server.access.url
 
     def due(self, *, only_new: bool = False) -> bool:
-        """Check whether a new state would be shown now: somebody is watching and the last one has been sent.
+        """Check whether a new state would be shown now: a browser is connected and the last state has been sent.
 
         Args:
-            only_new: Ask only for somebody who has just arrived; nothing has changed for the others.
+            only_new: Check only for new browsers; nothing has changed for the others.
         """
         if self._busy or not self._server.get_clients():
             return False
         return self._newcomer or (not only_new and time.monotonic() >= self._next)
 
     def show(self, state: LiveState) -> None:
-        """Show a state as soon as possible, unless a later one replaces it; returns at once."""
+        """Show a state as soon as possible, unless a later one replaces it; return at once."""
         with self._news:
             self._state, self._busy, self._newcomer = state, True, False
             self._news.notify()

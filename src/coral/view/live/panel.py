@@ -10,7 +10,7 @@ from coral.view.live.pace import Pace
 from coral.view.live.state import Chart, LiveState
 
 SPEEDS = (1.0, 2.0, 5.0, 10.0, 20.0)
-"""Choices, in times real time."""
+"""Available speeds, in multiples of real time."""
 UNLIMITED = "as fast as possible"
 CHART_PX = 100
 

@@ -1,4 +1,4 @@
-"""A recorded run folder, possibly killed, on the live page: any moment of it, or played like a film."""
+"""A recorded run folder, possibly of a killed run, on the live page: any moment of it, or played like a film."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class RecordedRun:
         self._about = ", ".join([*words, "recorded" if run.complete else "recorded, cut off while it ran"])
 
     def at(self, t: float, *, playing: bool = False) -> LiveState:
-        """Return the run as it was at simulated time `t` (s)."""
+        """Return the state of the run at simulated time `t` (s)."""
         run = self.run
         times = run.column("t")
         k = int(np.searchsorted(times, t + 1e-6))

@@ -1,4 +1,4 @@
-"""A running reef mission on the live page: an observer that shows it and obeys the page's pause, speed and stop."""
+"""A running reef mission on the live page: an observer that shows it and applies the page's pause, speed and stop."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from coral.view.questions import map_scene
 from coral.view.run import Record
 
 ROLLOUTS = 48
-"""Of the sampled ones, how many are drawn."""
+"""Number of the sampled rollouts that are drawn."""
 COST_COLORS: tuple[RGB, ...] = (
     (214, 52, 44),
     (90, 90, 100),
@@ -49,11 +49,11 @@ class LiveMission:
         page.show(LiveState(title=mission.world.name, about=self._about(mission), lines=self._truth))
 
     def hear(self, event: Record) -> None:
-        """Take in one event of the mission."""
+        """Handle one event of the mission."""
         self.story = told(self.story, event)
 
     def tick(self, mission: Mission) -> None:
-        """Show a control tick if the page is ready, then wait as the page demands."""
+        """Show a control tick if the page is ready, then wait as the page requires."""
         state, plan = mission.simulator.vehicle.state, mission.pilot.plan
         costs = plan.costs if plan is not None else {}
         command = plan.command[0] if plan is not None else math.nan
@@ -76,7 +76,7 @@ class LiveMission:
             self.page.show(self.state(mission, status=f"ended: {self.pace.stop}"))
 
     def stop_requested(self) -> str:
-        """The reason why the operator ended the mission, or ""."""
+        """Return why the operator ended the mission, or ""."""
         return self.pace.stop
 
     def _meanwhile(self, mission: Mission) -> None:

@@ -21,7 +21,7 @@ from coral.view.pictures import RGB, Image
 PLAN, ROLLOUT, REFERENCE, TRUTH = (0, 170, 190), (150, 120, 200), (120, 60, 160), (214, 52, 44)
 HEIGHTS: dict[int, tuple[float, RGB]] = {OBSTACLE: (0.45, (58, 60, 68)), OYSTER: (0.10, (30, 148, 66))}
 DEPTH_OF_HULL_M = 0.55
-"""Where the robot is drawn above the seabed (m): low enough that it does not look shifted against the map."""
+"""Height of the drawn robot above the seabed (m): low, so that it does not look shifted against the map."""
 HULL_M = 0.3
 PICTURE = (320, 240)
 LEGEND: tuple[tuple[RGB, str], ...] = (
@@ -66,7 +66,7 @@ HEADING = (
     Line(name="forward", segments=arrow(np.zeros(2), np.array([1.2, 0.0]), _LOW), color=RED, width_px=4),
     Line(name="left", segments=arrow(np.zeros(2), np.array([0.0, 0.9]), _LOW), color=BLUE, width_px=3),
 )
-"""Below the vehicle, on the map: its hull, its +X and its +Y, as the paper draws them."""
+"""Lines below the vehicle on the map: its hull, its +X and its +Y, as in the paper."""
 
 
 def ground(scene: MapScene) -> Ground:
@@ -94,8 +94,8 @@ def lines(scene: MapScene, plan: NDArray[np.float64] | None = None) -> tuple[Lin
     """Draw all lines on the map, in the colours of the paper's pictures.
 
     Args:
-        scene: The map and what lies on it.
-        plan: The controller's plan, Shape=(T, 2 or 3); None when it is not known.
+        scene: The map with its contents.
+        plan: The controller's plan, Shape=(T, 2 or 3); None if unknown.
     """
     goal = scene.goal
     dots = np.asarray(scene.centroids, np.float64).reshape(-1, 2)

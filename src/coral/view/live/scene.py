@@ -14,7 +14,7 @@ FACES: NDArray[np.uint32] = np.array(
     [(4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7)],
     np.uint32,
 )
-"""Top and sides of a block; nobody sees its bottom."""
+"""Top and sides of a block; its bottom is never visible."""
 
 
 def blocks(
@@ -23,10 +23,10 @@ def blocks(
     """Build upright blocks from cells, one for every run of cells in a row.
 
     Args:
-        mask: Shape=(H, W), the cells that stand up; row 0 is the smallest y.
+        mask: Shape=(H, W), the cells to raise; row 0 is the smallest y.
         cell_m: Edge of a cell (m).
         origin: World position of the corner of cell [0, 0].
-        height: Of the blocks (m).
+        height: Height of the blocks (m).
 
     Returns:
         Vertices, Shape=(8 R, 3), and faces, Shape=(10 R, 3).

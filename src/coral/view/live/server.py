@@ -1,4 +1,4 @@
-"""Viser's server with access control: every request and WebSocket is checked before it gets through."""
+"""Viser's server with access control: every request and WebSocket is checked before it is handled."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from coral.access import Access, AccessResponse, new_token
 
 HOST = "127.0.0.1"
 LOOKED_AT = ("Host", "Origin", "Cookie", "Authorization")
-"""Headers that the rules read."""
+"""Headers used by the access rules."""
 
 _starting = threading.Lock()
 
@@ -28,15 +28,15 @@ _starting = threading.Lock()
 class GuardedServer(viser.ViserServer):  # type: ignore[misc]
     """A local viser server that requires a token, its own host name and its own origin.
 
-    Its way out is closed too: no browser may ask it for a public address.
+    Outgoing access is disabled too: no browser may request a public address.
     """
 
     def __init__(self, port: int, label: str) -> None:
         """Open the port.
 
         Args:
-            port: To listen on; 0 takes a free one.
-            label: Over the page's panel.
+            port: Port; 0 chooses a free one.
+            label: Title of the page's panel.
 
         Raises:
             RuntimeError: This version of viser opens its port in a way that cannot be guarded; nothing is served.
@@ -65,7 +65,7 @@ class GuardedServer(viser.ViserServer):  # type: ignore[misc]
 
 @contextlib.contextmanager
 def silent() -> Iterator[None]:
-    """Suppress what viser prints as it starts and stops."""
+    """Suppress viser's output at start and stop."""
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         yield
 
@@ -74,7 +74,7 @@ def silent() -> Iterator[None]:
 def _guarded(check: Any) -> Iterator[list[int]]:
     """Run `check` before every request of a server created in this context; yield the ports that were tried.
 
-    Viser has no place for this, so the function with which it opens its port is ours as long as it starts.
+    Viser has no hook for this, so the function that opens its port is replaced while it starts.
     """
     module: Any = websockets.asyncio.server
     serve = module.serve

@@ -1,4 +1,4 @@
-"""The content of the live page at one moment: plain values that any system can fill."""
+"""The content of the live page at one moment: plain values that any application can provide."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from coral.view.pictures import RGB, Image
 
 Tone = Literal["plain", "good", "bad"]
 Layer = Literal["", "rollouts", "shapes", "truth"]
-"""Things that a checkbox hides; "" is always there. "truth" is what the robot does not know."""
+"""Layers that a checkbox hides; "" is always visible. "truth" is unknown to the robot."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ground:
-    """A map on the ground: a picture, some classes of which are raised as simple shapes."""
+    """A map on the ground: a picture with some classes raised as simple shapes."""
 
     cells: NDArray[np.uint8]
     """Shape=(H, W) classes; row 0 is the smallest y."""
@@ -28,7 +28,7 @@ class Ground:
     origin: tuple[float, float] = (0.0, 0.0)
     """World position (m) of the corner of cell [0, 0]."""
     heights: Mapping[int, tuple[float, RGB]] = field(default_factory=dict)
-    """Height (m) and colour of the classes that stand up; a map knows no heights, so these are only for the eye."""
+    """Height (m) and colour of the raised classes; a map contains no heights, so these are only illustrative."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ class LiveBody:
     name: str
     parts: tuple[LivePart, ...]
     lines: tuple[Line, ...] = ()
-    """In the body's own frame."""
+    """Lines in the body's own frame."""
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     wxyz: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
 
@@ -105,7 +105,7 @@ class Answered:
     said: str
     at_s: float
     reason: str = ""
-    """Why it was refused, or why the advisor chose it."""
+    """Reason of a refusal, or the advisor's reason for its choice."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,12 +115,12 @@ class Chart:
     title: str
     names: tuple[str, ...]
     t: NDArray[np.float64]
-    """Shape=(N,), s."""
+    """Times, Shape=(N,), s."""
     values: NDArray[np.float64]
-    """Shape=(len(names), N)."""
+    """Values, Shape=(len(names), N)."""
     colors: tuple[RGB, ...]
     bounds: tuple[float, float] | None = None
-    """Of the vertical axis; None fits the curves."""
+    """Bounds of the vertical axis; None fits the curves."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,17 +129,17 @@ class LiveState:
 
     title: str
     about: str = ""
-    """One line: who decides, which variant, which seed."""
+    """One line: advisor, variant, seed."""
     status: str = "running"
     t: float = 0.0
     """Simulated time (s)."""
     until_s: float = 0.0
-    """Where the time axis of the charts ends (s); 0 while nobody knows."""
+    """End of the charts' time axis (s); 0 if unknown."""
     numbers: tuple[Number, ...] = ()
     asked: Asked | None = None
     answered: Answered | None = None
     log: tuple[str, ...] = ()
-    """What happened last, newest first."""
+    """Latest events, newest first."""
     ground: Ground | None = None
     lines: tuple[Line, ...] = ()
     markers: tuple[Marker, ...] = ()
@@ -151,4 +151,4 @@ class LiveState:
     charts: tuple[Chart, ...] = ()
     legend: tuple[tuple[RGB, str], ...] = ()
     note: str = ""
-    """Something that the page cannot show, and why."""
+    """Note about data that the page cannot show."""

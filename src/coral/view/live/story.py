@@ -1,4 +1,4 @@
-"""The events of a reef mission, reduced to what a viewer wants to know now."""
+"""The events of a reef mission, reduced to the state that a viewer needs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CAUSES = {
     "first": "the mission began",
 }
 KEPT = 6
-"""Lines of the log."""
+"""Number of lines in the log."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,11 +36,11 @@ class Story:
     ended: str = ""
     cause: str = ""
     log: tuple[str, ...] = ()
-    """Newest first."""
+    """Lines of the log, newest first."""
 
 
 def told(story: Story, event: Record) -> Story:
-    """Return the story after one more event of `events.jsonl`; events of no interest to a viewer leave it unchanged."""
+    """Return the story after one more event of `events.jsonl`; events that a viewer does not need change nothing."""
     fold = _FOLDS.get(str(event.get("event")))
     return story if fold is None else fold(story, event)
 
