@@ -89,11 +89,11 @@ def _run(words: Sequence[str]) -> int:
         # A command may report failure by its result, which is printed in either case.
         return int(getattr(command, "exit_code", lambda result: 0)(result))
     except InputError as error:
-        return _tell(error, 2)
+        return _print_error(error, 2)
     except RunError as error:
-        return _tell(error, 1)
+        return _print_error(error, 1)
     except KeyboardInterrupt as stop:
-        return _tell(str(stop) or "interrupted", 130)
+        return _print_error(str(stop) or "interrupted", 130)
     except BrokenPipeError:
         sys.stderr.close()
         return 1
@@ -102,10 +102,10 @@ def _run(words: Sequence[str]) -> int:
             raise
         place = f"{error.filename}: " if error.filename else ""
         what = (error.strerror or "the disk takes no more").lower()
-        return _tell(f"{place}{what}; what was written before can be read", 1)
+        return _print_error(f"{place}{what}; what was written before can be read", 1)
 
 
-def _tell(message: object, code: int) -> int:
+def _print_error(message: object, code: int) -> int:
     """Print one line on standard error, with control characters escaped; return the exit code."""
     print(f"coral: {printable(str(message))}", file=sys.stderr)
     return code

@@ -34,7 +34,7 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
             ),
             fault,
         )
-    kind, place, value = fault["type"], _in_file(model, fault["loc"]), fault["input"]
+    kind, place, value = fault["type"], _place_in_file(model, fault["loc"]), fault["input"]
     field = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
     if kind in ("extra_forbidden", "invalid_key"):
         known = _keys(model, fault["loc"][:-1])
@@ -75,13 +75,13 @@ def shown(value: Any) -> str:
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
-def _in_file(model: type[BaseModel], place: Sequence[int | str]) -> list[int | str]:
+def _place_in_file(model: type[BaseModel], place: Sequence[int | str]) -> list[int | str]:
     """Return a place as it is in the file: without the tags that pydantic adds for one of several kinds."""
     kept: list[int | str] = []
     kind: Any = model
     for part in place:
         kind = _plain(kind)
-        chosen = _tagged(kind).get(part)
+        chosen = _members_by_kind(kind).get(part)
         if chosen is not None:
             kind = chosen
             continue
@@ -104,7 +104,7 @@ def _plain(kind: Any) -> Any:
     return get_args(kind)[0] if get_origin(kind) is Annotated else kind
 
 
-def _tagged(kind: Any) -> dict[int | str, Any]:
+def _members_by_kind(kind: Any) -> dict[int | str, Any]:
     """Return the members of a union of models by the value of their `kind`."""
     members = get_args(kind) if get_origin(kind) in (Union, UnionType) else ()
     return {member.model_fields["kind"].default: member for member in members if hasattr(member, "model_fields")}
@@ -115,5 +115,5 @@ def _keys(model: type[BaseModel], place: Sequence[int | str]) -> list[str]:
     kind: Any = model
     for part in place:
         kind = _plain(kind)
-        kind = _tagged(kind).get(part) or _inside(kind, part)
+        kind = _members_by_kind(kind).get(part) or _inside(kind, part)
     return list(getattr(_plain(kind), "model_fields", ()))

@@ -118,7 +118,7 @@ def load_mapping(
         return {}
     if not isinstance(content, dict):
         raise InputError(where, "", f"a {type(content).__name__}", expected)
-    _refuse_bombs(content, where, most_values)
+    _refuse_alias_expansion(content, where, most_values)
     return content
 
 
@@ -138,7 +138,7 @@ def _refuse_depth(text: str, where: str, most_values: int) -> None:
             raise InputError(where, "", f"more than {most_values} values", "a smaller file")
 
 
-def _refuse_bombs(content: Any, where: str, most_values: int) -> None:
+def _refuse_alias_expansion(content: Any, where: str, most_values: int) -> None:
     """Check the number of values without walking through what a few YAML aliases expand to."""
     seen, stack = 0, [content]
     while stack:

@@ -112,7 +112,7 @@ class SimulatedClock:
         """
         task = self._loop.create_task(coroutine)
         self._tasks.append(task)
-        self._settle()
+        self._run_until_idle()
         return task
 
     def advance(self, now_s: float) -> None:
@@ -127,7 +127,7 @@ class SimulatedClock:
         if self._requests:
             if self._paced:
                 self.pace()
-            self._settle()
+            self._run_until_idle()
 
     def pace(self) -> None:
         """Sleep until wall time has caught up with simulated time, while a measured reply is outstanding."""
@@ -190,7 +190,7 @@ class SimulatedClock:
         for request in self._requests:
             if not request.parked.done():
                 request.parked.set_exception(Withdrawn())
-        self._settle()
+        self._run_until_idle()
 
     def close(self) -> None:
         """End all coroutines and release the thread."""
@@ -207,7 +207,7 @@ class SimulatedClock:
     async def _ended(self) -> None:
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
-    def _settle(self) -> None:
+    def _run_until_idle(self) -> None:
         """Run the private loop until every coroutine has ended or waits for a reply that is not due."""
         while True:
             run_on(self._loop, self._until_parked())
@@ -244,7 +244,7 @@ class SimulatedClock:
                     )
                     return True
             if future.done():
-                self._learn_due(request)
+                self._determine_due(request)
         if request.due_s is not None and request.due_s <= min(self._now_s, request.deadline_s) + TINY_S:
             result, error = _outcome(future)
             if error is None:
@@ -257,7 +257,7 @@ class SimulatedClock:
             return True
         return False
 
-    def _learn_due(self, request: _Request) -> None:
+    def _determine_due(self, request: _Request) -> None:
         """Determine when a reply is due once it has arrived: a recorded reply may state its own latency."""
         result, error = _outcome(request.future)
         latency = getattr(result if error is None else error, "latency_s", None)

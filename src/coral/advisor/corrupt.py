@@ -31,9 +31,9 @@ def corrupt(error: str, question: Question[Any], answer: dict[str, Any], rng: np
     if error == "wrong_type":
         spoilt[name] = ["the nearest one", [], {"value": 1}, "two or three"][int(rng.integers(4))]
     elif error == "out_of_range":
-        spoilt[name] = _beyond(name, numbers[name], question, rng)
+        spoilt[name] = _exceed_range(name, numbers[name], question, rng)
     else:
-        spoilt.update(_behind(numbers, question, rng))
+        spoilt.update(_lead_back(numbers, question, rng))
     return spoilt
 
 
@@ -47,10 +47,10 @@ def _number_fields(question: Question[Any]) -> dict[str, dict[str, Any]]:
     return fields
 
 
-def _beyond(name: str, schema: dict[str, Any], question: Question[Any], rng: np.random.Generator) -> int:
+def _exceed_range(name: str, schema: dict[str, Any], question: Question[Any], rng: np.random.Generator) -> int:
     """Return a number just outside its range."""
     more = int(rng.integers(1, 6))
-    if "index" in name and (count := _count(question)) is not None:
+    if "index" in name and (count := _option_count(question)) is not None:
         return count - 1 + more
     if "maximum" in schema:
         return math.floor(float(schema["maximum"])) + more
@@ -59,7 +59,7 @@ def _beyond(name: str, schema: dict[str, Any], question: Question[Any], rng: np.
     return 10**6 * more
 
 
-def _count(question: Question[Any]) -> int | None:
+def _option_count(question: Question[Any]) -> int | None:
     """Return the number of options, from facts such as `n_centroids` or `centroids`."""
     for key, value in question.facts.items():
         if key.startswith("n_") and isinstance(value, int):
@@ -70,7 +70,7 @@ def _count(question: Question[Any]) -> int | None:
     return None
 
 
-def _behind(numbers: dict[str, dict[str, Any]], question: Question[Any], rng: np.random.Generator) -> dict[str, Any]:
+def _lead_back(numbers: dict[str, dict[str, Any]], question: Question[Any], rng: np.random.Generator) -> dict[str, Any]:
     """Return field values that lead back: behind the robot, or to where it has been."""
     for name in numbers:
         if "forward" in name:

@@ -18,18 +18,18 @@ def run_on(loop: asyncio.AbstractEventLoop, awaitable: Awaitable[R]) -> R:
     Raises:
         RuntimeError: `loop` itself is running.
     """
-    with _outer_loop_aside():
+    with _suspend_outer_loop():
         return loop.run_until_complete(awaitable)
 
 
 def run_alone(coroutine: Coroutine[Any, Any, R]) -> R:
     """Run `asyncio.run(coroutine)`, also while another loop runs in this thread, on a loop of its own."""
-    with _outer_loop_aside(), asyncio.Runner(loop_factory=asyncio.new_event_loop) as runner:
+    with _suspend_outer_loop(), asyncio.Runner(loop_factory=asyncio.new_event_loop) as runner:
         return runner.run(coroutine)
 
 
 @contextlib.contextmanager
-def _outer_loop_aside() -> Iterator[None]:
+def _suspend_outer_loop() -> Iterator[None]:
     """Detach the running loop and its task from the thread temporarily.
 
     Python refuses to run a second loop in a thread only because the first one is registered there; asyncio offers these

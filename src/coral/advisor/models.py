@@ -92,7 +92,7 @@ class ModelAdvisor:
 
     async def warm_up(self) -> None:
         """Import the client library and make the connection pool before a control loop runs."""
-        self._connected()
+        self._connect()
 
     async def aclose(self) -> None:
         """Close the connections; the next answer opens new ones."""
@@ -100,7 +100,7 @@ class ModelAdvisor:
         if client is not None:
             await client.aclose()
 
-    def _connected(self) -> Model:
+    def _connect(self) -> Model:
         if self._model is None:
             self._model, self._client = connect(self._provider, self._model_name, self._url, self.cfg)
         return self._model
@@ -114,7 +114,7 @@ class ModelAdvisor:
                 "budget" (final), "key-refused" (final), "no-such-model" (final), "client-error".
         """
         spent = _Spent()
-        self._connected()  # The first import takes seconds; the deadline is the model's.
+        self._connect()  # The first import takes seconds; the deadline is the model's.
         try:
             async with asyncio.timeout(self.cfg.deadline_s) as deadline:
                 return await self._answer(question, rejections, spent, deadline.when() or 0.0)
@@ -131,10 +131,12 @@ class ModelAdvisor:
     async def _answer(
         self, question: Question[A], rejections: Sequence[Rejection], spent: _Spent, deadline: float
     ) -> Reply[A]:
-        parameters = self._parameters(question.answer_type)
+        parameters = self._request_parameters(question.answer_type)
         repair = ""
         for repairs_left in range(self.cfg.format_repairs, -1, -1):
-            response = await self._request(self._content(question, rejections, repair), parameters, spent, deadline)
+            response = await self._request(
+                self._build_message(question, rejections, repair), parameters, spent, deadline
+            )
             raw = _raw(response)
             try:
                 value = _parse(response, raw, question.answer_type)
@@ -151,7 +153,9 @@ class ModelAdvisor:
             return Reply(value=value, raw=scrub(raw), usage=spent.usage)
         raise AssertionError("the last repair returns or raises")
 
-    def _content(self, question: Question[Any], rejections: Sequence[Rejection], repair: str) -> list[UserContent]:
+    def _build_message(
+        self, question: Question[Any], rejections: Sequence[Rejection], repair: str
+    ) -> list[UserContent]:
         """Build the user message: constant parts first, then pictures, then the new parts."""
         from pydantic_ai.messages import BinaryContent
 
@@ -170,7 +174,7 @@ class ModelAdvisor:
             content.append(repair)
         return content
 
-    def _parameters(self, answer_type: type[BaseModel]) -> ModelRequestParameters:
+    def _request_parameters(self, answer_type: type[BaseModel]) -> ModelRequestParameters:
         """Return the request parameters for the output mode."""
         from pydantic_ai.models import ModelRequestParameters
         from pydantic_ai.output import OutputObjectDefinition
@@ -209,7 +213,7 @@ class ModelAdvisor:
             spent.add(requests=1)
             try:
                 async with asyncio.timeout(self.cfg.attempt_timeout_s):
-                    response = await self._connected().request(
+                    response = await self._connect().request(
                         [ModelRequest(parts=[UserPromptPart(_plain_if_text(content))])], settings, parameters
                     )
             except TimeoutError:
@@ -219,7 +223,7 @@ class ModelAdvisor:
             except CLIENT_ERRORS as error:
                 failure = diagnose(error, self.name, self.cfg.max_reply_bytes)
             else:
-                self._book(response, spent)
+                self._record_cost(response, spent)
                 return response
             if not failure.retry or not retries_left:
                 raise failure.error
@@ -233,7 +237,7 @@ class ModelAdvisor:
             pause_s *= 2
         raise AssertionError("the last retry returns or raises")
 
-    def _book(self, response: ModelResponse, spent: _Spent) -> None:
+    def _record_cost(self, response: ModelResponse, spent: _Spent) -> None:
         """Count tokens and money, as far as the reply and the price list provide them."""
         try:
             usd = float(response.cost().total_price)

@@ -50,7 +50,7 @@ def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) ->
             "too-long", f"The reply had {len(text)} characters; at most {MAX_CHARS} are read.", text[:MAX_CHARS], usage
         )
     first_error: ValidationError | None = None
-    for value in _values(encodable(text), answer_type):
+    for value in _find_values(encodable(text), answer_type):
         try:
             # JSON may escape a lone surrogate, which no file can contain.
             return _validate(encodable_values(value), answer_type)
@@ -67,7 +67,7 @@ def parse_answer(text: str, answer_type: type[A], usage: Usage | None = None) ->
     )
 
 
-def _values(text: str, answer_type: type[BaseModel]) -> Iterator[Any]:
+def _find_values(text: str, answer_type: type[BaseModel]) -> Iterator[Any]:
     """Find every object or list in the text, the most likely answer first."""
     whole = _read(text.strip())
     if isinstance(whole, dict | list):
@@ -77,14 +77,14 @@ def _values(text: str, answer_type: type[BaseModel]) -> Iterator[Any]:
     if own is not None and (value := own(text)) is not None:
         yield value
     passages = [match.group(1).strip() for match in _FENCE.finditer(text)][::-1]
-    passages += [text[start:end] for start, end in _bracketed(text)[::-1]]
+    passages += [text[start:end] for start, end in _find_bracketed(text)[::-1]]
     for passage in passages[:MAX_CANDIDATES]:
         value = _read(passage)
         if isinstance(value, dict | list):
             yield value
 
 
-def _bracketed(text: str) -> list[tuple[int, int]]:
+def _find_bracketed(text: str) -> list[tuple[int, int]]:
     """Find the outermost balanced {...} and [...] passages of a text, in order, in one pass.
 
     Quotes count only inside brackets, and only double ones: an apostrophe in prose opens no string. A bracket that

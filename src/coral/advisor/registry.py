@@ -168,7 +168,7 @@ def make_advisor(
     spec = spec.strip()
     entry, rest = _split(spec)
     if entry is None:
-        raise InputError(where, "", repr(spec), _expected(spec))
+        raise InputError(where, "", repr(spec), _suggest_forms(spec))
 
     def inner(text: str) -> Advisor:
         return make_advisor(
@@ -198,7 +198,7 @@ def _split(spec: str) -> tuple[AdvisorEntry | None, str]:
     return (entry, rest) if fits else (None, "")
 
 
-def _expected(spec: str) -> str:
+def _suggest_forms(spec: str) -> str:
     """Suggest valid forms for a string that names no advisor."""
     name, colon, rest = spec.partition(":")
     entry = _BY_NAME.get(name)

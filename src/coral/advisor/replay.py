@@ -130,7 +130,7 @@ class ReplayAdvisor:
         self, question: Question[A], key: dict[str, Any], entry: dict[str, Any] | None, *, known: bool
     ) -> Reply[A]:
         if entry is None:
-            raise AdvisorUnavailable("not-recorded", self._missing(key, known), final=True, latency_s=0.0)
+            raise AdvisorUnavailable("not-recorded", self._explain_missing(key, known), final=True, latency_s=0.0)
         latency_s = entry["answered_at_s"] - entry["asked_at_s"]
         usage = Usage(**{**entry["usage"], "faults": tuple(entry["usage"].get("faults", ()))})
         verdict, code, reason, raw = entry["verdict"], entry["code"], entry["reason"], entry["raw"]
@@ -152,7 +152,7 @@ class ReplayAdvisor:
             ) from None
         return Reply(value=value, raw=raw, usage=usage, latency_s=latency_s)
 
-    def _missing(self, key: dict[str, Any], known: bool) -> str:
+    def _explain_missing(self, key: dict[str, Any], known: bool) -> str:
         """Explain why a question is not in the recording, by comparison with the nearest one that is."""
         if known:
             return f"{self._file}: this {key['kind']} question was asked more often than when it was recorded"

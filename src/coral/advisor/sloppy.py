@@ -142,9 +142,9 @@ class SloppyAdvisor:
         able = [mistake for mistake in self._mistakes if question.kind in mistake.questions]
         chance, seed = float(self._rng.random()), int(self._rng.integers(2**63))
         rng = np.random.default_rng(seed)
-        return self._answer(question, rejections, self._chosen(able, chance, rng), rng)
+        return self._answer(question, rejections, self._choose_mistakes(able, chance, rng), rng)
 
-    def _chosen(self, able: Sequence[Mistake], chance: float, rng: np.random.Generator) -> list[Mistake]:
+    def _choose_mistakes(self, able: Sequence[Mistake], chance: float, rng: np.random.Generator) -> list[Mistake]:
         """Return the mistakes to try in turn, of those possible for a question; none for a right answer."""
         if self._rates.level is not None:
             return [able[k] for k in rng.permutation(len(able))] if chance < self._rates.level else []

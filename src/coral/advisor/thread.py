@@ -56,7 +56,7 @@ class AdvisorThread:
         if hasattr(advisor, "aclose"):
             self._to_close.append(advisor)
         warm = getattr(advisor, "warm_up", None)
-        future = self.submit(warm if warm is not None else _nothing)
+        future = self.submit(warm if warm is not None else _do_nothing)
         try:
             future.result(timeout_s)
         except TimeoutError:
@@ -70,5 +70,5 @@ class AdvisorThread:
             self._thread.join(timeout=5.0)
 
 
-async def _nothing() -> None:
+async def _do_nothing() -> None:
     """Do nothing; it returns once the loop runs."""

@@ -59,7 +59,7 @@ def run_campaign(
     """
     pending = list(store.pending(specs, retry_failed=retry_failed))
     found = len(specs) - len(pending)
-    pending.sort(key=first or _measured(store), reverse=True)
+    pending.sort(key=first or _time_estimator(store), reverse=True)
     progress = progress or CampaignProgress(quiet=True)
     progress.begin(len(specs), found, executor.jobs)
     finished = failed = 0
@@ -88,7 +88,7 @@ def _check_version(outcome: EpisodeOutcome, mix: bool) -> None:
         )
 
 
-def _measured(store: Store) -> Callable[[Spec], float]:
+def _time_estimator(store: Store) -> Callable[[Spec], float]:
     """Return a function that estimates an episode's time: the mean of its variant and world, variant, or all."""
     times: Mapping[tuple[str, ...], list[float]] = defaultdict(list)
     for record in store.records():

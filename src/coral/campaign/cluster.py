@@ -48,7 +48,7 @@ class RayExecutor:
                 "local, or the extra installed: pip install -e '.[ray]'",
             ) from None
         self._ray = ray
-        _knock(address)
+        _check_listening(address)
         try:
             if not ray.is_initialized():
                 ray.init(address=address, log_to_driver=False, logging_level="ERROR")
@@ -60,7 +60,7 @@ class RayExecutor:
         """Yield each task's outcome as it comes (see `Executor`)."""
         ray = self._ray
         # Attempts are counted here, not by Ray, so that the record contains their number.
-        remote = ray.remote(num_cpus=1, max_retries=0, runtime_env={"env_vars": ONE_THREAD})(_perform_there)
+        remote = ray.remote(num_cpus=1, max_retries=0, runtime_env={"env_vars": ONE_THREAD})(_perform_on_node)
         shared = ray.put(episode)
         queue = deque((task, 1) for task in tasks)
         running: dict[Any, tuple[EpisodeTask, int]] = {}
@@ -98,7 +98,7 @@ class RayExecutor:
                 ray.cancel(reference, force=True)
 
 
-def _knock(address: str) -> None:
+def _check_listening(address: str) -> None:
     """Check quickly whether anything accepts a connection; Ray itself keeps trying for minutes."""
     host, separator, port = address.removeprefix("ray://").rpartition(":")
     if not separator and address == "auto":
@@ -111,7 +111,7 @@ def _knock(address: str) -> None:
         raise RunError(f"no Ray cluster at {address}: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _perform_there(episode: Episode, spec: Any) -> tuple[EpisodeOutcome, bytes]:
+def _perform_on_node(episode: Episode, spec: Any) -> tuple[EpisodeOutcome, bytes]:
     """Run the Ray task in a folder of the node; return the files written there along with the outcome."""
     import ray
 

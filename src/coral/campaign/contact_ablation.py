@@ -84,14 +84,14 @@ def _table(trials: dict[str, list[Row]], task: str, place: str, advisor: str, co
 
 def _line(name: str, rows: Sequence[Row]) -> tuple[str, ...]:
     won = sum(bool(row["success"]) for row in rows)
-    return (name, f"{won}/{len(rows)}", *(_shown(rows, key, digits) for key, digits in COLUMNS))
+    return (name, f"{won}/{len(rows)}", *(_median_text(rows, key, digits) for key, digits in COLUMNS))
 
 
 def _values(rows: Sequence[Row], key: str) -> list[float]:
     return [float(row[key]) for row in rows if row.get(key) is not None]
 
 
-def _shown(rows: Sequence[Row], key: str, digits: int) -> str:
+def _median_text(rows: Sequence[Row], key: str, digits: int) -> str:
     values = _values(rows, key)
     return number(median(values), digits) if values else "–"
 

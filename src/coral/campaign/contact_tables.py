@@ -43,7 +43,7 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
             failed = [row for row in here if row["status"] == "failed"]
             source = _source(chosen, failed, about, command)
             caption = f"World: {place}. Advisor: {called(advisor)}."
-            tables += [make(chosen, caption, source) for make in (_success, _times, _each, _decided)]
+            tables += [make(chosen, caption, source) for make in (_success, _times, _trials_table, _decided)]
     return tables
 
 
@@ -74,8 +74,11 @@ def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Tabl
         line = [_marked(variant, rows)]
         for task in tasks:
             own = _of(rows, variant, task)
-            printed = _printed(variant, task)
-            line += [f"{sum(map(_won, own))}/{len(own)}" if own else "not run", f"{printed[0]}/10" if printed else "–"]
+            printed = _paper_numbers(variant, task)
+            line += [
+                f"{sum(map(_is_success, own))}/{len(own)}" if own else "not run",
+                f"{printed[0]}/10" if printed else "–",
+            ]
         lines.append(tuple(line))
     header = ["method", *(label for task in tasks for label in (_task(task), "paper"))]
     return Table(
@@ -94,9 +97,9 @@ def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     for variant in variants:
         line = [_marked(variant, rows)]
         for task in tasks:
-            won = [row for row in _of(rows, variant, task) if _won(row)]
+            won = [row for row in _of(rows, variant, task) if _is_success(row)]
             simulated, wall = (_mean([row[key] for row in won]) for key in ("sim_time_s", "wall_time_s"))
-            printed = _printed(variant, task)
+            printed = _paper_numbers(variant, task)
             seconds = printed[1] if printed else None
             line += [f"{simulated} ({wall})" if won else "–", str(seconds) if seconds is not None else "–"]
         lines.append(tuple(line))
@@ -110,7 +113,7 @@ def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     )
 
 
-def _each(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
+def _trials_table(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     """Make a line for each variant and task."""
     lines = []
     for variant in dict.fromkeys(str(row["variant"]) for row in rows):
@@ -118,9 +121,9 @@ def _each(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
             own = _of(rows, variant, task)
             if not own:
                 continue
-            won = [row for row in own if _won(row)]
+            won = [row for row in own if _is_success(row)]
             low, high = wilson(len(won), len(own))
-            ends = Counter(str(row["end_reason"]) for row in own if not _won(row))
+            ends = Counter(str(row["end_reason"]) for row in own if not _is_success(row))
             lines.append(
                 (
                     marked(f"{_name(variant)}, {Path(task).stem}", own),
@@ -180,7 +183,7 @@ def wilson(won: int, trials: int, z: float = 1.96) -> tuple[float, float]:
     return max(0.0, middle - half), min(1.0, middle + half)
 
 
-def _won(row: Row) -> bool:
+def _is_success(row: Row) -> bool:
     return bool(row["success"])
 
 
@@ -200,7 +203,7 @@ def _variants(rows: Sequence[Row]) -> list[str]:
     return [*paper()["1"], *dict.fromkeys(str(row["variant"]) for row in rows if row["variant"] not in paper()["1"])]
 
 
-def _printed(variant: str, task: str) -> list[int | None] | None:
+def _paper_numbers(variant: str, task: str) -> list[int | None] | None:
     tasks = list(paper()["tasks"])
     if variant not in paper()["1"] or task not in tasks:
         return None

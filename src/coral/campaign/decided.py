@@ -50,7 +50,7 @@ def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
     notes = []
     for policy in sorted({str(row.get("fallback", "")) for row in rows}):
         own = [row for row in rows if str(row.get("fallback", "")) == policy]
-        total, fell = sum(map(_all, own)), sum(map(_fallen, own))
+        total, fell = sum(map(_all, own)), sum(map(_fallback_count, own))
         if not fell:
             continue
         what = (
@@ -112,7 +112,7 @@ def _all(row: Row) -> int:
     return sum(counts(row, "decided_by").values())
 
 
-def _fallen(row: Row) -> int:
+def _fallback_count(row: Row) -> int:
     return counts(row, "decided_by").get("fallback", 0)
 
 

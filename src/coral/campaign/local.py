@@ -61,7 +61,7 @@ class LocalExecutor:
                         message = worker.pipe.recv()
                     except (EOFError, OSError):
                         workers.remove(worker)
-                        code = _bury(worker)
+                        code = _reap(worker)
                         if not worker.ready:
                             stillborn += 1
                             if stillborn > self.jobs + 1:
@@ -92,12 +92,12 @@ class LocalExecutor:
         finally:
             for worker in workers:
                 worker.process.kill()
-                _bury(worker)
+                _reap(worker)
 
     def _start(self, episode: Episode) -> _Worker:
         ours, theirs = self._context.Pipe()
         process = self._context.Process(target=_work, args=(theirs, episode), daemon=True)
-        with _environment(ONE_THREAD), _deaf_to_ctrl_c():
+        with _environment(ONE_THREAD), _block_interrupts():
             process.start()
         theirs.close()
         return _Worker(process, ours)
@@ -111,7 +111,7 @@ def _give(worker: _Worker, queue: deque[EpisodeTask]) -> None:
             worker.pipe.send(worker.task)
 
 
-def _bury(worker: _Worker) -> int:
+def _reap(worker: _Worker) -> int:
     worker.process.join()
     worker.pipe.close()
     return worker.process.exitcode or 0
@@ -151,7 +151,7 @@ def _die_with_parent() -> None:
 
 
 @contextlib.contextmanager
-def _deaf_to_ctrl_c() -> Iterator[None]:
+def _block_interrupts() -> Iterator[None]:
     """Block Ctrl-C: it stays pending, and a process started meanwhile never receives it, not even while importing."""
     resource_tracker.ensure_running()  # otherwise it starts with the first worker and undoes the blocking
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

@@ -99,7 +99,7 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
     tables = []
     if any(variant in by_variant for variant in TABLE_I):
         tables += [
-            _beside(
+            _beside_paper(
                 by_variant,
                 "Table I",
                 "Baselines",
@@ -114,7 +114,7 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
         ]
     if any(variant in by_variant for variant in TABLE_II):
         tables += [
-            _beside(
+            _beside_paper(
                 by_variant,
                 "Table II",
                 "Ablations",
@@ -160,7 +160,7 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
     return [table for table in tables if table.rows]
 
 
-def _beside(
+def _beside_paper(
     by_variant: Mapping[str, Sequence[Row]],
     label: str,
     what: str,

@@ -41,7 +41,7 @@ class AdvisorShow:
         pictures: dict[str, Path] = {}
         with tempfile.TemporaryDirectory() as scratch:
             if self.kind.startswith("reef-"):
-                prompt, pictures = _asked_in_a_mission(self.kind, self.world, Path(scratch) / "run")
+                prompt, pictures = _ask_in_mission(self.kind, self.world, Path(scratch) / "run")
             else:
                 samples = json.loads((FOLDER / "samples.json").read_text(encoding="utf-8"))
                 prompt = render(self.kind, samples[self.kind])[0]
@@ -87,7 +87,7 @@ class _UntilAsked:
         return "asked" if self._mark in self._log.read_text(encoding="utf-8") else ""
 
 
-def _asked_in_a_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str, Path]]:
+def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str, Path]]:
     """Return prompt and pictures of the first question of a kind in a simulated mission."""
     from coral.advisor.rules import RuleAdvisor
     from coral.reef.heuristic import REEF_RULES

@@ -253,11 +253,11 @@ class ContactBench(CampaignFlags):
         ]
         return {
             **write_tables(store, results, tables, "Contact tasks", summary),
-            "memory": self._remembered(store),
+            "memory": self._export_memories(store),
             "figures": self._draw(store, results.rows),
         }
 
-    def _remembered(self, store: Store) -> str:
+    def _export_memories(self, store: Store) -> str:
         """Export the new experiences of all trials of `full`, in order, as one file; "" if there are none.
 
         Plans without regions, as made by `unguided` and `no-regions`, would not help a variant with regions.

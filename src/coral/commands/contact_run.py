@@ -155,7 +155,7 @@ class ContactRun:
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.policy is not None:
-            return self._driven(self.policy, trial, cfg)
+            return self._run_policy(self.policy, trial, cfg)
         if self.preflight and self.variant not in ALONE:
             preflight(advisor, pictures=True, quiet=self.quiet)
         folder = self.out or new_run_folder(Path("runs"), task.name)
@@ -185,7 +185,7 @@ class ContactRun:
         decided = who_decided(result, things="decisions", fallback=cfg.think.fallback)
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 
-    def _driven(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
+    def _run_policy(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode with a served policy."""
         address = parse_address(policy, VARIANTS)
         with serving(address, cfg.policy.client) as client:

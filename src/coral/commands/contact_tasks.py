@@ -39,7 +39,7 @@ class ContactTasks:
         if not self.tasks:
             width = max((len(task["name"]) for task in result["tasks"]), default=0)
             return "\n".join(f"{task['name']:<{width}}  {task['instruction']}" for task in result["tasks"])
-        return "\n\n".join(_in_full(task) for task in result["tasks"])
+        return "\n\n".join(_full_text(task) for task in result["tasks"])
 
 
 def described(task: Task) -> dict[str, Any]:
@@ -72,7 +72,7 @@ def described(task: Task) -> dict[str, Any]:
     }
 
 
-def _in_full(task: Mapping[str, Any]) -> str:
+def _full_text(task: Mapping[str, Any]) -> str:
     lines = [f"{task['name']}: {task['title']}", f"  {task['instruction']}", f"  at most {task['time_limit_s']:g} s"]
     for item in task["objects"]:
         label = f" ({item['label']})" if item["label"] else ""

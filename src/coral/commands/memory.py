@@ -19,7 +19,7 @@ from coral.words import many
 FILE = "memory.sqlite"
 
 
-def _existing(file: str) -> Memory:
+def _open_existing(file: str) -> Memory:
     """Open an existing memory; these commands do not embed texts.
 
     Raises:
@@ -62,7 +62,7 @@ class MemoryList:
 
     def __call__(self) -> Mapping[str, Any]:
         """Read the rows."""
-        return {"file": self.file, "experiences": [_row(stored) for stored in _existing(self.file).all()]}
+        return {"file": self.file, "experiences": [_row(stored) for stored in _open_existing(self.file).all()]}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Return one line for each experience."""
@@ -87,7 +87,7 @@ class MemoryShow:
 
     def __call__(self) -> Mapping[str, Any]:
         """Read the experience."""
-        stored = _existing(self.file).get(self.id)
+        stored = _open_existing(self.file).get(self.id)
         return {
             **_row(stored),
             "experience": stored.experience.model_dump(mode="json"),
@@ -113,7 +113,7 @@ class MemoryForget:
 
     def __call__(self) -> Mapping[str, Any]:
         """Delete the experience."""
-        _existing(self.file).forget(self.id)
+        _open_existing(self.file).forget(self.id)
         return {"file": self.file, "forgotten": self.id}
 
     def describe(self, result: Mapping[str, Any]) -> str:
@@ -134,7 +134,7 @@ class MemoryExport:
 
     def __call__(self) -> Mapping[str, Any]:
         """Write the file."""
-        content = _existing(self.file).export()
+        content = _open_existing(self.file).export()
         try:
             with open(self.to, "x", encoding="utf-8") as out:
                 out.write(json_text.dumps(content, indent=1, allow_nan=False) + "\n")

@@ -43,9 +43,9 @@ class ReefGenerate:
         if self.preview is not None:
             from coral.view.preview import preview
 
-            with _writing("--preview", self.preview):
+            with _name_write_errors("--preview", self.preview):
                 preview(world, self.preview)
-        with _writing("--out", self.out):
+        with _name_write_errors("--out", self.out):
             self.out.parent.mkdir(parents=True, exist_ok=True)
             save_world(world, self.out, f"Made by: {command_line(cfg, self.out.name)}")
         return {"world": str(self.out), "clusters": len(world.clusters), "obstacles": len(world.obstacles)}
@@ -59,7 +59,7 @@ class ReefGenerate:
 
 
 @contextmanager
-def _writing(flag: str, path: Path) -> Iterator[None]:
+def _name_write_errors(flag: str, path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:

@@ -110,7 +110,7 @@ class Inbox:
         """Return the notices of missions, the latest started last; those that ended without a notice are "stopped"."""
         notices = []
         for path in self.folder.glob("mission-*.json"):
-            notice = _document(path)
+            notice = _read_object(path)
             if notice is None:
                 continue
             if notice.get("state") == "running" and not _asker_lives(notice):
@@ -131,7 +131,7 @@ class Inbox:
         """
         content = self._questions.get(question_id)
         if content is None:
-            content = _document(self._folder_of(question_id) / "question.json")
+            content = _read_object(self._folder_of(question_id) / "question.json")
             if content is None or not isinstance(content.get("answer_schema"), dict):
                 raise NoSuchQuestion(question_id)
             self._questions[question_id] = content
@@ -146,7 +146,7 @@ class Inbox:
         images = self.question(question_id).get("images")
         if not isinstance(images, list) or name not in images or Path(name).name != name or name.startswith("."):
             raise NoSuchQuestion(f"{question_id}/{name}")
-        content = _content(self._folder_of(question_id) / name, PICTURE_LIMIT)
+        content = _read_bytes(self._folder_of(question_id) / name, PICTURE_LIMIT)
         if content is None or not content.startswith(PNG_MAGIC):
             raise NoSuchQuestion(f"{question_id}/{name}")
         return content
@@ -180,7 +180,7 @@ class Inbox:
             partial.write_text(text, encoding="utf-8")
             _claim(partial, folder / "answer.json")
         except FileExistsError:
-            raise NotOpen(_taken_by(folder)) from None
+            raise NotOpen(_taken_text(folder)) from None
         finally:
             partial.unlink(missing_ok=True)
         note = folder / f".operator-{tag}.part"
@@ -191,7 +191,7 @@ class Inbox:
         entry, _ = self._entry(question_id)
         folder = self._folder_of(question_id)
         if entry.state in ("sent", "answered"):
-            raise NotOpen(_taken_by(folder))
+            raise NotOpen(_taken_text(folder))
         if entry.state == "withdrawn":
             raise NotOpen("The mission withdrew this question: it no longer needs an answer.")
         if entry.state == "abandoned":
@@ -221,7 +221,7 @@ class Inbox:
         asker = question.get("asker")
         rejections = question.get("rejections")
         # Read the closing first: an answer found afterwards existed before it.
-        closed = _document(folder / "closed.json")
+        closed = _read_object(folder / "closed.json")
         answered = (folder / "answer.json").exists()
         state: State = "open"
         if closed is not None:
@@ -230,7 +230,7 @@ class Inbox:
             state = "sent"
         elif isinstance(asker, dict) and not _asker_lives(asker):
             state = "abandoned"
-        by = _document(folder / "operator.json") or {}
+        by = _read_object(folder / "operator.json") or {}
         entry = InboxEntry(
             id=question_id,
             kind=str(question.get("kind", "")),
@@ -238,7 +238,7 @@ class Inbox:
             asked_at=_number(question.get("asked_at")),
             attempt=len(rejections) if isinstance(rejections, list) else 0,
             operator=str(by.get("operator", "")),
-            answer=_shown(folder / "answer.json") if answered else None,
+            answer=_answer_for_history(folder / "answer.json") if answered else None,
         )
         key = json.dumps(asker, sort_keys=True)
         # The operator is recorded shortly after the answer; after that the question never changes.
@@ -274,8 +274,8 @@ def _claim(partial: Path, target: Path) -> None:
         os.replace(partial, target)
 
 
-def _taken_by(folder: Path) -> str:
-    by = (_document(folder / "operator.json") or {}).get("operator")
+def _taken_text(folder: Path) -> str:
+    by = (_read_object(folder / "operator.json") or {}).get("operator")
     return f"This question is already answered by {by or 'somebody else'}."
 
 
@@ -285,7 +285,7 @@ def _asker_lives(asker: Mapping[str, Any]) -> bool:
     return is_alive(str(host), int(pid)) if known and pid is not None else True
 
 
-def _content(path: Path, limit: int) -> bytes | None:
+def _read_bytes(path: Path, limit: int) -> bytes | None:
     """Read a plain file of at most `limit` bytes; None if it is not one."""
     try:
         if path.is_symlink() or not path.is_file() or path.stat().st_size > limit:
@@ -295,11 +295,11 @@ def _content(path: Path, limit: int) -> bytes | None:
         return None
 
 
-def _shown(path: Path) -> Any:
+def _answer_for_history(path: Path) -> Any:
     """Return an answer for the history; an unacceptable one is shortened to the start of its text."""
-    text = (_content(path, QUESTION_LIMIT) or b"").decode("utf-8", "replace")
+    text = (_read_bytes(path, QUESTION_LIMIT) or b"").decode("utf-8", "replace")
     simple = len(text) <= MAX_CHARS and text.count("[") + text.count("{") <= MAX_BRACKETS
-    return _any(path) if simple else text[:400]
+    return _read_any(path) if simple else text[:400]
 
 
 def _modified(path: Path) -> float:
@@ -310,9 +310,9 @@ def _modified(path: Path) -> float:
         return time.time()
 
 
-def _any(path: Path) -> Any:
+def _read_any(path: Path) -> Any:
     """Read a JSON file; if it is not JSON, as another program's answer may be, return its text."""
-    content = _content(path, QUESTION_LIMIT)
+    content = _read_bytes(path, QUESTION_LIMIT)
     if content is None:
         return None
     text = content.decode("utf-8", "replace")
@@ -322,9 +322,9 @@ def _any(path: Path) -> Any:
         return text[:400]
 
 
-def _document(path: Path) -> dict[str, Any] | None:
+def _read_object(path: Path) -> dict[str, Any] | None:
     """Read the object in a JSON file; None if there is none."""
-    content = _any(path)
+    content = _read_any(path)
     return content if isinstance(content, dict) else None
 
 

@@ -134,7 +134,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Serve the page, its state (live or at once), a question, or a picture."""
-        if not self._admitted():
+        if not self._is_admitted():
             return
         parts = self._parts
         if not parts:
@@ -162,7 +162,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Accept an answer."""
         # The connection cannot be reused before the body has been read.
         self.close_connection = True
-        if not self._admitted():
+        if not self._is_admitted():
             return
         # Pages of other sites need a CORS preflight to set a custom header, and it is never granted.
         if self._headers.get("X-Coral-Desk") != "1":
@@ -228,7 +228,7 @@ class _Handler(BaseHTTPRequestHandler):
             return None
         return content
 
-    def _admitted(self) -> bool:
+    def _is_admitted(self) -> bool:
         """Check whether to continue; otherwise the request has been answered."""
         instead = self.server.access.refuse_or_redirect(self.command, self.path, self._headers)
         if instead is None:
@@ -247,7 +247,7 @@ class _Handler(BaseHTTPRequestHandler):
         try:
             self.close_connection = True
             self.send_response(HTTPStatus.OK)
-            self._common("text/event-stream")
+            self._send_common_headers("text/event-stream")
             self.send_header("Connection", "close")
             self.end_headers()
             seen = -1
@@ -285,7 +285,7 @@ class _Handler(BaseHTTPRequestHandler):
         self, status: HTTPStatus, content: bytes, content_type: str, more: Mapping[str, str] | None = None
     ) -> None:
         self.send_response(status)
-        self._common(content_type)
+        self._send_common_headers(content_type)
         self.send_header("Content-Length", str(len(content)))
         for name, value in (more or {}).items():
             self.send_header(name, value)
@@ -294,7 +294,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(content)
 
-    def _common(self, content_type: str) -> None:
+    def _send_common_headers(self, content_type: str) -> None:
         for name, value in (
             ("Content-Type", content_type),
             ("Cache-Control", "no-store"),

@@ -79,7 +79,7 @@ class MapSvg:
         for obstacle in _records(self.run.world.get("obstacles")):
             points = footprint(obstacle)
             if len(points):
-                parts.append(f'<path d="{self._closed(points)}" class="rock"/>')
+                parts.append(f'<path d="{self._closed_path(points)}" class="rock"/>')
         names = []
         for cluster in _records(self.run.world.get("clusters")):
             hull = cluster_outline(cluster)
@@ -89,7 +89,7 @@ class MapSvg:
             state = "covered" if name in covered else "missed"
             said = f"covered at {clock(covered[name])}" if name in covered else "missed"
             parts.append(
-                f'<path d="{self._closed(hull)}" class="cluster {state}"><title>true cluster '
+                f'<path d="{self._closed_path(hull)}" class="cluster {state}"><title>true cluster '
                 f"{escape(name)}: {said}</title></path>"
             )
             low = hull[int(np.argmin(hull[:, 1]))]
@@ -98,7 +98,7 @@ class MapSvg:
             names.append(text(x, min(y + 15, self.height - PAD[3] - 4), f"{name} {mark}", f"truthname {state}"))
         return f'<g id="layer-truth">{"".join(parts)}{"".join(names)}</g>'
 
-    def _closed(self, points: NDArray[np.float64]) -> str:
+    def _closed_path(self, points: NDArray[np.float64]) -> str:
         return "M" + "L".join("{:.1f},{:.1f}".format(*self.at(float(x), float(y))) for x, y in points) + "Z"
 
     def _path(self) -> str:

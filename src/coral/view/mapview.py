@@ -122,7 +122,7 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     # Overlays are clipped to the map by drawing into its slice.
     inside = MapPicture(inner, scale, -scale * x0, inner_h + scale * y0, window)
     draw_scale_bar(inside)
-    _overlays(inside, scene, cfg)
+    _draw_overlays(inside, scene, cfg)
     if cfg.axes:
         draw_axes(view, left, top, inner_w, inner_h)
     if cfg.legend:
@@ -192,7 +192,7 @@ def _ground(scene: MapScene, window: tuple[float, float, float, float], width: i
     return np.asarray(cv2.resize(colored, (width, height), interpolation=filter_)[..., :3], np.uint8)
 
 
-def _overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
+def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
     rgb = view.rgb
     if scene.rollouts is not None:
         for path in view.to_pixels(scene.rollouts):
@@ -200,7 +200,7 @@ def _overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
     if scene.reference is not None:
         draw_line(rgb, view.to_pixels(scene.reference), (120, 60, 160), 2, edge=(255, 255, 255))
     draw_tracks(view, scene.others)
-    draw_line(rgb, view.to_pixels(_thinned(scene.trajectory, 1.5 / view.scale)), YELLOW, 3, edge=YELLOW_EDGE)
+    draw_line(rgb, view.to_pixels(_thin(scene.trajectory, 1.5 / view.scale)), YELLOW, 3, edge=YELLOW_EDGE)
     dots = view.to_pixels(np.asarray(scene.centroids, np.float64).reshape(-1, 2))
     order = range(len(dots)) if scene.chain is None else scene.chain
     draw_line(rgb, dots[list(order)], BLUE, 2, edge=(255, 255, 255))
@@ -218,12 +218,12 @@ def _overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
         robot = _robot(rgb, robot, scene.pose.theta, cfg.labels)
     if cfg.labels and len(dots):
         names = [str(i) for i in (scene.indices if scene.indices is not None else range(len(dots)))]
-        _labels(rgb, dots, names, robot)
+        _draw_labels(rgb, dots, names, robot)
     if scene.named:
         draw_key(view, scene.others)
 
 
-def _thinned(path: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+def _thin(path: NDArray[np.float64], step: float) -> NDArray[np.float64]:
     """Drop points of a path within about `step` of the previous one, but keep the ends. Shape=(N, 2)."""
     path = np.asarray(path, np.float64).reshape(-1, 2)
     if len(path) < 3:
@@ -255,7 +255,9 @@ def _robot(rgb: Image, at: NDArray[np.float64], theta: float, labels: bool) -> N
     return np.array([at, at + 30 * forward, at + 72 * forward, at + 30 * leftward, at + 62 * leftward])
 
 
-def _labels(rgb: Image, dots: NDArray[np.float64], names: Sequence[str], robot: NDArray[np.float64] | None) -> None:
+def _draw_labels(
+    rgb: Image, dots: NDArray[np.float64], names: Sequence[str], robot: NDArray[np.float64] | None
+) -> None:
     """Write each label beside its dot where it hides the fewest dots, labels and robot marks."""
     height, width = rgb.shape[:2]
     taken: list[Box] = [(x - 8, y - 8, x + 8, y + 8) for x, y in dots]

@@ -118,7 +118,7 @@ def render_report(run: RunFolder) -> str:
             for key, value in metrics.items()
             if key != "per_robot"
         ],
-        each=_each(metrics),
+        each=_robot_table(metrics),
         robots=[color_of(k) for k in range(1, len(run.fleet) + 1)],
         truth=_truth_counts(run),
         collisions=collisions,
@@ -220,11 +220,11 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
             "deviations",
             "bad" if metrics.get("deviations") else "",
         ),
-        *_inspected(metrics),
+        *_inspection_tiles(metrics),
     ]
 
 
-def _inspected(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+def _inspection_tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     """Return the tiles of the inspected share and of idle time; none for a run without them."""
     share, soon, ratio = (metrics.get(key) for key in ("inspected", "time_to_90_s", "oracle_ratio_90"))
     if not isinstance(share, int | float):
@@ -238,7 +238,7 @@ def _inspected(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     return tiles
 
 
-def _each(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
+def _robot_table(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Return header and rows of a table of every robot's own figures; empty for one robot."""
     each = [one for one in metrics.get("per_robot") or () if isinstance(one, dict)]
     if not each:

@@ -114,14 +114,14 @@ class RunFolder:
         named = tuple(event for event in events if isinstance(event.get("event"), str) and is_number(event.get("t")))
         if len(named) < len(events):
             notes.append(f"events.jsonl: {len(events) - len(named)} lines have no name or time and were left out.")
-        whole = _sound("events.jsonl", named, notes)
+        whole = _keep_sound("events.jsonl", named, notes)
         return cls(
             path=folder,
             events=whole,
             trajectory=_table(folder / "trajectory.csv", notes),
             attempts=()
             if task and not (folder / "attempts.jsonl").is_file()
-            else _sound("attempts.jsonl", _lines(folder / "attempts.jsonl", notes), notes),
+            else _keep_sound("attempts.jsonl", _lines(folder / "attempts.jsonl", notes), notes),
             metrics=figures(_document(folder / "metrics.json", json.loads, notes)),
             timing=histogram(_document(folder / "timing.json", json.loads, notes)),
             config=_document(folder / "config.yaml", _yaml, notes),
@@ -160,7 +160,7 @@ def _world(path: Path, notes: list[str]) -> Record:
     return world
 
 
-def _sound(name: str, records: tuple[Record, ...], notes: list[str]) -> tuple[Record, ...]:
+def _keep_sound(name: str, records: tuple[Record, ...], notes: list[str]) -> tuple[Record, ...]:
     """Return the records that can be drawn."""
     kept = tuple(record for record in records if sound(record))
     if len(kept) < len(records):

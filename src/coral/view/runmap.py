@@ -43,7 +43,7 @@ def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[
         t: Simulated time (s).
         cells: Map classes, Shape=(H, W); None takes the last snapshot that is no later than `t`.
     """
-    pose, track, goal = _whereabouts(run, t)
+    pose, track, goal = _state_at(run, t)
     offered = next((d.centroids for d in reversed(made) if d.t <= t + 1e-6), ())
     size = run.world.get("size_m") or (20.0, 20.0)
     if cells is None:
@@ -65,10 +65,10 @@ def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[
     )
 
 
-def _whereabouts(run: RunFolder, t: float) -> tuple[Pose | None, NDArray[np.float64], tuple[float, float] | None]:
+def _state_at(run: RunFolder, t: float) -> tuple[Pose | None, NDArray[np.float64], tuple[float, float] | None]:
     """Return the pose at `t`, the track up to there, Shape=(N, 2), and the goal; None if not recorded."""
     k = int(np.searchsorted(run.column("t"), t + 1e-6))
-    x, y, theta = (_interpolated(run, name, t, k) for name in ("x", "y", "theta"))
+    x, y, theta = (_interpolate(run, name, t, k) for name in ("x", "y", "theta"))
     pose = Pose(x, y, theta) if k and np.isfinite([x, y, theta]).all() else None
     track = np.stack([run.column("x")[:k], run.column("y")[:k]], axis=1)
     if pose is not None:
@@ -82,7 +82,7 @@ def _whereabouts(run: RunFolder, t: float) -> tuple[Pose | None, NDArray[np.floa
 
 
 def _companion(run: RunFolder, number: int, t: float) -> Companion:
-    pose, track, goal = _whereabouts(run.robot(number), t)
+    pose, track, goal = _state_at(run.robot(number), t)
     return Companion(pose=pose, goal=goal, trajectory=track, color=COLORS[number % len(COLORS)])
 
 
@@ -103,7 +103,7 @@ def step_at(run: RunFolder, t: float) -> int | None:
     return past[-1] if past else run.frame_steps[0]
 
 
-def _interpolated(run: RunFolder, name: str, t: float, k: int) -> float:
+def _interpolate(run: RunFolder, name: str, t: float, k: int) -> float:
     """Interpolate a column at `t`, where `k` is the first sample after it; nan without samples."""
     times, values = run.column("t"), run.column(name)
     if not len(times):

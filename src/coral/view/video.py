@@ -84,7 +84,7 @@ def pictures(run: RunFolder) -> Iterator[Image]:
         step = step_at(run, t)
         if step is not None and step != shown:
             shown, cells = step, snapshot(run, t)
-            eyes = _eyes(run, step)
+            eyes = _camera_pictures(run, step)
         canvas = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
         chart = draw_map(scene_at(run, made, t, cells), view).rgb
         top, left = (HEIGHT - STRIP - chart.shape[0]) // 2, (WIDTH - EYE[0] - chart.shape[1]) // 2
@@ -94,7 +94,7 @@ def pictures(run: RunFolder) -> Iterator[Image]:
         yield canvas
 
 
-def _eyes(run: RunFolder, step: int) -> Image:
+def _camera_pictures(run: RunFolder, step: int) -> Image:
     """Draw segmentation above depth, Shape=(2 EYE[1], EYE[0], 3)."""
     labels, depth = run.frame(step, "labels"), run.frame(step, "depth")
     if labels is None or depth is None:

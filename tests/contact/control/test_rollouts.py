@@ -7,7 +7,7 @@ import pytest
 from contact_bench import DOWN, body, make_trial, plain, seen
 
 from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
-from coral.contact.control.rollouts import SLEEP, RolloutStart, _parts
+from coral.contact.control.rollouts import SLEEP, RolloutStart, _split_into_slices
 from coral.contact.scene.trial import PhysicalParameters
 
 pytestmark = pytest.mark.skipif(not SLEEP, reason="this MuJoCo cannot sleep")
@@ -159,7 +159,7 @@ def test_what_one_rehearsal_wakes_still_sleeps_in_the_next():
 @pytest.mark.parametrize("threads", [1, 2, 24])
 @pytest.mark.parametrize("total", [1, 7, 200])
 def test_parts_hold_everything_once_and_grow_smaller(total, threads):
-    parts = _parts(total, threads)
+    parts = _split_into_slices(total, threads)
     assert [k for part in parts for k in range(part.start, part.stop)] == list(range(total))
     sizes = [part.stop - part.start for part in parts]
     assert sizes == sorted(sizes, reverse=True)

@@ -100,7 +100,7 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
         (
             {"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.12, "refused": ""},
             "Memory 3 was used",
-            "lower the cost by 12 %",
+            "lowers the cost by 12 %",
         ),
         (
             {"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.0, "refused": "off the surface"},

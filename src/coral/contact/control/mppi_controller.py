@@ -162,8 +162,8 @@ class Controller:
                 (guide, guide.points(present), guide.quaternion(present) if guide.quaternion else None)
                 for guide in guides
             ]
-            propose = lambda sampled: self._towards(sampled, start, aims)  # noqa: E731
-        update = self.mppi.improve(evaluate, propose, lambda knots: self._bound(knots, start))
+            propose = lambda sampled: self._guide_samples(sampled, start, aims)  # noqa: E731
+        update = self.mppi.improve(evaluate, propose, lambda knots: self._bound_knots(knots, start))
         context, sane, terms, _ = rehearsed[0]
         # If every rehearsal is invalid, the previous plan is kept: it is the first of the samples.
         each = update.weights if update.ok else np.eye(1, len(update.weights))[0]
@@ -213,7 +213,7 @@ class Controller:
             knots[:, 3:6] = to_rotvec(multiply(conjugate(start.quaternion), absolute))
         self._centre = start.quaternion
 
-    def _bound(self, knots: Array, start: HandTarget) -> Array:
+    def _bound_knots(self, knots: Array, start: HandTarget) -> Array:
         """Start knots at the present target and clip them to the speeds, the workspace and the reach."""
         cfg = self.cfg
         knots = knots.copy()
@@ -231,12 +231,12 @@ class Controller:
                 knots[:, k, part] = before[:, part] + move * share
             knots[:, k, :3] = np.clip(knots[:, k, :3], cfg.workspace_low_m, cfg.workspace_high_m)
             if cfg.reach_m:
-                knots[:, k, :3] = self._within_reach(knots[:, k], start.quaternion)
+                knots[:, k, :3] = self._pull_into_reach(knots[:, k], start.quaternion)
             knots[:, k, 6] = np.clip(knots[:, k, 6], SQUEEZE_M, MAX_OPENING_M)
             before = knots[:, k]
         return knots
 
-    def _within_reach(self, knots: Array, centre: Array) -> Array:
+    def _pull_into_reach(self, knots: Array, centre: Array) -> Array:
         """Pull positions, Shape=(K, 3), back where the wrist would be out of the arm's reach."""
         shoulder, reach = np.asarray(self.cfg.shoulder_m), self.cfg.reach_m
         wrist = knots[:, :3] - FLANGE_TO_TOOL_M * column_of(multiply(centre, from_rotvec(knots[:, 3:6])), 2)
@@ -244,7 +244,7 @@ class Controller:
         far = np.linalg.norm(away, axis=-1, keepdims=True)
         return np.where(far > reach, knots[:, :3] - away * (1 - reach / np.maximum(far, reach)), knots[:, :3])
 
-    def _towards(self, sampled: Array, start: HandTarget, aims: list[tuple[Guide, Array, Array | None]]) -> Array:
+    def _guide_samples(self, sampled: Array, start: HandTarget, aims: list[tuple[Guide, Array, Array | None]]) -> Array:
         """Replace the last samples by motions to contact points, at a random speed, with half of the noise."""
         chosen = range(len(sampled) - int(self.cfg.guided * len(sampled)), len(sampled))
         times = np.linspace(0.0, 1.0, sampled.shape[1])

@@ -153,7 +153,7 @@ class PlanningWorld:
         count, horizon = controls.opening.shape
         total = count * len(self.models)
         chosen = self.models
-        if not self.edges and self._inland(now):
+        if not self.edges and self._is_inland(now):
             self._endless = chosen = self._endless or self._build(endless=True)
         for model in chosen:
             set_stiffness(model, self.cfg.hand, controls.stiffness)
@@ -167,7 +167,7 @@ class PlanningWorld:
             control.reshape(total, horizon * self._substeps, -1),
             CONTROL,
             self._substeps,
-            partial(_without_divergence, self._index.speeds, initial, self.cfg.step_s),
+            partial(_repair_divergence, self._index.speeds, initial, self.cfg.step_s),
         )
         values = self._values(rolled.states, rolled.sensors, controls, now, step)
         return Context(values, (total, horizon)), rolled.sane
@@ -183,7 +183,7 @@ class PlanningWorld:
         context, _ = self.rollout(now, still, step)
         return context.first() if len(self.models) > 1 else context
 
-    def _inland(self, now: Observation) -> bool:
+    def _is_inland(self, now: Observation) -> bool:
         """Check whether nothing will come near an edge of the table for a while."""
         table = self._trial.task.table
         half, center = np.asarray(table.size)[:2] / 2 - self.cfg.inland_m, np.asarray(table.center)
@@ -262,7 +262,7 @@ class PlanningWorld:
     def _constants(self, total: int) -> Mapping[str, Callable[[], Array]]:
         if total not in self._fixed:
             found = constants(self._trial, self._start, self.beliefs, total)
-            self._fixed[total] = {name: partial(_itself, value) for name, value in found.items()}
+            self._fixed[total] = {name: partial(_identity, value) for name, value in found.items()}
         return self._fixed[total]
 
 
@@ -270,7 +270,7 @@ def _part(values: Array, part: slice) -> Array:
     return values[..., part]
 
 
-def _itself(value: Array) -> Array:
+def _identity(value: Array) -> Array:
     return value
 
 
@@ -320,7 +320,7 @@ def _own_axes(body: BodyState) -> Array:
     return rotate(body.quaternion * np.array([1.0, -1, -1, -1]), body.angular_velocity)
 
 
-def _without_divergence(
+def _repair_divergence(
     speeds: NDArray[np.int_], initial: Array, step_s: float, states: Array, sensors: Array
 ) -> NDArray[np.bool_]:
     """Return which rollouts are valid, Shape=(K,); repeat the last valid state in the others, in place."""

@@ -108,22 +108,24 @@ class Reactive:
         cfg = self.cfg
         position, quaternion, force, torque = target.position, target.quaternion, target.force, target.torque
         if cfg.enabled:
-            position = position + _short(cfg.pose_gain * self.position_error, cfg.most_m)
+            position = position + _clip_length(cfg.pose_gain * self.position_error, cfg.most_m)
             if cfg.turn_gain:
-                quaternion = multiply(from_rotvec(_short(cfg.turn_gain * self.turn_error, cfg.most_rad)), quaternion)
+                quaternion = multiply(
+                    from_rotvec(_clip_length(cfg.turn_gain * self.turn_error, cfg.most_rad)), quaternion
+                )
             # Measured and exerted force are opposite: push harder if less was measured than predicted.
-            force = force - _short(cfg.force_gain * self.force_error, cfg.most_n)
+            force = force - _clip_length(cfg.force_gain * self.force_error, cfg.most_n)
             if cfg.torque_gain:
-                torque = torque - _short(cfg.torque_gain * self.torque_error, cfg.most_n_m)
+                torque = torque - _clip_length(cfg.torque_gain * self.torque_error, cfg.most_n_m)
         # For the limit, an additional force counts as the displacement that would cause it.
         lead = np.clip(position, self._low, self._high) - now.tool.position + force / target.stiffness
-        lead = _short(self._yielding(lead, now), cfg.force_limit_n / target.stiffness)
+        lead = _clip_length(self._limit_lead(lead, now), cfg.force_limit_n / target.stiffness)
         position = np.clip(now.tool.position + lead - force / target.stiffness, self._low, self._high)
-        position, force = self._weaker(position, force, target.stiffness, now)
+        position, force = self._limit_pull(position, force, target.stiffness, now)
         opening = float(np.clip(target.opening_m, SQUEEZE_M, MAX_OPENING_M))
         return replace(target, position=position, quaternion=quaternion, opening_m=opening, force=force, torque=torque)
 
-    def _weaker(self, position: Array, force: Array, stiffness: float, now: Observation) -> tuple[Array, Array]:
+    def _limit_pull(self, position: Array, force: Array, stiffness: float, now: Observation) -> tuple[Array, Array]:
         """Reduce position lead and force in proportion if they exceed the limit within the box.
 
         A command inside the box stays inside; from outside, the limit applies and the hand returns slowly.
@@ -132,7 +134,7 @@ class Reactive:
         share = min(1.0, self.cfg.force_limit_n / max(stiffness * float(np.linalg.norm(way + force / stiffness)), 1e-9))
         return (position, force) if share > 1.0 - 1e-9 else (now.tool.position + share * way, share * force)
 
-    def _yielding(self, lead: Array, now: Observation) -> Array:
+    def _limit_lead(self, lead: Array, now: Observation) -> Array:
         """Scale the lead's component against a resistance beyond the limit back to the limit."""
         felt = float(np.linalg.norm(now.wrench[:3]))
         if felt <= self.cfg.force_limit_n:
@@ -142,7 +144,7 @@ class Reactive:
         return lead - into * (1.0 - self.cfg.force_limit_n / felt) * push
 
 
-def _short(vector: Array, most: float) -> Array:
+def _clip_length(vector: Array, most: float) -> Array:
     """Shorten the vector to at most `most`."""
     length = float(np.linalg.norm(vector))
     return vector if length <= most else vector * (most / length)

@@ -51,7 +51,7 @@ class RolloutStart:
             return cls(model, state)
         data = mujoco.MjData(model)
         mujoco.mj_setState(model, data, state, FULL)
-        with _for_a_moment(model):
+        with _momentary_step(model):
             mujoco.mj_forward(model, data)
             touching = model.body_treeid[model.geom_bodyid[data.contact.geom.ravel()]]
             data.tree_asleep[touching[touching >= 0]] = -1  # MuJoCo's counter of slow steps at its end
@@ -66,7 +66,7 @@ class RolloutStart:
 
 
 @contextmanager
-def _for_a_moment(model: mujoco.MjModel) -> Iterator[None]:
+def _momentary_step(model: mujoco.MjModel) -> Iterator[None]:
     """Set a step that takes no time, and count near bodies as touching."""
     kept = model.opt.timestep, model.geom_margin.copy(), model.body_margin.copy()
     model.opt.timestep = MOMENT_S
@@ -125,18 +125,18 @@ class Rollouts:
         each = [start for start in starts for _ in range(total // len(starts))]
         initial = np.array([start.state for start in each])
         found = Rolled(
-            _by_columns(total, steps // every, initial.shape[1]),
-            _by_columns(total, steps // every, starts[0].model.nsensordata),
+            _empty_column_major(total, steps // every, initial.shape[1]),
+            _empty_column_major(total, steps // every, starts[0].model.nsensordata),
             np.empty(total, dtype=bool),
         )
-        parts = _parts(total, self._threads)
+        parts = _split_into_slices(total, self._threads)
         todo = iter(parts)
 
         def work(data: mujoco.MjData) -> None:
             states = np.empty((parts[0].stop, steps, found.states.shape[2]))  # size of the largest part
             sensors = np.empty((*states.shape[:2], found.sensors.shape[2]))
             for part in todo:  # threads share it: an iterator hands out each part once
-                for rows in _at_once(each, part):
+                for rows in _slices_per_call(each, part):
                     if each[rows.start].data is not None:
                         mujoco.mj_copyData(data, each[rows.start].model, each[rows.start].data)
                     here = slice(rows.start - part.start, rows.stop - part.start)
@@ -155,26 +155,26 @@ class Rollouts:
                 found.states[part], found.sensors[part] = states[kept], sensors[kept]
                 found.sane[part] = mend(found.states[part], found.sensors[part])
 
-        datas = self._own(starts[0].model)
+        datas = self._thread_data(starts[0].model)
         if total == 1:
             work(datas[0])
         else:
             list(self._pool.map(work, datas))
         return found
 
-    def _own(self, model: mujoco.MjModel) -> list[mujoco.MjData]:
+    def _thread_data(self, model: mujoco.MjModel) -> list[mujoco.MjData]:
         """Return the threads' MjData for models of this structure."""
         if model.signature not in self._datas:
             self._datas[model.signature] = [mujoco.MjData(model) for _ in range(self._threads)]
         return self._datas[model.signature]
 
 
-def _by_columns(*shape: int) -> Array:
+def _empty_column_major(*shape: int) -> Array:
     """Allocate an array in column-major order, as costs read it."""
     return np.moveaxis(np.empty((shape[-1], *shape[:-1])), 0, -1)
 
 
-def _parts(total: int, threads: int) -> list[slice]:
+def _split_into_slices(total: int, threads: int) -> list[slice]:
     """Split into slices of decreasing size, so that no thread waits long for another's last one."""
     found: list[slice] = []
     begin = 0
@@ -185,7 +185,7 @@ def _parts(total: int, threads: int) -> list[slice]:
     return found
 
 
-def _at_once(each: Sequence[RolloutStart], part: slice) -> Iterator[slice]:
+def _slices_per_call(each: Sequence[RolloutStart], part: slice) -> Iterator[slice]:
     """Yield the slices that MuJoCo may roll out in one call: single ones if each begins with a copy."""
     if each[part.start].data is None:
         yield part

@@ -88,9 +88,9 @@ class Context:
 
     def first(self) -> Context:
         """Return the first state of the first sequence, as a batch of one."""
-        return Context(Lazy({name: partial(self._corner, name) for name in self._values}), (1, 1))
+        return Context(Lazy({name: partial(self._first_value, name) for name in self._values}), (1, 1))
 
-    def _corner(self, name: str) -> Array:
+    def _first_value(self, name: str) -> Array:
         return self._values[name][:1, :1]
 
 

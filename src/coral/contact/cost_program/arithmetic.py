@@ -172,7 +172,7 @@ def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
             return bounded(meter, Seq(a.items + b.items, a.kind))
         raise meter.fault("wrong_type", f"`{symbol}` does not apply to two {a.kind}s; make them arrays with np.array")
     if symbol == "*" and (isinstance(a, Seq) or isinstance(b, Seq)) and (isinstance(a, int) or isinstance(b, int)):
-        return _repeated(meter, a, b)
+        return _repeat_sequence(meter, a, b)
     if isinstance(a, Vec) or isinstance(b, Vec):
         return elementwise(meter, lambda x, y: binary(meter, symbol, x, y), a, b)
     if isinstance(a, Seq) or isinstance(b, Seq):
@@ -186,7 +186,7 @@ def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
     raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}")
 
 
-def _repeated(meter: Meter, a: Value, b: Value) -> Value:
+def _repeat_sequence(meter: Meter, a: Value, b: Value) -> Value:
     seq, times = (a, b) if isinstance(a, Seq) else (b, a)
     assert isinstance(seq, Seq)
     assert isinstance(times, int)

@@ -127,7 +127,7 @@ def augment(machine: Machine, node: Any) -> bool:
         right = evaluate(machine, node.value)
         machine.pending.pop()
         machine.meter.line = node.lineno
-        new = _updated(machine, node.op, old, right)
+        new = _apply_update(machine, node.op, old, right)
         if isinstance(old, Vec) or (isinstance(old, Seq) and old.kind == "list"):
             check_unshared(machine, old, name)
         elif isinstance(holder, Vec | Seq | DictValue):
@@ -149,7 +149,7 @@ def augment(machine: Machine, node: Any) -> bool:
         machine.pending.pop()
         if isinstance(old, Vec) or old.kind == "list":
             check_unshared(machine, old, target.id)
-    machine.frame.variables[target.id] = _updated(machine, node.op, old, right)
+    machine.frame.variables[target.id] = _apply_update(machine, node.op, old, right)
     if machine.frame.entry and target.id in machine.sums:
         if isinstance(node.op, ast.Add | ast.Sub):
             added(machine, target.id, node.value, right, isinstance(node.op, ast.Sub))
@@ -158,7 +158,7 @@ def augment(machine: Machine, node: Any) -> bool:
     return True
 
 
-def _updated(machine: Machine, operator: ast.operator, old: Value, right: Value) -> Value:
+def _apply_update(machine: Machine, operator: ast.operator, old: Value, right: Value) -> Value:
     """Return the result of `old += right`: an array or a list keeps its memory, and an array its shape."""
     grows = isinstance(operator, ast.Add) and isinstance(right, Seq | DictValue)
     if isinstance(old, Seq) and old.kind == "list" and grows:

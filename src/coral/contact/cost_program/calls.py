@@ -184,7 +184,7 @@ def apply(machine: Machine, function: Value, args: list[Value], named: dict[str,
                 raise machine.meter.fault("wrong_type", "a generator goes into sum, max and the like; write a list")
         return invoke(machine, function, args, named, evaluate)
     if isinstance(function, Builtin):
-        if function.name != "sum" and any(_gaps(value) for value in args):
+        if function.name != "sum" and any(_has_gaps(value) for value in args):
             raise machine.meter.fault(
                 "unset",
                 "a list or dict with entries that are set in some states only goes into "
@@ -210,7 +210,7 @@ def _map(machine: Machine, args: list[Value], named: dict[str, Value], evaluate:
     return bounded(machine.meter, Seq(tuple(found), "generator"))
 
 
-def _gaps(value: Value) -> bool:
+def _has_gaps(value: Value) -> bool:
     if isinstance(value, Seq):
         return any(isinstance(item, Partial) for item in value.items)
     return isinstance(value, DictValue) and any(isinstance(item, Partial) for item in value.items.values())

@@ -142,7 +142,7 @@ def _binary(machine: Machine, node: Any) -> Value:
         node = node.left
     found = evaluate(machine, node)
     for link in reversed(chain):
-        right = _holding(machine, found, link.right)
+        right = _evaluate_holding(machine, found, link.right)
         machine.meter.step(link.lineno)
         found = operate(machine, link.op, found, right)
         if machine.meter.trace is not None:
@@ -150,7 +150,7 @@ def _binary(machine: Machine, node: Any) -> Value:
     return found
 
 
-def _holding(machine: Machine, held: Value, node: ast.expr) -> Value:
+def _evaluate_holding(machine: Machine, held: Value, node: ast.expr) -> Value:
     """Evaluate an expression while an earlier operand is on the stack."""
     if isinstance(held, NUMBER):
         return evaluate(machine, node)
@@ -207,19 +207,19 @@ def _bool(machine: Machine, node: Any) -> Value:
             found = evaluate(machine, other)
             continue
         go_on = met if isinstance(node.op, ast.And) else ~met
-        right = _under(machine, go_on, other)
-        found = _joined(machine, go_on, right, found)
+        right = _evaluate_under(machine, go_on, other)
+        found = _join_values(machine, go_on, right, found)
     return found
 
 
-def _joined(machine: Machine, condition: Mask, a: Value, b: Value) -> Value:
+def _join_values(machine: Machine, condition: Mask, a: Value, b: Value) -> Value:
     found = merge(machine.meter, condition, a, b)
     if isinstance(found, Poison):
         raise machine.meter.fault("mixed", f"both sides must be of one kind: {found.reason}")
     return found
 
 
-def _under(machine: Machine, condition: Mask, node: ast.expr) -> Value:
+def _evaluate_under(machine: Machine, condition: Mask, node: ast.expr) -> Value:
     """Evaluate an expression that counts only where a condition holds."""
     before = machine.meter.mask
     machine.meter.mask = machine.narrowed(condition, before)
@@ -234,14 +234,16 @@ def _if(machine: Machine, node: Any) -> Value:
     met = truth(machine.meter, evaluate(machine, node.test))
     if isinstance(met, bool):
         return evaluate(machine, node.body if met else node.orelse)
-    return _joined(machine, met, _under(machine, met, node.body), _under(machine, ~met, node.orelse))
+    return _join_values(
+        machine, met, _evaluate_under(machine, met, node.body), _evaluate_under(machine, ~met, node.orelse)
+    )
 
 
 def _compare(machine: Machine, node: Any) -> Value:
     left = evaluate(machine, node.left)
     found: Value = True
     for operator, right_node in zip(node.ops, node.comparators, strict=True):
-        right = _holding(machine, left, right_node)
+        right = _evaluate_holding(machine, left, right_node)
         machine.meter.line = node.lineno
         step = _relation(machine, operator, left, right)
         if len(node.ops) == 1:

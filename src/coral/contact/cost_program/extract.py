@@ -22,13 +22,13 @@ def extract(text: str) -> str:
             or the body of the function alone.
     """
     text = text.replace("\r\n", "\n").replace("\r", "\n").expandtabs(4)
-    code = _fenced(text)
+    code = _fenced_code(text)
     if code is None:
         code = _before_rule(text)
-    return _dedented(code)
+    return _dedent(code)
 
 
-def _fenced(text: str) -> str | None:
+def _fenced_code(text: str) -> str | None:
     marks = list(FENCE.finditer(text))
     blocks = []
     while marks:
@@ -52,7 +52,7 @@ def _before_rule(text: str) -> str:
     return text
 
 
-def _dedented(code: str) -> str:
+def _dedent(code: str) -> str:
     lines = code.strip("\n").split("\n")
     found = DEFINITION.search("\n".join(lines))
     if found is None:

@@ -165,7 +165,7 @@ def select(meter: Meter, condition: Value, a: Value, b: Value) -> Value:
         if not isinstance(as_vector(meter, a), Vec) and not isinstance(as_vector(meter, b), Vec):
             return Vec(tuple(select(meter, item, a, b) for item in condition.items))
         n = len(condition.items)
-        left, right = _stretched(meter, a, n), _stretched(meter, b, n)
+        left, right = _broadcast_items(meter, a, n), _broadcast_items(meter, b, n)
         return Vec(tuple(select(meter, c, x, y) for c, x, y in zip(condition.items, left, right, strict=True)))
     met = truth(meter, condition)
 
@@ -177,7 +177,7 @@ def select(meter: Meter, condition: Value, a: Value, b: Value) -> Value:
     return elementwise(meter, choose, a, b)
 
 
-def _stretched(meter: Meter, value: Value, n: int) -> tuple[Value, ...]:
+def _broadcast_items(meter: Meter, value: Value, n: int) -> tuple[Value, ...]:
     value = as_vector(meter, value)
     if not isinstance(value, Vec):
         return (value,) * n

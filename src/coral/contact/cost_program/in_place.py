@@ -35,7 +35,7 @@ def check_unshared(machine: Machine, value: Value, name: str, at: Value = None) 
         count.scope(frame)
     for held in machine.pending:
         count.value(held)
-    if count.found > 1 or not all(_consumed(source, marks, turn, at) for source, turn in machine.looping()):
+    if count.found > 1 or not all(_is_consumed(source, marks, turn, at) for source, turn in machine.looping()):
         raise machine.meter.fault(
             "shared",
             f"{name!r} would change in place while another name, list or loop holds the same value; "
@@ -43,7 +43,7 @@ def check_unshared(machine: Machine, value: Value, name: str, at: Value = None) 
         )
 
 
-def _consumed(source: Value, marks: Marks, turn: int, at: Value) -> bool:
+def _is_consumed(source: Value, marks: Marks, turn: int, at: Value) -> bool:
     """Check whether a loop over a container is already past the entry that changes."""
     if not memory(source) & marks:
         return True

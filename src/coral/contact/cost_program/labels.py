@@ -41,7 +41,7 @@ class TermNames:
                 or (self._above(node.lineno) if whole else "")
                 or ("cost" if whole and not variable else f"line {node.lineno}")
             )
-            guess = _shortened(guess)
+            guess = _shorten(guess)
             name, count = guess, 2
             while name in self.line_of:
                 name, count = f"{guess} {count}", count + 1
@@ -75,10 +75,10 @@ def _comments(source: str) -> dict[int, tuple[bool, str]]:
 
 def _clean(comment: str) -> str:
     text = "".join(c if c.isprintable() else " " for c in comment)
-    return _shortened(" ".join(text.strip(" \t#-=*.:").split()))
+    return _shorten(" ".join(text.strip(" \t#-=*.:").split()))
 
 
-def _shortened(text: str) -> str:
+def _shorten(text: str) -> str:
     return text if len(text) <= LONGEST else text[:LONGEST].rsplit(" ", 1)[0]
 
 

@@ -38,7 +38,7 @@ def run_while(machine: Machine, node: Any) -> bool:
     loop, falls = Loop(), True
     machine.loops.append(loop)
     machine.running.append(loop)
-    while falls and _goes_on(machine, node):
+    while falls and _continues(machine, node):
         if loop.turn == limit:
             raise machine.meter.fault("steps", f"a loop has at most {limit} turns; write for i in range(N)")
         machine.meter.step(node.lineno)
@@ -47,7 +47,7 @@ def run_while(machine: Machine, node: Any) -> bool:
     return _end(machine, loop, falls, exits, outer)
 
 
-def _goes_on(machine: Machine, node: Any) -> bool:
+def _continues(machine: Machine, node: Any) -> bool:
     met = truth(machine.meter, evaluate(machine, node.test))
     if isinstance(met, bool):
         return met

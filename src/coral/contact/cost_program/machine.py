@@ -71,7 +71,7 @@ class Machine:
 
     @property
     def frame(self) -> Scope:
-        """The variables of the current function."""
+        """Return the variables of the current function."""
         return self.stack[-1]
 
     def owner(self, name: str) -> Scope | None:

@@ -81,7 +81,9 @@ def _along(machine: Machine, base: Vec, axes: list[Index], value: Value) -> Vec:
         span = [where]
     else:
         span = list(_span(machine, base, where))
-        parts = _spread(machine, value, len(span), is_matrix(base) and not (inner and isinstance(inner[0], int)))
+        parts = _values_for_entries(
+            machine, value, len(span), is_matrix(base) and not (inner and isinstance(inner[0], int))
+        )
     for i, part in zip(span, parts, strict=True):
         old = entry(machine, base, i)
         if isinstance(old, Vec):
@@ -99,7 +101,7 @@ def _span(machine: Machine, base: Vec, where: Index) -> range | tuple[int, ...]:
     raise machine.meter.fault("not_fixed", "an index is a constant whole number")
 
 
-def _spread(machine: Machine, value: Value, count: int, rows: bool) -> tuple[Value, ...]:
+def _values_for_entries(machine: Machine, value: Value, count: int, rows: bool) -> tuple[Value, ...]:
     """Return the value for each of several entries; a plain vector is the value for every row."""
     if isinstance(value, Vec) and (is_matrix(value) or not rows):
         if len(value.items) == 1:

@@ -142,11 +142,11 @@ def apply(meter: Meter, rotation: Value, vectors: Value, inverse: Value = False)
     value = as_vector(meter, vectors)
     if is_matrix(value):
         assert isinstance(value, Vec)
-        return Vec(tuple(_turned(meter, quat, row) for row in value.items))
-    return _turned(meter, quat, value)
+        return Vec(tuple(_rotate_one(meter, quat, row) for row in value.items))
+    return _rotate_one(meter, quat, value)
 
 
-def _turned(meter: Meter, quat: Quat, value: Value) -> Value:
+def _rotate_one(meter: Meter, quat: Quat, value: Value) -> Value:
     items = components(meter, value)
     if len(items) != 3:
         raise meter.fault("wrong_size", f"a vector of 3 is needed here, not of {len(items)}")

@@ -30,7 +30,7 @@ def subscript(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate)
     if not isinstance(base, Vec):
         if not isinstance(base, Seq):
             raise machine.meter.fault("wrong_type", f"{kind(base)} has no entries to index")
-        return _picked(machine, base, index(machine, base, node, evaluate))
+        return _pick(machine, base, index(machine, base, node, evaluate))
     parts = indices(machine, base, node, evaluate)
     axes: list[Index] = [part for part in parts if part is not None]
     kept = ["axis" if part is not None else "new" for part in parts if not isinstance(part, int)]
@@ -46,19 +46,19 @@ def _entries(machine: Machine, base: Vec, axes: list[Index]) -> Value:
     if not axes:
         return base
     first = axes[0]
-    rows = _picked(machine, base, first)
+    rows = _pick(machine, base, first)
     if len(axes) == 1:
         return rows
     second = axes[1]
     if isinstance(first, int):
-        return _picked(machine, rows, second)
+        return _pick(machine, rows, second)
     assert isinstance(rows, Vec)
     if isinstance(first, tuple) and isinstance(second, tuple):  # pairs, as in NumPy
         if len(first) != len(second):
             raise machine.meter.fault("wrong_size", f"{len(first)} row and {len(second)} column indices do not match")
-        return Vec(tuple(_picked(machine, row, i) for row, i in zip(rows.items, second, strict=True)))
+        return Vec(tuple(_pick(machine, row, i) for row, i in zip(rows.items, second, strict=True)))
     marks = memory(base) if isinstance(second, slice | int) else None
-    return Vec(tuple(_picked(machine, row, second) for row in rows.items), "", marks)
+    return Vec(tuple(_pick(machine, row, second) for row in rows.items), "", marks)
 
 
 def _with_new_axes(machine: Machine, found: Value, kept: list[str]) -> Value:
@@ -156,7 +156,7 @@ def _whole(machine: Machine, value: Value) -> int:
     )
 
 
-def _picked(machine: Machine, base: Value, where: Index) -> Value:
+def _pick(machine: Machine, base: Value, where: Index) -> Value:
     if not isinstance(base, Vec | Seq):
         raise machine.meter.fault("wrong_type", f"{kind(base)} has no entries to index")
     if isinstance(base, Seq) and base.kind in (*LAZY, "set"):

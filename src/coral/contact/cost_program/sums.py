@@ -62,11 +62,11 @@ def addends(node: ast.expr) -> list[ast.expr]:
         return [*addends(rest), *reversed(parts)]
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         return addends(node.operand)
-    inner = _converted(node)
+    inner = _float_argument(node)
     return addends(inner) if inner is not None else [node]
 
 
-def _converted(node: ast.expr) -> ast.expr | None:
+def _float_argument(node: ast.expr) -> ast.expr | None:
     """Return the argument of float(x) or np.float64(x)."""
     if isinstance(node, ast.Call) and len(node.args) == 1 and not node.keywords:
         name = (
@@ -105,12 +105,12 @@ def _sum(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple[
             machine.pending.pop()
             machine.meter.step(link.lineno)
             value = operate(machine, link.op, value, right)
-            ledger = _joined(machine, ledger, more, isinstance(link.op, ast.Sub))
+            ledger = _join_ledgers(machine, ledger, more, isinstance(link.op, ast.Sub))
         return value, ledger if isinstance(value, NUMBER) else None
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         value, ledger = _sum(machine, node.operand, variable, whole)
-        return negative(machine.meter, value), _joined(machine, DictValue({}), ledger, True)
-    inner = _converted(node)
+        return negative(machine.meter, value), _join_ledgers(machine, DictValue({}), ledger, True)
+    inner = _float_argument(node)
     if inner is not None and _plain_float(machine, node):
         value, ledger = _sum(machine, inner, variable, whole)
         return to_float(machine.meter, value), ledger
@@ -131,7 +131,7 @@ def _leaf(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple
         kept = machine.frame.variables.get(LEDGER + node.id)
         if isinstance(kept, DictValue):
             return value, kept
-    table = _summed_table(machine, node)
+    table = _summed_dict(machine, node)
     if table is not None:
         return value, table
     return value, ledger_of(machine, node, value, variable, whole)
@@ -146,7 +146,7 @@ def ledger_of(machine: Machine, node: ast.expr, value: Value, variable: str, who
     return DictValue({machine.terms.of(node, whole, variable): number(machine.meter, value)})
 
 
-def _summed_table(machine: Machine, node: ast.expr) -> DictValue | None:
+def _summed_dict(machine: Machine, node: ast.expr) -> DictValue | None:
     """Return the dict of `sum(terms.values())`, whose entries already have names."""
     if not (
         isinstance(node, ast.Call)
@@ -166,7 +166,7 @@ def _summed_table(machine: Machine, node: ast.expr) -> DictValue | None:
     return None
 
 
-def _joined(machine: Machine, ledger: DictValue | None, more: DictValue | None, minus: bool) -> DictValue | None:
+def _join_ledgers(machine: Machine, ledger: DictValue | None, more: DictValue | None, minus: bool) -> DictValue | None:
     if ledger is None or more is None:
         return None
     items = dict(ledger.items)
@@ -183,7 +183,7 @@ def added(machine: Machine, variable: str, node: ast.expr, value: Value, minus: 
     """Record the addends of `variable += node`."""
     before = machine.frame.variables.get(LEDGER + variable)
     more = ledger_of(machine, node, value, variable, True)
-    joined = _joined(machine, before if isinstance(before, DictValue) else None, more, minus)
+    joined = _join_ledgers(machine, before if isinstance(before, DictValue) else None, more, minus)
     machine.frame.variables[LEDGER + variable] = joined
 
 

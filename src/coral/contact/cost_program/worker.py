@@ -163,12 +163,12 @@ class CostWorker:
         with self._lock:
             reply, offset = self._evaluate(cost, state, zeroed)
             try:
-                return self._taken(cost, reply, offset, state.shape)
+                return self._check_reply(cost, reply, offset, state.shape)
             except (KeyError, TypeError, ValueError, IndexError):
                 self._stop()
                 raise CostError("killed", "the process of the cost answered nonsense and was killed") from None
 
-    def _taken(self, cost: WorkerCost, reply: Reply, offset: int, shape: tuple[int, int]) -> Traced:
+    def _check_reply(self, cost: WorkerCost, reply: Reply, offset: int, shape: tuple[int, int]) -> Traced:
         """Check an answer: a compromised process could send anything."""
         names = list(reply["terms"])
         if not 0 < len(names) <= self.cfg.limits.terms or not all(map(is_term_name, names)):
@@ -177,19 +177,19 @@ class CostWorker:
             raise ValueError("names")
         terms: Terms = {}
         for name in names:
-            terms[name], offset = self._copied(offset, shape)
+            terms[name], offset = self._copy_shared(offset, shape)
         lines = reply["lines"]
         cost.lines = {name: int(lines[name]) for name in names}
         distances = []
         for line, shapes in reply["distances"]:
             parts = []
             for k, h in shapes:
-                part, offset = self._copied(offset, (int(k), int(h)))
+                part, offset = self._copy_shared(offset, (int(k), int(h)))
                 parts.append(part)
             distances.append(Distance(int(line), tuple(parts[:-1]), parts[-1]))
         return Traced(terms, distances)
 
-    def _copied(self, offset: int, shape: tuple[int, int]) -> tuple[NDArray[np.float64], int]:
+    def _copy_shared(self, offset: int, shape: tuple[int, int]) -> tuple[NDArray[np.float64], int]:
         end = offset + math.prod(shape)
         return self._memory[offset:end].reshape(shape).copy(), end
 
@@ -269,10 +269,10 @@ class CostWorker:
             raise self._died() from None
         reply = self._receive(time.monotonic() + self.cfg.wait_s)
         if "error" in reply:
-            raise self._told(reply["error"])
+            raise self._reported_error(reply["error"])
         return reply
 
-    def _told(self, error: Any) -> CostError:
+    def _reported_error(self, error: Any) -> CostError:
         """Make the exception for an error that the process reports."""
         try:
             code, text, line, shown = error

@@ -417,7 +417,7 @@ class Episode:
 
 
 def as_perceived(trial: Trial, now: Observation) -> Trial:
-    """The trial as the robot perceives it: estimated poses, prior masses and frictions."""
+    """Return the trial as the robot perceives it: estimated poses, prior masses and frictions."""
     held = with_beliefs(trial, prior_beliefs(trial))
     return dataclasses.replace(
         held, objects={name: dataclasses.replace(item, pose=now.objects[name]) for name, item in held.objects.items()}

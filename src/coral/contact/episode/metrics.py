@@ -120,9 +120,9 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         last, step, earlier, t = here, int(float(row["step"])), t, float(row["t"])
         force = max((float(row[name]) for name in row if name.endswith("_hand_force")), default=0.0)
         peak = max(peak, force)
-        off_m += _tracked(row, "_off_m")
-        off_rad += _tracked(row, "_off_rad")
-        missed += t - earlier if any(_tracked(row, "_lost")) else 0.0
+        off_m += _tracking_errors(row, "_off_m")
+        off_rad += _tracking_errors(row, "_off_rad")
+        missed += t - earlier if any(_tracking_errors(row, "_lost")) else 0.0
         if force > 0:
             impulse, touching = impulse + force * (t - earlier), touching + t - earlier
     return {
@@ -159,6 +159,6 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     }  # older runs knew no other tracker
 
 
-def _tracked(row: Mapping[str, str], ending: str) -> list[float]:
+def _tracking_errors(row: Mapping[str, str], ending: str) -> list[float]:
     """Return the tracking errors in a row of the trajectory; empty if nothing was tracked."""
     return [float(row[name]) for name in row if name.endswith(ending) and row[name] not in ("", "nan")]

@@ -160,24 +160,24 @@ class ContactLog:
             newtons = float(np.linalg.norm(contact.force))
             if pair not in self._on:
                 self._on[pair] = _Touch(truth.time_s, truth.time_s)
-                said.append((truth.time_s, "contact", _begun(contact, newtons)))
+                said.append((truth.time_s, "contact", _begin_fields(contact, newtons)))
             touch = self._on[pair]
             touch.seen_s, touch.peak_n = truth.time_s, max(touch.peak_n, newtons)
             touch.total, touch.count = touch.total + newtons, touch.count + 1
         for pair, touch in list(self._on.items()):
             if truth.time_s - touch.seen_s > self.gap_s:
-                said.append((truth.time_s, "contact_end", _ended(pair, touch)))
+                said.append((truth.time_s, "contact_end", _end_fields(pair, touch)))
                 del self._on[pair]
         return said
 
     def finish(self) -> list[tuple[float, str, dict[str, Any]]]:
         """End the contacts that are still active."""
-        said = [(touch.seen_s, "contact_end", _ended(pair, touch)) for pair, touch in self._on.items()]
+        said = [(touch.seen_s, "contact_end", _end_fields(pair, touch)) for pair, touch in self._on.items()]
         self._on.clear()
         return said
 
 
-def _begun(contact: Contact, newtons: float) -> dict[str, Any]:
+def _begin_fields(contact: Contact, newtons: float) -> dict[str, Any]:
     return {
         "first": contact.first,
         "second": contact.second,
@@ -186,7 +186,7 @@ def _begun(contact: Contact, newtons: float) -> dict[str, Any]:
     }
 
 
-def _ended(pair: tuple[str, str], touch: _Touch) -> dict[str, Any]:
+def _end_fields(pair: tuple[str, str], touch: _Touch) -> dict[str, Any]:
     return {
         "first": pair[0],
         "second": pair[1],

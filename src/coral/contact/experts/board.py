@@ -46,7 +46,7 @@ def grip(state: Context) -> Array:
     return np.asarray(state.board_handle_pos - 0.024 * POINTING)
 
 
-def _off(first: Array, second: Array) -> Array:
+def _distance(first: Array, second: Array) -> Array:
     return norm(first - second)
 
 
@@ -61,7 +61,7 @@ def push_terms(state: Context, overhang: float) -> Terms:
     drift = np.abs((state.board_pos - state.board_init_pos)[..., 0])
     return {
         "overhang": 20.0 * short + 60.0 * too_far,
-        "stay behind": 8.0 * _off(state.ee_pos, behind(state, 0.008)),
+        "stay behind": 8.0 * _distance(state.ee_pos, behind(state, 0.008)),
         "straight": 3.0 * turned(state.board_quat, np.array([1.0, 0, 0, 0])) + 5.0 * drift,
         "point down": 2.0 * _turn(state, DOWN_WIDE),
         "fingers wide": 15.0 * np.abs(state.gripper_target - 0.07),
@@ -81,9 +81,11 @@ def fsm(task: Task) -> Strategy:
 
     def approach(state: Context) -> Terms:
         goal = behind(state, 0.03)
-        above = np.clip(0.06 - state.ee_pos[..., 2], 0, None) * np.clip(_off(state.ee_pos, goal) - 0.05, 0, 0.1) * 100
+        above = (
+            np.clip(0.06 - state.ee_pos[..., 2], 0, None) * np.clip(_distance(state.ee_pos, goal) - 0.05, 0, 0.1) * 100
+        )
         return {
-            "reach": 10.0 * _off(state.ee_pos, goal),
+            "reach": 10.0 * _distance(state.ee_pos, goal),
             "from above": above,
             "point down": 3.0 * _turn(state, DOWN_WIDE),
             "fingers wide": 15.0 * np.abs(state.gripper_target - 0.07),
@@ -95,7 +97,7 @@ def fsm(task: Task) -> Strategy:
 
     def pose(goal: Array, quaternion: Array, opening: float, state: Context) -> Terms:
         return {
-            "reach": 10.0 * _off(state.ee_pos, goal),
+            "reach": 10.0 * _distance(state.ee_pos, goal),
             "turn": 2.0 * _turn(state, quaternion),
             "opening": 15.0 * np.abs(state.gripper_target - opening),
             "leave alone": leave(state),
@@ -123,7 +125,7 @@ def fsm(task: Task) -> Strategy:
     def pinch(state: Context) -> Terms:
         both = state.board_left_contact * state.board_right_contact
         return {
-            "stay": 10.0 * _off(state.ee_pos, grip(state)),
+            "stay": 10.0 * _distance(state.ee_pos, grip(state)),
             "turn": 2.0 * _turn(state, PINCH),
             "close": 20.0 * (state.gripper_target + 0.04),
             "hold": -1.0 * both,
@@ -135,21 +137,21 @@ def fsm(task: Task) -> Strategy:
         return {
             "lift": 10.0 * np.clip(height - lowest, 0, None),
             "carry level": 1.0 * turned(state.board_quat, state.board_init_quat),
-            "hold": 20.0 * (state.gripper_target + 0.04) + 6.0 * _off(state.ee_pos, grip(state)),
+            "hold": 20.0 * (state.gripper_target + 0.04) + 6.0 * _distance(state.ee_pos, grip(state)),
             "turn": 0.5 * _turn(state, PINCH),
             "calm": calm(state),
             "stay near": 2.0 * norm((state.ee_pos - state.board_init_pos)[..., :1]),
         }
 
     def at(goal: Array, quaternion: Array, now: Context, near_m: float = 0.02, angle: float = 0.15) -> bool:
-        return bool(_off(now.ee_pos, goal)[0, 0] < near_m and _turn(now, quaternion)[0, 0] < angle)
+        return bool(_distance(now.ee_pos, goal)[0, 0] < near_m and _turn(now, quaternion)[0, 0] < angle)
 
     def to(goal: object, quaternion: Array | None, opening: float) -> tuple[Guide, ...]:
         turn_to = None if quaternion is None else (lambda now: quaternion)
         return (Guide(lambda now: goal(now)[0], turn_to, opening),)  # type: ignore[operator]
 
     def lost(now: Context) -> bool:
-        return bool(_off(now.ee_pos, grip(now))[0, 0] > 0.06)
+        return bool(_distance(now.ee_pos, grip(now))[0, 0] > 0.06)
 
     def short(now: Context) -> bool:
         return bool(edge(now)[0, 0] < overhang - 0.015)
@@ -220,7 +222,7 @@ def single(task: Task) -> Strategy:
     def cost(state: Context) -> Terms:
         ready = 1.0 / (1.0 + np.exp(-200.0 * (edge(state) - overhang + 0.012)))
         pushing = {f"push: {name}": (1 - ready) * term for name, term in push_terms(state, overhang).items()}
-        distance = _off(state.ee_pos, grip(state))
+        distance = _distance(state.ee_pos, grip(state))
         close = near(distance, 0.02)
         both = state.board_left_contact * state.board_right_contact
         lowest = np.minimum(state.board_rear_pos[..., 2], state.board_pos[..., 2])

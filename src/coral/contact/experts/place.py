@@ -18,13 +18,13 @@ CARRY_M = 0.14
 behind a rim sets its number `carry_height`."""
 
 
-def _others(state: Context, task: Task) -> Array:
+def _other_motion(state: Context, task: Task) -> Array:
     """Compute the motion of other objects (m/s, summed) and the force on them: 60 N count as 1 m/s."""
     moved = [norm(state[f"{item.name}_vel"]) + norm(state[f"{item.name}_hand_force"]) / 60 for item in task.objects[1:]]
     return np.asarray(sum(moved)) if moved else np.zeros(state.shape)
 
 
-def _lying(state: Context, name: str) -> Array:
+def _resting_height(state: Context, name: str) -> Array:
     """Compute the height (m) of the object's centre when it stands on the goal."""
     return np.asarray(state.goal_pos[..., 2] + state[f"{name}_size"][..., 2] / 2)
 
@@ -50,7 +50,7 @@ def single(task: Task) -> Strategy:
         return np.asarray(sum(touched)) if touched else np.zeros(state.shape)
 
     def cost(state: Context) -> Terms:
-        place, lying = state[f"{name}_pos"], _lying(state, name)
+        place, lying = state[f"{name}_pos"], _resting_height(state, name)
         distance = norm(state.ee_pos - pick.grasp_point(state, name))
         close = near(distance, 0.02)
         # Two fingers that press on the top also touch the object, but do not hold it.
@@ -76,7 +76,7 @@ def single(task: Task) -> Strategy:
             "retire": -20.0 * there * np.clip((state.ee_pos - place)[..., 2], 0, 0.12),
             "upright": 2.0 * (1 - axis(state[f"{name}_quat"], "z")[..., 2]),
             "not dropped": 60.0 * (1 - held) * norm(state[f"{name}_vel"]),
-            "leave alone": 3.0 * _others(state, task) + 6.0 * bumps(state),
+            "leave alone": 3.0 * _other_motion(state, task) + 6.0 * bumps(state),
         }
 
     def onward(now: Context) -> Array:
@@ -87,7 +87,7 @@ def single(task: Task) -> Strategy:
         over = np.array([*goal[:2], carry_m])
         aside = float(np.linalg.norm((place - goal)[:2]))
         up = np.array([*place[:2], carry_m])
-        down = np.array([*goal[:2], _lying(now, name)[0, 0]])
+        down = np.array([*goal[:2], _resting_height(now, name)[0, 0]])
         points = [down, over] if aside < 0.03 else [up, over] if place[2] < carry_m - 0.03 else [over]
         return np.asarray(np.stack(points) + now.ee_pos[0, 0] - place)
 
@@ -106,7 +106,7 @@ def fsm(task: Task) -> Strategy:
 
     def with_care(stage: Stage) -> Stage:
         def cost(state: Context) -> Terms:
-            return {**stage.cost(state), "leave others alone": 3.0 * _others(state, task)}
+            return {**stage.cost(state), "leave others alone": 3.0 * _other_motion(state, task)}
 
         return Stage(stage.name, cost, stage.guides, stage.stiffness_n_m, stage.until, stage.back, stage.sigma)
 
@@ -116,7 +116,7 @@ def fsm(task: Task) -> Strategy:
             "upright": 2.0 * (1 + axis(state.ee_quat, "z")[..., 2]),
             "not tilted": 2.0 * (1 - axis(state[f"{name}_quat"], "z")[..., 2]),
             "calm": 0.1 * norm(state.ee_vel),
-            "leave others alone": 3.0 * _others(state, task),
+            "leave others alone": 3.0 * _other_motion(state, task),
         }
 
     def to(goal: Array, weight: float = 10.0) -> dict[str, Array]:
@@ -133,7 +133,7 @@ def fsm(task: Task) -> Strategy:
         return {**holding(state), **to(aside(state) + height)}
 
     def lower(state: Context) -> Terms:
-        height = np.abs(state[f"{name}_pos"][..., 2] - _lying(state, name))
+        height = np.abs(state[f"{name}_pos"][..., 2] - _resting_height(state, name))
         return {**holding(state), **to(aside(state) + height), "gently": 1.0 * norm(state[f"{name}_vel"])}
 
     def release(state: Context) -> Terms:
@@ -149,7 +149,7 @@ def fsm(task: Task) -> Strategy:
             "up": 10.0 * np.abs(state.ee_pos[..., 2] - above),
             "straight": 10.0 * norm((state.ee_pos - state[f"{name}_pos"])[..., :2]),
             "open": 20.0 * (0.08 - state.gripper_target),
-            "leave alone": 5.0 * norm(state[f"{name}_vel"]) + 3.0 * _others(state, task),
+            "leave alone": 5.0 * norm(state[f"{name}_vel"]) + 3.0 * _other_motion(state, task),
         }
 
     def lost(now: Context) -> bool:
@@ -163,7 +163,7 @@ def fsm(task: Task) -> Strategy:
             if goal != "up":
                 end[:, :2] = now.goal_pos[0, 0, :2]
             if goal == "down":
-                end[:, 2] = _lying(now, name)[0, 0]
+                end[:, 2] = _resting_height(now, name)[0, 0]
             return np.asarray(end + offset)
 
         return Guide(points, opening_m=0.0)

@@ -105,7 +105,7 @@ def recent(values: Array) -> Array:
     return np.asarray((total - before) / count)
 
 
-def _uneven(state: Context, name: str) -> Array:
+def _velocity_error(state: Context, name: str) -> Array:
     """Compute the block's velocity error: wanted is the pace to the goal, rest within 1 cm of it. Shape=(K, H, 3)."""
     way = to_goal(state, name)
     left = norm(way)
@@ -141,7 +141,7 @@ def single(task: Task) -> Strategy:
             "come from above": 30.0 * over * np.clip(0.1 - state.ee_pos[..., 2], 0, 0.1),
             "to the goal": 12.0 * far,
             "not yet": 3.0 * high * state[f"{name}_hand_contact"],
-            "evenly": 2.0 * ready * norm(recent(_uneven(state, name))),
+            "evenly": 2.0 * ready * norm(recent(_velocity_error(state, name))),
             "force": 0.05 * ready * norm(wrong),
             "straight": 25.0
             * ready
@@ -192,7 +192,7 @@ def fsm(task: Task) -> Strategy:
         wrong = recent(state[f"{name}_hand_force"] - state.push_force[..., None] * along)
         return {
             "to the goal": 4.0 * far,
-            "evenly": 2.0 * norm(recent(_uneven(state, name))),
+            "evenly": 2.0 * norm(recent(_velocity_error(state, name))),
             "behind": 6.0 * np.clip(off_face(state, name) - 0.01, 0, None),
             "force": 0.05 * norm(wrong),
             # The spring's target moves straight at constant speed. This has the highest weight: otherwise it wanders 2

@@ -128,7 +128,7 @@ def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCf
         fixtures=fixtures,
         objects=objects,
         places={"goal": (float(middle[0]), float(middle[1]), float(floor))},
-        numbers={"carry_height": round(rim + _above(objects[0]), 3)},
+        numbers={"carry_height": round(rim + _rim_clearance(objects[0]), 3)},
         success=Success(
             hold_s=0.0,
             conditions=(
@@ -227,7 +227,7 @@ def _container(model: Model, position: Array, rotation: Array, name: str) -> tup
     return tuple(found), -low
 
 
-def _above(item: Movable) -> float:
+def _rim_clearance(item: Movable) -> float:
     """Compute the height of its origin over a rim while carried (m): its lower half and 3 cm."""
     return float(-corners(item, np.ones(3))[:, 2].min()) + 0.03
 

@@ -31,7 +31,7 @@ def adapt(experience: Experience, facts: SceneFacts) -> tuple[PlanAnswer, Region
         role = before.index(name)
         old = [experience.numbers[f"object{role}.size.{k}"] for k in range(3)]
         new = facts["objects"][names[name]]["size_m"]
-        regions[names[name]] = ObjectRegions(regions=[_stretched(region, old, new) for region in held.regions])
+        regions[names[name]] = ObjectRegions(regions=[_stretch_region(region, old, new) for region in held.regions])
     return made, RegionsAnswer(regions)
 
 
@@ -47,6 +47,6 @@ def renamed(text: str, names: Mapping[str, str]) -> str:
     return re.sub(r"\bself\.(" + "|".join(map(re.escape, sorted(changed, key=len, reverse=True))) + ")_", other, text)
 
 
-def _stretched(region: Region, old: list[float], new: list[float]) -> Region:
+def _stretch_region(region: Region, old: list[float], new: list[float]) -> Region:
     x, y, z = (round(c * b / a, 5) for c, a, b in zip(region.center, old, new, strict=True))
     return region.model_copy(update={"center": (x, y, z)})

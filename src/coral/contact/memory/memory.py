@@ -189,7 +189,11 @@ class Memory:
         candidates = []
         for stored in self.all():
             held = stored.experience
-            distance = _distance(held.numbers, numbers, self.cfg) if _shape(held.goals) == _shape(goals) else math.inf
+            distance = (
+                _distance(held.numbers, numbers, self.cfg)
+                if _goal_structure(held.goals) == _goal_structure(goals)
+                else math.inf
+            )
             if distance <= 1.0:
                 candidates.append((stored, distance))
         here = self.embedder.embed(facts["instruction"])
@@ -282,7 +286,7 @@ def roles(facts: SceneFacts) -> list[str]:
     return list(dict.fromkeys(goal["object"] for goal in facts["goals"] if goal["kind"] != "undisturbed"))
 
 
-def _shape(goals: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
+def _goal_structure(goals: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
     """Return the goals without numbers and names: their kinds, the roles of their objects, and their other words."""
     order = {name: f"object{k}" for k, name in enumerate(dict.fromkeys(goal["object"] for goal in goals))}
     return [

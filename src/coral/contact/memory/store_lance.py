@@ -64,13 +64,13 @@ class LanceStore:
 
     def exists(self) -> bool:
         """See `ExperienceStore.exists`."""
-        return self._told(self._table) is not None
+        return self._translate_errors(self._table) is not None
 
     def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
         """See `ExperienceStore.insert`."""
 
         def written() -> int | None:
-            table = self._connected().create_table(TABLE, schema=SCHEMA, exist_ok=True)
+            table = self._connect().create_table(TABLE, schema=SCHEMA, exist_ok=True)
             ids = table.search().select(["id"]).limit(ALL).to_arrow()["id"].to_pylist()
             number = max(ids, default=0) + 1
             row = {
@@ -89,14 +89,14 @@ class LanceStore:
             )
             return number if merged.num_inserted_rows == 1 else None  # None: another writer took the number
 
-        return self._committed(written)
+        return self._commit(written)
 
     def rows(self) -> list[Row]:
         """See `ExperienceStore.rows`."""
-        table = self._told(self._table)
+        table = self._translate_errors(self._table)
         if table is None:
             return []
-        found = self._told(lambda: table.to_arrow().select(SCHEMA.names).sort_by("id").to_pylist())
+        found = self._translate_errors(lambda: table.to_arrow().select(SCHEMA.names).sort_by("id").to_pylist())
         return [Row(**{**row, "vector": np.asarray(row["vector"], np.float32)}) for row in found]
 
     def delete(self, number: int) -> None:
@@ -118,9 +118,9 @@ class LanceStore:
                 act(table)
             return True
 
-        self._committed(changed)
+        self._commit(changed)
 
-    def _connected(self) -> Any:
+    def _connect(self) -> Any:
         """Return the database; its tables are always looked up afresh."""
         if self._base is None:
             self._base = self._lance.connect(self._uri, read_consistency_interval=timedelta(0))
@@ -133,13 +133,13 @@ class LanceStore:
         if self._folder is not None and not self._folder.is_dir():
             raise NotADirectoryError("a file")
         try:
-            return self._connected().open_table(TABLE)
+            return self._connect().open_table(TABLE)
         except ValueError as error:
             if "not found" in str(error):
                 return None
             raise
 
-    def _committed(self, act: Callable[[], T | None]) -> T:
+    def _commit(self, act: Callable[[], T | None]) -> T:
         """Retry a write until no other writer commits first.
 
         Raises:
@@ -152,26 +152,26 @@ class LanceStore:
                 if done is not None:
                     return done
             except Exception as error:
-                if not _faster(error) or time.monotonic() > until:
-                    raise self._refused(error) from None
+                if not _is_conflict(error) or time.monotonic() > until:
+                    raise self._refusal(error) from None
             if time.monotonic() > until:
-                raise self._refused("others that write all the time")
+                raise self._refusal("others that write all the time")
             # Random jitter keeps colliding writers apart; no result depends on it.
             time.sleep(wait_s * random.random())
             wait_s = min(2 * wait_s, 0.5)
 
-    def _told(self, act: Callable[[], T]) -> T:
+    def _translate_errors(self, act: Callable[[], T]) -> T:
         try:
             return act()
         except Exception as error:  # an unreadable remote store may raise anything
-            raise self._refused(error) from None
+            raise self._refusal(error) from None
 
-    def _refused(self, why: object) -> InputError:
+    def _refusal(self, why: object) -> InputError:
         found = first_line(why) if isinstance(why, Exception) else str(why)
         return InputError(self.name, "", found[:300], "a LanceDB table of experiences that can be opened")
 
 
-def _faster(error: Exception) -> bool:
+def _is_conflict(error: Exception) -> bool:
     """Check whether a commit failed because another came first; LanceDB has no exception of its own for that."""
     text = str(error).lower()
     return any(word in text for word in ("conflict", "concurrent", f"'{TABLE}' already exists"))

@@ -95,7 +95,7 @@ class SqliteStore:
                 until = time.monotonic() + LONGEST_S
                 base.set_progress_handler(lambda: time.monotonic() > until, 1_000_000)
                 if write:
-                    _ahead(base)
+                    _enable_write_ahead(base)
                 if write or not base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
                     base.execute(TABLE)  # not when reading another program's file
                 found = base.execute("SELECT type FROM sqlite_master WHERE name = 'experience'").fetchone()
@@ -112,7 +112,7 @@ def _vector(blob: bytes) -> Vector:
     return np.frombuffer(blob[: len(blob) // 4 * 4], "<f4")
 
 
-def _ahead(base: sqlite3.Connection) -> None:
+def _enable_write_ahead(base: sqlite3.Connection) -> None:
     """Enable write-ahead logging with full synchronisation.
 
     SQLite does not wait for its lock when it changes the journal, but fails at once if another process writes to a new

@@ -31,7 +31,7 @@ def reach(url: str, connect_s: float) -> None:
     try:
         socket.create_connection(address, timeout=connect_s).close()
     except OSError as error:
-        raise OutOfReach(_silent(url, error)) from None
+        raise OutOfReach(_silence_text(url, error)) from None
 
 
 def parse_url(url: str, where: str = "foundationpose", field: str = "url") -> tuple[str, int]:
@@ -78,7 +78,7 @@ def exchange(url: str, verb: str, question: bytes, connect_s: float, timeout_s: 
         connection.connect()
         line: socket.socket = connection.sock
         line.settimeout(timeout_s)
-        with _patience(line, timeout_s, late):
+        with _hang_up_after(line, timeout_s, late):
             connection.request("POST", f"/{verb}", question)
             reply = connection.getresponse()
             body = reply.read(LIMIT_BYTES + 1)
@@ -93,7 +93,7 @@ def exchange(url: str, verb: str, question: bytes, connect_s: float, timeout_s: 
     except (OSError, http.client.HTTPException) as error:
         if late.is_set() or (isinstance(error, TimeoutError) and connection.sock is not None):
             raise OutOfReach(f"foundationpose at {url}: no answer to {verb} in {timeout_s:g} s") from None
-        raise OutOfReach(_silent(url, error)) from None
+        raise OutOfReach(_silence_text(url, error)) from None
     except ValueError as error:
         raise TrackerFailed(f"foundationpose at {url}: {error}") from None
     finally:
@@ -101,7 +101,7 @@ def exchange(url: str, verb: str, question: bytes, connect_s: float, timeout_s: 
 
 
 @contextlib.contextmanager
-def _patience(line: socket.socket, seconds: float, late: threading.Event) -> Iterator[None]:
+def _hang_up_after(line: socket.socket, seconds: float, late: threading.Event) -> Iterator[None]:
     """Close the connection after a while: the socket's own timeout restarts with every byte."""
 
     def hang_up() -> None:
@@ -118,5 +118,5 @@ def _patience(line: socket.socket, seconds: float, late: threading.Event) -> Ite
         clock.cancel()
 
 
-def _silent(url: str, error: Exception) -> str:
+def _silence_text(url: str, error: Exception) -> str:
     return f"foundationpose at {url} does not answer: {' '.join(str(error).split()) or type(error).__name__}"

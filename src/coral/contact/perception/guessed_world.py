@@ -41,16 +41,16 @@ class GuessedWorld:
     def reset(self) -> Observation:
         """See `EvaluationWorld.reset`; the observation has no objects until `settle`."""
         self._guessed = {}
-        return self._seen(self._world.reset())
+        return self._with_guesses(self._world.reset())
 
     def settle(self, guessed: Mapping[str, BodyState], now: Observation) -> Observation:
         """Set the estimated poses and return the observation with them."""
         self._guessed = dict(guessed)
-        return self._seen(now)
+        return self._with_guesses(now)
 
     def step(self, target: HandTarget) -> Observation:
         """See `EvaluationWorld.step`."""
-        return self._seen(self._world.step(target))
+        return self._with_guesses(self._world.step(target))
 
     def truth(self) -> Truth:
         """See `EvaluationWorld.truth`."""
@@ -67,5 +67,5 @@ class GuessedWorld:
             for name in now.objects
         }
 
-    def _seen(self, now: Observation) -> Observation:
+    def _with_guesses(self, now: Observation) -> Observation:
         return replace(now, objects=dict(self._guessed))

@@ -19,7 +19,7 @@ def add(estimate: Array, truth: Array, points: Array) -> float:
         truth: Shape=(4, 4), object to the same frame.
         points: Shape=(n, 3) m, points of the object.
     """
-    return float(np.linalg.norm(_moved(estimate, points) - _moved(truth, points), axis=1).mean())
+    return float(np.linalg.norm(_transform_points(estimate, points) - _transform_points(truth, points), axis=1).mean())
 
 
 def add_s(estimate: Array, truth: Array, points: Array) -> float:
@@ -28,19 +28,19 @@ def add_s(estimate: Array, truth: Array, points: Array) -> float:
     Between equal poses of a symmetric object it is about half the spacing of the points, not 0, unless the points are
     symmetric too.
     """
-    return float(_nearest(_moved(truth, points), _moved(estimate, points)).mean())
+    return float(_nearest(_transform_points(truth, points), _transform_points(estimate, points)).mean())
 
 
 def mssd(estimate: Array, truth: Array, points: Array, symmetry: Symmetry) -> float:
     """Compute the largest distance (m) between corresponding points for the best equal pose (BOP, Hodan et al.)."""
-    wanted = _moved(truth, points)
+    wanted = _transform_points(truth, points)
     return min(
-        float(np.linalg.norm(_moved(estimate @ s, points) - wanted, axis=1).max())
+        float(np.linalg.norm(_transform_points(estimate @ s, points) - wanted, axis=1).max())
         for s in [np.eye(4), np.linalg.inv(estimate) @ symmetry.nearest(estimate, truth), *symmetry.members()]
     )
 
 
-def _moved(pose: Array, points: Array) -> Array:
+def _transform_points(pose: Array, points: Array) -> Array:
     return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])
 
 

@@ -106,7 +106,7 @@ def register(
     coarse = crop_patch(depth, mask, robot, lens, box, cfg.coarse_pixels)
     if not (coarse.mask & (coarse.depth > 0)).any():
         coarse = crop_patch(depth, mask, robot, lens, box, 10**9)
-    start = _start(model, coarse)
+    start = _guess_center(model, coarse)
     found: list[tuple[float, int, Array]] = []
     for turn in T_world_camera[:3, :3].T @ turns:
         pose = np.eye(4)
@@ -117,7 +117,7 @@ def register(
     found.sort(key=lambda item: item[:2])
     fine = crop_patch(depth, mask, robot, lens, box, cfg.fine_pixels)
     best = (math.inf, np.eye(4))
-    for _, _, pose in _distinct(found, cfg.kept):
+    for _, _, pose in _drop_duplicates(found, cfg.kept):
         pose = align_pose(fine, model, pose, cfg.fine_steps, 2 * cfg.tight_m, cfg.tight_m, cfg.outline)
         score = misfit(count_agreement(fine, model, pose, cfg.margin_m))
         if score < best[0]:
@@ -137,7 +137,7 @@ def misfit(tally: Array) -> float:
     return float((bad + 0.5 * tally[kernels.RESIDUAL] + 0.1 * tally[kernels.HIDDEN]) / total)
 
 
-def _distinct(found: list[tuple[float, int, Array]], limit: int) -> list[tuple[float, int, Array]]:
+def _drop_duplicates(found: list[tuple[float, int, Array]], limit: int) -> list[tuple[float, int, Array]]:
     """Keep the best poses, without those that converged to the same pose as a better one."""
     kept: list[tuple[float, int, Array]] = []
     for item in found:
@@ -148,7 +148,7 @@ def _distinct(found: list[tuple[float, int, Array]], limit: int) -> list[tuple[f
     return kept
 
 
-def _start(model: ObjectModel, patch: ImagePatch) -> Array:
+def _guess_center(model: ObjectModel, patch: ImagePatch) -> Array:
     """Guess the object's centre, Shape=(3,) m: a sixth of its diameter behind the middle of its mask."""
     rows, columns = np.nonzero(patch.mask & (patch.depth > 0))
     z = float(np.median(patch.depth[rows, columns])) + model.diameter / 6

@@ -62,7 +62,7 @@ class Symmetry:
             turns = []
             for turn in self.rotations:
                 if self.axis is not None:
-                    turn = turn @ rotation_about(self.axis, self._spin(pose[:3, :3] @ turn, reference[:3, :3]))
+                    turn = turn @ rotation_about(self.axis, self._spin_angle(pose[:3, :3] @ turn, reference[:3, :3]))
                 turns.append(turn)
                 angles.append(-float(np.trace(reference[:3, :3].T @ pose[:3, :3] @ turn)))
             best = turns[int(np.argmin(angles))]
@@ -71,7 +71,7 @@ class Symmetry:
         result[:3, 3] = pose[:3, 3] + pose[:3, :3] @ (self.center - best @ self.center)
         return result
 
-    def _spin(self, turn: Array, reference: Array) -> float:
+    def _spin_angle(self, turn: Array, reference: Array) -> float:
         """Compute the angle about the axis that brings `turn` nearest to `reference`: the twist between them."""
         assert self.axis is not None
         q = quaternion_of(turn.T @ reference)
@@ -107,13 +107,13 @@ def of_kind(kind: str, extents: Array, center: Array | None = None) -> Symmetry:
     quarter = [rotation_about(a, math.pi / 2) for a in axes]
     if kind == "square-box":
         odd = int(np.argmax(np.abs(extents - np.median(extents))))
-        return Symmetry(_generated([quarter[odd], half[(odd + 1) % 3]]), None, middle)
+        return Symmetry(_generate_group([quarter[odd], half[(odd + 1) % 3]]), None, middle)
     if kind == "cube":
-        return Symmetry(_generated(quarter), None, middle)
+        return Symmetry(_generate_group(quarter), None, middle)
     raise InputError("object", "symmetry", kind, "none, box, square-box, cube, cylinder or sphere")
 
 
-def _generated(by: list[Array]) -> Array:
+def _generate_group(by: list[Array]) -> Array:
     """Generate the finite group of some rotations, the identity first. Shape=(n, 3, 3)."""
     group = [np.eye(3)]
     for member in group:  # the loop extends the list
@@ -145,5 +145,5 @@ def of_shape(points: Array, distance: Callable[[Array], Array], tolerance_m: flo
     if free:
         flip = rotation_about(axes[(int(np.argmax(free[0])) + 1) % 3], math.pi)
         return Symmetry(np.stack([np.eye(3), flip]) if keeps(flip) else np.eye(3)[None], free[0], center)
-    cube = _generated([rotation_about(a, math.pi / 2) for a in axes])
+    cube = _generate_group([rotation_about(a, math.pi / 2) for a in axes])
     return Symmetry(np.array([turn for turn in cube if keeps(turn)]), None, center)

@@ -102,7 +102,7 @@ class TrackedWorld:
                 continue
             self._due_s = now.time_s + self.cfg.period_s
             if not missing:
-                return self._seen(now)
+                return self._with_estimates(now)
             if now.time_s >= self.cfg.search_s - 1e-9:
                 what = ", ".join(f"{name} ({reason})" for name, reason in missing.items())
                 raise WorldError("not-found", f"not found in {self.cfg.search_s:g} s: {what}")
@@ -145,7 +145,7 @@ class TrackedWorld:
                     )
                 if self.cfg.latency_s == 0.0:
                     self._deliver(now.time_s)
-        return self._seen(now)
+        return self._with_estimates(now)
 
     def truth(self) -> Truth:
         """See `EvaluationWorld.truth`."""
@@ -239,7 +239,7 @@ class TrackedWorld:
         else:
             one.known.update(T, taken_s)
 
-    def _seen(self, now: Observation) -> Observation:
+    def _with_estimates(self, now: Observation) -> Observation:
         tool = body_to_matrix(now.tool)
         objects = {name: self._body(one, now.tool, tool, now.time_s) for name, one in self._objects.items()}
         return Observation(now.time_s, now.tool, now.opening_m, now.wrench, objects)

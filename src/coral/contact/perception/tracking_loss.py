@@ -57,7 +57,7 @@ def measure_loss(trial: Trial, make: MakeTracker, cfg: AccuracyCfg, how: How) ->
     start = motion_of(trial).at(0.0)
     rng = np.random.default_rng([trial.seed, 2])
     aside = MotionSample(start.objects, pose_matrix(start.tool[:3, :3], np.array([-0.5, 0.3, 0.5])), 0.04)
-    gone, after = _gone(stage, aside, name, how)
+    gone, after = _poses_while_gone(stage, aside, name, how)
     count = round(_SECONDS / cfg.period_s)
     lost: list[bool] = []
     reason, slowest = "", 0.0
@@ -87,7 +87,7 @@ def measure_loss(trial: Trial, make: MakeTracker, cfg: AccuracyCfg, how: How) ->
     )
 
 
-def _gone(stage: PosedScene, aside: MotionSample, name: str, how: How) -> tuple[MotionSample, MotionSample]:
+def _poses_while_gone(stage: PosedScene, aside: MotionSample, name: str, how: How) -> tuple[MotionSample, MotionSample]:
     """Return the poses while the object is away, and after its return."""
     here = aside.objects[name]
     if how == "out of view":

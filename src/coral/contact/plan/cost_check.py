@@ -34,16 +34,16 @@ def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None
             terms = cost(sample)
         except CostError as error:
             return [CostFault(error.code, error.line, str(error))]
-        faults = _malformed(terms, sample)
+        faults = _malformed_faults(terms, sample)
         if faults:
             return faults
         evaluated.append((sample, terms))
     if not evaluated:
         return []
-    faults = _constant(cost, evaluated)
+    faults = _constant_faults(cost, evaluated)
     if faults:
         return faults
-    notes = _idle(cost, evaluated)
+    notes = _idle_faults(cost, evaluated)
     if not isinstance(cost, Traceable) or any("ee_pos" not in sample for sample in samples):
         return notes
     pool = pooled(samples, cfg.states)
@@ -77,7 +77,7 @@ def pooled(samples: Sequence[Context], count: int) -> Context:
     return Context(joined, (len(next(iter(joined.values()))), 1))
 
 
-def _malformed(terms: Terms, sample: Context) -> list[CostFault]:
+def _malformed_faults(terms: Terms, sample: Context) -> list[CostFault]:
     if not terms:
         return [CostFault("shape", 0, "the cost has no terms")]
     for name, term in terms.items():
@@ -104,7 +104,7 @@ def _sum(terms: Terms, shape: tuple[int, int]) -> Array:
     return total
 
 
-def _constant(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
+def _constant_faults(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
     for sample, terms in evaluated:
         rollouts = _sum(terms, sample.shape).sum(axis=1)
         if np.ptp(rollouts) > 1e-9 * (1.0 + np.abs(rollouts).max()):
@@ -119,7 +119,7 @@ def _constant(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFa
     ]
 
 
-def _idle(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
+def _idle_faults(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
     """Find terms that never change: no reason to refuse, since a phase may not have begun, but worth reporting."""
     faults = []
     for name in evaluated[0][1]:

@@ -100,14 +100,14 @@ def unreachable(cost: Traceable, pool: Context, reach_terms: list[ReachTerm], cf
     for item in reach_terms:
         if item.line in lines:
             continue
-        reason = _inside(pool, item, cfg) or _pushed_back(pool, item, cfg)
+        reason = _inside_fault(pool, item, cfg) or _contact_fault(pool, item, cfg)
         if reason:
             lines.add(item.line)
             faults.append(CostFault("unreachable", item.line, f"line {item.line} (`{cost.line(item.line)}`): {reason}"))
     return faults
 
 
-def _inside(pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> str:
+def _inside_fault(pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> str:
     """Check whether the target lies inside an object too wide for the fingers to straddle."""
     for thing in objects_of(pool.names()):
         names = [f"{thing}_pos", f"{thing}_quat", f"{thing}_size"]
@@ -124,7 +124,7 @@ def _inside(pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> str:
     return ""
 
 
-def _pushed_back(pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> str:
+def _contact_fault(pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> str:
     """Check whether, in the closest states, a contact pushes the hand away from the target."""
     closest = np.argsort(item.value, kind="stable")[: max(8, len(item.value) // 50)]
     least = float(item.value[closest[0]])

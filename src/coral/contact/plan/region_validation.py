@@ -47,13 +47,17 @@ def verify_regions(
     cfg, scenery = cfg or RegionCfg(), scenery or Scenery.boxes(facts)
     for name, held in answer.root.items():
         if name not in facts["objects"]:
-            return _no(name, "objects", f"{name} is no object of the scene; there are {', '.join(facts['objects'])}")
+            return _reject(
+                name, "objects", f"{name} is no object of the scene; there are {', '.join(facts['objects'])}"
+            )
         if len(held.regions) > cfg.most:
-            return _no(name, "too-many", f"{len(held.regions)} regions on {name}; name the {cfg.most} that matter most")
+            return _reject(
+                name, "too-many", f"{len(held.regions)} regions on {name}; name the {cfg.most} that matter most"
+            )
         for index, region in enumerate(held.regions):
             wrong = _defect(region, facts["objects"][name], scenery.objects[name], facts, stages, cfg)
             if wrong:
-                return _no(name, wrong[0], f"region {index + 1} of {name}: {wrong[1]}", index)
+                return _reject(name, wrong[0], f"region {index + 1} of {name}: {wrong[1]}", index)
     if not answer.each():
         return Rejection(code="none", reason="no region on any object; name at least one place to touch")
     candidates = candidates_of(answer, facts, stages, scenery, cfg)
@@ -61,12 +65,12 @@ def verify_regions(
     for (name, index), left in zip(places, candidates, strict=True):
         if not len(left.points):
             region = answer.root[name].regions[index]
-            code, reason = _nothing_left(region, left, facts["objects"][name], scenery.objects[name], cfg)
-            return _no(name, code, f"region {index + 1} of {name}: {reason}", index)
+            code, reason = _no_candidate_left(region, left, facts["objects"][name], scenery.objects[name], cfg)
+            return _reject(name, code, f"region {index + 1} of {name}: {reason}", index)
     return None
 
 
-def _no(name: str, code: str, reason: str, index: int | None = None) -> Rejection:
+def _reject(name: str, code: str, reason: str, index: int | None = None) -> Rejection:
     return Rejection(code=code, reason=reason, details={"object": name, "region": index})
 
 
@@ -127,7 +131,7 @@ def _points_inward(center: Array, normal: Array, solids: Sequence[Solid], cfg: R
     )
 
 
-def _nothing_left(
+def _no_candidate_left(
     region: Region, left: Candidates, item: ObjectFacts, solids: Sequence[Solid], cfg: RegionCfg
 ) -> tuple[str, str]:
     """Return why no candidate of a region can be touched."""

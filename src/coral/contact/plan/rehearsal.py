@@ -45,8 +45,8 @@ def sample_states(
     """
     paths = _sample_paths(now, sizes, rng, count)
     share = np.linspace(0, 1, horizon)
-    position = np.stack([_along(now.tool.position, path[0], share) for path in paths])
-    quaternion = np.stack([_turning(now.tool.quaternion, path[1], share) for path in paths])
+    position = np.stack([_interpolate_path(now.tool.position, path[0], share) for path in paths])
+    quaternion = np.stack([_interpolate_rotation(now.tool.quaternion, path[1], share) for path in paths])
     opening = np.stack([now.opening_m + (path[2] - now.opening_m) * np.minimum(1, 2 * share) for path in paths])
     context, _ = world.rollout(now, ControlSequences(position, quaternion, opening, world.cfg.hand.stiffness_n_m))
     return [context]
@@ -92,13 +92,13 @@ def _random_path(now: Observation, rng: np.random.Generator) -> ToolPath:
     return path, turn, float(rng.uniform(0, MAX_OPENING_M))
 
 
-def _along(start: Array, path: list[Array], share: Array) -> Array:
+def _interpolate_path(start: Array, path: list[Array], share: Array) -> Array:
     points = np.stack([start, *path])
     at = share * len(path)
     return np.stack([np.interp(at, np.arange(len(points)), points[:, k]) for k in range(3)], axis=1)
 
 
-def _turning(start: Array, end: Array, share: Array) -> Array:
+def _interpolate_rotation(start: Array, end: Array, share: Array) -> Array:
     turn = to_rotvec(multiply(conjugate(start), end))
     return multiply(start, from_rotvec(np.minimum(1, 3 * share)[:, None] * turn))
 
@@ -140,8 +140,8 @@ def rehearsed_gain(
     paths.append(([start.position], start.quaternion, now.opening_m))
     share = np.linspace(0, 1, horizon)
     controls = ControlSequences(
-        np.stack([_along(start.position, path[0], np.minimum(1, 1.5 * share)) for path in paths]),
-        np.stack([_turning(start.quaternion, path[1], share) for path in paths]),
+        np.stack([_interpolate_path(start.position, path[0], np.minimum(1, 1.5 * share)) for path in paths]),
+        np.stack([_interpolate_rotation(start.quaternion, path[1], share) for path in paths]),
         np.stack([now.opening_m + (path[2] - now.opening_m) * np.minimum(1, 2 * share) for path in paths]),
         stage.stiffness_n_m,
     )

@@ -169,12 +169,12 @@ def touchable(
     points = points[on_face]
     if standing is None or not len(points):
         return Candidates(points, dict(lost))
-    reasons = _hindered(name, region, points, facts, scenery, cfg, standing)
+    reasons = _hindrances(name, region, points, facts, scenery, cfg, standing)
     lost.update(reason for reason in reasons if reason)
     return Candidates(points[[not reason for reason in reasons]], dict(lost))
 
 
-def _hindered(
+def _hindrances(
     name: str,
     region: Region,
     points: Array,
@@ -198,7 +198,7 @@ def _hindered(
     reasons = np.full(len(points), "", dtype=object)
     reasons[over_table & (surface[:, 2] < -TIP_M)] = TABLE
     tool[:, 2] = np.where(over_table, np.maximum(tool[:, 2], LOWEST_M), tool[:, 2])
-    for thing, solids in _things(facts, scenery, [name, *standing]):
+    for thing, solids in _other_solids(facts, scenery, [name, *standing]):
         for solid in solids:
             buried = (solid.depth(surface) > cfg.buried_m) & (thing != name)
             # In a pinch the tool is inside the object, so it cannot show whether something stands beside the fingers.
@@ -211,7 +211,7 @@ def _hindered(
     return [str(reason) for reason in reasons]
 
 
-def _things(facts: SceneFacts, scenery: Scenery, standing: Sequence[str]) -> list[tuple[str, list[Solid]]]:
+def _other_solids(facts: SceneFacts, scenery: Scenery, standing: Sequence[str]) -> list[tuple[str, list[Solid]]]:
     """Return everything else in the scene, in the world frame."""
     things = []
     for name in standing:

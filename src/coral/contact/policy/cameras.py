@@ -57,7 +57,7 @@ class PolicyCameras:
         if np.allclose(cfg.eye_m[:2], cfg.target_m[:2]):
             raise InputError("policy.eyes", "target_m", cfg.target_m, "a point that is not straight below the camera")
         self._cfg = cfg
-        shown = _uncovered(model)
+        shown = _uncover_visuals(model)
 
         def camera(vfov_deg: float, near_m: float, pose: Array) -> RayCamera:
             lens = RgbdCameraCfg(width=cfg.pixels, height=cfg.pixels, vfov_deg=vfov_deg, near_m=near_m)
@@ -95,7 +95,7 @@ def wrist_pose(tool: BodyState, place_m: Array) -> Array:
     return pose
 
 
-def _uncovered(model: mujoco.MjModel) -> mujoco.MjModel:
+def _uncover_visuals(model: mujoco.MjModel) -> mujoco.MjModel:
     """Copy a model so that the robot's collision shapes (group 0) do not cover its visual ones (group 1)."""
     shown = copy.copy(model)
     visual = set(model.geom_bodyid[model.geom_group == 1].tolist()) - {0}

@@ -34,7 +34,7 @@ def encode(message: Mapping[str, Any]) -> bytes:
         WireError: It contains an array of objects, or another value that cannot be sent.
     """
     try:
-        return msgspec.msgpack.encode(dict(message), enc_hook=_packed)
+        return msgspec.msgpack.encode(dict(message), enc_hook=_pack)
     except (TypeError, OverflowError, RecursionError) as error:
         raise WireError(str(error)) from None
 
@@ -46,7 +46,7 @@ def decode(data: bytes) -> Any:
         WireError: It is not MessagePack, or contains an array that is not plain numbers of the stated size.
     """
     try:
-        return _unpacked(msgspec.msgpack.decode(data))
+        return _unpack(msgspec.msgpack.decode(data))
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
         raise WireError(f"no MessagePack: {error}") from None
     except RecursionError:
@@ -55,7 +55,7 @@ def decode(data: bytes) -> Any:
         raise WireError(str(error)) from None
 
 
-def _packed(value: Any) -> Any:
+def _pack(value: Any) -> Any:
     if not isinstance(value, np.ndarray):
         raise TypeError(f"a {type(value).__name__} cannot be sent")
     return {
@@ -66,7 +66,7 @@ def _packed(value: Any) -> Any:
     }
 
 
-def _unpacked(value: Any) -> Any:
+def _unpack(value: Any) -> Any:
     if isinstance(value, dict):
         if marked(value, "__ndarray__"):
             return _array(value)
@@ -76,9 +76,9 @@ def _unpacked(value: Any) -> Any:
                 raise WireError(f"a scalar that is a {type(held).__name__}")
             _plain(field(value, "dtype"))
             return held
-        return {key: _unpacked(item) for key, item in value.items()}
+        return {key: _unpack(item) for key, item in value.items()}
     if isinstance(value, list):
-        return [_unpacked(item) for item in value]
+        return [_unpack(item) for item in value]
     if isinstance(value, msgspec.msgpack.Ext):
         raise WireError(f"an extension of type {value.code}")
     return value

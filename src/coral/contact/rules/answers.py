@@ -32,7 +32,7 @@ def _rule(answer: Callable[[F, Sequence[Rejection]], BaseModel]) -> Rule:
     return cast(Rule, answer)
 
 
-def _composed(facts: PlanFacts, refused: int = 0) -> Composed:
+def _compose_plan(facts: PlanFacts, refused: int = 0) -> Composed:
     if not facts.get("contact_strategy", True):
         plan = outcome_plan(facts)
         if plan is None:
@@ -47,11 +47,11 @@ def _composed(facts: PlanFacts, refused: int = 0) -> Composed:
 
 
 def _plan(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
-    return _composed(facts, len(rejections)).plan
+    return _compose_plan(facts, len(rejections)).plan
 
 
 def _regions(facts: RegionFacts, rejections: Sequence[Rejection]) -> BaseModel:
-    made = _composed(facts, int(facts.get("refused", 0))).regions
+    made = _compose_plan(facts, int(facts.get("refused", 0))).regions
     # If the advisor made the plan, its stages are others: then a region applies to all of them.
     stages = facts.get("stages", ())
     held = {
@@ -70,11 +70,13 @@ def _regions(facts: RegionFacts, rejections: Sequence[Rejection]) -> BaseModel:
 
 def _repair(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
     diagnoses = list(facts["diagnoses"])
-    made = _composed(facts, len(rejections)).plan
+    made = _compose_plan(facts, len(rejections)).plan
     why = TEXTS[diagnoses[-1]]
     before, after = adjustment_after(diagnoses[:-1]), adjustment_after([*diagnoses, *["no-progress"] * len(rejections)])
     # A skill without another side or grasp must not claim to change it.
-    change = change_words(before, after if _composed({**facts, "diagnoses": diagnoses[:-1]}).plan != made else before)
+    change = change_words(
+        before, after if _compose_plan({**facts, "diagnoses": diagnoses[:-1]}).plan != made else before
+    )
     words = f"The plan before failed because {why}. {change}: {made.explanation}"
     return made.model_copy(update={"explanation": words})
 
@@ -99,7 +101,7 @@ def _unified(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
         name: {**item, "mass_kg": found[name].mass_kg, "friction": found[name].friction_coeff}
         for name, item in facts["objects"].items()
     }
-    made = _composed({**facts, "objects": believed}, len(rejections))
+    made = _compose_plan({**facts, "objects": believed}, len(rejections))
     return UnifiedAnswer(parameters=found, regions=made.regions.root, **made.plan.model_dump())
 
 

@@ -154,13 +154,15 @@ def _default_place(thing: Thing, facts: SceneFacts) -> AtGoal:
 def _append(merged: Draft, draft: Draft, before: Thing | None) -> None:
     """Append an object's stages with unique names; the stage before them ends once the hand is clear of its object."""
     taken = {stage.name for stage in merged.stages}
-    names = {stage.name: stage.name if stage.name not in taken else _free(stage.name, taken) for stage in draft.stages}
+    names = {
+        stage.name: stage.name if stage.name not in taken else _free_name(stage.name, taken) for stage in draft.stages
+    }
     if before is not None and not merged.stages[-1].done:
         n, clear = before.name, number(before.height / 2 + 0.06)
         done = f"not self.{n}_hand_contact and norm(self.ee_pos - self.{n}_pos) > {clear}"
         merged.stages[-1] = merged.stages[-1].model_copy(update={"done": done})
     for stage in draft.stages:
-        merged.stages.append(_renamed(stage, names))
+        merged.stages.append(_rename_stage(stage, names))
     merged.regions += [
         (name, region.model_copy(update={"stage": names.get(region.stage, region.stage)}))
         for name, region in draft.regions
@@ -168,9 +170,9 @@ def _append(merged: Draft, draft: Draft, before: Thing | None) -> None:
     merged.words += draft.words
 
 
-def _free(name: str, taken: set[str]) -> str:
+def _free_name(name: str, taken: set[str]) -> str:
     return next(f"{name} {k}" for k in range(2, 100) if f"{name} {k}" not in taken)
 
 
-def _renamed(stage: StageAnswer, names: Mapping[str, str]) -> StageAnswer:
+def _rename_stage(stage: StageAnswer, names: Mapping[str, str]) -> StageAnswer:
     return stage.model_copy(update={"name": names[stage.name], "back_to": names.get(stage.back_to, stage.back_to)})

@@ -27,7 +27,7 @@ OFF_M = (0.03, 0.08)
 Edit = Callable[[str, np.random.Generator], str | None]
 
 
-def _in_one_stage(change: Edit) -> Err:
+def _change_one_stage(change: Edit) -> Err:
     """Make a mistake that changes the cost of one stage; stages are tried in random order."""
 
     def err(
@@ -55,18 +55,18 @@ def _mistake_object(
         return None
     one = used[int(rng.integers(len(used)))]
     other = [name for name in names if name != one][int(rng.integers(len(names) - 1))]
-    return _everywhere(right, lambda code: edit.rename_quantities(code, one, other))
+    return _change_programs(right, lambda code: edit.rename_quantities(code, one, other))
 
 
 def _mirror(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
     """Mirror the plan in the object's frame: its long axis points backwards."""
-    made = (_everywhere(right, partial(edit.turn_axis, axis=int(axis))) for axis in rng.permutation(2))
+    made = (_change_programs(right, partial(edit.turn_axis, axis=int(axis))) for axis in rng.permutation(2))
     return next((one for one in made if one is not None), None)
 
 
-def _never_done(
+def _tighten_condition(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
     """Tighten the condition that ends a stage until no motion fulfils it."""
@@ -108,7 +108,7 @@ def _misjudge(
     return wrong
 
 
-def _wrong_face(
+def _move_face(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
     """Move the regions of one object to another face of its box: the opposite or the next one."""
@@ -141,7 +141,7 @@ def _wrong_face(
     return wrong
 
 
-def _everywhere(right: Answer, change: Callable[[str], str | None]) -> Answer | None:
+def _change_programs(right: Answer, change: Callable[[str], str | None]) -> Answer | None:
     """Change every program of a plan; None if nothing changes."""
     wrong, changed = copy.deepcopy(right), False
     for stage in wrong["stages"] or [wrong]:
@@ -159,21 +159,21 @@ CONTACT_MISTAKES = (
         what="a term of a cost has the wrong sign",
         found_in="",
         questions=PLANS,
-        err=_in_one_stage(edit.flip_sign),
+        err=_change_one_stage(edit.flip_sign),
     ),
     Mistake(
         name="weight",
         what="a term's weight is off by ten",
         found_in="",
         questions=PLANS,
-        err=_in_one_stage(edit.scale_term),
+        err=_change_one_stage(edit.scale_term),
     ),
     Mistake(
         name="missing-term",
         what="a term is missing from a cost",
         found_in="",
         questions=PLANS,
-        err=_in_one_stage(edit.drop_term),
+        err=_change_one_stage(edit.drop_term),
     ),
     Mistake(
         name="wrong-object",
@@ -195,14 +195,14 @@ CONTACT_MISTAKES = (
         what="a place in a cost is off by 3 to 8 cm",
         found_in="Q-Spatial Bench, arXiv:2409.09788: distances are hard to tell for all models that were tried",
         questions=PLANS,
-        err=_in_one_stage(lambda code, rng: edit.shift_place(code, rng, OFF_M)),
+        err=_change_one_stage(lambda code, rng: edit.shift_place(code, rng, OFF_M)),
     ),
     Mistake(
         name="never-done",
         what="the condition on which a phase ends never comes true",
         found_in="",
         questions=PLANS,
-        err=_never_done,
+        err=_tighten_condition,
     ),
     Mistake(
         name="early-lift",
@@ -224,7 +224,7 @@ CONTACT_MISTAKES = (
         what="contact regions lie on the wrong face of an object",
         found_in="",
         questions=REGIONS,
-        err=_wrong_face,
+        err=_move_face,
     ),
 )
 """Errors that can be named after `sloppy:`."""

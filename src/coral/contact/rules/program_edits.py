@@ -25,7 +25,7 @@ def scale_term(code: str, rng: np.random.Generator) -> str | None:
 
 def drop_term(code: str, rng: np.random.Generator) -> str | None:
     """Drop one term of a cost; None if there is only one."""
-    tree = _parsed(code)
+    tree = _parse(code)
     terms = [] if tree is None else _terms(tree)
     if len(terms) < 2 or tree is None:
         return None
@@ -45,7 +45,7 @@ def shift_place(code: str, rng: np.random.Generator, off_m: tuple[float, float])
         rng: Chooses place and direction.
         off_m: Smallest and largest shift.
     """
-    tree = _parsed(code)
+    tree = _parse(code)
     if tree is None:
         return None
     off = float(rng.uniform(*off_m)) * (1.0 if rng.random() < 0.5 else -1.0)
@@ -83,7 +83,7 @@ def rename_quantities(code: str, one: str, other: str) -> str | None:
 
 def turn_axis(code: str, axis: int) -> str | None:
     """Reverse an axis of every object, not of the hand; None if the program reads none."""
-    tree = _parsed(code)
+    tree = _parse(code)
     if tree is None:
         return None
     turned = _Turn(axis)
@@ -93,7 +93,7 @@ def turn_axis(code: str, axis: int) -> str | None:
 
 def tighten(condition: str) -> str | None:
     """Move the bound of a comparison so far that nothing fulfils it; None if there is no comparison with a number."""
-    tree = _parsed(condition)
+    tree = _parse(condition)
     if tree is None:
         return None
     for node in ast.walk(tree):
@@ -122,7 +122,7 @@ class _Turn(ast.NodeTransformer):
 
 
 def _change_term(code: str, rng: np.random.Generator, change: Callable[[ast.expr], ast.expr]) -> str | None:
-    tree = _parsed(code)
+    tree = _parse(code)
     terms = [] if tree is None else _terms(tree)
     if tree is None or not terms:
         return None
@@ -168,7 +168,7 @@ def _value(node: ast.expr) -> float:
     return float(ast.literal_eval(node))
 
 
-def _parsed(code: str) -> ast.Module | None:
+def _parse(code: str) -> ast.Module | None:
     try:
         return ast.parse(code)
     except SyntaxError:

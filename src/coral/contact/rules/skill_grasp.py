@@ -17,12 +17,12 @@ PALM_M = 0.037
 
 def add_grasp(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> None:
     """Add the stages that reach around the object from above and close the fingers."""
-    closing = _closing(thing, facts, adjustment)
+    closing = _closing_axis(thing, facts, adjustment)
     depth = max(0.0, thing.height / 2 - 0.025) - adjustment.lower_m
     depth = max(depth, 0.012 - thing.height / 2)
     head = _head(thing, depth, closing)
     n = thing.name
-    near = f"({_off(thing, depth)}) < 0.012 and ({_square(thing, closing)}) < 0.05"
+    near = f"({_distance_text(thing, depth)}) < 0.012 and ({_misalignment_text(thing, closing)}) < 0.05"
     draft.stages += [
         StageAnswer(
             name="reach",
@@ -43,7 +43,7 @@ def add_grasp(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAd
             name="close",
             done=f"self.{n}_left_contact and self.{n}_right_contact",
             back_to="reach",
-            lost=f"({_off(thing, depth)}) > 0.04",
+            lost=f"({_distance_text(thing, depth)}) > 0.04",
             noise=0.5 * adjustment.careful,
             code=head
             + f"""
@@ -84,7 +84,7 @@ def add_lift(draft: Draft, thing: Thing, facts: SceneFacts, height_m: float, adj
         StageAnswer(
             name="lift",
             back_to="reach",
-            lost=f"({_off(thing, depth)}) > 0.04",
+            lost=f"({_distance_text(thing, depth)}) > 0.04",
             noise=0.7 * adjustment.careful,
             opening=0.0,
             toward=f"self.ee_pos + np.array([0.0, 0.0, {number(rise)}])",
@@ -112,7 +112,7 @@ def add_place(draft: Draft, thing: Thing, facts: SceneFacts, placement: Placemen
     # After the lift it may be 3 cm lower than that; it must clear a rim then, too.
     carry = max(carry, placement.top_m + origin_height(thing) + 0.045)
     floor = max(placement.height_m, placement.palm_m - PALM_M - depth)
-    lost = f"({_off(thing, depth)}) > 0.05"
+    lost = f"({_distance_text(thing, depth)}) > 0.05"
     aside = f"norm((self.{n}_pos + {vector(placement.shift)} - {placement.where})[:2])"
     hold = _holding_head(thing, facts, adjustment)
     target = f"{placement.where} - {vector(placement.shift)}"
@@ -206,7 +206,7 @@ def add_release(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: Skill
     draft.words.append("let go and retire upwards")
 
 
-def _closing(thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> int:
+def _closing_axis(thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> int:
     """Choose the closing axis: of those that fit, the one with the most clearance for the hand; ties by width."""
     fits = thing.closings()
 
@@ -230,11 +230,11 @@ def _depth(thing: Thing, adjustment: SkillAdjustment) -> float:
     return max(max(0.0, thing.height / 2 - 0.025) - adjustment.lower_m, 0.012 - thing.height / 2)
 
 
-def _off(thing: Thing, depth: float) -> str:
+def _distance_text(thing: Thing, depth: float) -> str:
     return f"norm(self.ee_pos - self.{thing.name}_pos - {vector([0, 0, depth])})"
 
 
-def _square(thing: Thing, closing: int) -> str:
+def _misalignment_text(thing: Thing, closing: int) -> str:
     return (
         f"2.0 + quat_axis(self.ee_quat, 2)[2] - abs(dot(quat_axis(self.ee_quat, 1), "
         f"quat_axis(self.{thing.name}_quat, {closing})))"
@@ -244,14 +244,14 @@ def _square(thing: Thing, closing: int) -> str:
 def _head(thing: Thing, depth: float, closing: int) -> str:
     return f"""def state_cost(self):
     off = self.ee_pos - self.{thing.name}_pos - {vector([0, 0, depth])}
-    square = {_square(thing, closing)}"""
+    square = {_misalignment_text(thing, closing)}"""
 
 
 def _holding_head(thing: Thing, facts: SceneFacts, adjustment: SkillAdjustment) -> str:
     n, depth = thing.name, _depth(thing, adjustment)
     upright = f"1.0 - ({'-1.0 * ' if thing.up_sign < 0 else ''}quat_axis(self.{n}_quat, {thing.up})[2])"
     return f"""def state_cost(self):
-    terms['hold'] = {number(20 * adjustment.press)} * self.gripper_target + 6.0 * {_off(thing, depth)}
+    terms['hold'] = {number(20 * adjustment.press)} * self.gripper_target + 6.0 * {_distance_text(thing, depth)}
     terms['upright'] = 1.5 * (1.0 + quat_axis(self.ee_quat, 2)[2]) + 1.5 * ({upright})
     terms['calm'] = 0.1 * norm(self.ee_vel)
 {disturbance_term(facts, n)}"""

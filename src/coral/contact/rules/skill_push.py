@@ -34,7 +34,7 @@ def behind_head(thing: Thing, axis: int, sign: float, height: str, handed: bool 
     behind = self.{n}_pos - {number(half + PAD_M)} * along
     behind = np.array([behind[0], behind[1], {height}])
     off = self.ee_pos - behind
-    square = {_square(thing.name, axis, sign if handed else 0.0)}"""
+    square = {_misalignment_text(thing.name, axis, sign if handed else 0.0)}"""
 
 
 def add_reach_behind(
@@ -59,7 +59,7 @@ def add_reach_behind(
     draft.stages.append(
         StageAnswer(
             name="reach",
-            done=f"{here} < 0.018 and ({_square(n, axis, sign if handed else 0.0)}) < 0.1",
+            done=f"{here} < 0.018 and ({_misalignment_text(n, axis, sign if handed else 0.0)}) < 0.1",
             code=behind_head(thing, axis, sign, number(height_m), handed)
             + f"""
     goal = behind - {number(gap)} * along
@@ -92,7 +92,7 @@ def add_reach_behind(
     )
 
 
-def _square(n: str, axis: int, handed: float) -> str:
+def _misalignment_text(n: str, axis: int, handed: float) -> str:
     if handed:
         left = f"cross(np.array([0.0, 0.0, 1.0]), {axis_of(n, axis, handed)})"
         return f"1.0 + quat_axis(self.ee_quat, 2)[2] + 4.0 * (1.0 - dot(quat_axis(self.ee_quat, 1), {left}))"
@@ -163,7 +163,7 @@ def add_push(
                 stiffness=stiffness,
                 toward=f"self.ee_pos + 0.065 * {ahead} - "
                 f"np.array([0.0, 0.0, max(0.0, self.ee_pos[2] - self.{n}_pos[2] - {top})])",
-                code=_steadily(thing, axis, sign, place, where, height, newtons)
+                code=_steady_push_head(thing, axis, sign, place, where, height, newtons)
                 + f"""
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
 {disturbance_term(facts, n)}    return terms
@@ -174,7 +174,9 @@ def add_push(
     add_retreat(draft, thing, axis, sign, height, facts, stiffness, short)
 
 
-def _steadily(thing: Thing, axis: int, sign: float, place: str, where: str, height_m: float, newtons: float) -> str:
+def _steady_push_head(
+    thing: Thing, axis: int, sign: float, place: str, where: str, height_m: float, newtons: float
+) -> str:
     """Return the head of a program that pushes with a steady force.
 
     Friction balances a slow push; stops, impacts and the hand's stiffness disturb the force. So the target of the

@@ -49,7 +49,7 @@ def _plan(error: str, answer: Answer, rng: np.random.Generator) -> None:
 
 def _regions(error: str, answer: Answer, rng: np.random.Generator) -> None:
     """Spoil regions: words for a place; a point off the surface; an inward normal; an unknown object."""
-    name = _one(answer, rng)
+    name = _draw_name(answer, rng)
     if name is None or not answer[name]["regions"]:
         return
     region = answer[name]["regions"][int(rng.integers(len(answer[name]["regions"])))]
@@ -65,7 +65,7 @@ def _regions(error: str, answer: Answer, rng: np.random.Generator) -> None:
 
 def _poses(error: str, answer: Answer, rng: np.random.Generator) -> None:
     """Spoil poses: words for a place; a place off the table; a place below it; an unknown object."""
-    name = _one(answer, rng)
+    name = _draw_name(answer, rng)
     if name is None:
         return
     if error == "wrong_type":
@@ -80,7 +80,7 @@ def _poses(error: str, answer: Answer, rng: np.random.Generator) -> None:
 def _parameters(error: str, answer: Answer, rng: np.random.Generator) -> None:
     """Spoil parameters: words for a mass; grams taken for kilograms; a negative mass; an unknown object."""
     items = {one["label"]: one for one in answer["objects"]} if "label" in str(answer.get("objects", "")) else answer
-    name = _one(items, rng)
+    name = _draw_name(items, rng)
     if name is None:
         return
     key = "mass_kg" if "mass_kg" in items[name] else "mass"
@@ -94,7 +94,7 @@ def _parameters(error: str, answer: Answer, rng: np.random.Generator) -> None:
         items[name]["label"] = "gripper"
 
 
-def _one(answer: Mapping[str, Any], rng: np.random.Generator) -> str | None:
+def _draw_name(answer: Mapping[str, Any], rng: np.random.Generator) -> str | None:
     return sorted(answer)[int(rng.integers(len(answer)))] if answer else None
 
 

@@ -46,21 +46,21 @@ class BaseCondition(BaseModel):
             InputError: A name does not exist.
         """
         objects = [item.name for item in task.objects]
-        _known(self.object, objects, where, f"{field}.object")
+        _check_known(self.object, objects, where, f"{field}.object")
         place = getattr(self, "place", None)
         if place is not None:
-            _known(place, list(task.places), where, f"{field}.place")
+            _check_known(place, list(task.places), where, f"{field}.place")
         thing = getattr(self, "thing", None)
         if thing is not None:
             others = [name for name in (*task.things, *objects) if name != self.object]
-            _known(thing, others, where, f"{field}.thing")
+            _check_known(thing, others, where, f"{field}.thing")
 
     def monitor(self, trial: Trial) -> Monitor:
         """Make a function that tells whether the condition holds; call it with the true state at every control step."""
         raise NotImplementedError
 
 
-def _known(name: str, names: list[str], where: str, field: str) -> None:
+def _check_known(name: str, names: list[str], where: str, field: str) -> None:
     if name not in names:
         raise InputError(where, field, name, f"one of {', '.join(names) or 'none'}{nearest(name, names)}")
 
@@ -124,7 +124,7 @@ class At(BaseCondition):
         """See `BaseCondition.check`."""
         super().check(task, where, field)
         if self.point is not None:
-            _known(self.point, list(task.object(self.object).points), where, f"{field}.point")
+            _check_known(self.point, list(task.object(self.object).points), where, f"{field}.point")
 
     def monitor(self, trial: Trial) -> Monitor:
         """See `BaseCondition.monitor`."""
@@ -173,12 +173,12 @@ class Resting(BaseCondition):
         """See `BaseCondition.monitor`."""
 
         def holds(truth: Truth) -> bool:
-            return _touching(truth, self.object, self.thing) and _slow(truth.objects[self.object])
+            return _touching(truth, self.object, self.thing) and _is_slow(truth.objects[self.object])
 
         return holds
 
 
-def _slow(body: BodyState) -> bool:
+def _is_slow(body: BodyState) -> bool:
     return bool(np.linalg.norm(body.velocity) < 0.02 and np.linalg.norm(body.angular_velocity) < 0.3)
 
 

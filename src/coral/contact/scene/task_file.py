@@ -46,12 +46,12 @@ def load_task_file(name_or_path: str | Path) -> Task:
         task = Task.model_validate(read_yaml(path))
     except ValidationError as error:
         raise input_error(str(path), error, Task) from None
-    task = _with_files(task, path.parent)
+    task = _resolve_mesh_paths(task, path.parent)
     check_task(task, str(path))
     return task
 
 
-def _with_files(task: Task, folder: Path) -> Task:
+def _resolve_mesh_paths(task: Task, folder: Path) -> Task:
     """Make the paths of meshes absolute."""
 
     def placed(part: Shape) -> Shape:

@@ -123,7 +123,7 @@ def sample_trial(task: Task, seed: int, where: str = "") -> Trial:
         objects = {item.name: _sample_object(item, rng) for item in task.objects}
         trial = Trial(task, seed, objects)
         _check_heights(trial, where)
-        clash = _clash(trial)
+        clash = _find_clash(trial)
         if clash is None:
             return trial
     raise InputError(
@@ -157,7 +157,7 @@ def _check_heights(trial: Trial, where: str) -> None:
             )
 
 
-def _clash(trial: Trial, gap_m: float = 0.01) -> str | None:
+def _find_clash(trial: Trial, gap_m: float = 0.01) -> str | None:
     """Name two objects whose bounding boxes are too close, or an object inside a fixture; None if there are none."""
     placed = {
         name: trial.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position

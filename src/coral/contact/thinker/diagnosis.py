@@ -54,7 +54,7 @@ def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: f
         return "slipped"
     if not steps:
         return "no-progress"
-    if _settled(steps):
+    if _is_settled(steps):
         return "settled"
     felt = np.array([np.linalg.norm(step.after.wrench[:3]) for step in steps])
     moved = float(np.linalg.norm(steps[-1].after.objects[name].position - steps[0].before.objects[name].position))
@@ -67,7 +67,7 @@ def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: f
     return "no-progress"
 
 
-def _settled(steps: Sequence[Transition]) -> bool:
+def _is_settled(steps: Sequence[Transition]) -> bool:
     """Check whether hand and objects have been at rest for a second, with the hand at its commanded position.
 
     A blocked hand, or one that holds something too heavy, stays behind its commands and is not settled.
@@ -110,13 +110,13 @@ def recent(
                 "hand_told_to": [round(float(v), 4) for v in step.command.position],
                 "opening_told_m": round(step.command.opening_m, 4),
                 "force_on_hand_n": [round(float(v), 2) for v in step.after.wrench[:3]],
-                "cost": _at(costs, step.before.time_s),
+                "cost": _cost_at(costs, step.before.time_s),
             }
         )
     return rows
 
 
-def _at(costs: Sequence[tuple[float, float]], time_s: float) -> float | None:
+def _cost_at(costs: Sequence[tuple[float, float]], time_s: float) -> float | None:
     """Return the cost of the latest plan made by that time."""
     made = [cost for when, cost in costs if when <= time_s + 1e-9] or [cost for _, cost in costs[:1]]
     return round(made[-1], 4) if made else None

@@ -95,7 +95,7 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
     """
     table = trial.task.table
     objects: dict[str, UnposedObjectFacts] = {}
-    points = _points(frame)
+    points = _world_points(frame)
     for item in trial.task.objects:
         T = nominal_pose(trial, item.name)
         seen = points[frame.mask(item.name) & (frame.depth > 0)]
@@ -105,14 +105,14 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
         objects[item.name] = {
             "label": item.label or item.name,
             "size_m": [round(float(v), 5) for v in trial.size(item.name)],
-            "middle_m": _rounded(middle),
+            "middle_m": _round(middle),
             "points_m": {
-                point: _rounded(np.asarray(at) * trial.objects[item.name].scale - middle)
+                point: _round(np.asarray(at) * trial.objects[item.name].scale - middle)
                 for point, at in item.points.items()
             },
             "usual_pose": pose(usual),
             "pixels": len(seen),
-            "seen_box_m": [_rounded(seen.min(axis=0)), _rounded(seen.max(axis=0))] if len(seen) else None,
+            "seen_box_m": [_round(seen.min(axis=0)), _round(seen.max(axis=0))] if len(seen) else None,
         }
     height, width = frame.depth.shape
     return {
@@ -125,8 +125,8 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
         },
         "hand": {"pose": pose(now.tool)},
         "camera": {
-            "position": _rounded(frame.T_world_camera[:3, 3]),
-            "axes_right_down_forward": [_rounded(axis) for axis in frame.T_world_camera[:3, :3].T],
+            "position": _round(frame.T_world_camera[:3, 3]),
+            "axes_right_down_forward": [_round(axis) for axis in frame.T_world_camera[:3, :3].T],
             "focal_px": round(float(frame.lens[0]), 1),
             "width_px": width,
             "height_px": height,
@@ -198,7 +198,7 @@ def ask_poses(
     return found
 
 
-def _points(frame: RgbdFrame) -> Array:
+def _world_points(frame: RgbdFrame) -> Array:
     """Compute the world point of every pixel, Shape=(H, W, 3) m."""
     rows, columns = np.indices(frame.depth.shape)
     fx, fy, cx, cy = frame.lens
@@ -207,5 +207,5 @@ def _points(frame: RgbdFrame) -> Array:
     return np.asarray(rays * frame.depth[..., None].astype(float) @ T[:3, :3].T + T[:3, 3])
 
 
-def _rounded(values: Array) -> list[float]:
+def _round(values: Array) -> list[float]:
     return [round(float(value), 5) for value in values]

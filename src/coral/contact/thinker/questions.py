@@ -88,7 +88,7 @@ class Questions:
         """Ask for masses and frictions and adopt them; given values take precedence."""
         if set(given) >= set(self.sizes):
             self._world.believe(given)
-            self._emit("beliefs", source="given", failure="", attempts=0, refused=[], **_rounded(given))
+            self._emit("beliefs", source="given", failure="", attempts=0, refused=[], **_round_beliefs(given))
             return
         outcome = self._asker.ask(
             "physical-parameters",
@@ -110,9 +110,9 @@ class Questions:
             "beliefs",
             failure=outcome.failure,
             attempts=outcome.attempts,
-            refused=_reasons(outcome),
-            **self._decided("parameters", outcome),
-            **_rounded(beliefs),
+            refused=_rejection_reasons(outcome),
+            **self._decided_fields("parameters", outcome),
+            **_round_beliefs(beliefs),
         )
 
     def ask_plan(self, now: Observation) -> PlanAnswer | None:
@@ -176,8 +176,8 @@ class Questions:
             "regions",
             failure=outcome.failure,
             attempts=outcome.attempts,
-            refused=_reasons(outcome),
-            **self._decided("regions", outcome),
+            refused=_rejection_reasons(outcome),
+            **self._decided_fields("regions", outcome),
             regions=found.model_dump(mode="json"),
         )
         return found
@@ -227,7 +227,7 @@ class Questions:
             self._world.believe(before)
         self.update_facts(self.present(now))
         self.facts["refused"] = len(outcome.rejections)
-        self._emit("beliefs", failure=outcome.failure, attempts=outcome.attempts, **_rounded(self.beliefs))
+        self._emit("beliefs", failure=outcome.failure, attempts=outcome.attempts, **_round_beliefs(self.beliefs))
         self._emit_plan("unified", outcome, "plan" if history is None else "repair")
         return None if found is None else (found.plan, found.places)
 
@@ -267,7 +267,7 @@ class Questions:
         self.stood_in.add(what)
         fall_back(self._emit, self._cfg.fallback, what, failure, "heuristic")
 
-    def _decided(self, what: str, outcome: Outcome[Any]) -> dict[str, str]:
+    def _decided_fields(self, what: str, outcome: Outcome[Any]) -> dict[str, str]:
         """Return who decided, for the event of a decision; empty if the advisor did not."""
         if outcome.answer is None:
             return {}
@@ -283,8 +283,8 @@ class Questions:
             kind=kind,
             failure=outcome.failure,
             attempts=outcome.attempts,
-            refused=_reasons(outcome),
-            **self._decided(what, outcome),
+            refused=_rejection_reasons(outcome),
+            **self._decided_fields(what, outcome),
             explanation="" if plan is None else plan.explanation,
             code="" if plan is None else plan.text(),
         )
@@ -302,9 +302,9 @@ class Questions:
         }
 
 
-def _reasons(outcome: Outcome[Any]) -> list[str]:
+def _rejection_reasons(outcome: Outcome[Any]) -> list[str]:
     return [rejection.reason for rejection in outcome.rejections]
 
 
-def _rounded(beliefs: Mapping[str, PhysicalParameters]) -> dict[str, list[float]]:
+def _round_beliefs(beliefs: Mapping[str, PhysicalParameters]) -> dict[str, list[float]]:
     return {name: [round(one.mass_kg, 5), round(one.friction, 4)] for name, one in beliefs.items()}

@@ -185,7 +185,7 @@ class Thinker:
             self._replan(now, self._questions.plan_by_rules, f"in stage {stage!r}, {error}")
         except NoStrategy:
             return None
-        return self._repaired()
+        return self._repaired_strategy()
 
     def on_end(self, reason: str) -> None:
         """Store a successful plan; record whether a remembered one helped."""
@@ -265,7 +265,7 @@ class Thinker:
 
         return LastGoodCost(failed=note_failure)
 
-    def _repaired(self) -> Strategy:
+    def _repaired_strategy(self) -> Strategy:
         try:
             strategy = self._strategy(f"repair {self._repairs}")
         except CostError as error:
@@ -315,7 +315,7 @@ class Thinker:
             return None
         self._questions.diagnoses.append(kind)
         self._replan(now, lambda: self._questions.keep_plan(self._plan))
-        return self._repaired()
+        return self._repaired_strategy()
 
     def _correct(self, name: str, now: Observation) -> bool:
         past = TouchHistory(tuple(self._history), recent(self._monitor.steps, self._monitor.costs, name))

@@ -103,37 +103,37 @@ class ThinkingClock:
             Withdrawn: The episode ended meanwhile.
             BadAnswer, AdvisorUnavailable: Raised by the advisor; it takes the same latency as an answer.
         """
-        drawn = self._drawn()
+        drawn = self._draw_latency()
         began = time.monotonic()
         error: BadAnswer | AdvisorUnavailable | None = None
         try:
             result = await asyncio.wait_for(asking(), max(self._wall_end_s - began, 0.0))
             said = getattr(result, "latency_s", None)
         except TimeoutError:
-            self._pass(min(self._spent(drawn, None, began), timeout_s))
+            self._pass_time(min(self._latency(drawn, None, began), timeout_s))
             raise
         except (BadAnswer, AdvisorUnavailable) as fault:
             error, said = fault, fault.latency_s
-        latency_s = self._spent(drawn, said, began)
+        latency_s = self._latency(drawn, said, began)
         if latency_s > timeout_s:
-            self._pass(timeout_s if math.isfinite(latency_s) else 0.0)
+            self._pass_time(timeout_s if math.isfinite(latency_s) else 0.0)
             raise TimeoutError
-        self._pass(latency_s)
+        self._pass_time(latency_s)
         if error is not None:
             raise error
         return result
 
-    def _drawn(self) -> float | None:
+    def _draw_latency(self) -> float | None:
         """Draw the latency of one question (s); None if only its reply can tell."""
         return PAPER_S.get(self._kind, LLM_S) if self.latency is None else self.latency.draw(self._rng)
 
-    def _spent(self, drawn: float | None, said: float | None, began: float) -> float:
+    def _latency(self, drawn: float | None, said: float | None, began: float) -> float:
         if drawn is not None:
             return drawn
         recorded = self.latency is not None and self.latency.kind == "recorded"
         return said if recorded and said is not None else time.monotonic() - began
 
-    def _pass(self, seconds: float) -> None:
+    def _pass_time(self, seconds: float) -> None:
         try:
             over = seconds > TINY_S and not self.thinking.go_on(seconds)
         except Exception as fault:  # of the episode; `consult` would blame the advisor

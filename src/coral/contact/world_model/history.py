@@ -54,7 +54,7 @@ def windows(
         way = np.array([step.after.objects[name].position - step.before.objects[name].position for step in part])
         moved = float(np.linalg.norm(way, axis=1).sum())
         force = float(np.mean([np.linalg.norm(step.after.wrench[:3]) for step in part]))
-        if moved > moved_m or (force > force_n and _near(part, name)):
+        if moved > moved_m or (force > force_n and _is_near(part, name)):
             found.append((moved + 0.002 * min(force, 5.0), first, Window(tuple(part))))
     best = sorted(found, key=lambda item: -item[0])[:most]
     return [window for _, _, window in sorted(best, key=lambda item: item[1])]
@@ -82,5 +82,5 @@ def most_informative_object(steps: Sequence[Transition]) -> str | None:
     return min(names, key=lambda one: float(np.linalg.norm(felt.after.objects[one].position - tool)))
 
 
-def _near(part: Sequence[Transition], name: str, most_m: float = 0.25) -> bool:
+def _is_near(part: Sequence[Transition], name: str, most_m: float = 0.25) -> bool:
     return any(np.linalg.norm(step.after.objects[name].position - step.after.tool.position) < most_m for step in part)

@@ -84,7 +84,7 @@ class HistoryReplay:
         cfg, steps = self.cfg, window.steps
         stiffness = float(np.median([step.command.stiffness for step in steps]))
         # A rollout has constant stiffness and no added force: both become displacements with the same pull.
-        position = np.array([_pulled(step.before.tool.position, step.command, stiffness) for step in steps])
+        position = np.array([_pulled_position(step.before.tool.position, step.command, stiffness) for step in steps])
         controls = ControlSequences(
             position[None],
             np.array([step.command.quaternion for step in steps])[None],
@@ -120,6 +120,6 @@ def _rms(error: Array) -> Array:
     return np.asarray(np.sqrt(np.square(error).mean(axis=1)))
 
 
-def _pulled(tool: Array, command: object, stiffness: float) -> Array:
+def _pulled_position(tool: Array, command: object, stiffness: float) -> Array:
     position, own, force = (getattr(command, key) for key in ("position", "stiffness", "force"))
     return np.asarray(tool + ((position - tool) * own + force) / stiffness)

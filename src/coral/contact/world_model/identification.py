@@ -133,7 +133,7 @@ def identify(
         all_theta, found = np.concatenate([all_theta, theta]), np.concatenate([found, parts(theta)])
         spread = 0.6 * spread
     floor = found.min(axis=0)
-    optimum, sd = _valley(all_theta, replay.score(found[:, seen], floor[seen]).mean(axis=1), low, high)
+    optimum, sd = _find_valley(all_theta, replay.score(found[:, seen], floor[seen]).mean(axis=1), low, high)
     after = PhysicalParameters(float(np.exp(optimum[0])), float(np.exp(optimum[1])))
     pair = replay.score(parts(np.stack([present, optimum])), floor)[:, held].mean(axis=1)
     return Fit(
@@ -142,7 +142,7 @@ def identify(
         after,
         float(pair[0]),
         float(pair[1]),
-        _accepted(float(pair[0]), float(pair[1]), sd, cfg),
+        _is_accepted(float(pair[0]), float(pair[1]), sd, cfg),
         *sd,
         len(replay.windows),
     )
@@ -219,7 +219,7 @@ def shrink_to_belief(
         after=after,
         error_before=before_error,
         error_after=after_error,
-        accepted=_accepted(before_error, after_error, sd, cfg),
+        accepted=_is_accepted(before_error, after_error, sd, cfg),
     )
 
 
@@ -264,14 +264,14 @@ class Corrections:
             after=after,
             error_before=before_error,
             error_after=after_error,
-            accepted=_accepted(before_error, after_error, (mass_sd, friction_sd, product_sd), cfg),
+            accepted=_is_accepted(before_error, after_error, (mass_sd, friction_sd, product_sd), cfg),
             mass_sd=mass_sd,
             friction_sd=friction_sd,
             product_sd=product_sd,
         )
 
 
-def _accepted(before: float, after: float, sd: tuple[float, float, float], cfg: IdentifyCfg) -> bool:
+def _is_accepted(before: float, after: float, sd: tuple[float, float, float], cfg: IdentifyCfg) -> bool:
     """Decide whether a drop of the error is large enough, given how well the history determines the parameters."""
     return after < (1.0 - (cfg.better if min(sd) <= cfg.known else cfg.much)) * before
 
@@ -314,7 +314,7 @@ def _average(values: list[tuple[float, float]]) -> tuple[float, float]:
     return float(np.exp((weight * logs).sum() / weight.sum())), float(1.0 / np.sqrt(weight.sum()))
 
 
-def _valley(theta: Array, score: Array, low: Array, high: Array) -> tuple[Array, tuple[float, float, float]]:
+def _find_valley(theta: Array, score: Array, low: Array, high: Array) -> tuple[Array, tuple[float, float, float]]:
     """Return the minimum of the error valley, and the relative deviations of mass, friction and their product.
 
     Chattering contacts make single errors jump; a quadratic through those about the best one smooths them. A deviation

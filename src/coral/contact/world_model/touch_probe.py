@@ -70,10 +70,10 @@ def probe(
     Yields:
         Each correction, accepted or not.
     """
-    real = make_world(world, with_beliefs(trial, {**_known(trial), name: truth}), 0.02)
+    real = make_world(world, with_beliefs(trial, {**_known_parameters(trial), name: truth}), 0.02)
     along = trial.corners(name)[:, 1]
     hand = _Pusher(real, name, float(along.min()), float(along.max()))
-    beliefs = {**_known(trial), name: first}
+    beliefs = {**_known_parameters(trial), name: first}
     planner = PlanningWorld(trial, beliefs, hand.now, PlanningCfg(physics_dt_s=cfg.replay_dt_s, threads=1))
     known = Corrections()
     try:
@@ -92,7 +92,7 @@ def probe(
         real.close()
 
 
-def _known(trial: Trial) -> dict[str, PhysicalParameters]:
+def _known_parameters(trial: Trial) -> dict[str, PhysicalParameters]:
     return {name: item.physical for name, item in trial.objects.items()}
 
 

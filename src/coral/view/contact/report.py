@@ -106,7 +106,7 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
     return page.render(
         title=str(run.world.get("title") or start.get("task") or run.path.name),
         instruction=str(run.world.get("instruction", "")),
-        headline=" ".join(filter(None, (_headline(run, metrics), _deciding(run, metrics)))),
+        headline=" ".join(filter(None, (_headline(run, metrics), _who_decided(run, metrics)))),
         complete=run.complete,
         duration=run.duration_s,
         tiles=_tiles(run, metrics),
@@ -178,7 +178,7 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     )
 
 
-def _deciding(run: RunFolder, metrics: Mapping[str, Any]) -> str:
+def _who_decided(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     """Describe who decided, unless it was the advisor alone."""
     try:
         policy: Fallback = run.config["episode"]["think"]["fallback"]

@@ -88,7 +88,7 @@ def thoughts(run: RunFolder) -> list[Thought]:
         # A strategy's description alone, as in runs without an advisor, repeats the stages.
         if set(kinds) == {"strategy"}:
             continue
-        title, state = _why(kinds, step)
+        title, state = _cause(kinds, step)
         parts = tuple(part for event in events if (part := _PARTS[str(event["event"])](event)) is not None)
         found.append(Thought(t=t, title=title, state=state, parts=parts))
     return found
@@ -148,7 +148,7 @@ def seen(run: RunFolder) -> str:
     return ""
 
 
-def _why(kinds: list[str], step: int) -> tuple[str, str]:
+def _cause(kinds: list[str], step: int) -> tuple[str, str]:
     if "cost_error" in kinds:
         return "The cost failed while it was in use", "bad"
     if "stuck" in kinds:
@@ -172,10 +172,10 @@ def _beliefs(event: Record) -> ThoughtPart:
             state="bad",
             chips=chips,
             text=f"Not decided by the advisor: {_describe_failure(failure)}.",
-            refused=_refused(event),
+            refused=_refusals(event),
         )
-    given = "Given on the command line." if event.get("source") == "given" else _tries(event)
-    return ThoughtPart(title="Masses and frictions", chips=chips, refused=_refused(event), text=given)
+    given = "Given on the command line." if event.get("source") == "given" else _attempts_text(event)
+    return ThoughtPart(title="Masses and frictions", chips=chips, refused=_refusals(event), text=given)
 
 
 def _poses(event: Record) -> ThoughtPart:
@@ -185,8 +185,8 @@ def _poses(event: Record) -> ThoughtPart:
         title="Estimated object poses, used from now on",
         state="warn",
         chips=chips,
-        text=_tries(event),
-        refused=_refused(event),
+        text=_attempts_text(event),
+        refused=_refusals(event),
     )
 
 
@@ -212,13 +212,13 @@ def _plan(event: Record) -> ThoughtPart:
             title=f"{title}: none",
             state="bad",
             text=f"{_describe_failure(failure).capitalize()}.",
-            refused=_refused(event),
+            refused=_refusals(event),
         )
     return ThoughtPart(
         title=title,
         state="good" if again else "",
         text=str(event.get("explanation", "")),
-        refused=_refused(event),
+        refused=_refusals(event),
         code=str(event.get("code", "")),
     )
 
@@ -235,7 +235,7 @@ def _regions(event: Record) -> ThoughtPart:
         title="Contact regions",
         state="bad" if failure else "",
         chips=chips,
-        refused=_refused(event),
+        refused=_refusals(event),
         text=f"Not decided by the advisor: {_describe_failure(failure)}." if failure else "",
     )
 
@@ -296,7 +296,7 @@ def _correction(event: Record) -> ThoughtPart:
         title=f"World model of the {name}: {'corrected' if accepted else 'kept'}",
         chips=chips,
         state="good" if accepted else "",
-        refused=_refused(event),
+        refused=_refusals(event),
         text=f"{said[:1].upper()}{said[1:]}{'' if said.endswith('.') or not said else '.'}",
     )
 
@@ -348,11 +348,11 @@ _PARTS: Mapping[str, Callable[[Record], ThoughtPart | None]] = {
 }
 
 
-def _refused(event: Record) -> tuple[str, ...]:
+def _refusals(event: Record) -> tuple[str, ...]:
     return tuple(str(reason) for reason in event.get("refused", ()))
 
 
-def _tries(event: Record) -> str:
+def _attempts_text(event: Record) -> str:
     count = int(event.get("attempts", 1))
     return "" if count <= 1 else f"Accepted at attempt {count}."
 

@@ -47,12 +47,12 @@ def head(state: LiveState) -> str:
 def decision(state: LiveState) -> str:
     """Render the open question, and the last verdict with its reason."""
     return (
-        f"<div style='padding:2px 12px;line-height:1.4;font-size:13px'>{_asked(state.asked, state.t)}"
-        f"{_answered(state.answered)}</div>"
+        f"<div style='padding:2px 12px;line-height:1.4;font-size:13px'>{_question_html(state.asked, state.t)}"
+        f"{_verdict_html(state.answered)}</div>"
     )
 
 
-def _asked(asked: Asked | None, t: float) -> str:
+def _question_html(asked: Asked | None, t: float) -> str:
     if asked is None:
         return f"<div style='{BOX}opacity:.75'><b>No open question</b></div>"
     again = f", attempt {asked.attempt + 1}" if asked.attempt else ""
@@ -64,7 +64,7 @@ def _asked(asked: Asked | None, t: float) -> str:
     )
 
 
-def _answered(answered: Answered | None) -> str:
+def _verdict_html(answered: Answered | None) -> str:
     if answered is None:
         return ""
     color = VERDICTS.get(answered.verdict, "#5d6b7a")

@@ -42,7 +42,7 @@ class GuardedServer(viser.ViserServer):  # type: ignore[misc]
             RuntimeError: This version of viser opens its port in a way that cannot be guarded; nothing is served.
         """
         self.access: Access | None = None
-        with _guarded(self._check) as ports, silent():
+        with _guard_requests(self._check) as ports, silent():
             super().__init__(HOST, port, label=label, verbose=False)
             if not ports:
                 self.stop()
@@ -71,7 +71,7 @@ def silent() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _guarded(check: Any) -> Iterator[list[int]]:
+def _guard_requests(check: Any) -> Iterator[list[int]]:
     """Run `check` before every request of a server created in this context; yield the ports that were tried.
 
     Viser has no hook for this, so the function that opens its port is replaced while it starts.

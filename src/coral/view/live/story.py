@@ -46,7 +46,7 @@ def told(story: Story, event: Record) -> Story:
 
 
 def _start(story: Story, event: Record) -> Story:
-    return _noted(replace(story, clusters=int(event.get("clusters_total") or 0)), event, "the mission begins")
+    return _note(replace(story, clusters=int(event.get("clusters_total") or 0)), event, "the mission begins")
 
 
 def _trigger(story: Story, event: Record) -> Story:
@@ -63,7 +63,7 @@ def _question(story: Story, event: Record) -> Story:
         cause=CAUSES.get(story.cause, story.cause),
     )
     again = f", attempt {attempt + 1}" if attempt else ""
-    return _noted(
+    return _note(
         replace(story, asked=asked, calls=story.calls + 1, requeries=story.requeries + (attempt > 0)),
         event,
         f"asked: {asked.title}{again}",
@@ -81,30 +81,30 @@ def _verdict(story: Story, event: Record) -> Story:
     )
     reason = str(event.get("reason") or "") or heard.why
     answered = Answered(verdict=heard.verdict, said=heard.said, at_s=float(event["t"]), reason=reason)
-    return _noted(replace(story, asked=None, answered=answered), event, f"{heard.verdict}: {heard.said}")
+    return _note(replace(story, asked=None, answered=answered), event, f"{heard.verdict}: {heard.said}")
 
 
 def _goal(story: Story, event: Record) -> Story:
     if event.get("source") in ("advisor", "recording"):
         return story
     source = "the rules" if event.get("source") == "fallback" else "the start"
-    return _noted(story, event, f"new goal, chosen by {source}")
+    return _note(story, event, f"new goal, chosen by {source}")
 
 
 def _covered(story: Story, event: Record) -> Story:
-    return _noted(replace(story, covered=story.covered + 1), event, f"covered {event.get('name', 'a cluster')}")
+    return _note(replace(story, covered=story.covered + 1), event, f"covered {event.get('name', 'a cluster')}")
 
 
 def _collision(story: Story, event: Record) -> Story:
-    return _noted(replace(story, collisions=story.collisions + 1), event, "collision")
+    return _note(replace(story, collisions=story.collisions + 1), event, "collision")
 
 
 def _end(story: Story, event: Record) -> Story:
     reason = str(event.get("reason", ""))
-    return _noted(replace(story, asked=None, ended=reason), event, f"ended: {reason}")
+    return _note(replace(story, asked=None, ended=reason), event, f"ended: {reason}")
 
 
-def _noted(story: Story, event: Record, text: str) -> Story:
+def _note(story: Story, event: Record, text: str) -> Story:
     if story.log and story.log[0].partition(" ")[2] == text:  # a lasting failure is reported at every tick
         return story
     return replace(story, log=(f"{clock(float(event['t']))} {text}", *story.log)[:KEPT])
@@ -120,8 +120,8 @@ _FOLDS: dict[str, Callable[[Story, Record], Story]] = {
     "collision": _collision,
     "robot_collision": _collision,
     "end": _end,
-    "planner_failure": lambda s, e: _noted(s, e, f"no way found: {e.get('reason', '')}"),
-    "held": lambda s, e: _noted(s, e, "the goal is kept"),
-    "fallback": lambda s, e: _noted(s, e, f"the advisor failed ({e.get('failure', '')})"),
-    "monitor": lambda s, e: _noted(s, e, "left the planned path, planned again"),
+    "planner_failure": lambda s, e: _note(s, e, f"no way found: {e.get('reason', '')}"),
+    "held": lambda s, e: _note(s, e, "the goal is kept"),
+    "fallback": lambda s, e: _note(s, e, f"the advisor failed ({e.get('failure', '')})"),
+    "monitor": lambda s, e: _note(s, e, "left the planned path, planned again"),
 }

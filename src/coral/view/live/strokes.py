@@ -53,15 +53,15 @@ def arrow(start: NDArray[np.float64], end: NDArray[np.float64], z: float) -> Seg
 def oval(center: NDArray[np.float64], half: NDArray[np.float64], yaw: float, sides: int = 24) -> NDArray[np.float64]:
     """Make the outline of an ellipse with half-axes `half` (m), turned by `yaw` (rad). Shape=(sides + 1, 2)."""
     angle = np.linspace(0.0, 2.0 * np.pi, sides + 1)
-    return _turned(center, np.stack([half[0] * np.cos(angle), half[1] * np.sin(angle)], 1), yaw)
+    return _rotate(center, np.stack([half[0] * np.cos(angle), half[1] * np.sin(angle)], 1), yaw)
 
 
 def rectangle(center: NDArray[np.float64], half: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
     """Make the outline of a rectangle with half edges `half` (m), turned by `yaw` (rad). Shape=(5, 2)."""
-    return _turned(center, np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * half, yaw)
+    return _rotate(center, np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * half, yaw)
 
 
-def _turned(center: NDArray[np.float64], points: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
+def _rotate(center: NDArray[np.float64], points: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
     c, s = np.cos(yaw), np.sin(yaw)
     turned: NDArray[np.float64] = center + points @ np.array([[c, s], [-s, c]])
     return turned

@@ -48,7 +48,7 @@ class FailureMonitor:
     def reset(self, data: mujoco.MjData) -> None:
         """Start an episode."""
         self._stuck_since = None
-        self._above = {body: self._over_table(data, body) and not self._sunk(data, body) for body in self._objects}
+        self._above = {body: self._over_table(data, body) and not self._is_sunk(data, body) for body in self._objects}
 
     def check(self, data: mujoco.MjData, error: Array, target: HandTarget) -> None:
         """Check the state after a control period.
@@ -63,7 +63,7 @@ class FailureMonitor:
         """
         self._check_finite(data)
         for body in self._objects:
-            over, sunk = self._over_table(data, body), self._sunk(data, body)
+            over, sunk = self._over_table(data, body), self._is_sunk(data, body)
             if self._above[body] and over and sunk:
                 name = self._model.body(body).name
                 raise WorldError("tunnelling", f"{name} went through the table at {data.time:.2f} s")
@@ -79,7 +79,7 @@ class FailureMonitor:
         inside = np.abs(data.xipos[body] - data.geom_xpos[self._table]) < self._model.geom_size[self._table]
         return bool(inside[:2].all())
 
-    def _sunk(self, data: mujoco.MjData, body: int) -> bool:
+    def _is_sunk(self, data: mujoco.MjData, body: int) -> bool:
         return bool(data.xipos[body, 2] < -self.cfg.sunk_m)
 
     def _check_reach(self, data: mujoco.MjData, error: Array, target: HandTarget) -> None:
