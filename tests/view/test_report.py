@@ -65,7 +65,7 @@ def test_the_slider_has_snapshots_and_positions(fresh):
 
 
 def test_snapshots_are_thinned_to_the_budget(fresh, monkeypatch):
-    monkeypatch.setattr("coral.view.report.FRAME_BUDGET", 25_000)
+    monkeypatch.setattr("coral.view.time_slider.FRAME_BUDGET", 25_000)
     frames = script_data(page(fresh))["frames"]
     assert 1 < len(frames) < 21
     assert frames[-1]["t"] == 40.0

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import cv2
 import jinja2
 import numpy as np
 import yaml
@@ -22,7 +19,6 @@ from coral.errors import InputError
 from coral.odd_text import encodable
 from coral.reef.metrics import DEFINITIONS, fleet_metrics, metrics_of
 from coral.reef.outcome import outcome_metrics
-from coral.view.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
 from coral.view.decisions import Decision, decisions
 from coral.view.figures import (
     HELD,
@@ -33,21 +29,13 @@ from coral.view.figures import (
     speed_chart,
 )
 from coral.view.imaging_chart import imaging_chart
-from coral.view.mapsvg import MapSvg, color_of, map_uri
-from coral.view.pictures import palette_png
+from coral.view.mapsvg import MapSvg, color_of
 from coral.view.run import Record, RunFolder
-from coral.view.svg import LEFT, RIGHT, WIDTH, clock
+from coral.view.svg import clock
+from coral.view.time_slider import script_data, shown_pictures
 from coral.words import many
 
 TEMPLATES = Path(__file__).parent / "templates"
-FRAME_BUDGET = 3_000_000
-"""Maximum size of the time slider's snapshots in the page (bytes)."""
-PICTURE_BUDGET = 3_000_000
-"""Maximum size of the advisor's pictures in the page (bytes)."""
-PICTURE_SIZES = ((768, 80), (560, 75), (400, 65), (280, 55))
-"""(Width px, quality) tried in turn until the pictures fit."""
-
-
 IMAGING = "Imaged and inspected"
 IMAGING_NOTE = (
     "Share of the true oyster area that came into the camera's picture within 6 m (faint), and near enough to count "
@@ -86,7 +74,7 @@ def write_page(folder: Path, page: str) -> Path:
 def render_report(run: RunFolder) -> str:
     """Render the whole page as text."""
     made = decisions(run)
-    pictures = _pictures(run, made)
+    pictures = shown_pictures(run, made)
     metrics = _metrics(run)
     drawing = MapSvg(run, _size(run))
     environment = jinja2.Environment(
@@ -124,7 +112,7 @@ def render_report(run: RunFolder) -> str:
         collisions=collisions,
         provenance=_provenance(run, start),
         config=yaml.safe_dump(dict(run.config), sort_keys=False, allow_unicode=True) if run.config else "",
-        data=Markup(_script_data(run, made, pictures)),
+        data=Markup(script_data(run, made, pictures)),
         held=HELD,
         has_frames=bool(run.frame_steps),
         video=(run.path / "mission.mp4").is_file(),
@@ -312,124 +300,3 @@ def _provenance(run: RunFolder, start: Record) -> list[tuple[str, str]]:
         (key, run.timing.get(key)) for key in ("wall_time_s", "realtime_factor", "control_ms_median", "control_ms_p99")
     ]
     return [(key.replace("_", " "), str(value)) for key, value in facts if value not in (None, "")]
-
-
-def _pictures(run: RunFolder, made: Sequence[Decision]) -> dict[str, str]:
-    """Return data URLs of the pictures shown, by digest; the more pictures, the smaller each one."""
-    wanted = {digest for d in made for one in d.tries for _, digest in one.pictures}
-    found = {digest: path for digest in sorted(wanted) if (path := run.picture(digest)) is not None}
-    images = {digest: image for digest, path in found.items() if (image := cv2.imread(str(path))) is not None}
-    encoded: dict[str, bytes] = {}
-    for width, quality in PICTURE_SIZES:
-        encoded = {}
-        for digest, image in images.items():
-            scale = min(1.0, width / image.shape[1])
-            small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1 else image
-            encoded[digest] = cv2.imencode(".webp", small, [cv2.IMWRITE_WEBP_QUALITY, quality])[1].tobytes()
-            if sum(map(len, encoded.values())) > PICTURE_BUDGET * 3 // 4:
-                break
-        if len(encoded) == len(images):
-            break
-    return {digest: "data:image/webp;base64," + b64encode(data).decode() for digest, data in encoded.items()}
-
-
-def _script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str, str]) -> str:
-    """Return the data of the time slider, as JSON that is safe inside a script element."""
-    t = run.column("t")
-    stride = max(1, -(-len(t) // 1500))
-    keep = np.unique(np.append(np.arange(0, len(t), stride), max(len(t) - 1, 0))) if len(t) else np.zeros(0, int)
-    speed = np.hypot(run.column("u"), run.column("v"))
-
-    def column(values: Any, digits: int) -> list[float | None]:
-        return [round(float(v), digits) if math.isfinite(v) else None for v in values[keep]]
-
-    data = {
-        "t": column(t, 2),
-        "x": column(run.column("x"), 3),
-        "y": column(run.column("y"), 3),
-        "a": column(run.column("theta"), 3),
-        "s": column(speed, 3),
-        "c": column(run.column("clearance"), 2),
-        "k": column(run.column("coverage"), 4),
-        "gx": column(run.column("goal_x"), 2),
-        "gy": column(run.column("goal_y"), 2),
-        "end": round(run.duration_s, 2),
-        "plot": [LEFT, WIDTH - RIGHT, WIDTH],
-        **({"o": [_motion(run.robot(k), keep) for k in range(1, len(run.fleet) + 1)]} if run.fleet else {}),
-        "frames": _frames(run),
-        "pictures": dict(pictures),
-        "decisions": [
-            {
-                "n": d.number,
-                "t": d.t,
-                "end": d.end_s,
-                "mode": d.mode,
-                "cause": d.cause,
-                "tries": len(d.tries),
-                "said": d.tries[-1].said,
-                **({"r": d.robot} if run.fleet else {}),
-                "verdict": d.outcome,
-                "why": d.tries[-1].why[:600],
-                "c": [[c["index"], c["x"], c["y"], bool(c.get("visited"))] for c in d.centroids],
-            }
-            for d in made
-        ],
-    }
-    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-
-
-def _motion(run: RunFolder, keep: Any) -> dict[str, list[float]]:
-    """Return another robot's motion at the samples `keep`, constant after its last one; empty without any."""
-    length = len(run.column("t"))
-    at = np.minimum(keep, length - 1) if length else np.zeros(0, int)
-    return {
-        key: np.nan_to_num(run.column(name)[at]).round(3).tolist()
-        for key, name in (("x", "x"), ("y", "y"), ("a", "theta"))
-    }
-
-
-def _frames(run: RunFolder) -> list[dict[str, Any]]:
-    """Return snapshots for the time slider, as many as the budget allows, the last one always included."""
-    steps = list(run.frame_steps)
-    if not steps:
-        return []
-    times = dict(zip(run.column("step").tolist(), run.column("t").tolist(), strict=True))
-    rate = _seconds_per_step(run)
-    stride = 1
-    while True:
-        chosen = sorted({*steps[::stride], steps[-1]})
-        frames, size = [], 0
-        for step in chosen:
-            frame = {"t": round(times.get(float(step), step * rate), 2), **_snapshot(run, step)}
-            size += sum(len(value) for value in frame.values() if isinstance(value, str))
-            if size > FRAME_BUDGET:
-                break
-            frames.append(frame)
-        else:
-            return frames
-        stride = max(stride + 1, math.ceil(stride * len(chosen) / max(len(frames), 1)))
-
-
-def _seconds_per_step(run: RunFolder) -> float:
-    steps, t = run.column("step"), run.column("t")
-    return float(t[-1] / steps[-1]) if len(steps) and steps[-1] > 0 and math.isfinite(t[-1]) else 0.1
-
-
-def _snapshot(run: RunFolder, step: int) -> dict[str, str]:
-    """Return small pictures of one moment as data URLs; unreadable ones are left out."""
-    found = {}
-    cells, labels, depth = (run.frame(step, kind) for kind in ("map", "labels", "depth"))
-    if cells is not None:
-        found["map"] = map_uri(cells)
-    for key, image in (("seg", (labels, LABEL_COLORS)), ("dep", (depth, DEPTH_PALETTE))):
-        values, palette = image
-        if values is None:
-            continue
-        classes = depth_levels(np.asarray(values * 1e-3, np.float32)) // 8 * 8 if key == "dep" else values
-        # Coarser depth steps compress to a third; the pure "nothing" colour keeps its own entry.
-        if key == "dep":
-            classes = np.where(values == 0, 255, classes).astype(np.uint8)
-        found[key] = (
-            "data:image/png;base64," + b64encode(palette_png(np.minimum(classes, len(palette) - 1), palette)).decode()
-        )
-    return found

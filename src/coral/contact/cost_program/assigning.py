@@ -5,8 +5,9 @@ from __future__ import annotations
 import ast
 from typing import Any
 
+from coral.contact.cost_program.binding import storable, unpack
 from coral.contact.cost_program.calls import CHANGERS
-from coral.contact.cost_program.expressions import evaluate, operate, storable, unpack
+from coral.contact.cost_program.expressions import evaluate, operate
 from coral.contact.cost_program.in_place import check_unshared, is_inside
 from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.machine import Machine

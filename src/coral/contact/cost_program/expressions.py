@@ -9,7 +9,9 @@ from typing import Any, cast
 import numpy as np
 
 from coral.contact.cost_program.arithmetic import binary, both, dot, either, invert, negative, number, truth
+from coral.contact.cost_program.binding import checked_key, storable
 from coral.contact.cost_program.calls import attribute, call
+from coral.contact.cost_program.comprehensions import comprehend
 from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.limits import Mask
 from coral.contact.cost_program.machine import Machine
@@ -25,7 +27,6 @@ from coral.contact.cost_program.values import (
     Partial,
     Poison,
     Rotation,
-    Scope,
     Seq,
     Value,
     Vec,
@@ -295,17 +296,6 @@ def _items(machine: Machine, nodes: list[ast.expr]) -> tuple[Value, ...]:
     return tuple(found)
 
 
-def storable(machine: Machine, value: Value) -> Value:
-    """Check a value before it is bound to a name or stored in a container.
-
-    Raises:
-        CostError: It is a generator, whose values Python would compute only later.
-    """
-    if isinstance(value, Seq) and value.kind == "generator":
-        raise machine.meter.fault("wrong_type", "a generator is used where it is made; write a list, [x for x in xs]")
-    return value
-
-
 def _list(machine: Machine, node: Any) -> Value:
     return bounded(machine.meter, Seq(_items(machine, node.elts)))
 
@@ -332,17 +322,6 @@ def _dict(machine: Machine, node: Any) -> Value:
     return bounded(machine.meter, DictValue(items))
 
 
-def checked_key(machine: Machine, key: Value) -> Value:
-    """Return the key of a dict, checked.
-
-    Raises:
-        CostError: It is not a constant text or whole number.
-    """
-    if isinstance(key, str | int) and not isinstance(key, bool):
-        return key
-    raise machine.meter.fault("wrong_type", f"the keys of a dict are constant texts or whole numbers, not {kind(key)}")
-
-
 def _lambda(machine: Machine, node: Any) -> Value:
     return make_function(machine, "lambda", node.args, node.body, frozenset())
 
@@ -363,80 +342,16 @@ def make_function(
     return Function(name, arguments, body, defaults, machine.frame, names | own)
 
 
-def _comprehension(machine: Machine, node: Any) -> Value:
-    names = frozenset(
-        item.id for generator in node.generators for item in ast.walk(generator.target) if isinstance(item, ast.Name)
-    )
-    inner = Scope(machine.frame, names)
-    found: list[tuple[Value, Value]] = []
-    outermost = evaluate(machine, node.generators[0].iter)  # in the enclosing scope, as in Python
-    machine.stack.append(inner)
-    machine.branching += 1
-
-    def generate(level: int, mask: Mask | None) -> None:
-        if level == len(node.generators):
-            if isinstance(node, ast.DictComp):
-                pair = checked_key(machine, evaluate(machine, node.key)), evaluate(machine, node.value)
-            else:
-                pair = None, evaluate(machine, node.elt)
-            found.append((pair[0], pair[1] if mask is None else Partial(pair[1], mask)))
-            return
-        generator = node.generators[level]
-        source = evaluate(machine, generator.iter) if level else outermost
-        for item in entries(machine.meter, source):
-            unpack(machine, generator.target, item)
-            before, inside = machine.meter.mask, mask
-            keep = True
-            for test in generator.ifs:
-                met = truth(machine.meter, evaluate(machine, test))
-                if isinstance(met, bool):
-                    keep = keep and met
-                else:
-                    machine.meter.mask = machine.narrowed(met, machine.meter.mask)
-                    inside = machine.narrowed(met, inside)
-                if not keep:
-                    break
-            if keep:
-                generate(level + 1, inside)
-            machine.meter.mask = before
-
-    generate(0, None)
-    machine.branching -= 1
-    machine.stack.pop()
-    if isinstance(node, ast.DictComp):
-        return bounded(machine.meter, DictValue(dict(found)))
-    sort = "generator" if isinstance(node, ast.GeneratorExp) else "list"
-    return bounded(machine.meter, Seq(tuple(value for _, value in found), sort))
-
-
-def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
-    """Bind the name, or the names of a tuple, of an assignment or loop.
-
-    Raises:
-        CostError: The target is no name, or the lengths differ.
-    """
-    if isinstance(target, ast.Name):
-        machine.frame.variables[target.id] = storable(machine, value)
-        return
-    if not isinstance(target, ast.Tuple | ast.List):
-        raise machine.meter.fault(
-            "not_allowed",
-            "only variables and entries of the program's own lists, dicts and "
-            "arrays can be set; the state cannot be changed",
-        )
-    items = entries(machine.meter, value)
-    if any(isinstance(part, ast.Starred) for part in target.elts) or len(items) != len(target.elts):
-        raise machine.meter.fault("wrong_size", f"{len(target.elts)} names cannot take {len(items)} values")
-    for part, item in zip(target.elts, items, strict=True):
-        unpack(machine, part, item)
-
-
 def _walrus(machine: Machine, node: Any) -> Value:
     if machine.branching:
         raise machine.meter.fault("not_allowed", "`:=` is not available inside a condition or comprehension")
     value = storable(machine, evaluate(machine, node.value))
     machine.frame.variables[node.target.id] = value
     return value
+
+
+def _comprehension(machine: Machine, node: Any) -> Value:
+    return comprehend(machine, node, evaluate)
 
 
 def _subscript(machine: Machine, node: Any) -> Value:

@@ -10,8 +10,9 @@ import numpy as np
 
 from coral.contact.cost_program.arithmetic import truth
 from coral.contact.cost_program.assigning import assign, augment, change
+from coral.contact.cost_program.binding import storable
 from coral.contact.cost_program.calls import CHANGERS, leave
-from coral.contact.cost_program.expressions import evaluate, make_function, storable
+from coral.contact.cost_program.expressions import evaluate, make_function
 from coral.contact.cost_program.library import CONSTANTS, IMPORTABLE, MODULES
 from coral.contact.cost_program.loops import leave_loop, next_turn, run_for, run_while
 from coral.contact.cost_program.machine import Machine
