@@ -99,9 +99,10 @@ def identify(
     cfg: IdentifyCfg,
     rng: np.random.Generator,
 ) -> Fit:
-    """Fit the mass and friction of one object.
+    """Fit the mass m and friction mu of one object.
 
-    It is fitted to every second window and accepted on the others, so that it must hold for unseen windows.
+    Minimise over (log m, log mu), within bounds, the mean squared replay error of every second window (a grid, then
+    the cross-entropy method). The fit is accepted on the other windows, so that it must hold for unseen ones.
 
     Args:
         replay: Replay of the history, two windows or more.
