@@ -23,7 +23,7 @@ Facts = Mapping[str, Any]
 STEP_M = 6
 
 
-class Lots:
+class RandomAnswers:
     """Draws valid answers uniformly at random; sizes and masses are uniform in their logarithms.
 
     Args:
@@ -115,7 +115,7 @@ class Lots:
         return among[int(self._rng.integers(len(among)))]
 
 
-class Always:
+class ConstantAnswers:
     """Gives one answer to each kind of question, whatever the facts: the first dot, straight ahead, water's density."""
 
     def centroid(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
@@ -144,7 +144,7 @@ class Always:
         )
 
     def poses(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
-        """Put every object in the middle of the task's region."""
+        """Put every object at its usual pose."""
         return PosesAnswer.model_validate(
             {
                 name: {"position": item["usual_pose"][:3], "quaternion": item["usual_pose"][3:]}
@@ -190,7 +190,7 @@ CONTROLS: Mapping[str, str] = {
 
 def control(name: str, rng: np.random.Generator) -> RuleAdvisor:
     """Make the advisor of one name in `CONTROLS`."""
-    one: Lots | Always = Lots(rng) if name == "random" else Always()
+    one: RandomAnswers | ConstantAnswers = RandomAnswers(rng) if name == "random" else ConstantAnswers()
     rules: Mapping[str, Rule] = {
         "reef-centroid": one.centroid,
         "reef-waypoint": one.waypoint,

@@ -48,7 +48,7 @@ def _change_one_stage(change: Edit) -> Err:
 def _mistake_object(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """Swap two objects throughout the plan."""
+    """Replace one object by another throughout the plan."""
     names = list(question.facts["objects"])
     used = [name for name in names if any(f"self.{name}_" in stage["code"] for stage in right["stages"] or [right])]
     if not used or len(names) < 2:
