@@ -56,7 +56,7 @@ def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
         what = (
             "were made by the fallback’s rules, so these rows are not the advisor’s alone"
             if policy == "rules"
-            else "were left open by the advisor; the consequences count as its own"
+            else "were left undecided by the advisor; the consequences count as its own"
         )
         notes.append(f"§: {fell} of {total} decisions {what} (fallback: {policy or 'unknown'}).")
     return tuple(notes)
