@@ -41,6 +41,15 @@ def test_a_step_of_the_target_is_followed_without_overshoot(stiffness):
     assert max(way) < 0.0501
 
 
+def test_damping_is_a_share_of_the_critical_one_for_each_axis():
+    model, _ = hand()
+    set_stiffness(model, HandCfg(mass_kg=4.0, inertia_kg_m2=0.1, lever_m2=0.05, damping_ratio=0.7), 400.0)
+    gains = [model.actuator(f"pull_{axis}").gainprm[0] for axis in (2, 3)]
+    damping = [model.actuator(f"pull_{axis}").biasprm[2] for axis in (2, 3)]
+    assert gains == [400.0, 20.0]
+    assert damping == pytest.approx([-2 * 0.7 * np.sqrt(400.0 * 4.0), -2 * 0.7 * np.sqrt(20.0 * 0.1)])
+
+
 def test_forces_and_torques_end_at_their_limits():
     model, data = hand()
     data.mocap_pos[0] = [1.0, -1.0, 0.0]

@@ -15,6 +15,7 @@ SAME = {
     "ellipsis": "m = np.zeros((2, 2))\nm[..., 0] = self.time\nreturn np.sum(m) + m[1, 0]",
     "slice of a list": "L = [1.0, 2.0, 3.0]\nL[1:] = [self.time, 5.0]\nreturn L[1] + 10.0 * L[2]",
     "row for all rows": "m = np.zeros((2, 3))\nm[:] = self.ee_pos\nreturn m[0, 1] + m[1, 2]",
+    "one value for several": "v = np.zeros(3)\nv[1:] = [self.time]\nreturn v[0] + v[1] + 10.0 * v[2]",
     "new key": "d = {'a': 1.0}\nd['b'] = self.time\nd['a'] = 3.0\nreturn d['a'] + d['b'] + len(d)",
 }
 REFUSED = {

@@ -23,6 +23,10 @@ SAME = {
     ),
     "print": "print('t', self.time, f'{self.time:.2f}')\nreturn self.time",
     "try that returns": "try:\n    return float(self.time)\nexcept (TypeError, ValueError) as e:\n    return 0.0",
+    "else of a try": "try:\n    x = self.time\nexcept Exception:\n    x = 0.0\nelse:\n    x = x + 1.0\nreturn x",
+    "variable of the branch that goes on": (
+        "if self.time > 0.5:\n    return 1.0\nelse:\n    y = self.gripper_opening\nreturn y"
+    ),
     "text alone": "'A docstring.'\n3.0\npass\nreturn self.time",
 }
 REFUSED = {
