@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import types
 
 import numpy as np
 import pytest
@@ -62,6 +63,15 @@ def test_without_weights_words_are_hashed(monkeypatch):
     monkeypatch.setitem(sys.modules, "wordllama", None)
     assert best_embedder().name == "hashed-words"
     assert best_embedder() is best_embedder()
+
+
+@pytest.mark.usefixtures("anew")
+def test_weights_that_load_are_used_and_their_vectors_have_length_one(monkeypatch):
+    model = types.SimpleNamespace(embed=lambda texts: [[3.0, 4.0 * len(text)] for text in texts])
+    loader = types.SimpleNamespace(load=lambda **_: model)
+    monkeypatch.setitem(sys.modules, "wordllama", types.SimpleNamespace(WordLlama=loader, __file__="w/__init__.py"))
+    assert best_embedder().name == "wordllama-256"
+    assert best_embedder().embed("x") == pytest.approx([0.6, 0.8])
 
 
 @pytest.mark.usefixtures("anew")

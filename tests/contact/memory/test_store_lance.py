@@ -67,6 +67,20 @@ def test_a_folder_that_is_not_there_holds_nothing_and_is_not_made(table, tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(("error", "told"), [("Table 'experience' was not found", False), ("bad manifest", True)])
+def test_a_missing_table_holds_nothing_but_a_broken_one_is_an_error(error, told, table, tmp_path, monkeypatch):
+    def fail(name):
+        raise ValueError(error)
+
+    monkeypatch.setattr(sys.modules["lancedb"].connect(""), "open_table", fail)
+    store = store_of(f"lance:{tmp_path}")
+    if told:
+        with pytest.raises(InputError, match="bad manifest"):
+            store.rows()
+    else:
+        assert store.rows() == []
+
+
 def test_a_file_in_the_place_of_the_folder_is_named(table, tmp_path):
     (tmp_path / "taken").write_text("x")
     with pytest.raises(InputError, match=r"lance:.*taken: found"):
