@@ -163,20 +163,6 @@ REFUSED = {
     "many arrays": body(
         "s = self.time\nfor i in range(64):\n    for j in range(64):\n        s = s + self.time * 2.0\nreturn s"
     ),
-    # the parser
-    "many parentheses": body("return " + "(" * 3000 + "1" + ")" * 3000),
-    "many minus signs": body("return " + "-" * 9000 + "1"),
-    "many nots": body("return " + "not " * 4000 + "1"),
-    "many attributes": body("return self" + ".a" * 6000),
-    "many ternaries": body("return " + "1 if 1 else " * 1500 + "1"),
-    "deep blocks": "def state_cost(self):\n"
-    + "".join(" " * i + "if 1:\n" for i in range(1, 90))
-    + " " * 90
-    + "return 1",
-    "too long": body("x = 1\n" * 9000 + "return x"),
-    "too many nodes": body("return " + "+".join(["1"] * 4000)),
-    "zero byte": body("return 1.0\0"),
-    "lone surrogate": body("return '\ud800'"),
     # definitions that run early
     "decorator": "@eval\n" + body("return 1.0"),
     "class body": "class A:\n    x = open('/etc/passwd')\n\ndef cost(self):\n    return A.x\n\ndef b(self):\n    pass",

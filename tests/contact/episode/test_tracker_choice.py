@@ -6,20 +6,19 @@ import re
 
 import numpy as np
 import pytest
-from episodes import COARSE, make_trial, short_task, strategy
+from episodes import COARSE, make_trial, strategy
 from stub_foundationpose import Oracle, serving
 
 from coral.cli import main
 from coral.commands.contact_bench import ContactBench
 from coral.commands.contact_run import with_tracker
-from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.episode import Episode
 from coral.contact.perception.camera import RgbdCameraCfg, look_at
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.contact.thinker.strategist import FixedStrategist
-from coral.errors import InputError, RunError
+from coral.errors import InputError
 from coral.view.contact.report import write_contact_report
 
 NOBODY = "foundationpose:http://127.0.0.1:9"
@@ -110,14 +109,6 @@ def test_a_server_that_refuses_ends_the_episode_by_name(tmp_path, monkeypatch):
         result = episode(served(server), tmp_path / "run").run()
     assert (result["end_reason"], result["steps"]) == ("tracker-failed", 0)
     assert "CUDA out of memory" in events(tmp_path / "run")[-1]["detail"]
-
-
-def test_a_failed_tracker_is_no_result_of_a_campaign(tmp_path, monkeypatch):
-    monkeypatch.setattr(Oracle, "answer", np.zeros((4, 4)))
-    with serving() as server, pytest.raises(RunError, match=r"^tracker-failed: .*no pose"):
-        run_episode(
-            short_task(), served(server), tmp_path / "run", world="hand", variant="expert", advisor="none", seed=0
-        )
 
 
 def test_nobody_there_is_told_before_anything_is_made(tmp_path, capsys):

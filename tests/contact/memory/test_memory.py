@@ -5,31 +5,14 @@ import subprocess
 import sys
 
 import pytest
+from experiences import experience
 
 from coral.cli import main
 from coral.commands.contact_bench import read_memory
 from coral.commands.memory import MemoryImport
-from coral.contact.memory.adaptation import adapt, renamed
 from coral.contact.memory.embedding import HashedWords
-from coral.contact.memory.memory import FORMAT, Experience, Memory, scene_numbers
-from coral.contact.plan.cost_plan import verify_plan
-from coral.contact.plan.region_validation import verify_regions
-from coral.contact.rules.composition import compose
+from coral.contact.memory.memory import FORMAT, Memory
 from coral.errors import InputError
-
-
-def experience(one, **provenance):
-    made = compose(one.facts)
-    return Experience(
-        task="t",
-        instruction=one.facts["instruction"],
-        goals=one.facts["goals"],
-        numbers=scene_numbers(one.facts),
-        plan=made.plan,
-        regions=made.regions,
-        beliefs={"box": (0.2, 0.5)},
-        provenance={"success": True, "world": "hand", "seed": 0, **provenance},
-    )
 
 
 @pytest.fixture
@@ -110,17 +93,6 @@ def test_a_vector_of_another_length_is_made_anew(scene, memory):
     memory.add(experience(one))
     shorter = Memory(memory.where, embedder=HashedWords(size=64))
     assert [match.similarity for match in shorter.find(one.facts)] == pytest.approx([1.0], abs=1e-5)
-
-
-def test_a_remembered_plan_fits_another_size_and_name(scene, memory):
-    one, other = scene("pick-box", 0), scene("pick-box", 2)
-    held = experience(one)
-    plan, regions = adapt(held, other.facts)
-    assert verify_plan(plan, other.world.schema, other.samples) is None
-    assert verify_regions(regions, other.facts, plan.names) is None
-    assert renamed("self.box_pos + self.boxer_pos + self.box_init_pos", {"box": "can"}) == (
-        "self.can_pos + self.boxer_pos + self.can_init_pos"
-    )
 
 
 def test_export_import_and_forget(scene, memory, place):

@@ -94,7 +94,7 @@ def truth(meter: Meter, value: Value) -> bool | Mask:
 def where(meter: Meter, condition: Mask, a: Value, b: Value) -> Number:
     """Return `a` in the states where the condition holds and `b` in the others; both are numbers."""
     meter.made()
-    if _is_truth(a) and _is_truth(b):
+    if is_truth(a) and is_truth(b):
         return np.where(condition, cast(Mask, a), cast(Mask, b))
     a, b = number(meter, a), number(meter, b)
     return cast(Number, np.where(condition, _as_float(a), _as_float(b)))
@@ -104,7 +104,8 @@ def _as_float(value: Number) -> Any:
     return value if isinstance(value, np.ndarray) else float(value)
 
 
-def _is_truth(value: Value) -> bool:
+def is_truth(value: Value) -> bool:
+    """Check whether the value is a truth value, constant or per state."""
     return isinstance(value, bool) or (isinstance(value, np.ndarray) and value.dtype == np.bool_)
 
 
@@ -136,7 +137,7 @@ def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
 
 def _unlike_numbers(a: Value, b: Value) -> bool:
     """Check whether both are truth values and at least one depends on the state: NumPy treats those unlike Python."""
-    return _is_truth(a) and _is_truth(b) and not (isinstance(a, bool) and isinstance(b, bool))
+    return is_truth(a) and is_truth(b) and not (isinstance(a, bool) and isinstance(b, bool))
 
 
 def checked(meter: Meter, value: Number) -> Number:

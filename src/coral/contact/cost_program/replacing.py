@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from coral.contact.cost_program.arithmetic import as_vector, number
+from coral.contact.cost_program.arithmetic import as_vector, is_truth, number
 from coral.contact.cost_program.arrays import shape_of
 from coral.contact.cost_program.limits import Meter
 from coral.contact.cost_program.machine import Machine
@@ -119,7 +119,7 @@ def _number_for(machine: Machine, base: Vec, value: Value) -> Value:
         CostError: It is not a number, or NumPy would cut off its decimals.
     """
     found = number(machine.meter, renewed(value))
-    if base.items and all(isinstance(item, bool) for item in base.items):
+    if base.items and all(map(is_truth, base.items)):
         raise machine.meter.fault("wrong_type", "entries of an array of truth values cannot be set; use a list")
     if all(isinstance(item, int) for item in base.items):
         if not isinstance(found, int):

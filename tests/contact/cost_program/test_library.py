@@ -1,0 +1,58 @@
+"""Built-in functions check their arguments, and follow Python and NumPy."""
+
+import numpy as np
+import pytest
+
+from coral.contact.cost_program import CostError
+from coral.contact.cost_program.library import BUILTINS, builtin
+from coral.contact.cost_program.values import Vec
+
+SAME = {
+    "enumerate from a number": "return sum(i * x for i, x in enumerate(self.ee_pos, 2))",
+    "range with a step": "return sum(i * self.time for i in range(5, -1, -2)) + len(range(4))",
+    "reversed and zip": "return sum(a * b for a, b in zip(reversed(self.ee_pos), [1.0, 2.0]))",
+    "extremes of a list": "return max([self.time, 0.5]) + min(self.ee_pos) + max(1, 2)",
+    "any and all": "return 1.0 * any(x > 0.2 for x in self.ee_pos) + 2.0 * all([self.time > 0.1, True])",
+    "dict by keywords": "d = dict({'a': 1.0}, b=self.time)\nreturn d['a'] + 2.0 * d['b']",
+    "tuple and list": "return len(list(range(3)) + list((1.0,))) + tuple(self.ee_pos)[1] + len(list())",
+    "math": "return math.hypot(self.time, 1.0) + math.radians(90) + math.atan2(self.time, 2.0) + math.fabs(-self.time)",
+    "element types": "return np.float64(self.time) + np.arange(2, dtype=float)[1] + self.ee_pos.astype(np.float64)[0]",
+}
+REFUSED = {
+    "unknown keyword": ("return sorted([1, 2], key=abs)[0]", "wrong_call", "not key="),
+    "argument given twice": ("return np.clip(self.time, 0.0, a_min=1.0)", "wrong_call", "a_min once"),
+    "too many arguments": ("return norm(self.ee_pos, 2, 0, True, 1)", "wrong_call", "not 5 arguments"),
+    "missing argument": ("return dist(self.ee_pos)", "wrong_call", "dist takes (a, b), so b is missing"),
+    "array of whole numbers": ("return np.array([1, 2], dtype=int)[0]", "wrong_call", "float64 only"),
+    "range without a step": ("return sum(range(0, 3, 0))", "wrong_call", "not 0"),
+    "range over the state": ("return sum(range(self.current_step))", "not_fixed", "whole numbers"),
+    "long range": ("return sum(range(65))", "steps", "at most 64"),
+    "largest of nothing": ("return max([])", "wrong_call", "several numbers"),
+    "vector in math": ("return math.sqrt(self.ee_pos)", "wrong_type", "a number is needed here, not a vector of 3"),
+    "type as a function": ("return np.ndarray((1, 2))", "wrong_call", "use np.array"),
+}
+
+
+@pytest.mark.parametrize("case", sorted(SAME))
+def test_a_builtin_gives_what_python_gives(case, agrees):
+    agrees(SAME[case])
+
+
+@pytest.mark.parametrize("case", sorted(REFUSED))
+def test_arguments_that_a_builtin_does_not_take_are_refused(case, refusal):
+    body, code, words = REFUSED[case]
+    found = refusal(body)
+    assert (found.code, words in found.text) == (code, True), found
+
+
+def test_a_builtin_binds_arguments_by_place_and_by_name(meter):
+    weigh = builtin("weigh", lambda meter, x, by=2.0: x * by)
+    assert weigh.call(meter, [3.0], {}) == 6.0
+    assert weigh.call(meter, [3.0], {"by": 5.0}) == 15.0
+    with pytest.raises(CostError, match=r"weigh takes \(x, by\), so x is missing"):
+        weigh.call(meter, [], {"by": 5.0})
+
+
+def test_the_largest_entry_of_a_vector_is_found_state_by_state(meter):
+    found = BUILTINS["max"].call(meter, [Vec((np.array([[1.0, 3.0]]), 2.0))], {})
+    assert found.tolist() == [[2.0, 3.0]]

@@ -1,0 +1,29 @@
+"""The meter stops a program that takes more than its limits, at the line where it does."""
+
+import pytest
+
+from coral.contact.cost.context import Context
+from coral.contact.cost_program import CostError, LimitsCfg
+from coral.contact.cost_program.limits import Meter
+
+
+def make(**limits):
+    return Meter(Context({}, (1, 1)), LimitsCfg(**limits))
+
+
+def test_the_step_beyond_the_limit_is_refused_with_its_line():
+    meter = make(steps=2)
+    meter.step(4)
+    meter.step(5)
+    with pytest.raises(CostError, match="more than 2 steps") as caught:
+        meter.step(7)
+    assert (caught.value.code, caught.value.line) == ("steps", 7)
+
+
+def test_the_array_beyond_the_limit_is_refused_before_it_is_made():
+    meter = make(arrays=5)
+    meter.made(3)
+    meter.made(2)
+    with pytest.raises(CostError, match="more than 5 arrays") as caught:
+        meter.made()
+    assert caught.value.code == "memory"

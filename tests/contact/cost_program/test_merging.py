@@ -1,0 +1,75 @@
+"""After a branch each state keeps the values of the side that it took."""
+
+import numpy as np
+import pytest
+
+from coral.contact.cost_program.merging import filled, merge, merge_variables
+from coral.contact.cost_program.sharing import memory
+from coral.contact.cost_program.values import ContactList, DictValue, Partial, Poison, Rotation, Seq, Vec
+
+FIRST = np.array([[True, False]])
+
+
+def test_numbers_are_taken_from_the_side_of_each_state(meter):
+    assert merge(meter, FIRST, 1.0, 2.0).tolist() == [[1.0, 2.0]]
+
+
+def test_a_constant_that_both_sides_agree_on_stays_a_constant(meter):
+    assert merge(meter, FIRST, 3, 3) == 3
+    assert merge(meter, FIRST, "a", "a") == "a"
+    assert isinstance(merge(meter, FIRST, 3, 3.0), np.ndarray)
+
+
+def test_one_value_of_both_sides_stays_itself(meter):
+    vector = Vec((1.0, 2.0))
+    assert merge(meter, FIRST, vector, vector) is vector
+
+
+def test_a_vector_of_both_sides_shares_the_memory_of_both(meter):
+    a, b = Vec((1.0, 2.0)), Vec((3.0, 4.0))
+    found = merge(meter, FIRST, a, b)
+    assert [item.tolist() for item in found.items] == [[[1.0, 3.0]], [[2.0, 4.0]]]
+    assert memory(found) == memory(a) | memory(b)
+
+
+def test_quaternions_of_two_orders_have_no_known_order(meter):
+    wxyz, xyzw = Vec((1.0, 0.0, 0.0, 0.0), "wxyz"), Vec((0.0, 0.0, 0.0, 1.0), "xyzw")
+    assert merge(meter, FIRST, wxyz, Vec(wxyz.items, "wxyz")).order == "wxyz"
+    assert merge(meter, FIRST, wxyz, xyzw).order == ""
+
+
+def test_rotations_and_contact_points_are_joined_by_state(meter):
+    turned = merge(meter, FIRST, Rotation((1.0, 0.0, 0.0, 0.0)), Rotation((0.0, 1.0, 0.0, 0.0)))
+    assert turned.quat[0].tolist() == [[1.0, 0.0]]
+    assert turned.quat[1].tolist() == [[0.0, 1.0]]
+    both = merge(meter, FIRST, ContactList(np.array([[False]])), ContactList(np.array([[True]])))
+    assert both.touching.tolist() == [[False, True]]
+
+
+@pytest.mark.parametrize(
+    ("a", "b"), [(1.0, None), ("a", "b"), (Seq((1.0,)), Seq((1.0, 2.0))), (Seq(()), Seq((), "tuple"))]
+)
+def test_what_cannot_be_joined_becomes_a_value_that_cannot_be_read(a, b, meter):
+    assert isinstance(merge(meter, FIRST, a, b), Poison)
+
+
+def test_a_variable_of_one_branch_is_set_in_its_states_only(meter):
+    found = merge_variables(meter, FIRST, {"x": 1.0, "only": 5.0}, {"x": 2.0, "other": 6.0})
+    assert list(found) == ["x", "only", "other"]
+    assert found["only"].mask.tolist() == [[True, False]]
+    assert found["other"].mask.tolist() == [[False, True]]
+
+
+def test_a_key_of_one_branch_is_filled_in_the_other_states(meter):
+    found = merge(meter, FIRST, DictValue({"touch": 4.0}), DictValue({}))
+    assert filled(meter, found.items["touch"], 0.0).tolist() == [[4.0, 0.0]]
+    assert filled(meter, 7.0, 0.0) == 7.0
+
+
+def test_a_value_set_in_both_branches_is_set_where_either_was(meter):
+    found = merge(meter, FIRST, Partial(1.0, np.array([[True, True]])), Partial(2.0, np.array([[True, False]])))
+    assert found.mask.tolist() == [[True, False]]
+    assert found.value.tolist() == [[1.0, 2.0]]
+    assert isinstance(merge(meter, FIRST, Partial(1.0, FIRST), "a"), Poison)
+    whole = merge(meter, FIRST, 1.0, Partial(2.0, np.array([[False, True]])))
+    assert whole.mask.tolist() == [[True, True]]

@@ -1,0 +1,63 @@
+"""Orientation functions agree with SciPy, on (w, x, y, z) quaternions."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from coral.contact.cost_program import CostError
+from coral.contact.cost_program import orientations as o
+from coral.contact.cost_program.values import Vec
+
+A, B = (Rotation.from_euler("xyz", angles) for angles in ([0.3, -0.8, 1.9], [-2.0, 0.4, 0.1]))
+
+
+def wxyz(rotation):
+    return Vec(tuple(rotation.as_quat(scalar_first=True).tolist()), "wxyz")
+
+
+def rows(value):
+    return [list(row.items) for row in value.items]
+
+
+def test_functions_of_one_orientation_agree_with_scipy(meter):
+    v = [0.2, -0.5, 1.1]
+    np.testing.assert_allclose(o.quat_rotate(meter, wxyz(A), Vec(tuple(v))).items, A.apply(v))
+    np.testing.assert_allclose(rows(o.quat_matrix(meter, wxyz(A))), A.as_matrix())
+    np.testing.assert_allclose(o.quat_euler(meter, wxyz(A)).items, A.as_euler("xyz"))
+    for axis in range(3):
+        np.testing.assert_allclose(o.quat_axis(meter, wxyz(A), axis).items, A.as_matrix()[:, axis])
+
+
+def test_functions_of_two_orientations_agree_with_scipy(meter):
+    assert o.quat_angle(meter, wxyz(A), wxyz(B)) == pytest.approx((B * A.inv()).magnitude())
+    np.testing.assert_allclose(
+        rows(o.quat_matrix(meter, o.quat_multiply(meter, wxyz(A), wxyz(B)))), (A * B).as_matrix()
+    )
+    back = o.quat_multiply(meter, wxyz(A), o.quat_inverse(meter, wxyz(A)))
+    np.testing.assert_allclose(back.items, [1.0, 0.0, 0.0, 0.0], atol=1e-12)
+
+
+def test_both_signs_of_a_quaternion_are_one_orientation(meter):
+    opposite = Vec(tuple(-x for x in wxyz(A).items))
+    assert o.quat_angle(meter, wxyz(A), opposite) == pytest.approx(0.0, abs=1e-12)
+    assert o.quat_angle(meter, Vec((1.0, 0.0, 0.0, 0.0)), Vec((0.0, 1.0, 0.0, 0.0))) == pytest.approx(math.pi)
+
+
+def test_the_euler_angles_of_a_quaternion_do_not_depend_on_its_length(meter):
+    longer = Vec(tuple(3.0 * x for x in wxyz(A).items))
+    np.testing.assert_allclose(o.quat_euler(meter, longer).items, A.as_euler("xyz"))
+
+
+def test_a_quaternion_of_the_other_order_is_refused(meter):
+    with pytest.raises(CostError, match="read NAME_quat") as caught:
+        o.quat_inverse(meter, Vec((0.0, 0.0, 0.0, 1.0), "xyzw"))
+    assert caught.value.code == "quaternion_order"
+
+
+def test_an_axis_and_a_vector_that_are_none_are_refused(meter):
+    with pytest.raises(CostError, match="0, 1 or 2"):
+        o.quat_axis(meter, wxyz(A), 3)
+    with pytest.raises(CostError, match="a vector of 3 is needed here, not of 2"):
+        o.quat_rotate(meter, wxyz(A), Vec((1.0, 2.0)))

@@ -1,0 +1,64 @@
+"""Statements run as in Python, with both branches of an `if` on the state joined state by state."""
+
+import ast
+
+import pytest
+
+from coral.contact.cost_program.statements import own_names
+
+SAME = {
+    "if in an if": (
+        "x = 0.0\nif self.time > 0.3:\n    if self.box_hand_contact:\n        x = 1.0\n    else:\n        x = 2.0\n"
+        "    x += 10.0\nelif self.time > 0.1:\n    x = 3.0\nreturn x"
+    ),
+    "return in one branch": "if self.time > 0.5:\n    return 1.0\nx = self.time\nreturn 2.0 * x",
+    "return in both branches": (
+        "if self.time > 0.5:\n    if self.box_hand_contact:\n        return 1.0\n    else:\n        return 2.0\n"
+        "else:\n    return 3.0\nreturn 4.0"
+    ),
+    "constant condition": "if hasattr(self, 'sphere_pos'):\n    return 1.0\nreturn 2.0 + self.time",
+    "imports": (
+        "import math as m\nfrom numpy import pi, exp as e\nfrom typing import List\n"
+        "return m.sqrt(4.0) + e(self.time) * pi"
+    ),
+    "print": "print('t', self.time, f'{self.time:.2f}')\nreturn self.time",
+    "try that returns": "try:\n    return float(self.time)\nexcept (TypeError, ValueError) as e:\n    return 0.0",
+    "else of a try": "try:\n    x = self.time\nexcept Exception:\n    x = 0.0\nelse:\n    x = x + 1.0\nreturn x",
+    "variable of the branch that goes on": (
+        "if self.time > 0.5:\n    return 1.0\nelse:\n    y = self.gripper_opening\nreturn y"
+    ),
+    "text alone": "'A docstring.'\n3.0\npass\nreturn self.time",
+}
+REFUSED = {
+    "finally": ("try:\n    x = 1.0\nfinally:\n    x = 2.0\nreturn x", "not_allowed", "write its lines after"),
+    "state in a print": ("print(x := 1.0)\nreturn x", "not_allowed", "print is ignored"),
+    "function in a print": ("def f():\n    return 1.0\nprint(f())\nreturn 1.0", "not_allowed", "print is ignored"),
+    "unknown import": ("from numpy import argmin\nreturn 1.0", "unknown_name", "numpy has no 'argmin' here"),
+    "dotted import": ("import scipy.spatial.transform\nreturn 1.0", "not_allowed", "import Rotation"),
+    "variable of one branch": ("if self.time > 0.5:\n    x = 1.0\nreturn x", "unset", "before the `if`"),
+}
+
+
+@pytest.mark.parametrize("case", sorted(SAME))
+def test_a_statement_gives_what_python_gives(case, agrees):
+    agrees(SAME[case])
+
+
+@pytest.mark.parametrize("case", sorted(REFUSED))
+def test_a_statement_that_cannot_be_run_is_refused(case, refusal):
+    body, code, words = REFUSED[case]
+    found = refusal(body)
+    assert (found.code, words in found.text) == (code, True), found
+
+
+def test_the_names_of_a_function_are_those_that_it_sets_itself():
+    body = ast.parse("""
+import math as m
+a, (b, *c) = 1, (2, 3)
+for i in range(3):
+    d[0] = (e := i)
+def f(x):
+    inner = 1
+g = [h for h in a]
+""").body
+    assert own_names(body) == {"m", "a", "b", "c", "i", "e", "f", "g"}

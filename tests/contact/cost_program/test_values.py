@@ -1,0 +1,78 @@
+"""The values of a cost program: their words in errors, and their size."""
+
+import numpy as np
+import pytest
+
+from coral.contact.cost.context import Context
+from coral.contact.cost_program import CostError, LimitsCfg
+from coral.contact.cost_program.limits import Meter
+from coral.contact.cost_program.values import (
+    DictValue,
+    Module,
+    Seq,
+    State,
+    Vec,
+    bounded,
+    is_matrix,
+    is_one_of,
+    kind,
+    weight,
+)
+
+
+@pytest.mark.parametrize(
+    ("value", "word"),
+    [
+        (np.array([[1.0]]), "a number"),
+        (np.array([[True]]), "a truth value"),
+        (False, "a truth value"),
+        (3, "a number"),
+        (Vec((1.0, 2.0)), "a vector of 2"),
+        (Vec((Vec((1.0,)), Vec((2.0,)), Vec((3.0,)))), "a matrix of 3 rows"),
+        (Seq((1.0,), "tuple"), "a tuple of 1"),
+        (Seq((), "generator"), "a generator"),
+        (Seq((), "values"), "a view of a dict"),
+        (DictValue({}), "a dict"),
+        (State(), "self"),
+        (Module("np"), "a module"),
+        (None, "None"),
+        (object(), "such a value"),
+    ],
+)
+def test_an_error_calls_a_value_what_its_author_would(value, word):
+    assert kind(value) == word
+
+
+def test_a_matrix_is_a_vector_of_vectors():
+    assert is_matrix(Vec((Vec(()),)))
+    assert not is_matrix(Vec((1.0,)))
+    assert not is_matrix(Vec(()))
+    assert not is_matrix(Seq((Vec((1.0,)),)))
+
+
+def test_a_number_of_the_state_equals_no_option():
+    assert is_one_of(0, (0, -1))
+    assert is_one_of(None, (None, 0))
+    assert not is_one_of(np.array([[0.0]]), (0, -1))
+
+
+def test_nested_entries_count_and_shared_ones_count_each_time():
+    row = Vec((1.0, 2.0))
+    assert weight(Vec((row, row)), 100) == 7
+    assert weight(DictValue({"a": 1.0, "b": Seq((1.0,))}), 100) == 4
+    assert weight(3.0, 100) == 1
+
+
+def test_a_doubling_list_is_weighed_only_up_to_the_limit():
+    value = Seq((1.0, 1.0))
+    for _ in range(60):
+        value = Seq((value, value))
+    assert 100 < weight(value, 100) < 300
+
+
+def test_a_container_above_the_limit_is_refused():
+    meter = Meter(Context({}, (1, 1)), LimitsCfg(items=4))
+    value = Vec((1.0, 2.0, 3.0))
+    assert bounded(meter, value) is value
+    with pytest.raises(CostError, match="a vector of 4 holds more than 4 entries"):
+        bounded(meter, Vec((1.0, 2.0, 3.0, 4.0)))

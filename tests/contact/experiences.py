@@ -1,0 +1,18 @@
+"""An experience of a scene, for tests of the memory."""
+
+from coral.contact.memory.memory import Experience, scene_numbers
+from coral.contact.rules.composition import compose
+
+
+def experience(one, **provenance):
+    made = compose(one.facts)
+    return Experience(
+        task="t",
+        instruction=one.facts["instruction"],
+        goals=one.facts["goals"],
+        numbers=scene_numbers(one.facts),
+        plan=made.plan,
+        regions=made.regions,
+        beliefs={"box": (0.2, 0.5)},
+        provenance={"success": True, "world": "hand", "seed": 0, **provenance},
+    )
