@@ -5,7 +5,7 @@ import pytest
 
 from coral.contact.cost.stages import Progress
 from coral.contact.plan.contact_regions import tool_quaternion
-from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, make_strategy, verify_plan
+from coral.contact.plan.cost_plan import make_strategy, verify_plan
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.rules.adjustments import adjustment_after
 from coral.contact.rules.answers import RULES
@@ -114,37 +114,6 @@ def test_repairs_change_the_plan(scene):
     assert adjustment_after([]) == SkillAdjustment()
     assert adjustment_after(["slipped"]).press > 1
     assert adjustment_after(["not-reached"]).turn == 1
-
-
-def stage(**more):
-    return StageAnswer.model_validate(
-        {"name": "a", "code": "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)", **more}
-    )
-
-
-@pytest.mark.parametrize(
-    ("plan", "code", "words"),
-    [
-        (PlanAnswer(code="x = 1"), "no_return", "return"),
-        (PlanAnswer(code="def state_cost(self):\n    return self.cup_pos[0]"), "unknown_state", "cup_pos"),
-        (PlanAnswer(code="def state_cost(self):\n    return 1.0"), "constant", "same"),
-        (PlanAnswer(stages=[stage(done="1 > 0"), stage()]), "stages", "same name"),
-        (PlanAnswer(stages=[stage(), stage(name="b")]), "stages", "never ends"),
-        (PlanAnswer(stages=[stage(back_to="z", lost="1 > 0")]), "stages", "back_to"),
-        (PlanAnswer(stages=[stage(done="self.nothing > 1"), stage(name="b")]), "unknown_state", "nothing"),
-    ],
-)
-def test_unusable_plans_are_refused_with_a_reason(scene, plan, code, words):
-    one = scene("pick-box")
-    found = verify_plan(plan, one.world.schema, one.samples)
-    assert found.code == code
-    assert words in found.reason
-
-
-def test_a_plan_is_one_function_or_stages():
-    with pytest.raises(ValueError, match="either"):
-        PlanAnswer()
-    assert PlanAnswer(code="x").names == ["task"]
 
 
 def test_a_board_whose_frame_is_not_in_its_middle_is_pushed_at_its_rear_face(scene):
