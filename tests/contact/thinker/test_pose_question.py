@@ -99,13 +99,6 @@ def test_the_rule_guesses_places_from_the_picture_to_a_few_centimetres(clutter):
     assert min(off.values()) > 1e-3
 
 
-def test_what_is_not_seen_is_held_to_be_where_it_usually_is(clutter):
-    _, _, facts = clutter
-    name = next(iter(facts["objects"]))
-    hidden = {**facts, "objects": {name: {**facts["objects"][name], "pixels": 0, "seen_box_m": None}}}
-    assert estimate_poses(hidden).root[name].position[:2] == tuple(facts["objects"][name]["usual_pose"][:2])
-
-
 def test_no_measured_depth_and_no_true_pose_is_in_the_prompt(clutter):
     _, _, facts = clutter
     shown = json.dumps(pose_prompt(facts))

@@ -1,10 +1,9 @@
-import dataclasses
 import json
 import math
 
 import pytest
 
-from coral.advisor.question import Rejection, Reply
+from coral.advisor.question import Reply
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.rules.estimates import estimate_parameters
 from coral.contact.scene.trial import sample_trial
@@ -49,25 +48,6 @@ def test_impossible_estimates_are_refused_with_a_reason(given, code, words):
     assert words in found.reason
 
 
-def test_the_rules_guess_every_object_by_what_it_is_called_and_by_nothing_that_the_task_states():
-    trial, now = clutter()
-    facts = scene_facts(trial, now)
-    found = estimate_parameters(facts)
-    assert verify_estimates(found, {name: item["size_m"] for name, item in facts["objects"].items()}) is None
-    objects = tuple(
-        item.model_copy(update={"mass_kg": (5.0, 6.0), "friction": (1.5, 1.6)}) for item in trial.task.objects
-    )
-    other = dataclasses.replace(trial, task=trial.task.model_copy(update={"objects": objects}))
-    assert estimate_parameters(scene_facts(other, now)) == found
-
-
-def test_what_was_refused_is_guessed_without_its_name():
-    item = {"size_m": [0.1, 0.1, 0.1], "label": "steel block"}
-    refused = [Rejection(code="density", reason="too dense")]
-    found = estimate_parameters({"objects": {"a": item}}, refused)
-    assert found.root["a"].mass_kg == pytest.approx(0.5)
-
-
 def test_facts_do_not_hold_the_true_parameters():
     trial, now = clutter()
     text = json.dumps(scene_facts(trial, now)) + json.dumps(belief_prompt(scene_facts(trial, now)))
@@ -77,14 +57,6 @@ def test_facts_do_not_hold_the_true_parameters():
             for digits in (3, 4, 5)
             for value in (item.physical.mass_kg, item.physical.friction)
         )
-
-
-def test_steel_is_heavier_than_cardboard():
-    item = {"size_m": [0.1, 0.1, 0.1]}
-    found = estimate_parameters(
-        {"objects": {"a": {**item, "label": "steel block"}, "b": {**item, "label": "cardboard box"}}}
-    )
-    assert found.root["a"].mass_kg > 5 * found.root["b"].mass_kg
 
 
 class Mistaken:

@@ -49,7 +49,7 @@ def estimate_parameters(facts: SceneFacts, rejections: Sequence[Rejection] = ())
     """Estimate mass as volume times the density that the label names; once refused, also for unknown things."""
     found = {}
     for name, item in facts["objects"].items():
-        words = f"{item.get('label', '')} {name}".lower().replace("-", " ").split()
+        words = f"{item.get('label', '')} {name}".lower().replace("-", " ").replace("_", " ").split()
         named = () if rejections else words
         density, friction = next((MATERIALS[word] for word in named if word in MATERIALS), UNKNOWN)
         mass = density * math.prod(item["size_m"]) * item.get("solid_share", 1.0)
