@@ -45,7 +45,7 @@ class UnifiedAnswer(PlanAnswer):
 
     @property
     def places(self) -> RegionsAnswer:
-        """Return the poses as their own question would give them."""
+        """Return the regions as their own question would give them."""
         return RegionsAnswer(self.regions)
 
     @property
