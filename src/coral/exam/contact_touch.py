@@ -14,7 +14,7 @@ from coral.contact.scene.trial import Trial
 WITHIN_COS = 0.64
 """A face belongs to a side when its normal is within 50 degrees of it: two faces of a box meet halfway, at 45."""
 Touch = dict[str, Any]
-"""A face belongs to a side when its normal is within 50 degrees of it; a box turned by 45 shows two faces to a side."""
+"""An `object`, `how` it is approached, the `side` (unit vector in the world, None for any), whether `high` on it."""
 
 
 def touches(trial: Trial) -> list[Touch]:
