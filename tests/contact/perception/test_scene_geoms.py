@@ -13,7 +13,8 @@ SCENE = """<mujoco><worldbody>
     <geom name="link_collision" size=".1" group="0"/><geom name="link_visual" size=".1" group="1"/>
   </body>
   <body name="finger"><joint/><geom name="finger_collision" size=".1" group="0"/></body>
-  <body name="box"><freejoint/><geom name="box_part" size=".1" group="0"/></body>
+  <body name="box"><freejoint/><geom name="box_part" size=".1" group="0"/>
+    <geom name="box_label" size=".1" group="1"/></body>
   <body name="can"><freejoint/><geom name="can_part" size=".1" group="0"/></body>
 </worldbody></mujoco>"""
 
@@ -30,6 +31,7 @@ def test_what_moves_is_an_object_or_the_robot_and_the_rest_has_no_name(model, tr
         "link_visual": "robot",
         "finger_collision": "robot",
         "box_part": "box",
+        "box_label": "box",
         "can_part": "can",
     }
 

@@ -18,6 +18,11 @@ GATE = """
             cost += {change}  # close
         return cost
 """
+SLOPE = """
+    def state_cost(self):
+        d = norm(self.ee_pos - self.box_pos)
+        return {{'reach': 2.0 * d, 'fear': {change}}}
+"""
 TOUCH = """
     def state_cost(self):
         cost = 2.0 * norm(self.ee_pos - self.{target}_pos)  # reach
@@ -45,6 +50,11 @@ def test_a_penalty_that_begins_near_the_target_is_a_barrier():
 def test_a_bonus_or_a_small_penalty_near_the_target_is_no_barrier():
     assert found(path_barriers, GATE, states(), change="-0.5") == []
     assert found(path_barriers, GATE, states(), change="0.02") == []
+
+
+def test_a_term_that_rises_all_the_way_begins_nowhere():
+    assert found(path_barriers, SLOPE, states(), change="0.3 * exp(-10.0 * d)") == []
+    assert found(path_barriers, SLOPE, states(), change="0.3 * near(d, 0.03)") != []
 
 
 def test_a_cost_of_one_term_that_rises_near_its_target_is_a_barrier():

@@ -22,6 +22,12 @@ def test_a_turned_fixture_holds_up_what_is_over_it():
     assert top(scene(), "shelf", 0.19, 0.2) is None
 
 
+def test_a_fixture_is_turned_to_the_left():
+    beam = written({"brick": brick()}, {"beam": fixture([0.4, 0.02, 0.1], [0.0, 0.0, 0.05], 45.0)})
+    assert top(beam, "beam", 0.1, 0.1) == pytest.approx(0.1)
+    assert top(beam, "beam", 0.1, -0.1) is None
+
+
 def test_near_is_measured_from_the_rim():
     assert top(scene(), "shelf", 0.18, 0.2, within_m=0.031) == pytest.approx(0.08)
     assert top(scene(), "shelf", 0.18, 0.2, within_m=0.029) is None
