@@ -1,6 +1,7 @@
 """Trials and states of the world made by hand, for the tests of the contact half."""
 
 import copy
+import struct
 
 import numpy as np
 import yaml
@@ -71,6 +72,15 @@ def written(folder, content: object):
     else:
         path.write_text(content if isinstance(content, str) else yaml.safe_dump(content), encoding="utf-8")
     return load_task(path)
+
+
+def stl(path, corners=((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)), at=(0.0, 0.0, 0.0)):
+    """A tetrahedron as a binary STL file."""
+    points = np.asarray(corners, dtype=float) + at
+    faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    rows = b"".join(struct.pack("<12fH", 0, 0, 0, *points[list(face)].ravel(), 0) for face in faces)
+    path.write_bytes(bytes(80) + struct.pack("<I", 4) + rows)
+    return path
 
 
 def body(

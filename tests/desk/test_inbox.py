@@ -8,7 +8,6 @@ import threading
 import pytest
 
 from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit
-from coral.desk.notice import is_alive, mission_notice
 from coral.desk.watch import InboxWatch
 from coral.errors import InputError
 
@@ -202,33 +201,6 @@ def test_rubbish_in_the_inbox_is_listed_and_harmless(inbox, ask):
     ]
     assert "Infinity" not in InboxWatch(inbox).wait(-1, 0.0)[1]
     assert inbox.missions() == []
-
-
-def test_a_mission_tells_how_it_ended(inbox):
-    with mission_notice(inbox.folder, world="s1", run="runs/s1-001") as finished:
-        assert inbox.missions()[0]["state"] == "running"
-        finished("8 of 8 oyster clusters covered")
-    (notice,) = inbox.missions()
-    assert (notice["state"], notice["outcome"], notice["world"]) == ("finished", "8 of 8 oyster clusters covered", "s1")
-    with pytest.raises(ZeroDivisionError), mission_notice(inbox.folder):
-        raise ZeroDivisionError
-    assert inbox.missions()[0]["state"] == "failed"
-
-
-def test_a_killed_mission_has_stopped(inbox):
-    pid = dead_process()
-    with mission_notice(inbox.folder):
-        (file,) = inbox.folder.glob("mission-*.json")
-        notice = json.loads(file.read_text())
-        file.write_text(json.dumps({**notice, "pid": pid}))
-        assert inbox.missions()[0]["state"] == "stopped"
-        assert is_alive("some-other-machine", pid)
-
-
-def test_a_notice_never_stops_a_mission(tmp_path):
-    (tmp_path / "file").write_text("")
-    with mission_notice(tmp_path / "file"):
-        pass
 
 
 def test_numbers_of_many_digits_in_an_inbox_are_none_at_all(tmp_path):

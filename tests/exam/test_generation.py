@@ -1,32 +1,25 @@
-"""The shipped set is what its command makes."""
-
-import json
-
-import pytest
-
-from coral.advisor.log import plain_json
-from coral.exam.contact_questions import contact_items
+from coral.exam.generation import CONTACT, REEFS, make_set
+from coral.exam.item import ANSWERS
 from coral.exam.question_set import load_set
-from coral.exam.reef_questions import reef_items
+from coral.reef.world import shipped_worlds
+
+KIND = "physical-parameters"
 
 
-def same(made, shipped):
-    assert (made.kind, made.group, made.prompt) == (shipped.kind, shipped.group, shipped.prompt)
-    assert json.loads(plain_json(made.facts)) == shipped.facts
-    assert json.loads(plain_json(made.key)) == shipped.key
-    assert [p.caption for p in made.pictures] == [p.caption for p in shipped.pictures]
+def test_a_set_says_what_it_was_made_of():
+    told = []
+    made = make_set("mine", 17, 0, {KIND: 1, "object-poses": 1}, told.append, reefs=())
+    assert (made.name, made.about) == ("mine", {"seed": 17, "generated_reefs": 0})
+    assert [item.kind for item in made.items] == [KIND, "object-poses"]
+    assert told == [f"1 {KIND} questions", "1 object-poses questions"]
 
 
-@pytest.mark.parametrize("kind", ["physical-parameters", "contact-regions", "object-poses", "cost-function", "unified"])
-def test_first_contact_question(kind):
-    seed = 17
-    shipped = next(item for item in load_set("public", [kind], 1).items)
-    made = contact_items(seed, {kind: 1})[0]
-    assert made.id == shipped.id
-    same(made, shipped)
+def test_the_shipped_set_is_what_its_seed_makes(same):
+    shipped = load_set("public", [KIND], 1)
+    made = make_set("public", shipped.about["seed"], 0, {KIND: 1}, reefs=())
+    same(made.items[0], shipped.items[0])
 
 
-def test_first_reef_questions():
-    made = {item.kind: item for item in reversed(reef_items(17, 0, ("l1",)))}
-    for shipped in load_set("public", list(made), 1).items:
-        same(made[shipped.kind], shipped)
+def test_a_full_set_asks_every_kind_and_uses_shipped_reefs():
+    assert set(CONTACT) == {kind for kind in ANSWERS if not kind.startswith("reef-")}
+    assert set(REEFS) <= set(shipped_worlds())

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 from coral.exam.reef_regret import THINKING_S, TrueReef, shortest_path
-from coral.exam.reef_score import score_centroid, score_waypoint
-from coral.reef.answers import CentroidChoice, WaypointChoice
 from coral.reef.geometry import Pose
 from coral.reef.world import load_world
 
@@ -33,12 +31,3 @@ def test_going_the_wrong_way_costs_seconds():
     costs = reef.seconds(pose, np.array([towards, reef.clusters[0]]), [len(reef.clusters) - 1])
     assert costs[0] < costs[1]
     assert costs[1] > THINKING_S  # whoever goes nowhere waits for the next answer
-
-
-def test_scores_by_seconds_lost():
-    key = {"seconds": {"1": 40.0, "2": 45.0, "3": 60.0, "4": "visited"}}
-    scores = [score_centroid(key, {}, CentroidChoice(selected_centroid_index=k)).score for k in (1, 2, 3, 4, 9)]
-    assert scores == pytest.approx([1.0, 0.5, 0.0, 0.0, 0.0])
-    assert score_centroid(key, {}, CentroidChoice(selected_centroid_index=None)).score == 0.0
-    steps = {"seconds": {"4,-1": 30.0, "2,2": 32.0}}
-    assert score_waypoint(steps, {}, WaypointChoice(forward_m=2, left_m=2)).score == pytest.approx(0.8)

@@ -4,7 +4,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from coral.contact.perception.object_model import from_mesh, from_primitives
-from coral.contact.perception.pose_error import add, add_s, mssd
 from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.perception.symmetry import Symmetry, of_kind
 from coral.contact.scene.geometry import rotation_about, rotation_angle, spread_rotations
@@ -73,30 +72,3 @@ def test_the_twist_of_a_can_is_taken_out_and_its_tilt_is_not():
 def test_rotations_only():
     with pytest.raises(InputError, match="symmetry"):
         Symmetry(np.stack([np.eye(3), 2 * np.eye(3)]))
-
-
-def test_measures_of_a_shift():
-    points = np.random.default_rng(0).uniform(-0.05, 0.05, (200, 3))
-    moved = pose_matrix(np.eye(3), np.array([0.003, 0.004, 0.0]))
-    assert add(moved, np.eye(4), points) == pytest.approx(0.005)
-    assert mssd(moved, np.eye(4), points, Symmetry()) == pytest.approx(0.005)
-    assert 0 < add_s(moved, np.eye(4), points) <= 0.005
-    assert add_s(np.eye(4), np.eye(4), points) == 0.0
-
-
-def test_measures_of_a_turned_ring():
-    turn = 2 * np.pi * np.arange(360) / 360
-    ring = np.stack([0.1 * np.cos(turn), 0.1 * np.sin(turn), 0 * turn], 1)
-    turned = pose_matrix(rotation_about(np.array([0, 0, 1.0]), np.radians(30)), np.zeros(3))
-    chord = 2 * 0.1 * np.sin(np.radians(15))
-    assert add(turned, np.eye(4), ring) == pytest.approx(chord)
-    assert mssd(turned, np.eye(4), ring, Symmetry()) == pytest.approx(chord)
-    assert add_s(turned, np.eye(4), ring) == pytest.approx(0.0, abs=1e-9)
-    assert mssd(turned, np.eye(4), ring, of_kind("cylinder", np.ones(3))) == pytest.approx(0.0, abs=1e-9)
-
-
-def test_mssd_takes_the_largest_point_of_the_best_member():
-    corners = np.array(np.meshgrid([-0.1, 0.1], [-0.05, 0.05], [-0.02, 0.02])).reshape(3, -1).T
-    flipped = pose_matrix(rotation_about(np.array([0, 0, 1.0]), np.pi), np.array([0.0, 0.0, 0.01]))
-    assert mssd(flipped, np.eye(4), corners, of_kind("box", np.ones(3))) == pytest.approx(0.01)
-    assert mssd(flipped, np.eye(4), corners, Symmetry()) > 0.2

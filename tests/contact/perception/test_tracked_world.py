@@ -133,11 +133,6 @@ def test_a_missing_picture_is_no_loss():
     assert world.news() == []
 
 
-def test_poses_that_take_longer_than_a_picture_are_refused():
-    with pytest.raises(InputError, match="latency_s"):
-        TrackedCfg(latency_s=0.1)
-
-
 def test_a_world_of_which_no_pictures_can_be_made_is_refused():
     trial = make_trial()
     with pytest.raises(InputError, match="ground-truth"):

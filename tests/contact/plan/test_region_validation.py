@@ -2,8 +2,6 @@ import pytest
 
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.region_validation import verify_regions
-from coral.contact.rules.answers import RULES
-from coral.contact.rules.composition import compose
 
 TOP = {"center": [0, 0, 0.03], "normal": [0, 0, 1]}
 
@@ -104,21 +102,3 @@ def test_what_the_hand_cannot_get_to_is_refused_with_its_bounds():
     found = verify_regions(answer(TOP), {**facts(at=(0.6, 0, 0.03)), "table": {"x": [-1, 1], "y": [-1, 1]}})
     assert found.code == "out-of-reach"
     assert "[-0.350, -0.450, -0.150] to [0.400, 0.500, 0.600]" in found.reason
-
-
-def test_the_rules_leave_out_a_place_that_cannot_be_touched_and_keep_the_others(scene):
-    one = scene("push-pick-board")
-    asked = {**one.facts, "stages": []}
-    whole = RULES["contact-regions"](asked, ())
-    rear = one.facts["objects"]["board"]["pose"][1] - 0.14
-    refusal = verify_regions(
-        whole,
-        {
-            **one.facts,
-            "fixtures": {"wall": {"position": [0, rear - 0.05, 0.1], "size_m": [0.6, 0.1, 0.2], "yaw_deg": 0.0}},
-        },
-        compose(one.facts).plan.names,
-    )
-    assert refusal.code == "buried"
-    again = RULES["contact-regions"](asked, [refusal])
-    assert again.each() == [pair for pair in whole.each() if pair[1].stage != "reach"]

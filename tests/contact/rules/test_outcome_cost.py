@@ -6,7 +6,6 @@ from coral.contact.cost.context import Context
 from coral.contact.cost_program import CostProgram
 from coral.contact.plan.cost_plan import verify_plan
 from coral.contact.plan.rehearsal import sample_states
-from coral.contact.rules.answers import RULES
 from coral.contact.rules.outcome_cost import outcome_plan
 from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.prior_beliefs import stated_beliefs
@@ -36,19 +35,6 @@ def test_a_cost_of_outcomes_alone_can_be_used_and_says_nothing_of_where_to_touch
     assert verify_plan(plan, world.schema, samples) is None
     trial = [line.split(" = ")[1].split(" - 0.")[0] for line in plan.code.splitlines() if "ee_" in line]
     assert set(trial) <= {f"8.0 * clip(norm(self.ee_pos - self.{thing}_pos)" for thing in facts["objects"]}
-
-
-def test_the_rules_answer_so_where_there_is_to_be_no_contact_strategy():
-    facts, _, _ = scene("flip-wall")
-    asked = {**facts, "contact_strategy": False}
-    assert (
-        RULES["cost-function"](asked, ())
-        == outcome_plan(facts)
-        == RULES["cost-repair"]({**asked, "diagnoses": ["no-progress"]}, ()).model_copy(
-            update={"explanation": outcome_plan(facts).explanation}
-        )
-    )
-    assert RULES["contact-regions"](asked, ()).root == {}
 
 
 def test_goals_that_ask_for_nothing_to_be_moved_make_no_cost():

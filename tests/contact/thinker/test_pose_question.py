@@ -9,11 +9,9 @@ from coral.advisor.consult import Outcome
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advisor_camera
-from coral.contact.perception.guessed_world import GuessedWorld
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.rules.poses import estimate_poses
 from coral.contact.scene.geometry import rotation_of
-from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.pose_question import (
@@ -99,13 +97,6 @@ def test_the_rule_guesses_places_from_the_picture_to_a_few_centimetres(clutter):
     assert min(off.values()) > 1e-3
 
 
-def test_what_is_not_seen_is_held_to_be_where_it_usually_is(clutter):
-    _, _, facts = clutter
-    name = next(iter(facts["objects"]))
-    hidden = {**facts, "objects": {name: {**facts["objects"][name], "pixels": 0, "seen_box_m": None}}}
-    assert estimate_poses(hidden).root[name].position[:2] == tuple(facts["objects"][name]["usual_pose"][:2])
-
-
 def test_no_measured_depth_and_no_true_pose_is_in_the_prompt(clutter):
     _, _, facts = clutter
     shown = json.dumps(pose_prompt(facts))
@@ -130,19 +121,6 @@ def test_impossible_poses_are_refused(clutter, change, code):
     wrong = ObjectPose(**{**right.root[name].model_dump(), **change})
     assert verify_poses(PosesAnswer({**right.root, name: wrong}), facts).code == code
     assert verify_poses(PosesAnswer({name: right.root[name]}), facts).code == "objects"
-
-
-def test_a_guess_is_never_updated(clutter):
-    trial, first, facts = clutter
-    world = GuessedWorld(HandWorld(trial, HandWorldCfg()), trial)
-    assert world.reset().objects == {}
-    guessed = estimate_poses(facts).bodies(facts)
-    now = world.settle(guessed, first)
-    target = HandTarget(now.tool.position, now.tool.quaternion, 0.08, 600.0)
-    after = world.step(target)
-    assert after.time_s > 0
-    assert after.objects == guessed
-    assert all(seen.off_m > 1e-3 for seen in world.compare(after, world.truth()).values())
 
 
 def test_an_episode_without_tracking_asks_for_poses_first_and_says_so(tmp_path):

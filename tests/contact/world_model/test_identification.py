@@ -3,17 +3,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from histories import history
 
-from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
-from coral.contact.control.rollouts import SLEEP
-from coral.contact.rules.adjustments import adjustment_after
-from coral.contact.scene.observation import HandTarget, Transition
-from coral.contact.scene.trial import PhysicalParameters, sample_trial
-from coral.contact.tasks import load_task
-from coral.contact.thinker.diagnosis import diagnose, recent
+from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.world_model import identification as module
 from coral.contact.world_model.force_balance import Balance
-from coral.contact.world_model.history import Window, most_informative_object, windows
+from coral.contact.world_model.history import Window
 from coral.contact.world_model.history_replay import HistoryReplay
 from coral.contact.world_model.identification import (
     Corrections,
@@ -24,111 +19,16 @@ from coral.contact.world_model.identification import (
     fit_by_replay,
     replay_errors,
 )
-from coral.contact.world_model.touch_probe import ProbeCfg, probe
 
 TRUTH, FIRST = PhysicalParameters(0.1, 0.5), PhysicalParameters(2.0, 0.9)
 
 
-def test_a_belief_far_off_is_corrected_by_what_was_felt_and_seen():
-    trial = sample_trial(load_task("push-pick-board"), 0)
-    cfg = ProbeCfg(corrections=1, windows=4, replay_dt_s=0.004, identify=IdentifyCfg(grid=4, samples=10, rounds=1))
-    fit = next(iter(probe(trial, "board", TRUTH, FIRST, cfg, np.random.default_rng(0))))
-    assert fit.accepted
-    assert fit.error_after < 0.5 * fit.error_before
-    # The product is what a push shows; a coarse fit of one round must come near it.
-    assert fit.after.mass_kg * fit.after.friction == pytest.approx(0.05, rel=0.6)
-    assert "board: mass 2 to" in fit.words()
-
-
-def still(scene, force=0.0):
-    one = scene("pick-box")
-    felt = type(one.now)(
-        one.now.time_s, one.now.tool, one.now.opening_m, np.array([force, 0, 0, 0, 0, 0]), one.now.objects
-    )
-    return one, Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), felt)
-
-
-def test_a_history_without_touch_says_nothing(scene):
-    _, step = still(scene)
-    assert most_informative_object([step] * 30) is None
-    assert windows([step] * 30, "box") == []
-    assert most_informative_object([]) is None
-
-
 def test_a_proposal_equal_to_the_belief_explains_no_better(scene):
-    trial = sample_trial(load_task("pick-box"), 0)
-    one, step = still(scene)
-    world = PlanningWorld(trial, one.beliefs, one.now, PlanningCfg(threads=1))
-    replay = HistoryReplay(world, [Window((step,) * 6)])
-    before, after = compare(replay, "box", one.beliefs, one.beliefs)
+    one = scene("pick-box")
+    steps = [dataclasses.replace(step, before=one.now, after=one.now) for step in history(6, box=(0.0, 0.0, 0.03))]
+    before, after = compare(HistoryReplay(one.world, [Window(tuple(steps))]), "box", one.beliefs, one.beliefs)
     assert before == after
-    world.close()
     assert Corrections().fits == []
-
-
-def test_nothing_sleeps_in_a_replay(scene):
-    one = scene("pick-clutter")
-    step = Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
-    assert all(model.opt.enableflags & SLEEP == SLEEP for model in one.world.models)
-    HistoryReplay(one.world, [Window((step,) * 3)]).parts([one.beliefs], "can")
-    assert not any(model.opt.enableflags & SLEEP for model in one.world.models)
-
-
-def test_a_window_that_diverges_under_every_belief_decides_nothing():
-    replay = HistoryReplay(SimpleNamespace(edges=False), [], None)
-    parts = np.array([[[1.0, 2.0], [np.inf, np.inf]], [[3.0, 2.0], [np.inf, np.inf]]])
-    score = replay.score(parts, parts.min(axis=0))
-    assert np.isfinite(score).all()
-    assert score[0, 1] == score[1, 1]
-    assert score[0, 0] < score[1, 0]
-
-
-def test_rows_for_prompts_carry_the_cost_of_their_own_plan_and_what_was_told(scene):
-    one, step = still(scene)
-    steps = [
-        dataclasses.replace(
-            step,
-            before=dataclasses.replace(step.before, time_s=0.1 * k),
-            after=dataclasses.replace(step.after, time_s=0.1 * (k + 1)),
-        )
-        for k in range(5)
-    ]
-    rows = recent(steps, [(0.0, 9.0), (0.2, 7.0), (0.4, 5.0)], "box")
-    assert [row["cost"] for row in rows] == [9.0, 9.0, 7.0, 7.0, 5.0]
-    assert rows[0]["opening_told_m"] == 0.08
-    assert rows[0]["hand_told_to"] == [round(float(v), 4) for v in one.now.tool.position]
-
-
-@pytest.mark.parametrize(
-    ("force", "returns", "surprise", "kind"),
-    [
-        (0.0, 0, 0.0, "not-reached"),
-        (3.0, 0, 0.0, "not-moved"),
-        (3.0, 3, 0.0, "slipped"),
-        (3.0, 0, 0.1, "moved-otherwise"),
-    ],
-)
-def test_diagnoses(scene, force, returns, surprise, kind):
-    _, step = still(scene, force)
-    assert diagnose([step] * 10, "box", returns, surprise) == kind
-    assert adjustment_after([kind]) != adjustment_after([])
-
-
-def test_a_hand_at_rest_where_it_was_told_to_be_tells_of_a_wrong_cost_and_one_that_is_held_up_does_not(scene):
-    _, step = still(scene, 0.0)
-    steps = [
-        dataclasses.replace(
-            step,
-            before=dataclasses.replace(step.before, time_s=0.1 * k),
-            after=dataclasses.replace(step.after, time_s=0.1 * (k + 1)),
-        )
-        for k in range(20)
-    ]
-    assert diagnose(steps, "box", 0, 0.1) == "settled"
-    assert adjustment_after(["settled"]) != adjustment_after([])
-    higher = dataclasses.replace(step.command, position=step.command.position + np.array([0.0, 0.0, 0.03]))
-    assert diagnose([dataclasses.replace(one, command=higher) for one in steps], "box", 0, 0.1) == "moved-otherwise"
-    assert diagnose(steps[:5], "box", 0, 0.0) == "not-reached"
 
 
 def test_what_a_history_does_not_tell_stays_as_it_was_believed(scene, monkeypatch):

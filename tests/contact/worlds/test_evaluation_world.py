@@ -11,7 +11,7 @@ from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.guessed_world import GuessedWorld
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.perception.tracked_world import TrackedWorld
-from coral.contact.worlds.registry import check_world, make_world
+from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
 from coral.runs import RunWriter
 
@@ -74,8 +74,3 @@ def test_simulated_cameras_refuse_a_world_without_a_simulation(trial):
         TrackedWorld(world, trial, SMALL, np.random.default_rng(0))
     with pytest.raises(InputError, match=r"--variant.*a world of which pictures can be made"):
         GuessedWorld(world, trial)
-
-
-def test_another_world_is_refused_with_the_nearest_name():
-    with pytest.raises(InputError, match=r"one of panda, hand.*did you mean.*hand"):
-        check_world("hands")

@@ -51,6 +51,8 @@ def _obj(text: str) -> Array:
             vertices.append([float(w) for w in words[1:4]])
         elif words[:1] == ["f"]:
             corner = [int(w.split("/")[0]) for w in words[1:]]
-            corner = [c - 1 if c > 0 else len(vertices) + c for c in corner]
+            corner = [c - 1 if c >= 0 else len(vertices) + c for c in corner]
+            if min(corner, default=0) < 0:
+                raise IndexError("a face names a vertex that is not there")
             faces += [(corner[0], corner[k], corner[k + 1]) for k in range(1, len(corner) - 1)]
     return np.asarray(np.array(vertices, float).reshape(-1, 3)[np.array(faces, int).reshape(-1, 3)])

@@ -49,7 +49,7 @@ def estimate_parameters(facts: SceneFacts, rejections: Sequence[Rejection] = ())
     """Estimate mass as volume times the density for the label; after a refusal, also for unknown labels."""
     found = {}
     for name, item in facts["objects"].items():
-        words = f"{item.get('label', '')} {name}".lower().replace("-", " ").split()
+        words = f"{item.get('label', '')} {name}".lower().replace("-", " ").replace("_", " ").split()
         named = () if rejections else words
         density, friction = next((MATERIALS[word] for word in named if word in MATERIALS), UNKNOWN)
         mass = density * math.prod(item["size_m"]) * item.get("solid_share", 1.0)

@@ -5,8 +5,6 @@ import pytest
 from inverse_kinematics import tool_rotation
 
 from coral.contact.scene.observation import HandTarget
-from coral.contact.worlds.panda.names import part_of
-from coral.contact.worlds.panda.world import PandaWorld, PandaWorldCfg
 
 
 def test_it_begins_with_the_hand_above_the_table_and_the_objects_at_rest(world):
@@ -99,20 +97,7 @@ def test_the_gripper_holds_a_box_and_the_wrist_feels_its_weight(world, go):
     assert touching["box", "right"].force[1] == pytest.approx(20.0, abs=2.0)
 
 
-def test_every_geom_has_a_name_for_the_camera(world):
-    model = world.simulation.model
-    names = {part_of(model, geom) for geom in range(model.ngeom)}
-    assert names == {"hand", "left", "right", "robot", "table", "block", "box", "floor"}
-
-
 def test_a_target_that_is_no_number_is_refused(world):
     tool = world.reset().tool
     with pytest.raises(ValueError, match="no pose"):
         world.step(HandTarget(np.array([np.nan, 0, 0]), tool.quaternion, 0.08, 600.0))
-
-
-def test_a_control_period_that_no_physics_step_divides_is_refused(world):
-    from coral.errors import InputError
-
-    with pytest.raises(InputError, match=r"a whole number of them in 0\.0125 s"):
-        PandaWorld(world._trial, PandaWorldCfg(control_period_s=0.0125))

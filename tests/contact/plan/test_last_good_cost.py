@@ -1,0 +1,76 @@
+import numpy as np
+import pytest
+from cost_oracles import SCHEMA
+from hand_rollouts import rolled_out
+
+from coral.contact.cost.context import Context
+from coral.contact.cost_program import CostError, CostProgram
+from coral.contact.plan.last_good_cost import LastGoodCost
+
+GOOD = "def state_cost(self):\n    return {'reach': 5.0 * norm(self.ee_pos - self.box_pos)}"
+BARRIER = """def state_cost(self):
+    d = norm(self.ee_pos - self.box_pos)
+    cost = 5.0 * d  # reach
+    if d < 0.05:
+        cost += 20.0 * self.gripper_opening  # close
+    return cost
+"""
+FRAGILE = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos) + 1.0 / max(0.0, self.time)"
+
+
+@pytest.fixture(scope="module")
+def sample():
+    return rolled_out(np.random.default_rng(0))[0]
+
+
+@pytest.fixture(scope="module")
+def at_zero(sample):
+    """The states at time 0, where the fragile cost divides by zero."""
+    return Context({**{n: sample[n] for n in sample.names()}, "time": np.zeros(sample.shape)}, sample.shape)
+
+
+def program(source, name):
+    return CostProgram(source, SCHEMA, name)
+
+
+def test_without_a_cost_there_is_nothing_to_plan_with(sample):
+    cost = LastGoodCost()
+    assert (cost.name, cost.current) == ("none", None)
+    with pytest.raises(CostError, match="no cost"):
+        cost(sample)
+
+
+def test_a_cost_with_a_fatal_fault_is_not_used(sample):
+    cost = LastGoodCost()
+    assert cost.propose(program(GOOD, "good"), [sample]) == []
+    assert cost.propose(program(BARRIER, "barrier"), [sample])[0].fatal
+    assert cost.name == "good"
+
+
+def test_the_plan_goes_on_with_the_last_good_cost(sample, at_zero):
+    told = []
+    cost = LastGoodCost(program(GOOD, "good"), failed=lambda bad, error: told.append((bad.name, error.code)))
+    assert cost.propose(program(FRAGILE, "fragile"), [sample]) == []
+    assert cost.name == "fragile"
+    assert list(cost(at_zero)) == ["reach"]
+    assert (cost.name, told) == ("good", [("fragile", "not_finite")])
+
+
+def test_the_only_cost_stays_in_use_and_its_error_is_raised(sample, at_zero):
+    cost = LastGoodCost(program(FRAGILE, "fragile"))
+    with pytest.raises(CostError) as failure:
+        cost(at_zero)
+    assert failure.value.code == "not_finite"
+    assert cost.name == "fragile"
+    assert np.isfinite(next(iter(cost(sample).values()))).all()
+
+
+def test_a_stage_whose_cost_failed_does_not_return_to_it(sample, at_zero):
+    cost = LastGoodCost(program(GOOD, "good"))
+    stage = cost.following(program(FRAGILE, "fragile"))
+    assert cost.name == "good"
+    stage(sample)
+    assert cost.name == "fragile"
+    stage(at_zero)
+    assert list(stage(sample)) == ["reach"]
+    assert len(cost.failures) == 1

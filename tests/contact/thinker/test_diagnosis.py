@@ -1,0 +1,94 @@
+import numpy as np
+import pytest
+from histories import TOOL, history, sliding
+
+from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent
+
+BOX = (0.1, 0.0, 0.03)
+AHEAD = (0.0, 0.0, 0.33)
+
+
+def moving(k):
+    """A hand that never rests."""
+    return (0.0, 0.0, 0.3 - 0.001 * k)
+
+
+def felt(newtons, steps=10, box=BOX, returns=0, surprise_m=0.0, **more):
+    return diagnose(history(steps, box=box, force=(newtons, 0.0, 0.0), **more), "box", returns, surprise_m)
+
+
+@pytest.mark.parametrize(
+    ("newtons", "more", "kind"),
+    [
+        (0.0, {}, "not-reached"),
+        (0.4, {}, "not-reached"),
+        (3.0, {}, "not-moved"),
+        (3.0, {"box": sliding(1.0)}, "no-progress"),
+        (0.8, {}, "no-progress"),
+        (3.0, {"surprise_m": 0.1}, "moved-otherwise"),
+        (0.0, {"surprise_m": 0.1}, "moved-otherwise"),
+        (3.0, {"returns": 1}, "not-moved"),
+        (3.0, {"returns": 2, "surprise_m": 0.1}, "slipped"),
+    ],
+)
+def test_a_failure_is_told_by_what_was_felt_and_what_moved(newtons, more, kind):
+    assert felt(newtons, **more) == kind
+    assert kind in TEXTS
+
+
+def test_without_a_history_there_is_no_progress():
+    assert diagnose([], "box", 0, 0.1) == "no-progress"
+    assert diagnose([], "box", 2, 0.1) == "slipped"
+
+
+def test_a_hand_at_rest_where_it_was_told_to_be_tells_of_a_wrong_cost():
+    assert felt(0.0, steps=100) == "settled"
+    assert felt(0.0, steps=100, surprise_m=0.1) == "settled"
+    assert felt(0.0, steps=40) == "not-reached"
+
+
+def test_a_hand_that_is_held_up_is_not_settled():
+    assert felt(3.0, steps=100, told=AHEAD) == "not-moved"
+
+
+def test_a_hand_or_an_object_on_its_way_is_not_settled():
+    assert felt(0.0, steps=100, tool=moving) == "not-reached"
+    assert felt(3.0, steps=100, box=sliding(0.2)) == "no-progress"
+
+
+def test_what_came_to_rest_a_second_ago_is_settled():
+    def box(k):
+        return (0.001 * min(k, 60), 0.0, 0.03)
+
+    assert felt(0.0, steps=112, box=box) == "settled"
+    assert felt(0.0, steps=100, box=box) == "not-reached"
+
+
+def test_rows_carry_the_cost_of_their_own_plan():
+    steps = history(5, period_s=0.1, box=BOX)
+    rows = recent(steps, [(0.0, 9.0), (0.2, 7.0), (0.4, 5.0)], "box")
+    assert [row["cost"] for row in rows] == [9.0, 9.0, 7.0, 7.0, 5.0]
+
+
+def test_before_the_first_plan_its_cost_is_shown_and_without_one_none():
+    steps = history(2, period_s=0.1, box=BOX)
+    assert [row["cost"] for row in recent(steps, [(0.1, 4.0)], "box")] == [4.0, 4.0]
+    assert [row["cost"] for row in recent(steps, [], "box")] == [None, None]
+
+
+def test_a_row_tells_what_was_commanded_and_what_came_of_it():
+    (row,) = recent(history(1, box=sliding(2.0), told=AHEAD, force=(0.0, 1.234, 0.0)), [], "box")
+    assert row["time_s"] == 0.02
+    assert row["object_pos"] == [0.002, 0.0, 0.03]
+    assert row["object_moved_mm"] == 2.0
+    assert row["hand_pos"] == list(TOOL)
+    assert row["hand_told_to"] == list(AHEAD)
+    assert row["opening_told_m"] == 0.08
+    assert row["force_on_hand_n"] == [0.0, 1.23, 0.0]
+
+
+def test_rows_are_spread_over_the_stretch_from_its_first_to_its_last_step():
+    rows = recent(history(100, box=BOX), [], "box", most=3)
+    np.testing.assert_allclose([row["time_s"] for row in rows], [0.02, 1.0, 2.0])
+    assert len(recent(history(2, box=BOX), [], "box", most=5)) == 2
+    assert recent([], [], "box") == []

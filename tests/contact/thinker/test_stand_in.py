@@ -1,0 +1,35 @@
+import pytest
+
+from coral.contact.thinker.stand_in import NoDecision, fall_back
+
+
+def outcome(policy):
+    """What is reported, and the end reason; None where the episode goes on."""
+    told = []
+    try:
+        fall_back(lambda event, **fields: told.append((event, fields)), policy, "plan", "no-network", "heuristic")
+    except NoDecision as error:
+        return told, error.end_reason
+    return told, None
+
+
+@pytest.mark.parametrize(
+    ("policy", "by", "end_reason"),
+    [
+        ("rules", "heuristic", None),
+        ("hold", "nobody", "no-decision: plan"),
+        ("fail", "nobody", "advisor failed: no-network"),
+    ],
+)
+def test_who_stands_in_is_reported_and_without_anybody_the_episode_ends(policy, by, end_reason):
+    told, ended = outcome(policy)
+    assert ended == end_reason
+    ((event, fields),) = told
+    assert (event, fields["by"], fields["policy"], fields["because"]) == ("fallback", by, policy, "no-network")
+    assert (fields["decided"], fields["source"]) == ("plan", "fallback")
+
+
+def test_the_error_says_what_was_not_decided_and_why():
+    assert str(NoDecision("hold", "repair", "deadline")) == (
+        "the advisor did not decide on the repair (deadline), and nobody stands in (hold)"
+    )

@@ -1,0 +1,59 @@
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from coral.contact.scene.trial import PhysicalParameters
+from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer, verify_parameters
+from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
+
+BELIEVED = {"box": PhysicalParameters(1.0, 0.5), "cup": PhysicalParameters(0.2, 0.4)}
+
+
+def answer(*objects):
+    return ParametersAnswer(
+        objects=[ObjectParameters(label=label, mass=mass, friction=friction) for label, mass, friction in objects]
+    )
+
+
+def test_a_correction_within_the_bounds_may_be_tried():
+    assert verify_parameters(answer(("box", 0.4, 0.3)), BELIEVED) is None
+    assert verify_parameters(answer(("box", 0.005, 2.0), ("cup", 20.0, 0.02)), BELIEVED) is None
+
+
+@pytest.mark.parametrize(
+    ("given", "code", "reason"),
+    [
+        (("mug", 0.4, 0.3), "objects", "mug is no object; there are box, cup"),
+        (("box", 20.5, 0.3), "bounds", "mass of box is 20.5; it lies within 0.005 and 20"),
+        (("box", 0.0, 0.3), "bounds", "mass of box is 0; it lies within 0.005 and 20"),
+        (("box", 0.4, 2.5), "bounds", "friction of box is 2.5; it lies within 0.02 and 2"),
+        (("box", 0.4, -0.1), "bounds", "friction of box is -0.1"),
+        (("box", math.nan, 0.3), "bounds", "mass of box is nan"),
+        (("box", 0.4, math.inf), "bounds", "friction of box is inf"),
+    ],
+)
+def test_an_impossible_correction_is_refused_with_a_reason(given, code, reason):
+    found = verify_parameters(answer(("cup", 0.2, 0.4), given), BELIEVED)
+    assert found.code == code
+    assert found.reason.startswith(reason)
+
+
+def test_the_bounds_are_those_that_were_configured():
+    narrow = ParameterBoundsCfg(mass_kg=(0.1, 0.3))
+    assert verify_parameters(answer(("box", 0.4, 0.3)), BELIEVED, narrow).code == "bounds"
+    assert verify_parameters(answer(("box", 0.2, 0.3)), BELIEVED, narrow) is None
+
+
+def test_a_correction_of_one_object_leaves_the_others_as_they_were_believed():
+    assert answer(("box", 0.4, 0.3)).physical(BELIEVED) == {
+        "box": PhysicalParameters(mass_kg=0.4, friction=0.3),
+        "cup": BELIEVED["cup"],
+    }
+    assert BELIEVED["box"] == PhysicalParameters(1.0, 0.5)
+
+
+def test_an_answer_corrects_at_least_one_object_and_at_most_eight():
+    for objects in ([], [("box", 0.4, 0.3)] * 9):
+        with pytest.raises(ValidationError, match="objects"):
+            answer(*objects)
