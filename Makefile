@@ -37,7 +37,7 @@ endif
 
 test-ray: setup  ## a two-node Ray cluster on this machine, one node killed midway
 	$(PIP) --no-build-isolation --editable '.[ray]'
-	$(BIN)/python -m pytest -m ray tests/campaign/test_ray.py
+	$(BIN)/python -m pytest -m ray tests/campaign/test_cluster.py
 
 test-lance: setup  ## experience memories in LanceDB, several processes writing (a download of 75 MB)
 	$(PIP) --no-build-isolation --editable '.[lance]'

@@ -36,6 +36,7 @@ def preview(world: ReefWorld, path: Path) -> Path:
         f"{world.name}: {width:g} × {height:g} m, {len(world.clusters)} clusters, {oysters} oysters, "
         f"{len(world.obstacles)} obstacles",
         fontsize=12,
+        parse_math=False,
     )
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
@@ -74,7 +75,7 @@ def preview_sheet(worlds: Sequence[ReefWorld], path: Path, columns: int = 5) -> 
             continue
         width, height = worlds[k].size_m
         _draw(axes, worlds[k], size=8.5)
-        axes.set_title(f"{worlds[k].name}   {width:g} × {height:g} m", fontsize=12)
+        axes.set_title(f"{worlds[k].name}   {width:g} × {height:g} m", fontsize=12, parse_math=False)
         axes.set_xlim(width / 2 - widest / 2 - 0.3, width / 2 + widest / 2 + 0.3)
         axes.set_ylim(height - highest - 0.3, height + 0.3)  # titles sit on the worlds
     figure.legend(handles=_legend(), loc="outside lower center", ncols=5, frameon=False, fontsize=11)
