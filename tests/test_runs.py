@@ -8,7 +8,16 @@ import yaml
 
 from coral import __version__
 from coral.errors import InputError
-from coral.runs import RunWriter, new_run_folder, provenance, read_events, read_rows, trajectory_name, write_whole
+from coral.runs import (
+    RunWriter,
+    file_stem,
+    new_run_folder,
+    provenance,
+    read_events,
+    read_rows,
+    trajectory_name,
+    write_whole,
+)
 
 ODD = "a\ud800b\x00\x1b[31m\u202e\uffff"
 
@@ -51,6 +60,23 @@ def test_the_next_run_gets_the_first_free_number(tmp_path):
     for taken in ("s1-001", "s1-003", "s2-002"):
         (tmp_path / taken).mkdir()
     assert new_run_folder(tmp_path, "s1") == tmp_path / "s1-002"
+
+
+@pytest.mark.parametrize(
+    ("name", "stem"),
+    [
+        ("s1", "s1"),
+        ("my reef.v2", "my-reef.v2"),
+        ("../../up", "up"),
+        ("/etc/x", "etc-x"),
+        ("a\0b\\c", "a-b-c"),
+        ("..", "unnamed"),
+        ("Großes Riff", "Großes-Riff"),
+    ],
+)
+def test_the_name_of_a_world_leads_to_no_other_folder(tmp_path, name, stem):
+    assert file_stem(name) == stem
+    assert new_run_folder(tmp_path, name) == tmp_path / f"{stem}-001"
 
 
 def test_provenance_names_the_version_and_a_date_with_its_zone():
