@@ -41,7 +41,7 @@ test-ray: setup  ## a two-node Ray cluster on this machine, one node killed midw
 
 test-lance: setup  ## experience memories in LanceDB, several processes writing (a download of 75 MB)
 	$(PIP) --no-build-isolation --editable '.[lance]'
-	$(BIN)/python -m pytest tests/contact/memory
+	$(BIN)/python -m pytest tests/contact/memory tests/commands/test_memory.py
 
 # Without GGML_NATIVE=OFF the compiled server crashes on some virtual machines that advertise AMX.
 test-model: setup  ## a mission through a small real language model (compiles for minutes)
