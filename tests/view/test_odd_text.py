@@ -10,12 +10,6 @@ from coral.cli import main
 from coral.view.report import write_report
 
 ODD = "a\ud800b\x00\x1b[31m\u202e\uffff<b>"
-DRAW = """
-import numpy as np
-from coral.view.pictures import draw_text
-for text in {texts!r}:
-    draw_text(np.zeros((40, 300, 3), np.uint8), text, 10, 20)
-"""
 
 
 @pytest.fixture
