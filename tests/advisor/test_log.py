@@ -75,10 +75,19 @@ def test_a_line_is_strict_json_and_complete(tmp_path):
     assert (tmp_path / "pictures" / f"{line['pictures'][0]}.png").read_bytes() == b"png"
 
 
-def test_a_picture_is_written_once_and_a_raw_reply_up_to_its_limit(tmp_path):
-    lines = logged(tmp_path, ATTEMPT, replace(ATTEMPT, raw="x" * (RAW_LIMIT + 1)))
-    assert len(list((tmp_path / "pictures").iterdir())) == 1
-    assert (len(lines[1]["raw"]), lines[1]["raw_chars"]) == (RAW_LIMIT, RAW_LIMIT + 1)
+def test_a_picture_is_written_once(tmp_path):
+    recorder = AttemptRecorder(tmp_path)
+    recorder(ATTEMPT)
+    (written,) = (tmp_path / "pictures").iterdir()
+    written.unlink()
+    recorder(ATTEMPT)
+    recorder.close()
+    assert not written.exists()
+
+
+def test_a_raw_reply_is_kept_up_to_its_limit(tmp_path):
+    (line,) = logged(tmp_path, replace(ATTEMPT, raw="x" * (RAW_LIMIT + 1)))
+    assert (len(line["raw"]), line["raw_chars"]) == (RAW_LIMIT, RAW_LIMIT + 1)
 
 
 @pytest.mark.parametrize(

@@ -73,9 +73,16 @@ def test_closing_ends_what_is_pending_and_closes_each_advisor_on_the_loop_it_was
 
 
 def test_an_advisor_that_never_gets_warm_is_an_error(thread):
+    cancelled = threading.Event()
+
     class Cold:
-        warm_up = staticmethod(asyncio.Event().wait)
+        async def warm_up(self):
+            try:
+                await asyncio.Event().wait()
+            finally:
+                cancelled.set()
 
     with pytest.raises(TimeoutError):
-        thread.warm_up(Cold(), timeout_s=0.01)
+        thread.warm_up(Cold(), timeout_s=0.2)
+    assert cancelled.wait(5)
     thread.warm_up(object())

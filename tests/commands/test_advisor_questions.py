@@ -52,9 +52,10 @@ def test_a_share_makes_fewer_of_each_kind_but_never_none(told, made, tmp_path):
         (("--seed", "1", "--out", "set.tar"), "--out: found 'set.tar'"),
     ],
 )
-def test_bad_flags_are_refused_before_anything_is_made(refused, tmp_path, monkeypatch, words, said):
+def test_bad_flags_are_refused_before_anything_is_made(refused, made, tmp_path, monkeypatch, words, said):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there.zip").write_bytes(b"mine")
     out = () if "--out" in words else ("--out", "new.zip")
     assert said in refused("advisor", "questions", *words, *out)
+    assert made == []
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"mine"]

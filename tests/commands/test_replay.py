@@ -5,11 +5,17 @@ import pytest
 from coral.view.live.recorded import Player
 
 
-def test_a_run_is_shown_until_ctrl_c_and_then_told(told, survey, monkeypatch):
+@pytest.fixture(autouse=True)
+def _interrupted(monkeypatch):
+    """Ctrl-C comes as soon as the page is open."""
+
     def interrupted(self, page, clock, wait):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Player, "run", interrupted)
+
+
+def test_a_run_is_shown_until_ctrl_c_and_then_told(told, survey):
     code, result, err = told("replay", survey, "--port", "0", "--json")
     assert code == 0
     assert (result["run"], result["duration_s"], result["complete"]) == (str(survey), 2.0, True)
