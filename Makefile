@@ -37,11 +37,11 @@ endif
 
 test-ray: setup  ## a two-node Ray cluster on this machine, one node killed midway
 	$(PIP) --no-build-isolation --editable '.[ray]'
-	$(BIN)/python -m pytest -m ray tests/campaign/test_ray.py
+	$(BIN)/python -m pytest -m ray tests/campaign/test_cluster.py
 
 test-lance: setup  ## experience memories in LanceDB, several processes writing (a download of 75 MB)
 	$(PIP) --no-build-isolation --editable '.[lance]'
-	$(BIN)/python -m pytest tests/contact/memory
+	$(BIN)/python -m pytest tests/contact/memory tests/commands/test_memory.py
 
 # Without GGML_NATIVE=OFF the compiled server crashes on some virtual machines that advertise AMX.
 test-model: setup  ## a mission through a small real language model (compiles for minutes)

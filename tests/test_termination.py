@@ -1,12 +1,9 @@
-import errno
 import os
 import signal
 import threading
 
 import pytest
 
-from coral import cli
-from coral.runs import RunWriter, write_whole
 from coral.termination import Terminated, orderly_termination
 
 
@@ -52,49 +49,3 @@ def test_other_threads_leave_signals_alone(free):
     thread.start()
     thread.join()
     assert found == [signal.SIG_DFL]
-
-
-class Full:
-    """A disk that takes nothing more."""
-
-    name = "somewhere/events.jsonl"
-
-    def write(self, text):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    def close(self):
-        self.write("")
-
-
-def test_a_full_disk_names_the_file_and_the_log_can_still_be_closed(tmp_path):
-    writer = RunWriter(tmp_path / "run", ("step",))
-    writer._events = Full()
-    with pytest.raises(OSError, match=r"No space left on device: 'somewhere/events\.jsonl'"):
-        writer.event(0, 0.0, "start")
-    writer.close()
-
-
-def test_a_file_that_was_not_written_whole_is_not_there(tmp_path):
-    (tmp_path / "taken").mkdir()
-    with pytest.raises(OSError, match="taken"):
-        write_whole(tmp_path / "taken", b"content")
-    assert [path.name for path in tmp_path.iterdir()] == ["taken"]
-
-
-@pytest.mark.parametrize(
-    ("error", "said"),
-    [
-        (OSError(errno.ENOSPC, "No space left on device", "runs/a/events.jsonl"), "runs/a/events.jsonl: no space left"),
-        (OSError(errno.EDQUOT, "Disk quota exceeded"), "coral: disk quota exceeded"),
-    ],
-)
-def test_the_command_line_says_it_in_one_line(monkeypatch, capsys, error, said):
-    def fail(name, words):
-        raise error
-
-    monkeypatch.setattr(cli, "_parse", fail)
-    assert cli.main(["version"]) == 1
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert said in told.err
-    assert told.err.count("\n") == 1

@@ -1,9 +1,5 @@
-import subprocess
-import sys
-
 import pytest
 
-from coral import __version__
 from coral.cli import main
 
 
@@ -51,14 +47,3 @@ def test_the_parsers_complaints_are_one_plain_line(monkeypatch, capsys, words, s
     monkeypatch.setenv("COLUMNS", columns)
     assert main(words.split()) == 2
     assert capsys.readouterr().err == f"coral: {said}\n"
-
-
-@pytest.mark.parametrize("words", [["--version"], ["-V"], ["version"]])
-def test_the_version_is_told(capsys, words):
-    assert main(words) == 0
-    assert capsys.readouterr().out == f"coral {__version__}\n"
-
-
-def test_the_package_runs_as_a_module():
-    done = subprocess.run([sys.executable, "-m", "coral", "--version"], capture_output=True, text=True, check=True)
-    assert done.stdout == f"coral {__version__}\n"

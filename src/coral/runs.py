@@ -7,6 +7,7 @@ import csv
 import json
 import os
 import platform
+import re
 import subprocess
 from collections.abc import Iterator, Mapping
 from datetime import datetime
@@ -140,10 +141,15 @@ def trajectory_name(robot: int) -> str:
     return f"trajectory_{robot}.csv" if robot else "trajectory.csv"
 
 
+def file_stem(name: str) -> str:
+    """The name of a world or a task as part of a file's name: one that leads to no other folder."""
+    return re.sub(r"[^\w.-]+", "-", name).strip("-.") or "unnamed"
+
+
 def new_run_folder(root: Path, name: str) -> Path:
     """Return the first free folder among `root/name-001`, `root/name-002`, ..."""
     number = 1
-    while (folder := root / f"{name}-{number:03d}").exists():
+    while (folder := root / f"{file_stem(name)}-{number:03d}").exists():
         number += 1
     return folder
 

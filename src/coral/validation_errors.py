@@ -56,6 +56,8 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
     if kind == "model_type":
         known = _keys(model, fault["loc"])
         return InputError(where, field, shown(value), f"a mapping with the keys {', '.join(known)}")
+    if kind == "model_attributes_type":  # one of several kinds, and no mapping that could tell which
+        return InputError(where, field, shown(value), "a mapping")
     if kind == "tuple_type":
         return InputError(where, field, shown(value), "a list")
     if kind == "value_error":

@@ -74,16 +74,6 @@ def test_each_error_looks_like_a_real_one(kind, code, question):
     assert set(ask(make(**{kind: 1.0}), question, 30)) == {code}
 
 
-def test_out_of_range():
-    assert {answer.selected_index for answer in ask(make(out_of_range=1.0), CHOICE, 60)} == {4, 5, 6, 7, 8}
-    assert set(ask(make(out_of_range=1.0), WAYPOINT, 30)) == {"out-of-range"}
-
-
-def test_backward():
-    assert {answer.selected_index for answer in ask(make(backward=1.0), CHOICE, 40)} == {0, 3}
-    assert {answer.forward_m for answer in ask(make(backward=1.0), WAYPOINT, 90)} == {-1, -2, -3, -4, -5, -6}
-
-
 def test_stale_repeats_the_answer_before():
     assert [a.selected_index for a in ask(make(stale=1.0), CHOICE, 4)][1:] == [1, 2, 1]
 

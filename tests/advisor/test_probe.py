@@ -7,7 +7,6 @@ import pytest
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.probe import probe
-from coral.cli import main
 from coral.errors import InputError
 
 CFG = ModelCfg(attempt_timeout_s=5.0, deadline_s=5.0)
@@ -65,17 +64,6 @@ def test_endpoint_that_refuses_the_key_is_asked_once(stub):
     assert len(server.requests) == 1
     assert report.recommended is None
     assert report.lines()[-1] == "  no output mode works"
-
-
-@pytest.mark.parametrize("json_flag", [[], ["--json"]])
-def test_the_command_fails_when_the_model_cannot_be_used(stub, capsys, json_flag):
-    words = ["advisor", "probe", f"local:{stub(stub.error(404, 'no such model')).url}#m", *json_flag]
-    assert main(words) == 1
-    out, err = capsys.readouterr()
-    assert "no output mode works" in out
-    assert err == ""
-    able = f"local:{stub(model(stub)).url}#m"
-    assert main(["advisor", "probe", able, *json_flag]) == 0
 
 
 def test_only_real_models_are_probed():

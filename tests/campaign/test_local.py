@@ -46,33 +46,6 @@ def test_good_bad_and_deadly_episodes_each_end_in_one_record(store, specs_of, to
     assert not list(store.folder.glob("runs/.*"))
 
 
-def test_the_same_command_again_runs_nothing_a_larger_one_the_rest_a_retry_the_failures(store, specs_of, toy):
-    specs = specs_of(worlds=("w", "raises"), seeds=(0, 1))
-    run(store, specs, toy.toy)
-    again = run(store, specs, toy.toy)
-    assert (again.found, again.finished, again.failed) == (4, 0, 0)
-    more = specs_of(worlds=("w", "raises"), seeds=(0, 1, 2))
-    assert run(store, more, toy.toy).finished == 1
-    assert [toy.times(specs_of.marks, spec) for spec in more] == [1] * 6
-    assert run(store, specs, toy.toy, retry_failed=True).failed == 2
-    assert {spec.world: toy.times(specs_of.marks, spec) for spec in specs} == {"w": 1, "raises": 2}
-
-
-def test_longest_episodes_start_first(store, specs_of, toy):
-    specs = specs_of(seeds=(0, 1, 2, 3))
-    order = []
-
-    class Noting(LocalExecutor):
-        def run(self, episode, tasks):
-            order.extend(task.spec.seed for task in tasks)
-            return super().run(episode, tasks)
-
-    with store.lock():
-        store.open(specs, {})
-        run_campaign(store, specs, toy.toy, Noting(1), mix=True, first=lambda spec: spec.seed % 3)
-    assert order == [2, 1, 0, 3]
-
-
 def test_an_episode_that_workers_cannot_import_is_one_clear_error(store, specs_of, toy, monkeypatch, capfd):
     specs = specs_of()
     monkeypatch.setattr(sys, "path", [p for p in sys.path if not p.endswith("campaign")])
@@ -80,14 +53,6 @@ def test_an_episode_that_workers_cannot_import_is_one_clear_error(store, specs_o
         run(store, specs, toy.toy)
     assert "campaign_toy" in capfd.readouterr().err
     assert store.records() == []
-
-
-def test_workers_of_another_version_are_refused(store, specs_of, toy, monkeypatch):
-    monkeypatch.setattr("coral.campaign.campaign.code_version", lambda: "other")
-    with pytest.raises(RunError, match="another version"):
-        run(store, specs_of(), toy.toy, mix=False)
-    assert store.records() == []
-    assert run(store, specs_of(), toy.toy).finished == 3
 
 
 def test_the_episode_of_a_dead_worker_goes_to_one_that_is_idle(store, specs_of, toy):

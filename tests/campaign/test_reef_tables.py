@@ -167,19 +167,6 @@ JUDGED = [
 ]
 
 
-def test_what_was_inspected_stands_in_a_table_with_the_bound_and_the_blind():
-    table = tables_by_name(JUDGED)["Inspection"]
-    rows = {row[0]: dict(zip(table.header, row, strict=True)) for row in table.rows}
-    assert list(rows) == ["CORAL (full)", "blind sweep", "oracle tour (bound)"]
-    assert rows["CORAL (full)"]["inspected (%)"] == "95.0"
-    assert rows["CORAL (full)"]["to 90 % (s)"] == "120 (1/2)"
-    assert rows["CORAL (full)"]["× oracle, to 90 %"] == "2.00 (1/2)"
-    assert rows["blind sweep"]["to 90 % (s)"] == "—"
-    assert rows["oracle tour (bound)"]["to 90 % (s)"] == "60"
-    assert "position error (m)" not in table.header  # recorded by none of these missions
-    assert any("not a proven optimum" in note for note in table.notes)
-
-
 def test_baselines_are_rows_of_the_papers_tables_too():
     tables = tables_by_name(JUDGED)
     for name in ("Table I", "Table II", "All variants"):

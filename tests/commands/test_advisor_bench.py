@@ -32,9 +32,3 @@ def test_bad_flags_are_refused(capsys, tmp_path):
     assert bench(capsys, "--advisors", "heuristik")[0] == 2
     assert bench(capsys, "--sets", "private")[0] == 2
     assert bench(capsys, "--limit", "0")[0] == 2
-
-
-def test_questions_refuse_a_file_that_is_there(capsys, tmp_path):
-    (tmp_path / "a.zip").write_bytes(b"")
-    assert main(["advisor", "questions", "--seed", "1", "--out", str(tmp_path / "a.zip")]) == 2
-    assert "new file" in capsys.readouterr().err

@@ -13,7 +13,6 @@ from coral.reef.reachability import distance_to, obstacle_outline
 from coral.reef.scene import Scene
 from coral.reef.spines import TOPOLOGIES, spread, topology_lines
 from coral.reef.world import WORLDS_DIR, ReefWorld, load_world, save_world
-from coral.view.preview import preview, preview_sheet
 
 CELL_M = 0.05
 
@@ -190,9 +189,3 @@ def test_places_on_a_loop_do_not_meet_at_its_end():
     places = np.array(spread([np.concatenate([[(5.0, -4.0)], loop])], 6, lead_m=2.0))[:, :2]
     away = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) + 99.0 * np.eye(6)
     assert away.min(axis=1) == pytest.approx(5.0, abs=0.15)
-
-
-def test_previews_are_drawn(tmp_path):
-    worlds = [load_world(name) for name in ("l1", "o2")]
-    for path in (preview(worlds[0], tmp_path / "one.png"), preview_sheet(worlds, tmp_path / "sheet.png", columns=2)):
-        assert path.read_bytes().startswith(b"\x89PNG")

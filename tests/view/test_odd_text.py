@@ -4,37 +4,12 @@ import json
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 
 from coral.cli import main
-from coral.view.pictures import draw_text, text_size
 from coral.view.report import write_report
 
 ODD = "a\ud800b\x00\x1b[31m\u202e\uffff<b>"
-DRAW = """
-import numpy as np
-from coral.view.pictures import draw_text
-for text in {texts!r}:
-    draw_text(np.zeros((40, 300, 3), np.uint8), text, 10, 20)
-"""
-
-
-def test_a_picture_takes_any_text():
-    """In a process of its own: OpenCV ended it."""
-    done = subprocess.run(
-        [sys.executable, "-c", DRAW.format(texts=[ODD, "\udfff", "\x00", "\n", ""])], capture_output=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-
-
-def test_long_text_is_cut_and_other_text_looks_as_before():
-    assert text_size("x" * 100_000, 14)[0] < 10_000
-    assert text_size("a\ud800b", 14) == text_size("a\ufffdb", 14)
-    one, two = (np.full((40, 300, 3), 255, np.uint8) for _ in range(2))
-    draw_text(one, "3.1 N — α × β", 10, 20)
-    draw_text(two, "3.1 N — α × γ", 10, 20)
-    assert (one != two).any()
 
 
 @pytest.fixture

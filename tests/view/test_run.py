@@ -63,20 +63,3 @@ def test_not_a_run(tmp_path):
     for name in ("missing", "empty", "file"):
         with pytest.raises(InputError, match=name):
             RunFolder.read(tmp_path / name)
-
-
-def test_decisions_tell_cause_tries_and_goal(finished):
-    first, second, third = decisions(RunFolder.read(finished))
-    assert (first.cause, first.mode, first.outcome, first.goal) == ("first", "waypoint", "accepted", (6.0, 6.0))
-    assert first.tries[0].said == "4 m ahead, 1 m right"
-    assert first.tries[0].latency_s == 4.0
-    assert [name for name, _ in first.tries[0].pictures] == ["map", "segmentation", "depth"]
-    assert second.cause == "distance"
-    assert [one.verdict for one in second.tries] == ["malformed", "rejected", "accepted"]
-    assert second.tries[1].reason == "The chosen centroid is behind the robot."
-    assert second.tries[2].said == "centroid 1"
-    assert second.goal == (9.0, 9.0)
-    assert [c["index"] for c in second.centroids] == [0, 1]
-    assert second.x == pytest.approx(2.0 + 0.18 * 12.0, abs=0.05)
-    assert third.outcome == "open"
-    assert third.tries[0].latency_s is None

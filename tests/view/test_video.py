@@ -1,12 +1,9 @@
-import cv2
 import imageio_ffmpeg
 import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.view.decisions import decisions
 from coral.view.run import RunFolder
-from coral.view.runmap import scene_at, write_map
 from coral.view.video import FPS, HEIGHT, LONGEST_S, WIDTH, moments, pictures, write_video
 
 
@@ -41,23 +38,3 @@ def test_no_snapshots_no_film(fresh):
         file.unlink()
     with pytest.raises(InputError, match="frames/"):
         write_video(fresh)
-
-
-def test_the_scene_shows_only_what_was_known_then(finished):
-    run = RunFolder.read(finished)
-    made = decisions(run)
-    early, late = scene_at(run, made, 10.0), scene_at(run, made, 40.0)
-    assert early.pose.x == pytest.approx(3.8, abs=0.01)
-    assert len(early.trajectory) == 101
-    assert (early.cells > 0).sum() < (late.cells > 0).sum()
-    assert early.cells.shape == (240, 240)
-    assert early.cell_m == pytest.approx(0.05)
-    assert late.goal == (9.0, 9.0)
-    assert list(late.visited) == [True, False]
-
-
-def test_the_final_map_is_written(fresh):
-    image = cv2.imread(str(write_map(fresh)))
-    assert max(image.shape[:2]) <= 768
-    green = (np.abs(image.astype(int) - (76, 166, 38)) < 5).all(axis=2).sum()
-    assert green > 500

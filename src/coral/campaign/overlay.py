@@ -12,6 +12,7 @@ import numpy as np
 from coral.campaign.reef_tables import name
 from coral.campaign.spec import called
 from coral.campaign.store import write_whole
+from coral.odd_text import printable
 from coral.view.mapsvg import footprint
 from coral.view.run import RunFolder
 
@@ -58,6 +59,7 @@ def draw_overlay(runs: Mapping[str, Mapping[str, Path]], path: Path, *, seed: in
         f"Trajectories over the true reef (m) · seed {seed} · advisor {called(advisor)} · coverage in the "
         "legend's order",
         fontsize=9,
+        parse_math=False,
     )
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=130)
@@ -81,7 +83,7 @@ def _panel(axes: Any, title: str, runs: Mapping[str, RunFolder], colors: Mapping
     size = world.get("size_m", (1, 1))
     axes.set(xlim=(0, size[0]), ylim=(0, size[1]), aspect="equal")
     covered = " / ".join(f"{100 * float(run.metrics.get('coverage', 0)):.0f}" for run in runs.values())
-    axes.set_title(f"{title}: {covered} %", fontsize=9)
+    axes.set_title(f"{printable(title)}: {covered} %", fontsize=9, parse_math=False)
     axes.tick_params(labelsize=7, length=2)
 
 

@@ -12,6 +12,7 @@ from coral.campaign.measures import Measure, Row, mean
 from coral.campaign.overlay import COLORS, MORE_COLORS
 from coral.campaign.store import write_whole
 from coral.campaign.sweep import in_order
+from coral.odd_text import printable
 
 EDGED = "#3a3000"
 """Edge colour of the markers: the paper's yellow is pale on white."""
@@ -52,7 +53,7 @@ def draw_sweep(variants: Mapping[str, Sequence[Row]], measures: Sequence[Measure
         grid[line, 0].set_ylim(*((-4.0, 104.0) if measure.key == "coverage" else (min(low, 0.0), max(high, 1.0))))
     if len(variants) > 1:
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize=8)
-    figure.suptitle(f"{title}\ndashed: nominal · bars: 95 % intervals", fontsize=8)
+    figure.suptitle(f"{printable(title)}\ndashed: nominal · bars: 95 % intervals", fontsize=8, parse_math=False)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=120)
     write_whole(path, buffer.getvalue())

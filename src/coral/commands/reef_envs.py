@@ -11,6 +11,7 @@ import tyro
 
 from coral.errors import InputError
 from coral.reef.world import load_world, shipped_worlds
+from coral.runs import file_stem
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +47,7 @@ class ReefEnvs:
 
             try:
                 self.preview.mkdir(parents=True, exist_ok=True)
-                result["previews"] = [str(preview(w, self.preview / f"{w.name}.png")) for w in worlds]
+                result["previews"] = [str(preview(w, self.preview / f"{file_stem(w.name)}.png")) for w in worlds]
                 result["sheet"] = str(preview_sheet(worlds, self.preview / "sheet.png", columns=min(5, len(worlds))))
             except OSError as error:
                 reason = error.strerror or error

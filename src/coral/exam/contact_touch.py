@@ -1,4 +1,4 @@
-"""Where a task wants to be touched, from its goals: which side of which object, and how (for keys alone)."""
+"""The contact that a task wants, from its goals: side of the object and approach (ground truth, for keys alone)."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from coral.contact.scene.geometry import rotate
 from coral.contact.scene.trial import Trial
 
 WITHIN_COS = 0.64
-"""A face belongs to a side when its normal is within 50 degrees of it: two faces of a box meet halfway, at 45."""
+"""A face belongs to a side if its normal is within 50 degrees of it; a box turned by 45 shows two faces to a side."""
 Touch = dict[str, Any]
 """An `object`, `how` it is approached, the `side` (unit vector in the world, None for any), whether `high` on it."""
 
 
 def touches(trial: Trial) -> list[Touch]:
-    """The touches that help, one list for the whole task.
+    """Derive the helpful contacts of a task; one list for all its stages.
 
-    What is to be pushed somewhere is touched on the side that faces away from there; what is to be lifted is pinched;
-    what is to be tipped over is touched on the side that it turns away from: towards a wall, or away from the robot.
+    An object to be pushed is touched on the side opposite to its goal; an object to be lifted is pinched; an object to
+    be flipped is touched on the side from which it turns over: towards a wall, or away from the robot.
     """
     found: list[Touch] = []
     goals = [goal.model_dump(mode="json") for goal in trial.task.success.conditions]
@@ -43,19 +43,19 @@ def touches(trial: Trial) -> list[Touch]:
 
 
 def fits(region: Region, name: str, touch: Touch, pose: Sequence[float], size: Sequence[float]) -> bool:
-    """Whether a region is such a touch.
+    """Check whether a region is such a contact.
 
     Args:
         region: The region.
-        name: Of its object.
-        touch: The touch.
-        pose: Of the object: x, y, z, qw, qx, qy, qz.
-        size: Its full extents, m.
+        name: Name of its object.
+        touch: The wanted contact.
+        pose: Pose of the object: x, y, z, qw, qx, qy, qz.
+        size: Full extents of the object, m.
     """
     if name != touch["object"] or region.approach not in (None, *touch["how"]):
         return False
     if touch["side"] is None:
-        # A grasp without a named approach is one if the fingers close there.
+        # A region without a named approach counts as a pinch if the fingers can close there.
         return region.approach is not None or closing_axis(np.asarray(region.normal), np.asarray(size)) is not None
     turn = np.asarray(pose[3:])
     if touch.get("high") and rotate(turn, np.asarray(region.center))[2] <= 0.0:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from coral.odd_text import printable
 from coral.reef.world import Obstacle, ReefWorld
 
 SEABED, OYSTER, ROCK, SPINE, START, FLOW, INK = (
@@ -33,9 +34,10 @@ def preview(world: ReefWorld, path: Path) -> Path:
     width, height = world.size_m
     oysters = sum(len(cluster.oysters) for cluster in world.clusters)
     axes.set_title(
-        f"{world.name}: {width:g} × {height:g} m, {len(world.clusters)} clusters, {oysters} oysters, "
+        f"{printable(world.name)}: {width:g} × {height:g} m, {len(world.clusters)} clusters, {oysters} oysters, "
         f"{len(world.obstacles)} obstacles",
         fontsize=12,
+        parse_math=False,
     )
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
@@ -74,7 +76,7 @@ def preview_sheet(worlds: Sequence[ReefWorld], path: Path, columns: int = 5) -> 
             continue
         width, height = worlds[k].size_m
         _draw(axes, worlds[k], size=8.5)
-        axes.set_title(f"{worlds[k].name}   {width:g} × {height:g} m", fontsize=12)
+        axes.set_title(f"{printable(worlds[k].name)}   {width:g} × {height:g} m", fontsize=12, parse_math=False)
         axes.set_xlim(width / 2 - widest / 2 - 0.3, width / 2 + widest / 2 + 0.3)
         axes.set_ylim(height - highest - 0.3, height + 0.3)  # titles are on top of the worlds
     figure.legend(handles=_legend(), loc="outside lower center", ncols=5, frameon=False, fontsize=11)

@@ -9,7 +9,6 @@ import sys
 import numpy as np
 import pytest
 
-from coral.commands.doctor import Doctor
 from coral.contact.cost.context import Context
 from coral.contact.cost_program import CostError, CostProgram, CostWorker, LimitsCfg, WorkerCfg
 from coral.contact.cost_program.errors import LONGEST_NAME
@@ -208,11 +207,3 @@ def test_a_machine_without_a_filter_runs_no_cost_unless_told_to(schema, monkeypa
         assert not one.filtered
     monkeypatch.setenv("CORAL_ALLOW_UNFILTERED_COSTS", "1")
     assert WorkerCfg().allow_unfiltered
-
-
-def test_doctor_tells_whether_system_calls_are_filtered(monkeypatch):
-    monkeypatch.setattr(CostWorker, "check", lambda _: False)
-    doctor = Doctor()
-    assert "refuses costs" in doctor.describe(doctor())
-    monkeypatch.setattr(CostWorker, "check", lambda _: True)
-    assert "are filtered" in doctor.describe(doctor())

@@ -6,8 +6,6 @@ from episodes import SLIDE
 
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
-from coral.commands.contact_bench import read_memory
-from coral.errors import InputError
 
 QUICK = [
     "--samples",
@@ -105,23 +103,3 @@ def test_strategy_and_none_are_compared_in_a_table_and_a_figure(practised):
     page = (practice / "tables.md").read_text()
     assert "**Contact-strategy ablation.** slide, world: hand." in page
     assert (practice / "ablation-slide.png").read_bytes().startswith(b"\x89PNG")
-
-
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        (b"", "--memory"),
-        (b"{}", "--memory"),
-        (b"nothing", "--memory"),
-        (b'{"format": "coral-memory/1"}', "format"),
-        (b'{"format": "coral-memory/1", "experiences": [3]}', "experiences"),
-        (b'{"format": "coral-memory/1", "experiences": [{"instruction": 3}]}', "experiences"),
-    ],
-)
-def test_what_is_no_memory_is_refused(tmp_path, content, said):
-    path = tmp_path / "memory.json"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=said):
-        read_memory(path)
-    with pytest.raises(InputError, match="absent"):
-        read_memory(tmp_path / "absent.json")

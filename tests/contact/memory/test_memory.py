@@ -7,9 +7,6 @@ import sys
 import pytest
 from experiences import experience
 
-from coral.cli import main
-from coral.commands.contact_bench import read_memory
-from coral.commands.memory import MemoryImport
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import FORMAT, Memory
 from coral.errors import InputError
@@ -171,13 +168,6 @@ def test_a_stored_row_that_says_nonsense_is_passed_over(scene, memory):
     assert memory.find(one.facts) == []
 
 
-def test_the_list_shows_provenance_that_says_little_or_too_much(scene, memory, capsys):
-    one = experience(scene("pick-box"))
-    number = memory.add(one.model_copy(update={"provenance": {"success": True, "world": "hand", "id": 77}}))
-    assert main(["memory", "list", "--file", memory.where]) == 0
-    assert capsys.readouterr().out.split()[0] == str(number)
-
-
 ADDER = """
 import sys
 from pathlib import Path
@@ -241,35 +231,3 @@ def test_a_file_that_another_process_is_just_making_is_waited_for(scene, tmp_pat
     assert memory.add(experience(scene("pick-box"))) == 1
     assert len(waited) == 1
     other.close()
-
-
-def test_commands(scene, memory, place, tmp_path, capsys):
-    number = memory.add(experience(scene("pick-box")))
-    file = ["--file", memory.where]
-    assert main(["memory", "list", *file, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["experiences"][0]["id"] == number
-    assert main(["memory", "show", str(number), *file]) == 0
-    assert "def state_cost" in capsys.readouterr().out
-    assert main(["memory", "export", str(tmp_path / "e.json"), *file]) == 0
-    assert main(["memory", "export", str(tmp_path / "e.json"), *file]) == 2
-    assert main(["memory", "import", str(tmp_path / "e.json"), "--file", place("new")]) == 0
-    assert [one["numbers"] for one in read_memory(place("new"))["experiences"]] == [memory.all()[0].experience.numbers]
-    assert main(["memory", "forget", "99", *file]) == 2
-    assert main(["memory", "forget", str(number), *file]) == 0
-    capsys.readouterr()
-    assert main(["memory", "list", "--file", place("none")]) == 2
-    assert "found no such" in capsys.readouterr().err
-    with pytest.raises(InputError, match="a memory, or an export"):
-        read_memory(place("none"))
-
-
-@pytest.mark.parametrize("depth", [900, 200_000])
-def test_deeply_nested_experiences_are_one_line(depth, scene, tmp_path):
-    one = (
-        experience(scene("pick-box"), deep=0)
-        .model_dump_json()
-        .replace('"deep":0', f'"deep":{"[" * depth + "]" * depth}')
-    )
-    (tmp_path / "deep.json").write_text(f'{{"format": "coral-memory/1", "experiences": [{one}]}}')
-    with pytest.raises(InputError, match=r"deep\.json"):
-        MemoryImport(source=tmp_path / "deep.json", file=str(tmp_path / "m.sqlite"))()

@@ -4,7 +4,6 @@ import pytest
 from coral.view.live.pace import Pace
 from coral.view.live.recorded import Player, RecordedRun
 from coral.view.live.state import LiveState
-from coral.view.live.story import Story, told
 from coral.view.run import RunFolder
 
 
@@ -86,28 +85,3 @@ def test_the_player_shows_each_moment_once(recording):
     player = Player(recording, Pace(10.0))
     player.run(Page(), lambda: now[0], wait)
     assert [s.t for s in Page.shown] == [0.0, 10.0, 20.0, 30.0, 40.0]
-
-
-def event(t, kind, **fields):
-    return {"t": t, "step": round(10 * t), "event": kind, **fields}
-
-
-def test_a_failure_that_lasts_is_one_line():
-    story = Story()
-    for t in (1.0, 1.1, 1.2):
-        story = told(story, event(t, "planner_failure", reason="no way"))
-    assert story.log == ("0:01 no way found: no way",)
-
-
-def test_the_story_counts_and_forgets_what_is_old():
-    story = Story()
-    for k in range(20):
-        story = told(story, event(k, "question", decision=k, attempt=k % 2, mode="centroid"))
-        story = told(
-            story, event(k, "verdict", verdict="rejected", reason="too far", answer={"selected_centroid_index": k})
-        )
-    assert (story.calls, story.requeries, story.asked) == (20, 10, None)
-    assert (story.answered.said, story.answered.reason) == ("centroid 19", "too far")
-    assert len(story.log) == 6
-    assert story.log[0].endswith("rejected: centroid 19")
-    assert told(story, event(30, "something new")) is story

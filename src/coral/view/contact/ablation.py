@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from coral.errors import InputError
+from coral.odd_text import printable
 from coral.view.run import RunFolder
 
 HUES = ("#178048", "#c8352b", "#c8862b")
@@ -62,7 +63,7 @@ def draw_ablation(runs: Mapping[str, Sequence[Path]], path: Path, title: str) ->
     for axes in (paths, costs):
         axes.grid(alpha=0.25, lw=0.5)
         axes.tick_params(labelsize=8)
-    figure.suptitle(title, fontsize=9)
+    figure.suptitle(printable(title), fontsize=9, parse_math=False)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=140, metadata={"Software": None})
     partial = path.with_name(f"{path.name}.part")

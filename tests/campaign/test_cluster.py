@@ -1,14 +1,16 @@
-"""A real Ray cluster of two nodes on this machine, one of which is killed midway (make test-ray)."""
+"""Marked `ray`: a real cluster of two nodes on this machine, one of which is killed midway (make test-ray)."""
 
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 from coral.campaign.campaign import run_campaign
+from coral.campaign.cluster import RayExecutor, pack, unpack
 from coral.campaign.store import Store
-from coral.errors import RunError
+from coral.errors import InputError, RunError
 
-pytestmark = pytest.mark.ray
 EPISODES = 24
 
 
@@ -29,9 +31,8 @@ def cluster(monkeypatch):
         cluster.shutdown()
 
 
+@pytest.mark.ray
 def test_a_node_killed_midway_costs_no_episode_and_doubles_none(cluster, tmp_path, specs_of, toy):
-    from coral.campaign.cluster import RayExecutor
-
     doomed = cluster.add_node(num_cpus=2)
     cluster.wait_for_nodes()
     specs = specs_of(worlds=("w", "slow"), seeds=range(EPISODES // 2))
@@ -57,9 +58,8 @@ def test_a_node_killed_midway_costs_no_episode_and_doubles_none(cluster, tmp_pat
     assert (again.found, again.finished) == (EPISODES, 0)
 
 
+@pytest.mark.ray
 def test_bad_episodes_are_failures_and_deadly_ones_too(cluster, tmp_path, specs_of, toy):
-    from coral.campaign.cluster import RayExecutor
-
     specs = specs_of(worlds=("w", "raises", "exits"), seeds=(0,))
     store = Store(tmp_path / "out")
     with store.lock():
@@ -72,12 +72,41 @@ def test_bad_episodes_are_failures_and_deadly_ones_too(cluster, tmp_path, specs_
     assert told["exits"]["message"].startswith("lost 4 times: ")
 
 
-def test_no_cluster_is_one_clear_error():
-    pytest.importorskip("ray")
-    from coral.campaign.cluster import RayExecutor
+def test_without_ray_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    with pytest.raises(InputError, match="--executor: found ray, which is not installed, expected local, or"):
+        RayExecutor("auto")
 
-    with pytest.raises(RunError, match=r"no Ray cluster at 127\.0\.0\.1:1"):
-        RayExecutor("127.0.0.1:1")
+
+@pytest.mark.parametrize(
+    ("address", "error", "said"),
+    [
+        ("127.0.0.1:1", RunError, r"^no Ray cluster at 127\.0\.0\.1:1: Connection refused"),
+        ("ray://127.0.0.1:1", RunError, r"^no Ray cluster at ray://127\.0\.0\.1:1"),
+        ("127.0.0.1:99999", RunError, r"^no Ray cluster at 127\.0\.0\.1:99999"),
+        ("nowhere", InputError, r"--address: found 'nowhere', expected auto, HOST:PORT"),
+        ("host:port", InputError, r"--address: found 'host:port'"),
+        (":6379", InputError, r"--address: found ':6379'"),
+    ],
+)
+def test_an_address_at_which_nothing_listens_is_one_clear_error_at_once(monkeypatch, address, error, said):
+    monkeypatch.setitem(sys.modules, "ray", ModuleType("ray"))
+    with pytest.raises(error, match=said):
+        RayExecutor(address)
+
+
+def test_what_a_node_wrote_comes_back_in_place_of_what_was_there(tmp_path):
+    there, here = tmp_path / "there", tmp_path / "runs" / "here"
+    (there / "frames").mkdir(parents=True)
+    (there / "frames" / "1.png").write_bytes(bytes(range(256)))
+    (there / "log.txt").write_text("a")
+    here.mkdir(parents=True)
+    (here / "old.txt").write_text("of an earlier attempt")
+    unpack(pack(there), here)
+    assert sorted(path.name for path in here.rglob("*")) == ["1.png", "frames", "log.txt"]
+    assert (here / "frames" / "1.png").read_bytes() == bytes(range(256))
+    unpack(pack(tmp_path / "nothing"), here)
+    assert not here.exists()
 
 
 class Killer:

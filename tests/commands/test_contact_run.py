@@ -2,30 +2,14 @@ import json
 from pathlib import Path
 
 import pytest
-import yaml
 from contact_bench import changed
-from stub import Stub, completion
 
-from coral.campaign.dataset import read_parquet
 from coral.cli import main
-from coral.commands.contact_bench import ContactBench
-from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.variants import VARIANTS
-from coral.contact.scene.task_file import TASKS_DIR, shipped_tasks
-from coral.contact.tasks import load_task
+from coral.contact.scene.task_file import TASKS_DIR
 
 COARSE = ["--samples", "6", "--cfg.controller.horizon", "8", "--cfg.planning.threads", "1", "--quiet"]
-
-
-@pytest.fixture(scope="module")
-def task(tmp_path_factory):
-    """pick-box with a time limit of 0.2 s, as a file."""
-    path = tmp_path_factory.mktemp("task") / "short.yaml"
-    content = load_task("pick-box").model_copy(update={"time_limit_s": 0.2}).model_dump(mode="json")
-    content["success"]["hold_s"] = 0.1
-    path.write_text(yaml.safe_dump(content))
-    return str(path)
 
 
 def answer(capsys):
@@ -103,99 +87,6 @@ def test_bad_input_is_one_line_and_exit_code_2(words, said, tmp_path, capsys, mo
     assert not list(tmp_path.iterdir())
 
 
-def test_tasks_are_listed_and_one_is_shown_with_its_ranges(capsys):
-    assert main(["contact", "tasks"]) == 0
-    listed = capsys.readouterr().out
-    assert all(name in listed for name in shipped_tasks())
-    assert main(["contact", "tasks", "pick-box"]) == 0
-    shown = capsys.readouterr().out
-    assert "mass      0.1 to 0.4 kg" in shown
-    assert main(["contact", "tasks", "--json"]) == 0
-    assert [task["name"] for task in answer(capsys)["tasks"]] == list(shipped_tasks())
-
-
-@pytest.fixture(scope="module")
-def bench(task, tmp_path_factory):
-    """The words of a bench of two trials, and where it goes."""
-    out = tmp_path_factory.mktemp("bench") / "out"
-    return [
-        "contact",
-        "bench",
-        "--tasks",
-        task,
-        "--worlds",
-        "hand",
-        "--variants",
-        "expert-fsm",
-        "--seeds",
-        "0-1",
-        "--out",
-        str(out),
-        "--mix",
-        "--json",
-        *COARSE,
-    ], out
-
-
-def test_a_bench_runs_what_is_missing_and_makes_tables(bench, task, tmp_path, capsys):
-    words, out = bench
-    assert main(words) == 0
-    result = answer(capsys)
-    assert (result["episodes"], result["done"], result["failed"], result["ran"]) == (2, 2, 0, 2)
-    assert main([word if word != "0-1" else "0-2" for word in words]) == 0
-    result = answer(capsys)
-    assert (result["episodes"], result["done"], result["ran"], result["found"]) == (3, 3, 1, 2)
-    rows = read_parquet(out / "results.parquet")
-    assert [(row["seed"], row["evaluation_world"], row["success"]) for row in rows] == [
-        (0, "hand", False),
-        (1, "hand", False),
-        (2, "hand", False),
-    ]
-    assert "0/3" in (out / "tables.md").read_text()
-
-    # A trial of a bench is the trial of coral contact run.
-    assert (
-        main(
-            [
-                "contact",
-                "run",
-                task,
-                "--world",
-                "hand",
-                "--seed",
-                "1",
-                "--out",
-                str(tmp_path / "run"),
-                "--json",
-                "--cfg.record.no-report",
-                *COARSE,
-            ]
-        )
-        == 0
-    )
-    (folder,) = [path for path in (out / "runs").iterdir() if "_s1_" in path.name]
-    for name in ("metrics.json", "trajectory.csv", "events.jsonl"):
-        assert (folder / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
-
-
-@pytest.mark.parametrize(
-    ("flag", "value"),
-    [
-        ("--variants", "expert,nobody"),
-        ("--worlds", "hand,moon"),
-        ("--tasks", "pick-bx"),
-        ("--seeds", "x"),
-        ("--advisors", "desk"),
-        ("--jobs", "0"),
-    ],
-)
-def test_a_bad_bench_is_refused_before_anything_runs(flag, value, tmp_path, capsys):
-    words = ["contact", "bench", "--tasks", "pick-box", "--out", str(tmp_path / "out"), flag, value]
-    assert main(words) == 2
-    assert value.split(",")[-1] in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
-
-
 @pytest.mark.parametrize("command", [["tasks"], ["run", "--world", "hand"], ["bench", "--worlds", "hand", "--tasks"]])
 def test_what_cannot_be_drawn_is_told_with_its_file_before_anything_runs(command, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -231,34 +122,10 @@ def test_a_copy_that_lacks_what_the_experts_read_is_told_so(name, changes, varia
     assert not out.exists()
 
 
-def test_another_mesh_under_the_same_name_is_another_campaign(tmp_path):
-    def digest(height):
-        (tmp_path / "m.obj").write_text(
-            f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {height}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", encoding="utf-8"
-        )
-        (tmp_path / "mesh.yaml").write_text(
-            json.dumps(changed("objects.0.parts.0", {"shape": "mesh", "file": "m.obj", "size": [0.1, 0.1, 0.1]})),
-            encoding="utf-8",
-        )
-        return ContactBench()._conditions(EpisodeCfg(), {"mesh": load_task(tmp_path / "mesh.yaml")}, None)["task mesh"]
-
-    assert digest(1) == digest(1)
-    assert digest(1) != digest(2)
-
-
 def test_every_variant_and_end_is_explained():
     page = (Path(__file__).parents[2] / "docs" / "contact-run.md").read_text()
     assert [variant for variant in VARIANTS if f"| `{variant}` |" not in page] == []
     assert [reason for reason in END_REASONS if f"| `{reason}" not in page] == []
-
-
-@pytest.fixture
-def refusing(monkeypatch):
-    """The address of a model that refuses everything."""
-    monkeypatch.delenv("CORAL_LOCAL_API_KEY", raising=False)
-    server = Stub(completion("I am sorry, I cannot help with that."))
-    yield f"local:{server.url}#m"
-    server.close()
 
 
 REFUSED = ["--world", "hand", "--variant", "full", *COARSE, "--advisor"]
@@ -295,15 +162,3 @@ def test_an_episode_ends_where_nobody_may_stand_in(task, refusing, tmp_path, cap
     assert (result["success"], result["end_reason"], result["steps"]) == (False, reason, 0)
     assert result["end_reason"].partition(":")[0] in END_REASONS
     assert result["decided"] == f"the advisor decided 0 of 1 decisions, nobody 1 ({policy})"
-
-
-def test_a_bench_counts_nothing_for_a_model_that_refuses_and_remembers_nothing(task, refusing, tmp_path, capsys):
-    words = ["contact", "bench", "--tasks", task, "--worlds", "hand", "--variants", "full", "--seeds", "0", *COARSE]
-    assert main([*words, "--advisors", refusing, *SKIP, "--out", str(tmp_path / "out"), "--json"]) == 0
-    result = answer(capsys)
-    assert result["memory"] == ""
-    tables = {table["name"]: table["rows"] for table in result["results"]}
-    (row,) = tables["Every task"]
-    assert (row["success"], row["otherwise ended by"]) == ("0/1", "no-decision: parameters 1")
-    (decided,) = tables["Who decided"]
-    assert (decided["variant"], decided["by advisor"]) == ("CoRAL (full) §", "0 (0 %)")

@@ -1,0 +1,47 @@
+import re
+
+import pytest
+
+import coral
+from coral.campaign.version import code_version
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A small package in place of ours; its version is computed anew at every call."""
+    for name in ("__init__.py", "reef/a.py", "reef/worlds/l1.yaml", "view/page.py", "commands/run.py"):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"{name}\n")
+    monkeypatch.setattr(coral, "__file__", str(tmp_path / "__init__.py"))
+    return tmp_path
+
+
+def version():
+    return code_version.__wrapped__()
+
+
+def test_the_same_files_have_the_same_version(package):
+    first = version()
+    assert re.fullmatch("[0-9a-f]{12}", first)
+    assert version() == first
+
+
+@pytest.mark.parametrize("name", ["__init__.py", "reef/a.py", "reef/worlds/l1.yaml", "reef/new.xml"])
+def test_a_file_that_can_change_a_result_changes_the_version(package, name):
+    first = version()
+    (package / name).write_text("x = 1\n")
+    assert version() != first
+
+
+@pytest.mark.parametrize("name", ["view/page.py", "commands/run.py", "reef/a.pyc", "reef/notes.txt"])
+def test_a_file_that_only_shows_results_does_not(package, name):
+    first = version()
+    (package / name).write_text("x = 1\n")
+    assert version() == first
+
+
+def test_a_file_under_another_name_is_another_version(package):
+    first = version()
+    (package / "reef" / "a.py").rename(package / "reef" / "b.py")
+    assert version() != first

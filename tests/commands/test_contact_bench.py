@@ -1,0 +1,147 @@
+import json
+
+import pytest
+from contact_bench import changed
+
+from coral.campaign.dataset import read_parquet
+from coral.cli import main
+from coral.commands.contact_bench import ContactBench, read_memory
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.tasks import load_task
+from coral.errors import InputError
+
+COARSE = ["--samples", "6", "--cfg.controller.horizon", "8", "--cfg.planning.threads", "1", "--quiet"]
+SKIP = ["--no-preflight", "--model.max-retries", "0", "--model.format-repairs", "0", "--cfg.think.latency", "0"]
+
+
+def answer(capsys):
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.fixture(scope="module")
+def bench(task, tmp_path_factory):
+    """The words of a bench of two trials, and where it goes."""
+    out = tmp_path_factory.mktemp("bench") / "out"
+    return [
+        "contact",
+        "bench",
+        "--tasks",
+        task,
+        "--worlds",
+        "hand",
+        "--variants",
+        "expert-fsm",
+        "--seeds",
+        "0-1",
+        "--out",
+        str(out),
+        "--mix",
+        "--json",
+        *COARSE,
+    ], out
+
+
+def test_a_bench_runs_what_is_missing_and_makes_tables(bench, task, tmp_path, capsys):
+    words, out = bench
+    assert main(words) == 0
+    result = answer(capsys)
+    assert (result["episodes"], result["done"], result["failed"], result["ran"]) == (2, 2, 0, 2)
+    assert main([word if word != "0-1" else "0-2" for word in words]) == 0
+    result = answer(capsys)
+    assert (result["episodes"], result["done"], result["ran"], result["found"]) == (3, 3, 1, 2)
+    rows = read_parquet(out / "results.parquet")
+    assert [(row["seed"], row["evaluation_world"], row["success"]) for row in rows] == [
+        (0, "hand", False),
+        (1, "hand", False),
+        (2, "hand", False),
+    ]
+    assert "0/3" in (out / "tables.md").read_text()
+
+    # A trial of a bench is the trial of coral contact run.
+    assert (
+        main(
+            [
+                "contact",
+                "run",
+                task,
+                "--world",
+                "hand",
+                "--seed",
+                "1",
+                "--out",
+                str(tmp_path / "run"),
+                "--json",
+                "--cfg.record.no-report",
+                *COARSE,
+            ]
+        )
+        == 0
+    )
+    (folder,) = [path for path in (out / "runs").iterdir() if "_s1_" in path.name]
+    for name in ("metrics.json", "trajectory.csv", "events.jsonl"):
+        assert (folder / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("flag", "value"),
+    [
+        ("--variants", "expert,nobody"),
+        ("--worlds", "hand,moon"),
+        ("--tasks", "pick-bx"),
+        ("--seeds", "x"),
+        ("--advisors", "desk"),
+        ("--jobs", "0"),
+    ],
+)
+def test_a_bad_bench_is_refused_before_anything_runs(flag, value, tmp_path, capsys):
+    words = ["contact", "bench", "--tasks", "pick-box", "--out", str(tmp_path / "out"), flag, value]
+    assert main(words) == 2
+    assert value.split(",")[-1] in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_another_mesh_under_the_same_name_is_another_campaign(tmp_path):
+    def digest(height):
+        (tmp_path / "m.obj").write_text(
+            f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {height}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", encoding="utf-8"
+        )
+        (tmp_path / "mesh.yaml").write_text(
+            json.dumps(changed("objects.0.parts.0", {"shape": "mesh", "file": "m.obj", "size": [0.1, 0.1, 0.1]})),
+            encoding="utf-8",
+        )
+        return ContactBench()._conditions(EpisodeCfg(), {"mesh": load_task(tmp_path / "mesh.yaml")}, None)["task mesh"]
+
+    assert digest(1) == digest(1)
+    assert digest(1) != digest(2)
+
+
+def test_a_bench_counts_nothing_for_a_model_that_refuses_and_remembers_nothing(task, refusing, tmp_path, capsys):
+    words = ["contact", "bench", "--tasks", task, "--worlds", "hand", "--variants", "full", "--seeds", "0", *COARSE]
+    assert main([*words, "--advisors", refusing, *SKIP, "--out", str(tmp_path / "out"), "--json"]) == 0
+    result = answer(capsys)
+    assert result["memory"] == ""
+    tables = {table["name"]: table["rows"] for table in result["results"]}
+    (row,) = tables["Every task"]
+    assert (row["success"], row["otherwise ended by"]) == ("0/1", "no-decision: parameters 1")
+    (decided,) = tables["Who decided"]
+    assert (decided["variant"], decided["by advisor"]) == ("CoRAL (full) §", "0 (0 %)")
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "--memory"),
+        (b"{}", "--memory"),
+        (b"nothing", "--memory"),
+        (b'{"format": "coral-memory/1"}', "format"),
+        (b'{"format": "coral-memory/1", "experiences": [3]}', "experiences"),
+        (b'{"format": "coral-memory/1", "experiences": [{"instruction": 3}]}', "experiences"),
+    ],
+)
+def test_what_is_no_memory_is_refused(tmp_path, content, said):
+    path = tmp_path / "memory.json"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=said):
+        read_memory(path)
+    with pytest.raises(InputError, match="absent"):
+        read_memory(tmp_path / "absent.json")

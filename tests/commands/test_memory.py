@@ -1,0 +1,103 @@
+import pytest
+
+from coral.commands.contact_bench import read_memory
+from coral.commands.memory import MemoryImport
+from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.memory import Experience, Memory
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_plan import PlanAnswer
+from coral.errors import InputError
+
+
+def experience(**provenance):
+    return Experience(
+        task="pick-box",
+        instruction="Pick up the box.",
+        goals=[{"kind": "lifted", "object": "box"}],
+        numbers={"box.mass_kg": 0.2},
+        plan=PlanAnswer(code="def state_cost(self):\n    return 1.0"),
+        regions=RegionsAnswer({}),
+        beliefs={"box": (0.2, 0.5)},
+        provenance={"success": True, "world": "hand", "seed": 3, **provenance},
+    )
+
+
+@pytest.fixture(params=["sqlite", "lance"])
+def place(request, tmp_path):
+    """Where a memory of some name is to be, in each of the stores."""
+    if request.param == "sqlite":
+        return lambda name: str(tmp_path / f"{name}.sqlite")
+    pytest.importorskip("lancedb")
+    return lambda name: f"lance:{tmp_path / name}"
+
+
+@pytest.fixture
+def memory(place):
+    """A memory of one experience."""
+    memory = Memory(place("m"), embedder=HashedWords())
+    memory.add(experience())
+    return memory
+
+
+def test_what_is_remembered_is_listed_and_shown(told, memory):
+    (number,) = [stored.id for stored in memory.all()]
+    code, result, _ = told("memory", "list", "--file", memory.where, "--json")
+    assert code == 0
+    assert [(row["id"], row["task"], row["world"], row["seed"]) for row in result["experiences"]] == [
+        (number, "pick-box", "hand", 3)
+    ]
+    code, text, _ = told("memory", "show", number, "--file", memory.where)
+    assert (code, text.count("def state_cost(self):")) == (0, 1)
+    assert "task: pick-box" in text.splitlines()
+
+
+def test_provenance_that_says_little_or_too_much_is_listed_all_the_same(told, memory):
+    number = memory.add(experience(seed=4, id=77).model_copy(update={"provenance": {"success": True, "world": "hand"}}))
+    lines = told("memory", "list", "--file", memory.where)[1].splitlines()
+    assert {line.split()[0] for line in lines} >= {str(number)}
+    assert any("seed None" in line for line in lines)
+
+
+def test_an_export_is_imported_once_and_never_overwrites(told, refused, memory, place, tmp_path):
+    file = tmp_path / "e.json"
+    assert told("memory", "export", file, "--file", memory.where) == (0, f"{file}: 1 experience\n", "")
+    before = file.read_bytes()
+    assert "a new file that can be written" in refused("memory", "export", file, "--file", memory.where)
+    assert file.read_bytes() == before
+    for added in (1, 0):
+        assert told("memory", "import", file, "--file", place("new"), "--json")[1] == {
+            "file": place("new"),
+            "added": added,
+        }
+    assert [one["numbers"] for one in read_memory(place("new"))["experiences"]] == [{"box.mass_kg": 0.2}]
+
+
+def test_one_that_is_forgotten_is_gone_and_one_that_is_not_there_is_named(told, refused, memory):
+    (number,) = [stored.id for stored in memory.all()]
+    assert "99" in refused("memory", "forget", 99, "--file", memory.where)
+    assert told("memory", "forget", number, "--file", memory.where)[0] == 0
+    assert told("memory", "list", "--file", memory.where)[1] == f"{memory.where}: nothing is remembered\n"
+
+
+@pytest.mark.parametrize("words", [("list",), ("show", "1"), ("forget", "1"), ("export", "{new}")])
+def test_a_memory_that_is_not_there_is_not_made(refused, place, tmp_path, words):
+    new = tmp_path / "new.json"
+    error = refused("memory", *(word.format(new=new) for word in words), "--file", place("none"))
+    assert "found no such" in error
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(InputError, match="a memory, or an export"):
+        read_memory(place("none"))
+
+
+@pytest.mark.parametrize("text", ["", "[1]", "{", '{"format": "other"}'])
+def test_what_is_no_export_is_refused(refused, tmp_path, text):
+    (tmp_path / "e.json").write_text(text)
+    assert "e.json" in refused("memory", "import", tmp_path / "e.json", "--file", tmp_path / "m.sqlite")
+
+
+@pytest.mark.parametrize("depth", [900, 200_000])
+def test_deeply_nested_experiences_are_one_line(depth, tmp_path):
+    one = experience(deep=0).model_dump_json().replace('"deep":0', f'"deep":{"[" * depth + "]" * depth}')
+    (tmp_path / "deep.json").write_text(f'{{"format": "coral-memory/1", "experiences": [{one}]}}')
+    with pytest.raises(InputError, match=r"deep\.json"):
+        MemoryImport(source=tmp_path / "deep.json", file=str(tmp_path / "m.sqlite"))()

@@ -1,0 +1,48 @@
+import pytest
+from PIL import Image
+
+from coral.reef.world import Cluster, Oyster, ReefWorld, Start, load_world, save_world
+
+BED = Cluster(name="bed", oysters=(Oyster(x=5.0, y=3.0, z=0.05, radii=(0.12, 0.09, 0.06)),))
+
+
+@pytest.fixture
+def puddle(tmp_path):
+    """Makes a file of a small world."""
+
+    def make(name):
+        path = tmp_path / "world.yaml"
+        start = Start(x=1.5, y=3.0, theta=0.0)
+        save_world(ReefWorld(name=name, size_m=(8.0, 6.0), start=start, clusters=(BED,)), path)
+        return path
+
+    return make
+
+
+def test_shipped_reefs_and_files_are_listed_together(told, puddle):
+    code, text, _ = told("reef", "envs", "l1", puddle("pond"))
+    assert code == 0
+    assert [line.split()[0] for line in text.splitlines()] == ["name", "l1", "pond"]
+
+
+def test_a_reef_is_described_in_numbers(told):
+    world = load_world("l1")
+    (found,) = told("reef", "envs", "l1", "--json")[1]["worlds"]
+    assert (found["name"], found["topology"], found["size_m"]) == ("l1", "L", list(world.size_m))
+    assert (found["clusters"], found["obstacles"]) == (len(world.clusters), len(world.obstacles))
+    assert found["oysters"] == sum(len(cluster.oysters) for cluster in world.clusters)
+
+
+@pytest.mark.parametrize("name", ["../../up", "a\0b"])
+def test_no_name_of_a_world_leads_its_preview_elsewhere(told, puddle, tmp_path, name):
+    folder = tmp_path / "here" / "pictures"
+    code, result, _ = told("reef", "envs", puddle(name), "--preview", folder, "--json")
+    assert code == 0
+    assert {str(path) for path in tmp_path.rglob("*.png")} == {*result["previews"], result["sheet"]}
+    assert len(list(folder.glob("*.png"))) == 2
+    assert Image.open(result["sheet"]).size[0] > 300
+
+
+def test_a_world_that_is_missing_and_a_folder_that_is_a_file_are_one_line(refused, puddle):
+    assert "expected" in refused("reef", "envs", "s9")
+    assert "--preview" in refused("reef", "envs", "s1", "--preview", puddle("s1") / "x")

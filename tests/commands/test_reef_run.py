@@ -1,0 +1,100 @@
+import json
+
+import pytest
+
+from coral.advisor.consult import DEADLINE_S
+from coral.commands.reef_run import PERSON_DEADLINE_S, FallbackNotice, ReefRun
+
+
+def test_json_holds_the_metrics_and_where_the_run_is(survey):
+    result = json.loads(survey.with_name("result.json").read_text())
+    metrics = json.loads((survey / "metrics.json").read_text())
+    assert {key: result[key] for key in metrics} == metrics
+    assert (result["run"], result["end_reason"], result["decided"]) == (str(survey), "time limit", "")
+    assert (survey / "config.yaml").is_file()
+    assert not (survey / "report.html").exists()
+
+
+def test_the_outcome_in_words_names_the_run_and_who_decided():
+    result = {
+        "clusters_covered": 1,
+        "clusters_total": 8,
+        "coverage": 0.125,
+        "collisions": 1,
+        "advisor_calls": 2,
+        "requeries": 1,
+        "sim_time_s": 9.0,
+        "wall_time_s": 1.2,
+        "end_reason": "time limit",
+        "run": "runs/s1-001",
+        "report": "runs/s1-001/report.html",
+        "decided": "the advisor decided 1 of 2 goals, the fallback's rules 1",
+    }
+    assert ReefRun(world="s1").describe(result).splitlines() == [
+        "s1: 1 of 8 oyster clusters covered (12 %), 1 collision, 2 advisor calls (1 re-query), 9 s simulated in 1 s; "
+        "ended: time limit",
+        "run folder: runs/s1-001",
+        "report: runs/s1-001/report.html",
+        result["decided"],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("policy", "then"), [("rules", "rules decide"), ("hold", "goal is kept"), ("fail", "mission ends")]
+)
+def test_that_the_advisor_did_not_decide_is_told_once(capsys, policy, then):
+    notice = FallbackNotice(policy)
+    for t in (4.0, 9.0):
+        notice({"event": "trigger", "t": t})
+        notice({"event": "fallback", "t": t, "failure": "deadline"})
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("at 4 s the advisor did not decide (deadline): ")
+    assert then in line
+    assert line.endswith(f"(--fallback {policy})")
+
+
+@pytest.mark.parametrize(("advisor", "deadline_s"), [("desk", PERSON_DEADLINE_S), ("heuristic", DEADLINE_S)])
+def test_a_person_gets_longer_than_a_model(tmp_path, monkeypatch, advisor, deadline_s):
+    class Stop(Exception):
+        pass
+
+    def stop(self, observers):
+        raise Stop(self.cfg.pilot.budget.deadline_s)
+
+    monkeypatch.setattr("coral.commands.reef_run.Mission.run", stop)
+    with pytest.raises(Stop) as seen:
+        ReefRun(world="s1", advisor=advisor, out=tmp_path / "run", quiet=True)()
+    assert seen.value.args == (deadline_s,)
+
+
+def test_the_default_inbox_lies_in_the_run_folder(tmp_path, monkeypatch):
+    """The inbox is made with the first question, so the run folder is still empty when the run opens it."""
+    seen = []
+
+    class Stop(Exception):
+        pass
+
+    def stop(self, observers):
+        seen.append(self.writer.folder)
+        raise Stop
+
+    monkeypatch.setattr("coral.commands.reef_run.Mission.run", stop)
+    with pytest.raises(Stop):
+        ReefRun(world="s1", advisor="desk", out=tmp_path / "run", quiet=True)()
+    assert seen == [tmp_path / "run"]
+    (notice,) = (tmp_path / "run" / "inbox").glob("mission-*.json")
+    assert json.loads(notice.read_text())["state"] == "failed"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("s1", "--robots", "0"), "--robots: found 0"),
+        (("s1", "--live", "--live-speed", "-1", "--live-port", "0"), "--live-speed: found -1"),
+        (("s1", "--variant", "ful"), "did you mean 'full'?"),
+    ],
+)
+def test_bad_flags_are_one_line_and_leave_nothing(refused, tmp_path, monkeypatch, words, said):
+    monkeypatch.chdir(tmp_path)
+    assert said in refused("reef", "run", *words)
+    assert list(tmp_path.iterdir()) == []

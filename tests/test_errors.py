@@ -1,0 +1,32 @@
+import errno
+
+import pytest
+
+from coral.errors import InputError, first_line, naming, nearest
+
+
+def test_an_input_error_is_one_line_that_names_place_field_found_and_expected():
+    error = InputError("a.yaml", "start.x", "'left\nright'", "a  number")
+    assert str(error) == "a.yaml: start.x: found 'left right', expected a number"
+    assert (error.where, error.field, error.found) == ("a.yaml", "start.x", "'left\nright'")
+    assert str(InputError("a.yaml", "", "a folder", "a file")) == "a.yaml: found a folder, expected a file"
+
+
+def test_an_error_of_writing_gets_the_name_of_the_file(tmp_path):
+    with pytest.raises(OSError, match="out") as error, naming(tmp_path / "out"):
+        raise OSError(errno.ENOSPC, "No space left on device")
+    assert (error.value.errno, error.value.filename) == (errno.ENOSPC, str(tmp_path / "out"))
+    with pytest.raises(OSError, match="its own") as error, naming(tmp_path / "out"):
+        raise OSError(errno.ENOSPC, "No space left on device", "its own")
+    assert error.value.filename == "its own"
+
+
+def test_the_first_line_of_an_error_without_text_is_its_name():
+    assert first_line(ValueError("one\ntwo")) == "one"
+    assert first_line(MemoryError()) == "MemoryError"
+
+
+def test_only_a_name_that_is_alike_is_suggested():
+    assert nearest("obstcles", ["clusters", "obstacles"]) == " (did you mean 'obstacles'?)"
+    assert nearest("zzz", ["clusters", "obstacles"]) == ""
+    assert nearest("clutters", ["clusters"], likeness=0.95) == ""

@@ -1,0 +1,53 @@
+import pytest
+
+from coral.view.live.pace import Pace
+
+
+class Wall:
+    def __init__(self):
+        self.now, self.rests = 0.0, []
+
+    def clock(self):
+        return self.now
+
+    def wait(self, seconds):
+        self.rests.append(seconds)
+        self.now += seconds
+
+
+def test_a_speed_limit_holds_and_nothing_is_hurried():
+    wall = Wall()
+    pace = Pace(2.0, clock=wall.clock, wait=wall.wait)
+    for k in range(101):
+        pace.keep(0.1 * k)
+    assert wall.now == pytest.approx(5.0)
+    wall.now += 60.0  # the machine was busy
+    pace.keep(10.1)
+    pace.keep(10.2)
+    assert wall.now == pytest.approx(65.05)
+    pace.speed = 0.0
+    pace.keep(1000.0)
+    assert wall.now == pytest.approx(65.05)
+
+
+def test_standing_still_ends_with_the_pause_or_the_run():
+    wall, seen = Wall(), []
+    pace = Pace(clock=wall.clock, wait=wall.wait)
+    assert not pace.stand_still(lambda: seen.append(1))
+    pace.paused = True
+    assert pace.stand_still(lambda: seen.append(1) or (len(seen) == 3 and setattr(pace, "paused", False)))
+    assert len(seen) == 3
+    pace.paused = True
+    assert pace.stand_still(pace.end)
+    assert pace.stop
+    assert not pace.stand_still(lambda: pytest.fail("the run is over"))
+
+
+def test_the_first_reason_to_end_stays_and_nothing_waits_any_more():
+    wall = Wall()
+    pace = Pace(1.0, clock=wall.clock, wait=wall.wait)
+    pace.keep(0.0)
+    pace.end("enough")
+    pace.end()
+    pace.keep(1000.0)
+    assert (pace.stop, wall.now) == ("enough", 0.0)

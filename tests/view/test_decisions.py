@@ -1,0 +1,48 @@
+import pytest
+
+from coral.view.decisions import Try, decisions
+from coral.view.run import RunFolder
+
+
+def test_decisions_tell_cause_tries_and_goal(finished):
+    first, second, third = decisions(RunFolder.read(finished))
+    assert (first.cause, first.mode, first.outcome, first.goal) == ("first", "waypoint", "accepted", (6.0, 6.0))
+    assert first.tries[0].said == "4 m ahead, 1 m right"
+    assert first.tries[0].latency_s == 4.0
+    assert [name for name, _ in first.tries[0].pictures] == ["map", "segmentation", "depth"]
+    assert second.cause == "distance"
+    assert [one.verdict for one in second.tries] == ["malformed", "rejected", "accepted"]
+    assert second.tries[1].reason == "The chosen centroid is behind the robot."
+    assert second.tries[2].said == "centroid 1"
+    assert second.goal == (9.0, 9.0)
+    assert [c["index"] for c in second.centroids] == [0, 1]
+    assert second.x == pytest.approx(2.0 + 0.18 * 12.0, abs=0.05)
+    assert third.outcome == "open"
+    assert third.tries[0].latency_s is None
+
+
+@pytest.mark.parametrize(
+    ("answer", "verdict", "said"),
+    [
+        ({"selected_centroid_index": 4, "reason": "near"}, "accepted", "centroid 4"),
+        ({"selected_centroid_index": None}, "accepted", "no centroid"),
+        ({"forward_m": -2, "left_m": 3}, "accepted", "2 m back, 3 m left"),
+        ({"forward_m": 0, "left_m": -1}, "rejected", "1 m right"),
+        ({"forward_m": 0, "left_m": 0}, "rejected", "stay here"),
+        ({"mass_kg": 2, "reasoning": "heavy", "more": [1]}, "accepted", "mass kg 2"),
+        ({}, "malformed", "not a valid answer"),
+        ({}, "open", "no answer yet"),
+        ({}, "unavailable", "no answer"),
+    ],
+)
+def test_an_answer_in_words(answer, verdict, said):
+    one = Try(attempt=0, asked_at_s=1.0, answered_at_s=3.5, verdict=verdict, answer=answer)
+    assert one.said == said
+    assert one.latency_s == 2.5
+    assert one.why == answer.get("reason", answer.get("reasoning", ""))
+
+
+def test_a_fallback_is_told_of_the_decision_that_failed(fresh):
+    with (fresh / "events.jsonl").open("a") as out:
+        out.write('{"step": 390, "t": 39.0, "event": "fallback", "policy": "rules", "failure": "deadline"}\n')
+    assert [one.fallback for one in decisions(RunFolder.read(fresh))] == ["", "", "rules (deadline)"]

@@ -1,0 +1,92 @@
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from coral.view.decisions import decisions
+from coral.view.figures import clearance_chart, control_histogram, coverage_chart, event_chart, speed_chart
+from coral.view.run import RunFolder
+
+CHARTS = (coverage_chart, speed_chart, clearance_chart, lambda run: event_chart(run, decisions(run)))
+
+
+@pytest.fixture(scope="module")
+def run(finished):
+    return RunFolder.read(finished)
+
+
+def drawn(svg):
+    """The picture, its texts and its tooltips."""
+    root = ET.fromstring(svg)
+    return root, [e.text for e in root.iter("text")], [e.text for e in root.iter("title")]
+
+
+def test_a_cluster_is_named_when_it_was_covered(run):
+    root, texts, titles = drawn(coverage_chart(run))
+    assert titles == ["middle covered at 0:15", "north covered at 0:33"]
+    assert {"middle", "north", "100%"} <= set(texts)
+    assert root.get("aria-label") == "Coverage over time"
+
+
+def test_the_closest_pass_and_each_collision_are_marked(run):
+    root, texts, _ = drawn(clearance_chart(run))
+    k = int(np.nanargmin(run.column("clearance")))
+    assert f"closest pass {run.column('clearance')[k]:.2f} m at 0:{int(run.column('t')[k]):02d}" in texts
+    assert len([e for e in root.iter("path") if e.get("class") == "cross"]) == 1
+
+
+def test_the_speed_scale_holds_every_speed(run):
+    fast = replace(run, trajectory={**run.trajectory, "u": run.column("u") + 1.3})
+    for one, top in ((run, "0.3"), (fast, "1.5")):
+        _, texts, _ = drawn(speed_chart(one))
+        assert top in texts
+
+
+def test_each_cause_has_a_lane_and_each_question_a_bar(run):
+    root, texts, titles = drawn(event_chart(run, decisions(run)))
+    assert {"first question", "near the goal", "stuck", "advisor thinking", "mode", "incidents"} <= set(texts)
+    assert "planner failed" not in texts
+    bars = [e.get("data-decision") for e in root.iter("rect") if (e.get("class") or "").startswith("ask")]
+    assert bars == ["0", "1", "1", "1", "2"]
+    assert "0:12–0:13: held back (a question was already open)" in titles
+    assert "0:26: collision" in titles
+    assert "0:28: left the planned path, planned anew" in titles
+
+
+def test_words_of_a_run_are_no_markup_in_any_chart(run):
+    bad = "<script>\"'&"
+
+    def spoiled(event):
+        return {key: bad if isinstance(value, str) and key != "event" else value for key, value in event.items()}
+
+    odd = replace(run, events=tuple(spoiled(event) for event in run.events))
+    for draw in CHARTS:
+        svg = draw(odd)
+        assert "<script" not in svg
+        ET.fromstring(svg)
+    assert f"{bad} covered at 0:15" in drawn(coverage_chart(odd))[2]
+
+
+def test_a_run_without_anything_has_charts_too(run):
+    empty = replace(run, events=(), trajectory={}, attempts=())
+    for draw in CHARTS:
+        assert drawn(draw(empty))[0].tag == "svg"
+
+
+def test_each_bar_of_the_histogram_tells_its_ticks(run):
+    _, texts, titles = drawn(control_histogram(run.timing))
+    assert titles == [
+        "0.00–1.00 ms: 200 ticks",
+        "1.00–2.00 ms: 180 ticks",
+        "2.00–3.00 ms: 20 ticks",
+        "4.00–5.00 ms: 1 ticks",
+    ]
+    assert {"median 1.20 ms", "99th percentile 4.00 ms"} <= set(texts)
+
+
+@pytest.mark.parametrize(
+    "histogram", [None, 3, {}, {"counts": [0, 0], "edges": [0, 1, 2]}, {"counts": [1, 2], "edges": [0, 1]}]
+)
+def test_without_counts_there_is_no_histogram(histogram):
+    assert control_histogram({"control_ms_histogram": histogram}) == ""
