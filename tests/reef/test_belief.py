@@ -61,6 +61,13 @@ def test_only_clusters_in_front_are_ahead():
     assert places(made.ahead(1.0)) == [(6.0, 10.0)]
 
 
+def test_what_was_visited_is_not_left_to_visit_and_stays_known():
+    made = belief((14.0, 10.0), (6.0, 10.0))
+    made.tracker.mark_visited(14.0, 10.0, 0.5)
+    assert places(made.unvisited()) == [(6.0, 10.0)]
+    assert len(made.tracks) == 2
+
+
 def test_a_cluster_whose_goals_failed_too_often_is_given_up():
     made = belief((14.0, 10.0), (6.0, 10.0), cfg=BeliefCfg(max_attempts=2))
     made.goal = (14.0, 10.2)

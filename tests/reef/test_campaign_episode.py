@@ -3,10 +3,11 @@
 import dataclasses
 import json
 
+import numpy as np
 import pytest
 
 from coral.advisor.question import Picture
-from coral.advisor.rules import RuleAdvisor
+from coral.advisor.registry import make_advisor
 from coral.errors import RunError
 from coral.reef.campaign_episode import run_episode
 from coral.reef.heuristic import REEF_RULES
@@ -15,7 +16,7 @@ from coral.reef.mission import Mission, MissionCfg
 from coral.reef.record import RecordCfg
 
 CFG = MissionCfg(time_limit_s=10.0, latency="fixed:1")
-NAMED = {"variant": "full", "advisor": "heuristic", "seed": 4}
+NAMED = {"variant": "full", "advisor": "fallible:0.7:heuristic", "seed": 4}
 
 
 @pytest.fixture(scope="module")
@@ -43,8 +44,9 @@ def test_no_pictures_frames_or_report_are_kept(episode):
 
 def test_it_is_the_mission_that_one_runs_alone(pond, episode, tmp_path):
     cfg = dataclasses.replace(CFG, record=RecordCfg(pictures=False, frames=False))
-    Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run", seed=NAMED["seed"]).run()
-    for name in ("trajectory.csv", "metrics.json"):
+    advisor = make_advisor(NAMED["advisor"], rules=REEF_RULES, rng=np.random.default_rng([4, 7]))
+    Mission(pond, cfg, advisor, tmp_path / "run", seed=4).run()
+    for name in ("trajectory.csv", "attempts.jsonl", "metrics.json"):
         assert (tmp_path / "run" / name).read_bytes() == (episode[1] / name).read_bytes()
 
 
