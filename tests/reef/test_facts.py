@@ -11,12 +11,10 @@ from coral.reef.belief import Belief
 from coral.reef.camera import CameraCfg
 from coral.reef.chain import Component
 from coral.reef.costfield import CostFieldCfg
-from coral.reef.facts import waypoint_options
 from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.mapping import OccupancyMap
 from coral.reef.planner import HighLevelPlanner, PlannerCfg
-from coral.reef.survey import SurveyCfg, survey
 
 NORTH = Pose(10.0, 10.0, 0.5 * math.pi)
 CAMERA = CameraCfg()
@@ -81,30 +79,27 @@ def test_a_dot_that_no_known_way_leads_to_has_no_path():
     assert paths[-4] == pytest.approx(4.0, abs=0.3)
 
 
-def test_arrival_is_at_the_goal_and_here_without_one():
-    made = belief()
-    assert facts(made)["arrival"] == {"forward_m": 0.0, "left_m": 0.0, "heading_deg": 0.0}
-    made.goal = (7.0, 13.0)
-    assert facts(made)["arrival"] == {"forward_m": 3.0, "left_m": 3.0, "heading_deg": 45.0}
+def steps(made, **changes):
+    """The waypoints on offer, with the lengths of their paths."""
+    shown = facts(made, centroid_selection=False, **changes)["options"]
+    return {(o["forward_m"], o["left_m"]): o["path_m"] for o in shown}
 
 
 def test_options_are_whole_metres_to_water_that_can_be_reached():
     made = belief(pose=Pose(10.0, 10.0, 0.0))
     made.map.obstacle[:, 240:244] = True  # a wall across the water 2 m ahead
-    options = waypoint_options(made, survey(made, CostFieldCfg(), 1.0, SurveyCfg()), 3, 1.5)
-    steps = {(o["forward_m"], o["left_m"]) for o in options}
-    assert steps == {(f, s) for f in (-3, -2, -1, 0, 1) for s in range(-3, 4) if math.hypot(f, s) >= 1.5}
-    assert all(o["path_m"] == pytest.approx(math.hypot(o["forward_m"], o["left_m"]), rel=0.2) for o in options)
+    found = steps(made, step_m=3, separation_m=1.5)
+    assert set(found) == {(f, s) for f in (-3, -2, -1, 0, 1) for s in range(-3, 4) if math.hypot(f, s) >= 1.5}
+    assert all(path == pytest.approx(math.hypot(*step), rel=0.2) for step, path in found.items())
 
 
 def test_options_end_at_the_edge_of_the_area_and_where_another_robot_goes():
     made = belief(pose=Pose(10.0, 18.5, 0.0))
     made.others = (Neighbour(pose=Pose(14.0, 14.0, 0.0), radius_m=0.3, goal=(8.0, 18.5)),)
-    options = waypoint_options(made, survey(made, CostFieldCfg(), 1.0, SurveyCfg()), 3, 1.0)
-    steps = {(o["forward_m"], o["left_m"]) for o in options}
-    assert max(left for _, left in steps) == 1
-    assert (-3, 0) in steps
-    assert (-2, 0) not in steps
+    found = steps(made, step_m=3)
+    assert max(left for _, left in found) == 1
+    assert (-3, 0) in found
+    assert (-2, 0) not in found
 
 
 def test_other_robots_are_told_in_the_robot_frame():

@@ -46,7 +46,7 @@ class Drive:
     """A pilot in a vehicle that moves as it is told."""
 
     def __init__(self, cfg=None, driver=None):
-        self.events, self.attempts, self.commands = [], [], []
+        self.events, self.attempts, self.commands, self.pending = [], [], [], []
         belief = Belief(OccupancyMap((20.0, 20.0), CAMERA))
         planner = HighLevelPlanner(belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda belief: ())
         clock = SimulatedClock(f"fixed:{LATENCY_S:g}", np.random.default_rng(0))
@@ -65,6 +65,7 @@ class Drive:
     def tick(self):
         v, omega = self.pilot.tick(self.t, BARE, self.pose, (0.0, 0.0, 0.0))
         self.commands.append((v, omega))
+        self.pending.append(self.pilot.pending)
         self.pose, self.t = Pose(*advance(*self.pose, v, omega, 0.1)), round(self.t + 0.1, 9)
         return v, omega
 
@@ -88,30 +89,32 @@ def drive():
 
 
 def test_the_first_goal_lies_straight_ahead_of_the_start(drive):
-    mission = drive(cfg=PilotCfg(initial_m=1.5))
+    mission = drive()
     v, _ = mission.tick()
     (goal,) = mission.told("goal")
-    assert (goal["x"], goal["y"], goal["source"]) == (pytest.approx(7.5), pytest.approx(10.0), "initial")
+    assert goal["source"] == "initial"
+    assert goal["x"] > START.x + 1.0
+    assert goal["y"] == pytest.approx(START.y)
     assert v > 0.0
 
 
-def test_the_robot_drives_on_while_a_question_is_open_and_takes_over_the_answer_when_it_is_due(drive):
-    mission = drive().until(LATENCY_S + 0.05)
+def test_the_robot_drives_on_while_a_question_is_open_and_hears_the_answer_when_it_is_due(drive):
+    mission = drive().until(LATENCY_S + 2.0)
     asked = mission.told("question")[0]["t"]
-    _, goal = mission.told("goal")
-    assert goal["t"] == pytest.approx(asked + LATENCY_S)
-    assert goal["source"] == "advisor"
-    # The answer means the place from which it was asked for.
-    assert (goal["x"], goal["y"]) == pytest.approx((START.x + 4.0, START.y))
-    assert min(v for v, _ in mission.commands) > 0.0
-    assert [attempt.verdict for attempt in mission.attempts] == ["accepted"]
+    answered = next(goal["t"] for goal in mission.told("goal") if goal["source"] == "advisor")
+    assert answered == pytest.approx(asked + LATENCY_S)
+    assert [attempt.verdict for attempt in mission.attempts][:1] == ["accepted"]
+    assert all(v > 0.0 for v, _ in mission.commands[: round(answered / 0.1)])
 
 
 def test_a_synchronous_robot_stands_still_while_a_question_is_open(drive):
-    mission = drive(cfg=PilotCfg(synchronous=True)).until(LATENCY_S + 1.0)
-    open_ticks = round(LATENCY_S / 0.1)
-    assert set(mission.commands[:open_ticks]) == {(0.0, 0.0)}
-    assert min(v for v, _ in mission.commands[open_ticks:]) > 0.0
+    mission = drive(cfg=PilotCfg(synchronous=True)).until(LATENCY_S + 2.0)
+    moving = {False: [], True: []}
+    for (v, omega), waits in zip(mission.commands, mission.pending, strict=True):
+        moving[waits].append((v, omega) != (0.0, 0.0))
+    assert len(moving[True]) >= round(LATENCY_S / 0.1)
+    assert not any(moving[True])
+    assert any(moving[False])
 
 
 class Stuck(PdController):
