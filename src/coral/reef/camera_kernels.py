@@ -151,7 +151,7 @@ def _ellipsoid(
     depth: NDArray[np.float32],
     ids: NDArray[np.int32],
 ) -> None:
-    """Intersect the unit ball |o + t d'|^2 = 1. Its silhouette |d'|^2 = |o x d'|^2 is a conic that bounds the pixels."""
+    """Intersect the unit ball |o + t d'|^2 = 1. Its silhouette |d'|^2 = |o x d'|^2, a conic, bounds the pixels."""
     width, height = p.size, q.size
     o0, o1, o2 = o[0], o[1], o[2]
     b0, b1, b2 = m[0, 0], m[1, 0], m[2, 0]
