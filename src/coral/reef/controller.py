@@ -327,7 +327,7 @@ class DdpMppi:
         return controls
 
     def _sample_recovery(self) -> Array:
-        """Sample slow constants, reverse included; half brake at once, the first one stops. Shape=(K, T, 2)."""
+        """Sample slow constants, reverse included, that stop at a random step; the first stands. Shape=(K, T, 2)."""
         cfg, slow, w_max = self.cfg, self.cfg.recovery_speed_m_s, self.vehicle.max_yaw_rate_rad_s
         k, n = cfg.n_rollouts, cfg.n_steps
         constants = np.stack([self._rng.uniform(-slow, slow, k), self._rng.uniform(-w_max, w_max, k)], axis=1)
