@@ -34,7 +34,7 @@ class GeneratorCfg:
     size_m: tuple[float, float] = (22.0, 22.0)
     """Width and height. The paper's range is 20 to 30."""
     clusters: int = 7
-    """Number of clusters. The paper's percentages fit 70 clusters in 10 environments."""
+    """The paper's percentages are those of 70 clusters in 10 environments."""
     oysters: tuple[int, int] = (48, 88)
     """Range of the number of oysters in a cluster."""
     dense_obstacles: int = 20
@@ -43,7 +43,7 @@ class GeneratorCfg:
     obstacles: int = 34
     """Obstacles beyond that radius, most of them along the spine. Fewer as above."""
     passage_m: float = 1.0
-    """Narrowest gap between two obstacles: the robot's diameter plus 0.2 m on either side."""
+    """Narrowest gap between two obstacles: the robot's diameter and 0.2 m on either side."""
     current_max_m_s: float = 0.08
     seed: int = 0
 
