@@ -45,7 +45,7 @@ class Lawnmower:
         self._points: list[tuple[float, float]] | None = None
 
     def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
-        """Return the next waypoint on the lanes. Waypoints that no option leads to are skipped."""
+        """Return the next waypoint of the lanes, skipping those that cannot be approached."""
         robot = facts["robot"]
         if self._points is None:
             self._points = self._lanes(facts["area_m"], robot["x"], robot["y"])

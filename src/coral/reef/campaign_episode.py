@@ -42,10 +42,10 @@ def run_episode(
         cfg: Configuration of the mission, with the variant applied.
         folder: Run folder, which keeps the logs, the world and the metrics.
         variant: Name of the variant, for the record.
-        advisor: Name of the advisor, as on the command line.
-        seed: Seed of everything random.
-        model: Settings for calls of a real model.
-        draw: Draws the pictures for an advisor that sees; None for one that reads facts only.
+        advisor: As on the command line.
+        seed: Of everything random.
+        model: How a real model is called.
+        draw: Draws the pictures for an advisor with eyes.
 
     Returns:
         Metrics and timing, with `topology`, `covered_at_s` (times at which clusters were covered, s) and `fallback`

@@ -18,7 +18,7 @@ Shape = Literal["sphere", "ellipsoid", "cylinder", "box"]
 _TRIES, _MOST_TRIES = 400, 12_000
 """Draws per obstacle, and in all, after which the area counts as full."""
 _RESTARTS = 4
-"""Attempts at the dense field, when some of its obstacles do not fit."""
+"""Times that the dense field is begun when some of it finds no room."""
 _EDGE_M, _BESIDE_OYSTERS_M, _BEHIND_START_M, _AHEAD_OF_START_M = 0.3, 0.3, 0.9, 1.2
 """Least distance of an obstacle's circle from the world's edge, from an oyster, behind the start and ahead of it."""
 

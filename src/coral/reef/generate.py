@@ -16,7 +16,7 @@ from coral.reef.world import Cluster, Current, Oyster, ReefWorld, Start, check_w
 from coral.validation_errors import shown
 
 _APART_M = 3.0
-"""Least distance between the centres of two clusters, so that their outlines are at least 1.2 m apart."""
+"""Between the middles of two clusters at least, so that a gap of 1.2 m or more stays between their outlines."""
 _LONGEST_NAME = 60
 _SETTLE_M = 0.2
 """Largest gap between an oyster and its nearest neighbour, so that a cluster is one patch on the robot's map."""
@@ -41,7 +41,7 @@ class GeneratorCfg:
     """Obstacles within `dense_radius_m` ahead of the start. Fewer if they would close passages, but at least half."""
     dense_radius_m: float = 6.5
     obstacles: int = 34
-    """Obstacles beyond that radius, most of them along the spine. Fewer as above."""
+    """Obstacles beyond it, most of them along the spine; the same holds."""
     passage_m: float = 1.0
     """Narrowest gap between two obstacles: the robot's diameter and 0.2 m on either side."""
     current_max_m_s: float = 0.08
@@ -160,7 +160,7 @@ def _beds(cfg: GeneratorCfg, lines: Sequence[Line], rng: np.random.Generator) ->
 
 
 def _places(cfg: GeneratorCfg, lines: Sequence[Line], count: int, lead_m: float) -> tuple[Line, Line]:
-    """Choose x, y and direction of `count` clusters, Shape=(N, 3), and the distance to the nearest, Shape=(N,)."""
+    """Choose middles and directions of `count` clusters, Shape=(N, 3), and the distance to the nearest, Shape=(N,)."""
     places = np.array(spread(lines, count, lead_m))
     places[:, :2] = np.clip(places[:, :2], _BORDER_M, np.array(cfg.size_m) - _BORDER_M)
     away = np.hypot(*(places[:, None, :2] - places[None, :, :2]).transpose(2, 0, 1))

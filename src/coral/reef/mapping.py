@@ -65,7 +65,7 @@ class OccupancyMap:
         self.explored = np.zeros(shape, np.bool_)
         """Cells that have been in view. Shape=(NY, NX)."""
         self.version = 0
-        """Incremented whenever obstacle cells appear or disappear."""
+        """Grows whenever an obstacle cell appears or goes."""
         self._whole: tuple[NDArray[np.bool_], NDArray[np.float32]] | None = None
         self._near = np.full(shape, np.inf, np.float32)
         self._near_key: tuple[int, float, float] | None = None
@@ -178,7 +178,7 @@ def distance_to(mask: NDArray[np.bool_], cell_m: float) -> NDArray[np.float32]:
 
 
 def _pixel_rays(camera: CameraCfg) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the forward and left components of each pixel's ray at unit depth, and the camera's body position."""
+    """Forward and left components of each pixel's ray at unit depth, and the camera's place in the body frame."""
     from coral.reef.camera import T_world_camera
 
     fx, fy, cx, cy = camera.intrinsics

@@ -147,7 +147,7 @@ def driven_back(path: NDArray[np.float64]) -> tuple[float, int]:
 
 
 def _position_errors(rows: Sequence[Row]) -> list[float]:
-    """Return the errors (m) of the estimated position. A row holds the estimate of the previous row's position."""
+    """Distances (m) between the believed and the true position; a tick's estimate is of where the last one ended."""
     if not rows or "est_x" not in rows[0]:
         return []
     true = [(float(row["x"]), float(row["y"])) for row in rows]

@@ -34,7 +34,7 @@ COLUMNS = (
     "coverage",
     "clusters_covered",
 )
-"""Columns of trajectory.csv. SI units, poses in the world frame, velocities in the body frame; goal empty if none."""
+"""trajectory.csv: SI units, world frame for poses, body frame for velocities; goal empty when there is none."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -59,7 +59,7 @@ class Robot:
             self.emit("collision", x=round(x, 3), y=round(y, 3), obstacle=obstacle)
 
     def says(self) -> Neighbour:
-        """Return what this robot tells the others."""
+        """Return what it tells the other robots."""
         assert self.sensed is not None
         about, plan, belief = self.pilot, self.pilot.plan, self.belief
         busy = not about.end_reason

@@ -50,7 +50,7 @@ _SPINES: dict[Topology, list[list[tuple[float, float]]]] = {
 branch off at 54° and 115°."""
 
 _ROUNDED = {"L": 1, "S": 3}
-"""Number of rounds of corner cutting."""
+"""Rounds of corner cutting."""
 
 
 def topology_lines(topology: Topology, size_m: tuple[float, float]) -> list[Line]:

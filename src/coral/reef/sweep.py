@@ -30,9 +30,8 @@ SHORT: dict[str, Mapping[str, float]] = {
 }
 """Short words for configuration keys, each with the factor by which the word's value is multiplied.
 
-Mask errors: fewer than one in ten pixels of the sea floor shows an oyster, so false ones are ten times rarer than
-missed ones. Drift: 0.1 rad per metre, since a heading error of 0.1 rad adds about a metre over the 10 m between two
-places.
+Mask errors: of ten pixels of sea floor there is hardly one of an oyster, so false ones are ten times rarer than missed
+ones. Drift: 0.1 rad for each metre, about what a heading error of that size adds over the 10 m between two places.
 """
 Overrides = Sequence[tuple[str, Any]]
 
