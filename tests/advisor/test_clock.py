@@ -254,6 +254,18 @@ def test_consult_on_simulated_time(make_clock):
     ]
 
 
+def test_an_interrupt_in_a_coroutine_is_raised_once(make_clock):
+    async def interrupted():
+        raise KeyboardInterrupt
+
+    clock = make_clock()
+    task = clock.start(clock.reply(answer(4), 60.0))
+    with pytest.raises(KeyboardInterrupt):
+        clock.start(interrupted())
+    clock.advance(1.0)
+    assert task.result() == 4
+
+
 def test_wall_clock_steps_without_waiting():
     clock = WallClock()
     gate = threading.Event()

@@ -31,7 +31,6 @@ from coral.reef.controller_kernels import (
 )
 from coral.reef.costfield import UNREACHABLE, CostField
 from coral.reef.dynamics import Thrusters, parameter_set, planar
-from coral.reef.pd import PdController
 from coral.reef.vehicle import Vehicle, VehicleCfg, VehicleState
 
 CELL = 0.05
@@ -348,16 +347,6 @@ def test_fewer_or_more_rollouts_and_steps_are_only_a_configuration():
     for cfg in (MppiCfg(n_rollouts=50, n_steps=5), MppiCfg(uniform=True, elites=10), MppiCfg(costs=CostCfg(path=0.2))):
         vehicle, _, _ = go(DdpMppi(cfg, rng=np.random.default_rng(1)), OPEN, (4.0, 6.0, 0.0), (7.0, 6.0), 20.0)
         assert math.dist(vehicle.state[:2], (7.0, 6.0)) < 0.35
-
-
-def test_pd_drives_straight_and_through():
-    distance = discs((6.0, 6.0, 0.8))
-    vehicle, trace, plans = go(PdController(), distance, (3.0, 6.0, 0.5), (9.0, 6.0), 30.0)
-    assert math.dist(vehicle.state[:2], (9.0, 6.0)) < 0.35
-    assert np.hypot(trace[:, 0] - 6.0, trace[:, 1] - 6.0).min() < 0.8  # it does not look at the map
-    assert plans[0].path.shape == (11, 3)
-    back = PdController().plan(VehicleState(6.0, 6.0, 0.0), CostField.straight((240, 240), (3.0, 6.0)))
-    assert back.command == (0.0, 0.6)
 
 
 def test_a_frozen_configuration_can_be_varied():

@@ -11,7 +11,7 @@ from coral.reef.coverage import rasterise
 from coral.reef.generate import SHIPPED, GeneratorCfg, generate, shipped
 from coral.reef.reachability import distance_to, obstacle_outline
 from coral.reef.scene import Scene
-from coral.reef.spines import TOPOLOGIES, spread, topology_lines
+from coral.reef.spines import TOPOLOGIES
 from coral.reef.world import WORLDS_DIR, ReefWorld, load_world, save_world
 
 CELL_M = 0.05
@@ -117,16 +117,6 @@ def test_prongs_of_the_e_are_dead_ends_far_apart():
         assert min(np.diff(prongs)) >= 5.0
 
 
-def test_arms_of_the_k_diverge_from_its_node():
-    stem, *arms = topology_lines("K", (20.0, 20.0))
-    assert len(arms) == 2
-    for arm in arms:
-        assert stem[0, 1] < arm[0, 1] < stem[1, 1]
-        assert arm[0, 0] == stem[0, 0]
-    turns = [math.degrees(math.atan2(*(arm[1] - arm[0])[::-1])) for arm in arms]
-    assert abs(turns[0] - turns[1]) > 50.0
-
-
 @pytest.mark.parametrize("topology", TOPOLOGIES)
 def test_same_seed_same_reef_other_seed_another(topology):
     first = generate(GeneratorCfg(topology=topology, seed=3))
@@ -174,18 +164,3 @@ def test_impossible_demands_are_named(changes, field, words):
         generate(GeneratorCfg(**changes))
     assert caught.value.field == field
     assert words in caught.value.expected
-
-
-def test_places_are_even_along_a_line_and_reach_the_tips():
-    stem, branch = np.array([(0.0, 0.0), (0.0, 14.0)]), np.array([(0.0, 7.0), (8.0, 7.0)])
-    places = spread([stem, branch], 5, lead_m=2.0)
-    assert [place[:2] for place in places] == [pytest.approx(p) for p in [(0, 2), (0, 8), (0, 14), (4, 7), (8, 7)]]
-    assert places[0][2] == pytest.approx(math.pi / 2)
-
-
-def test_places_on_a_loop_do_not_meet_at_its_end():
-    angles = np.linspace(0.0, 2 * math.pi, 73)
-    loop = np.stack([5.0 * np.cos(angles), 5.0 * np.sin(angles)], axis=1)
-    places = np.array(spread([np.concatenate([[(5.0, -4.0)], loop])], 6, lead_m=2.0))[:, :2]
-    away = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) + 99.0 * np.eye(6)
-    assert away.min(axis=1) == pytest.approx(5.0, abs=0.15)

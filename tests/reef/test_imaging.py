@@ -1,4 +1,3 @@
-import dataclasses
 import math
 
 import numpy as np
@@ -8,9 +7,7 @@ from coral.reef.camera import Camera, CameraCfg, T_world_camera
 from coral.reef.coverage import CoverageMeter
 from coral.reef.geometry import Label, Pose
 from coral.reef.imaging import ImagingCfg, ImagingMeter
-from coral.reef.noise import SensorNoiseCfg
 from coral.reef.scene import Scene
-from coral.reef.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 
@@ -107,18 +104,6 @@ def test_nothing_is_seen_beyond_the_visibility():
         assert seen(Pose(5, 5, 0), disc(5 + away, 5), visibility_m=3.0) == murky
     # Murkier than the resolution demands: inspected ends where seeing ends.
     assert seen(Pose(5, 5, 0), disc(6.9, 5), visibility_m=1.5) == (0.0, 0.0)
-
-
-def test_in_murky_water_a_mission_is_not_covered_by_what_it_could_not_see():
-    """At 3 m visibility a cluster 5 m ahead counted as covered before anything could be seen of it."""
-    there = world((disc(6.0, 5, r=0.3, name="far"),))
-    there = there.model_copy(update={"start": Start(x=1.0, y=5.0)})
-    shares = {}
-    for visibility in (None, 3.0):
-        cfg = SimulatorCfg(noise=SensorNoiseCfg(visibility_m=visibility))
-        simulator = ReefSimulator(there, cfg, np.random.default_rng(0))
-        shares[visibility] = (simulator.coverage.coverage, simulator.imaging.imaged)
-    assert shares == {None: (1.0, 1.0), 3.0: (0.0, 0.0)}
 
 
 def test_what_was_seen_stays_seen_and_the_better_look_counts():
@@ -242,18 +227,3 @@ def test_it_agrees_with_the_pictures_that_the_camera_takes():
         wrong += int((hidden == (watch.level[near] > 0)).sum())
     assert looked > 500
     assert wrong / looked < 0.05  # a point and its pixel's centre are up to half a pixel apart
-
-
-def test_the_judge_watches_every_robot_of_a_fleet():
-    there = world((disc(6.5, 5, name="a"), disc(6.5, 15, name="b"))).model_copy(update={"start": Start(x=5.0, y=5.0)})
-    first = ReefSimulator(there, SimulatorCfg(), np.random.default_rng(0))
-    assert first.imaging.inspected == 0.5
-    second = ReefSimulator(there, SimulatorCfg(), np.random.default_rng(0), start=Pose(5, 15, 0), first=first)
-    assert second.imaging is first.imaging
-    assert first.imaging.inspected == 1.0
-
-
-def test_a_vehicle_that_tips_sees_where_it_looks():
-    cfg = SimulatorCfg(vehicle=dataclasses.replace(SimulatorCfg().vehicle, model="six_dof"))
-    there = world((disc(2.5, 1.0),))
-    assert ReefSimulator(there, cfg, np.random.default_rng(0)).imaging.inspected == 1.0

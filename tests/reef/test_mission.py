@@ -16,7 +16,6 @@ from coral.reef.heuristic import REEF_RULES
 from coral.reef.metrics import compute_metrics
 from coral.reef.mission import Mission, MissionCfg
 from coral.reef.record import RecordCfg
-from coral.reef.variants import VARIANTS, apply_variant
 from coral.reef.vehicle import VehicleState
 
 QUIET = MissionCfg(time_limit_s=150.0, latency="fixed:3", record=RecordCfg(pictures=False, frames=False))
@@ -199,14 +198,3 @@ def test_left_alone_the_robot_goes_on_until_nothing_is_left(pond, tmp_path):
     cfg = dataclasses.replace(QUIET, time_limit_s=400.0, stop_when_covered=False, latency="0")
     result = run(pond, tmp_path / "run", cfg=cfg)
     assert (result["end_reason"], result["coverage"]) == ("nothing left to explore", 1.0)
-
-
-@pytest.mark.parametrize("variant", sorted(VARIANTS))
-def test_every_variant_runs(pond, tmp_path, variant):
-    result = run(pond, tmp_path / "run", cfg=apply_variant(variant, dataclasses.replace(SHORT, time_limit_s=8.0)))
-    assert result["steps"] == 80
-
-
-def test_unknown_variants_are_named():
-    with pytest.raises(InputError, match="did you mean 'full'"):
-        apply_variant("ful", QUIET)

@@ -3,11 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef import bound
-from coral.reef.camera import CameraCfg
 from coral.reef.collision import clearance
 from coral.reef.geometry import Pose
-from coral.reef.imaging import ImagingCfg, ImagingMeter
+from coral.reef.imaging import ImagingMeter
 from coral.reef.oracle import Tour, plan_tour
 from coral.reef.scene import Scene
 from coral.reef.vehicle import VehicleCfg
@@ -63,28 +61,3 @@ def test_in_murky_water_it_has_to_go_nearer(pond, tour):
 def test_times_of_a_tour_by_hand():
     made = Tour(np.zeros((3, 2)), np.zeros((4, 3)), np.array([0.0, 0.5, 0.85, 0.95]), (), 0.2)
     assert [made.time_to(s) for s in (0.5, 0.8, 0.9, 1.0)] == [0.2, 0.4, 0.6, None]
-
-
-def test_the_bound_of_a_world_is_planned_once(pond, tour, tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(bound, "_kept", {})
-    planned = []
-    monkeypatch.setattr(bound, "plan_tour", lambda *a, **k: planned.append(1) or tour)
-    asked = (pond, CameraCfg(), ImagingCfg(), None, VehicleCfg())
-    first = bound.oracle_bound(*asked)
-    assert first.times == {share: tour.time_to(share) for share in (0.5, 0.8, 0.9)}
-    assert bound.oracle_bound(*asked) is first
-    (kept,) = (tmp_path / "coral" / "oracle").iterdir()
-    monkeypatch.setattr(bound, "_kept", {})
-    read = bound.oracle_bound(*asked)
-    assert read.times == first.times
-    np.testing.assert_array_equal(read.commands, tour.commands)
-    assert len(planned) == 1
-    # Other water, another tour; a broken file is planned anew.
-    bound.oracle_bound(*asked[:3], 3.0, VehicleCfg())
-    assert len(planned) == 2
-    for broken in ("{", "[]", '{"times": [1], "commands": []}'):
-        kept.write_text(broken)
-        monkeypatch.setattr(bound, "_kept", {})
-        assert bound.oracle_bound(*asked).times == first.times
-    assert len(planned) == 5

@@ -3,7 +3,6 @@ import math
 import numpy as np
 import pytest
 
-from coral.advisor.question import Rejection
 from coral.reef.answers import CentroidChoice, WaypointChoice
 from coral.reef.belief import Belief
 from coral.reef.camera import CameraCfg
@@ -13,7 +12,6 @@ from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Pose
 from coral.reef.mapping import OccupancyMap
 from coral.reef.planner import Goal, HighLevelPlanner, PlannerCfg
-from coral.reef.survey import SurveyCfg, survey
 from coral.reef.verify import VerifyCfg
 
 HERE = Pose(10.0, 10.0, 0.0)
@@ -145,31 +143,6 @@ def test_without_verification_geometry_is_not_checked_but_counted():
     assert belief.goal == pytest.approx((5.0, 10.0))
 
 
-def test_facts_hold_plain_json_and_no_ground_truth():
-    import json
-
-    question = planner_for(belief_with([(14.0, 10.0)])).observe([Rejection(code="x", reason="no")])
-    text = json.dumps(question.facts, allow_nan=False)
-    assert "cluster" not in text
-
-
-def test_frontiers_lie_on_the_border_of_the_known_and_shadows_are_ignored():
-    explored = np.ones((400, 400), bool)
-    explored[:, 300:] = False
-    explored[100:110, 100:110] = False
-    found = survey(belief_with([], explored=explored), CostFieldCfg(), 1.0, SurveyCfg()).frontiers
-    assert found
-    assert all(abs(f.x - 15.0) < 0.3 for f in found)
-
-
-def test_walled_off_water_is_no_frontier():
-    explored = np.ones((400, 400), bool)
-    explored[:, 300:] = False
-    belief = belief_with([], explored=explored)
-    belief.map.obstacle[:, 280:284] = True
-    assert survey(belief, CostFieldCfg(), 1.0, SurveyCfg()).frontiers == ()
-
-
 def test_a_target_that_another_robot_has_taken_is_refused_with_a_reason():
     belief = belief_with([(14.0, 10.0), (14.0, 12.5)])
     planner = planner_for(belief)
@@ -183,9 +156,3 @@ def test_a_target_that_another_robot_has_taken_is_refused_with_a_reason():
     assert refusal.code == "taken"
     assert "Another robot" in refusal.reason
     assert planner.verify(question, CentroidChoice(selected_centroid_index=index[14.0, 12.5])) is None
-
-
-def test_alone_nothing_is_said_of_others():
-    question = planner_for(belief_with([(14.0, 10.0)])).observe(())
-    assert "others" not in question.facts
-    assert "taken" not in question.facts["centroids"][0]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from coral.advisor.rules import RuleAdvisor
-from coral.errors import InputError
 from coral.reef.geometry import Pose
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg
@@ -116,9 +115,3 @@ def test_a_random_advisor_is_asked_as_late_as_the_rules_and_seeded(pond, tmp_pat
     goals = [e for e in map(json.loads, events[0].splitlines()) if e["event"] == "goal" and e["source"] == "advisor"]
     assert goals
     assert {goal["reason"] for goal in goals} == {"drawn by lot"}
-
-
-def test_a_tour_is_for_one_robot(pond, tmp_path):
-    with pytest.raises(InputError, match="--robots"):
-        survey(pond, tmp_path / "run", "oracle", robots=2)
-    assert not (tmp_path / "run").exists()

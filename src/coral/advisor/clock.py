@@ -209,10 +209,15 @@ class SimulatedClock:
 
     def _run_until_idle(self) -> None:
         """Run the private loop until every coroutine has ended or waits for a reply that is not due."""
-        while True:
-            run_on(self._loop, self._until_parked())
-            if not any(self._deliver(request) for request in self._requests):
-                break
+        try:
+            while True:
+                run_on(self._loop, self._until_parked())
+                if not any(self._deliver(request) for request in self._requests):
+                    break
+        except (KeyboardInterrupt, SystemExit):
+            # The loop raises these at once. Forget their tasks, or closing the run would raise them a second time.
+            self._tasks = [task for task in self._tasks if not _interrupted(task)]
+            raise
         ended = [task for task in self._tasks if task.done()]
         self._tasks = [task for task in self._tasks if not task.done()]
         for task in ended:
@@ -267,6 +272,11 @@ class SimulatedClock:
             if math.isnan(request.wall_s):
                 request.wall_s = time.monotonic() - request.asked_wall_s
             request.due_s = request.asked_s + (0.0 if request.wait else request.wall_s)
+
+
+def _interrupted(task: asyncio.Task[Any]) -> bool:
+    """Check whether a coroutine was ended by an interrupt of the program."""
+    return task.done() and not task.cancelled() and isinstance(task.exception(), KeyboardInterrupt | SystemExit)
 
 
 def _outcome(future: Future[Any]) -> tuple[Any, BaseException | None]:

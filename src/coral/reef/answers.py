@@ -9,11 +9,11 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from pydantic_core import PydanticCustomError
 
 REASON_LIMIT = 4000
-"""Characters of a reason that are kept; a model that reasons at length is not wrong for it."""
+"""Characters kept of a reason. A longer reason is cut, not refused."""
 
 
 def _no_bool(value: Any) -> Any:
-    """Reject True, which Python accepts as 1."""
+    """Reject True and False, which Python accepts as 1 and 0."""
     if isinstance(value, bool):
         raise PydanticCustomError("number_type", "Input should be a whole number, not true or false")
     return value
@@ -24,7 +24,7 @@ def _shorten(value: Any) -> Any:
 
 
 Step = Annotated[int, Field(ge=-6, le=6), BeforeValidator(_no_bool)]
-"""The bounds come first: behind a validator, pydantic leaves them out of the JSON schema."""
+"""The bounds stand before the validator because pydantic leaves them out of the JSON schema otherwise."""
 Index = Annotated[int, BeforeValidator(_no_bool)]
 Reason = Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(_shorten)]
 
@@ -59,7 +59,7 @@ class WaypointChoice(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _from_sentence(cls, value: Any) -> Any:
-        """Accept the paper's own form too: {"Move forward 4 meters, move right 1 meter": "reason"} (Prompt A)."""
+        """Accept the paper's form too: {"Move forward 4 meters, move right 1 meter": "reason"} (Prompt A)."""
         if not isinstance(value, dict) or len(value) != 1:
             return value
         ((sentence, reason),) = value.items()

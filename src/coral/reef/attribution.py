@@ -1,4 +1,4 @@
-"""Attribution of a mission's decisions, from its events."""
+"""Attribution of a mission's decisions to their sources, from its events."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from coral.advisor.attribution import Attribution, Spent
 
 
 def attribution_of(events: Iterable[Mapping[str, Any]]) -> Attribution:
-    """Count over the events of a mission, or over those of one of its robots.
+    """Count the decisions of each source in the events of a mission, or of one of its robots.
 
-    A decision is a goal that was adopted, or held because none could be (events `goal` and `held`). The initial
-    waypoint is nobody's, and a question that was withdrawn, or that found nothing left to explore, decides nothing.
+    A decision is a goal that was adopted (event `goal`), or kept because no new one was found (event `held`). The
+    initial waypoint counts for no source. A withdrawn question, or one that found nothing left to explore, is no
+    decision.
     """
     found = Attribution()
     for event in events:

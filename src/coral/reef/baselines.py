@@ -1,6 +1,6 @@
 """Baseline deciders: what a user would do without a foundation model (paper IV-C, IV-D, and beyond).
 
-They answer the same questions from the same facts as any advisor, at once, and are driven by the same controller.
+They answer the same questions from the same facts as any advisor, without delay, and use the same controller.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Fact = Mapping[str, Any]
 
 
 def nearest_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
-    """Choose by Rule-Based Selection (paper IV-D): the nearest unvisited centroid, whatever the map says about it."""
+    """Choose the nearest unvisited centroid and ignore the rest of the map: Rule-Based Selection (paper IV-D)."""
     refused = {r.details.get("index") for r in rejections}
     open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
     best = min([c for c in open_ if c["index"] not in refused] or open_ or facts["centroids"], key=_straight)
@@ -27,7 +27,7 @@ def nearest_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCh
 
 
 def nearest_frontier(facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
-    """Choose by frontier exploration (Yamauchi 1997): the nearest border of the explored water."""
+    """Choose the nearest border of the explored water: frontier exploration (Yamauchi 1997)."""
     refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
     aims = facts["frontiers"] or [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
     if not aims:
@@ -37,10 +37,10 @@ def nearest_frontier(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCh
 
 
 class Lawnmower:
-    """A boustrophedon survey of the whole area, planned before the dive; obstacles are only avoided."""
+    """Boustrophedon survey of the whole area. The lanes are planned before the dive, without the obstacles."""
 
     def __init__(self, spacing_m: float = 6.0, stride_m: float = 4.0, border_m: float = 2.0) -> None:
-        """Plan lanes `spacing_m` apart (the sensing range), with waypoints every `stride_m`."""
+        """Set lanes `spacing_m` apart (the sensing range) with a waypoint every `stride_m`."""
         self._spacing, self._stride, self._border = spacing_m, stride_m, border_m
         self._points: list[tuple[float, float]] | None = None
 
@@ -63,7 +63,7 @@ class Lawnmower:
         return WaypointChoice(forward_m=0, left_m=0, reason="all lanes are done")
 
     def _lanes(self, area_m: Sequence[float], x: float, y: float) -> list[tuple[float, float]]:
-        """Lanes along x, starting from the corner nearest to the robot."""
+        """Return the waypoints of lanes along x, from the corner nearest to the robot."""
         b = self._border
         n_lanes = max(2, math.ceil((area_m[1] - 2 * b) / self._spacing) + 1)
         n_stops = max(2, math.ceil((area_m[0] - 2 * b) / self._stride) + 1)
@@ -77,11 +77,11 @@ class Lawnmower:
 
 
 NEAR_M = 2.6
-"""A waypoint is done when the robot is this near: just outside D_trig, where its next goal is asked for."""
+"""A waypoint is reached within this distance: just more than D_trig, at which the next goal is asked for."""
 
 
 def _towards(facts: Fact, forward: float, left: float, refused: set[tuple[Any, Any]], name: str) -> WaypointChoice:
-    """Return the waypoint option that leads best to a point in the robot frame."""
+    """Choose the option with the least path plus 1.5 times its distance to a point in the robot frame."""
     open_ = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
     if not open_:
         return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
@@ -99,20 +99,20 @@ def _straight(c: Fact) -> float:
 
 
 class Chance:
-    """Chooses uniformly among the candidates; the distance to it shows what a decision is worth."""
+    """Chooses uniformly among the candidates: the baseline that shows what good decisions are worth."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
 
     def centroid(self, facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
-        """Choose one of the unvisited clusters within reach that have not been refused, with equal probability."""
+        """Choose uniformly among the reachable unvisited clusters that have not been refused."""
         refused = {r.details.get("index") for r in rejections}
         open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
         chosen = self._draw([c for c in open_ if c["index"] not in refused] or open_ or list(facts["centroids"]))
         return CentroidChoice(selected_centroid_index=chosen["index"], reason="drawn by lot")
 
     def waypoint(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
-        """Choose one of the admissible waypoints that have not been refused, with equal probability."""
+        """Choose uniformly among the admissible waypoints that have not been refused."""
         refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
         open_ = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
         if not open_:

@@ -34,7 +34,7 @@ _CODE = (
     "reachability",
     "scene",
 )
-"""Modules whose text decides the tour."""
+"""Modules that determine the tour: a change of their text invalidates the cache."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Bound:
     """The cached part of a tour."""
 
     times: dict[float, float | None]
-    """When 50, 80 and 90 % are inspected (s), by share; None where never."""
+    """Times at which 50, 80 and 90 % are inspected (s), by share. None: never."""
     commands: NDArray[np.float64]
     """Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s) of each tick."""
 
@@ -55,9 +55,10 @@ def oracle_bound(
     vehicle: VehicleCfg,
     dt: float = 0.1,
 ) -> Bound:
-    """Return the oracle's tour and its times; the arguments are those of `plan_tour`.
+    """Return the oracle's tour and its times. The arguments are those of `plan_tour`.
 
-    Deterministic. Planned anew only when the world, the camera, what counts as inspected or the planner has changed.
+    Deterministic. The tour is planned again only if the world, the camera, the vehicle, the water, the definition of
+    inspected or the planner has changed.
     """
     asked = {
         "world": world.model_dump(mode="json"),

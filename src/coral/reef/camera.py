@@ -1,4 +1,4 @@
-"""The front camera: depth, class and object of every pixel, by exact ray casting."""
+"""The front camera: exact ray casting of depth, class and object for every pixel."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from coral.reef.scene import CYLINDER, ELLIPSOID, Scene
 
 @dataclass(frozen=True, kw_only=True)
 class CameraCfg:
-    """Pinhole camera at the body's origin, with square pixels; integer (u, v) are pixel centres."""
+    """Pinhole camera at the body's origin with square pixels. Integer (u, v) are pixel centres."""
 
     width: int = 160
     height: int = 120
-    """Pixels. The paper gives none; at 6 m, 160 columns are 13 cm apart, about the size of one oyster."""
+    """Pixels. The paper gives no size. At 6 m, 160 columns are 13 cm apart, about the size of one oyster."""
     hfov_deg: float = 120.0
-    """Between the outer edges of the first and last column (paper IV-E: 120° camera FOV)."""
+    """Horizontal angle between the outer edges of the first and last column (paper IV-E: 120° camera FOV)."""
     altitude_m: float = 1.0
-    """Above the seabed. The paper gives none; half the depth of its pool."""
+    """Height above the seabed. The paper gives none; this is half the depth of its pool."""
     pitch_down_deg: Signed = 15.0
-    """Tilt of the optical axis: the picture then reaches from 0.4 m ahead on the seabed to 37° above the horizon."""
+    """Tilt of the optical axis. The picture then reaches from 0.4 m ahead on the seabed to 37° above the horizon."""
     range_m: float = 12.0
-    """Surfaces farther away than this along the ray are not seen: twice the range the prompts speak of (0-6 m)."""
+    """Surfaces beyond this range along the ray are not seen. Twice the range in the paper's prompts (0-6 m)."""
     near_m: float = 0.02
-    """Surfaces nearer than this along the optical axis are not seen."""
+    """Surfaces closer than this along the optical axis are not seen."""
 
     def __post_init__(self) -> None:
         def demand(field: str, holds: bool, expected: str) -> None:
@@ -62,21 +62,24 @@ def T_world_camera(
     roll: float = 0.0,
     pitch: float = 0.0,
 ) -> NDArray[np.float64]:
-    """Camera optical frame (x right, y down, z forward) to world ENU: T_c^w of Eq. 1. Shape=(4, 4).
+    """Return the transform T_c^w of Eq. 1 from the camera optical frame (x right, y down, z forward) to world ENU.
 
     Args:
-        pose: Of the body.
+        pose: Pose of the body.
         cfg: The camera.
         seabed_z: Height of the seabed (m).
-        altitude: Of the camera above the seabed (m); `cfg.altitude_m` when None.
-        roll: About body x, forward (rad): positive tips the left side up.
-        pitch: About body y, left (rad): positive tips the nose down, as in REP-103.
+        altitude: Height of the camera above the seabed (m); None: `cfg.altitude_m`.
+        roll: Rotation about body x, forward (rad). Positive raises the left side.
+        pitch: Rotation about body y, left (rad). Positive lowers the nose, as in REP-103.
+
+    Returns:
+        Shape=(4, 4).
     """
     (cr, cp, cy), (sr, sp, sy) = ((f(roll), f(pitch), f(pose.theta)) for f in (math.cos, math.sin))
     tilt = math.radians(cfg.pitch_down_deg)
     c, s = math.cos(tilt), math.sin(tilt)
     z = seabed_z + (cfg.altitude_m if altitude is None else altitude)
-    # Columns of Rz(theta) Ry(pitch) Rx(roll): forward, left, up. Scalars, because numpy would take 20 us per picture.
+    # Columns of Rz(theta) Ry(pitch) Rx(roll): forward, left, up. Scalars: numpy would take 20 us per picture.
     forward = (cy * cp, sy * cp, -sp)
     left = (cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr)
     up = (cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr)
@@ -88,7 +91,7 @@ def T_world_camera(
 
 
 class Camera:
-    """Renders a scene, exact for every solid: the result equals that of a ray caster with one ray per pixel."""
+    """Renders a scene exactly: the result equals that of a ray caster with one ray per pixel."""
 
     def __init__(self, scene: Scene, cfg: CameraCfg | None = None) -> None:
         self.scene = scene
@@ -104,7 +107,7 @@ class Camera:
         self._radius = np.select([scene.kind == ELLIPSOID, scene.kind == CYLINDER], [widest, upright], diagonal)
 
     def render(self, pose: Pose, altitude: float | None = None, *, roll: float = 0.0, pitch: float = 0.0) -> Frame:
-        """Render the picture from a body pose; the arguments are those of `T_world_camera`."""
+        """Render the picture taken from a body pose. The arguments are those of `T_world_camera`."""
         cfg, scene = self.cfg, self.scene
         transform = T_world_camera(pose, cfg, seabed_z=scene.seabed_z, altitude=altitude, roll=roll, pitch=pitch)
         shape = (cfg.height, cfg.width)

@@ -1,9 +1,9 @@
 """Exact ray casting of ellipsoids, boxes and upright cylinders into a z-buffer.
 
 A pixel's ray is origin + t * d with d = R (p, q, 1), p = (u - cx) / fx, q = (v - cy) / fy, so t is the depth along the
-optical axis. In the frame where a solid is the unit ball, cube or cylinder, origin and direction become o and
-d' = A + C q + B p: every test is a polynomial in p along an image row, and the inner loops have no branches, so that
-the compiler can vectorise them.
+optical axis. In the frame in which a solid is the unit ball, cube or cylinder, origin and direction become o and
+d' = A + C q + B p. Along an image row every test is then a polynomial in p. The inner loops have no branches, so the
+compiler can vectorise them.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 WATER, SEABED = -2, -1
-"""What `ids` holds where no solid is seen."""
+"""Values of `ids` where no solid is seen."""
 _ELLIPSOID, _BOX = 0, 1
 
 
@@ -38,13 +38,13 @@ def render(
     labels: NDArray[np.uint8],
     ids: NDArray[np.int32],
 ) -> None:
-    """Draw the seabed and every solid.
+    """Render the seabed and every solid.
 
     Args:
         pose: Shape=(4, 4), camera optical frame to world.
         seabed_z: Height of the sea floor (m).
-        near: Surfaces with a smaller depth (m) are not seen.
-        range_m: Solids that begin farther away than this (m) are skipped.
+        near: Smallest depth (m) at which a surface is seen.
+        range_m: Solids that lie wholly beyond this range (m) are skipped.
         p: Shape=(W,), (u - cx) / fx of every column.
         q: Shape=(H,), (v - cy) / fy of every row.
         reach: Shape=(H, W), depth (m) at which each pixel's ray has covered `range_m`.
@@ -52,7 +52,7 @@ def render(
         center: Shape=(N, 3).
         half: Shape=(N, 3).
         rotation: Shape=(N, 3, 3), object to world.
-        radius: Shape=(N,), of a ball about the centre that holds the solid.
+        radius: Shape=(N,), radius of a ball about the centre that contains the solid.
         label: Shape=(N,), class of every solid.
         depth: Shape=(H, W), written: depth (m), inf where nothing is seen.
         labels: Shape=(H, W), written: `Label` of every pixel.
@@ -62,7 +62,7 @@ def render(
     turn = np.ascontiguousarray(pose[:3, :3])
     eye = pose[:3, 3].copy()
     _seabed(turn, seabed_z - eye[2], near, p, q, reach, depth, ids)
-    # A ball is out of view when it lies wholly beyond one of the four side planes, whose normals are unit vectors here.
+    # A ball is out of view if it lies wholly beyond one of the four side planes. Their normals are unit vectors here.
     fx, fy = 1.0 / (p[1] - p[0]), 1.0 / (q[1] - q[0])
     cx, cy = -p[0] * fx, -q[0] * fy
     left, right, top, bottom = p[0], p[width - 1], q[0], q[height - 1]
@@ -123,7 +123,7 @@ def _seabed(
     depth: NDArray[np.float32],
     ids: NDArray[np.int32],
 ) -> None:
-    """Intersect the plane at `drop` (m, negative when below the camera), seen from above only; starts the z-buffer."""
+    """Start the z-buffer with the plane at height `drop` (m, negative below the camera), seen only from above."""
     for v in range(q.size):
         e = turn[2, 1] * q[v] + turn[2, 2]
         slope = turn[2, 0]
@@ -151,7 +151,7 @@ def _ellipsoid(
     depth: NDArray[np.float32],
     ids: NDArray[np.int32],
 ) -> None:
-    """Unit ball: |o + t d'|^2 = 1. The silhouette, |d'|^2 = |o x d'|^2, is a conic; it bounds rows and columns."""
+    """Intersect the unit ball |o + t d'|^2 = 1. Its silhouette |d'|^2 = |o x d'|^2, a conic, bounds the pixels."""
     width, height = p.size, q.size
     o0, o1, o2 = o[0], o[1], o[2]
     b0, b1, b2 = m[0, 0], m[1, 0], m[2, 0]
@@ -226,10 +226,10 @@ def _window(
     height: int,
     window: NDArray[np.int64],
 ) -> None:
-    """Pixels that the part of an oriented box in front of the near plane can reach: [u0, u1) x [v0, v1)."""
+    """Return the pixels [u0, u1) x [v0, v1) that an oriented box can cover in front of the near plane."""
     corner = np.empty((8, 3))
     for k in range(8):
-        # m is diag(1 / half) R_object_camera, so half^2 times its rows are the box's half edges in the camera frame.
+        # m is diag(1 / half) R_object_camera: half^2 times its rows are the box's half edges in the camera frame.
         s0 = half[0] * half[0] * (1.0 if k & 1 else -1.0)
         s1 = half[1] * half[1] * (1.0 if k & 2 else -1.0)
         s2 = half[2] * half[2] * (1.0 if k & 4 else -1.0)
@@ -267,14 +267,14 @@ def _box(
     depth: NDArray[np.float32],
     ids: NDArray[np.int32],
 ) -> None:
-    """Cube |x|, |y|, |z| <= 1: the last slab entered and the first one left."""
+    """Intersect the cube |x|, |y|, |z| <= 1: the ray is inside from the last slab entered to the first slab left."""
     o0, o1, o2 = o[0], o[1], o[2]
     b0, b1, b2 = m[0, 0], m[1, 0], m[2, 0]
     for v in range(window[2], window[3]):
         e0, e1, e2 = m[0, 2] + m[0, 1] * q[v], m[1, 2] + m[1, 1] * q[v], m[2, 2] + m[2, 1] * q[v]
         for u in range(window[0], window[1]):
             w0, w1, w2 = 1.0 / (e0 + b0 * p[u]), 1.0 / (e1 + b1 * p[u]), 1.0 / (e2 + b2 * p[u])
-            # Distance along the ray to a slab's middle plane, and half of what it spends inside.
+            # Distance along the ray to a slab's middle plane, and half the length inside the slab.
             n0, n1, n2 = -o0 * w0, -o1 * w1, -o2 * w2
             f0, f1, f2 = abs(w0), abs(w1), abs(w2)
             enter, other = n0 - f0, n1 - f1
@@ -305,7 +305,7 @@ def _cylinder(
     depth: NDArray[np.float32],
     ids: NDArray[np.int32],
 ) -> None:
-    """Cylinder x^2 + y^2 <= 1, |z| <= 1: the round side as a quadratic, the caps as a slab."""
+    """Intersect the cylinder x^2 + y^2 <= 1, |z| <= 1: the side as a quadratic, the caps as a slab."""
     o0, o1, o2 = o[0], o[1], o[2]
     b0, b1, b2 = m[0, 0], m[1, 0], m[2, 0]
     outside = o0 * o0 + o1 * o1 - 1.0

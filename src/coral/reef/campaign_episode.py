@@ -1,4 +1,4 @@
-"""One mission of a campaign: no pictures kept, everything that the tables need returned."""
+"""One mission of a campaign. It keeps few files and returns everything that the tables need."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ def run_episode(
     model: ModelCfg | None = None,
     draw: Draw | None = None,
 ) -> dict[str, Any]:
-    """Run a mission; the same arguments give the same mission as `coral reef run`.
+    """Run a mission. The same arguments give the same mission as `coral reef run`.
 
     Args:
-        world: To survey.
-        cfg: Of the mission, with the variant applied to it.
-        folder: Run folder; it keeps the logs, the world and the metrics.
+        world: World to survey.
+        cfg: Configuration of the mission, with the variant applied.
+        folder: Run folder, which keeps the logs, the world and the metrics.
         variant: Name of the variant, for the record.
         advisor: As on the command line.
         seed: Of everything random.
@@ -49,7 +49,7 @@ def run_episode(
 
     Returns:
         Metrics and timing, with `topology`, `covered_at_s` (times at which clusters were covered, s) and `fallback`
-        (what decided where the advisor did not).
+        (the policy for decisions that the advisor did not make).
 
     Raises:
         RunError: The mission was interrupted.

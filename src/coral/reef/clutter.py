@@ -1,4 +1,4 @@
-"""Obstacles of a generated reef: a dense field before the start, the rest among the oyster clusters (paper IV-A)."""
+"""Obstacles of a generated reef: a dense field ahead of the start, the rest among the clusters (paper IV-A)."""
 
 from __future__ import annotations
 
@@ -16,30 +16,30 @@ from coral.reef.world import Obstacle
 Shape = Literal["sphere", "ellipsoid", "cylinder", "box"]
 
 _TRIES, _MOST_TRIES = 400, 12_000
-"""Draws for each obstacle, and for all of them, before the room counts as full."""
+"""Draws per obstacle, and in all, after which the area counts as full."""
 _RESTARTS = 4
 """Times that the dense field is begun when some of it finds no room."""
 _EDGE_M, _BESIDE_OYSTERS_M, _BEHIND_START_M, _AHEAD_OF_START_M = 0.3, 0.3, 0.9, 1.2
-"""Kept free between an obstacle's circle and the world's edge, an oyster, the hull's centre behind and ahead of it."""
+"""Least distance of an obstacle's circle from the world's edge, from an oyster, behind the start and ahead of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Room:
-    """The area before obstacles are placed. Metres, radians."""
+    """The world before obstacles are placed. Metres, radians."""
 
     size_m: tuple[float, float]
     start: tuple[float, float, float]
     points: NDArray[np.float64]
-    """Shape=(N, 2), on the spine."""
+    """Points on the spine. Shape=(N, 2)."""
     oysters: NDArray[np.float64]
-    """Shape=(M, 3): x, y and reach of every oyster on the ground plane."""
+    """x, y and radius of every oyster on the ground plane. Shape=(M, 3)."""
 
 
 class Clutter:
     """Places obstacles one by one so that a passage remains between any two.
 
-    Obstacles count as the circles about their outlines, so that a passage is never narrower than promised. Grown by
-    half a passage, no two of them touch: what is left for a hull of that radius is connected.
+    An obstacle counts as the circle about its outline, so no passage is narrower than `passage_m`. Circles grown by
+    half a passage do not touch each other: the space left for a hull of that radius is connected.
     """
 
     def __init__(self, room: Room, passage_m: float, rng: np.random.Generator) -> None:
@@ -48,15 +48,15 @@ class Clutter:
         self._circles: list[tuple[float, float, float]] = []
 
     def field(self, count: int, radius_m: float, name: str) -> None:
-        """Place the first obstacles: ahead of the start, most of them as near to a neighbour as the passage allows.
+        """Place the dense field ahead of the start, most obstacles as close to a neighbour as the passage allows.
 
         Args:
-            count: How many.
-            radius_m: Of the half disc.
-            name: Of the setting, for the message.
+            count: Number of obstacles.
+            radius_m: Radius of the half disc that they lie in.
+            name: Name of the setting, for the error message.
 
         Raises:
-            InputError: Not even half of them fit.
+            InputError: Fewer than half of them fit.
         """
         x0, y0, heading = self.room.start
 
@@ -73,10 +73,10 @@ class Clutter:
         self._demand_half(count, len(self.placed), name)
 
     def along(self, count: int, beyond_m: float, name: str) -> None:
-        """Place obstacles around the spine and, one in five, anywhere, farther than `beyond_m` from the start.
+        """Place obstacles beyond `beyond_m` from the start: four in five near the spine, the others anywhere.
 
         Raises:
-            InputError: Not even half of them fit.
+            InputError: Fewer than half of them fit.
         """
         room, rng = self.room, self._rng
 
@@ -98,7 +98,7 @@ class Clutter:
             raise InputError("generator", name, count, f"at most {2 * done} with passages of {self.passage_m:g} m here")
 
     def _place(self, count: int, draw: Callable[[], tuple[float, float]], *, crowd: bool, beyond_m: float) -> bool:
-        """Place up to `count` obstacles; return whether all found room."""
+        """Place up to `count` obstacles. Return whether all of them fit."""
         before, tries = len(self.placed), min(_TRIES * count, _MOST_TRIES)
         for attempt in range(tries):
             if len(self.placed) == before + count:
@@ -112,7 +112,7 @@ class Clutter:
             if gap < self.passage_m or (crowd and not narrow) or not self._fits(x, y, radius):
                 continue
             self._circles.append((x, y, radius))
-            # A little of a rock is sunk in, so that it does not stand on a point.
+            # A rock is sunk in a little, so that it does not stand on a point.
             z = half[2] if shape in ("box", "cylinder") else 0.9 * half[2]
             self.placed.append(
                 Obstacle(
@@ -134,10 +134,10 @@ class Clutter:
 
 
 def _solid(rng: np.random.Generator, slim: bool) -> tuple[Shape, tuple[float, float, float], float]:
-    """Draw a rock, post or piece of debris: shape, half-extents (m), radius of its outline's bounding circle.
+    """Draw a rock, post or piece of debris. Return its shape, half-extents (m) and bounding radius on the ground (m).
 
-    Only thin posts once room has become scarce (`slim`). All are rooted in the seabed and 1.2 m high or more: the
-    vehicle's camera flies at 1 m.
+    With `slim`, when space is scarce, it is always a thin post. All stand on the seabed and are at least 1.2 m high:
+    the vehicle's camera is 1 m above the seabed.
     """
     if slim:
         return "cylinder", (0.08, 0.08, mm(rng.uniform(0.7, 1.3))), 0.08
@@ -156,5 +156,5 @@ def _solid(rng: np.random.Generator, slim: bool) -> tuple[Shape, tuple[float, fl
 
 
 def mm(value: float) -> float:
-    """Round to the millimetre or milliradian that a world file keeps."""
+    """Round to the precision of a world file: millimetres or milliradians."""
     return round(float(value), 3)

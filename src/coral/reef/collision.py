@@ -1,4 +1,4 @@
-"""Distance to obstacles on the ground plane, and the count of contacts."""
+"""Distances to obstacles on the ground plane, and a counter of contacts."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from coral.reef.scene import Footprints
 
 
 def nearest(footprints: Footprints, x: float, y: float) -> tuple[float, int]:
-    """Find the nearest obstacle to a point. The world's border does not count.
+    """Find the obstacle nearest to a point. The world's border does not count.
 
     Returns:
-        Signed distance (m) from the point to its outline, negative inside, and its index in the world's `obstacles`;
-        (inf, -1) in a world without obstacles. Exact for circles and rectangles; within 1e-9 m for ellipses.
+        Signed distance (m) from the point to the outline, negative inside, and the obstacle's index in the world;
+        (inf, -1) in a world without obstacles. Exact for circles and rectangles, within 1e-9 m for ellipses.
     """
     distance, index = collision_kernels.clearance(
         float(x), float(y), footprints.kind, footprints.center, footprints.half, footprints.yaw
@@ -23,14 +23,14 @@ def nearest(footprints: Footprints, x: float, y: float) -> tuple[float, int]:
 
 
 def clearance(footprints: Footprints, x: float, y: float) -> float:
-    """Signed distance (m) from a point to the nearest obstacle's outline; see `nearest`."""
+    """Return the signed distance (m) from a point to the nearest obstacle's outline, as `nearest` does."""
     return nearest(footprints, x, y)[0]
 
 
 class ContactCounter:
-    """Counts collisions of a disc: one for each time that it begins to touch an obstacle.
+    """Counts collisions of a disc: one each time it begins to touch an obstacle.
 
-    A contact lasts until the disc is more than `release_m` away again, so that sliding along a rock is one collision.
+    A contact lasts until the disc is more than `release_m` away, so sliding along a rock is one collision.
     """
 
     def __init__(self, footprints: Footprints, radius: float = 0.3, release_m: float = 0.05) -> None:
@@ -43,14 +43,14 @@ class ContactCounter:
         self._point: NDArray[np.int64] = np.zeros(len(footprints), np.int64)
 
     def clearance(self, x: float, y: float) -> float:
-        """Distance (m) from the disc, its centre at a world point (m), to the nearest obstacle; negative in contact."""
+        """Return the distance (m) from the disc, its centre at (x, y), to the nearest obstacle; negative in contact."""
         return clearance(self._footprints, x, y) - self._radius
 
     def follow(self, track: NDArray[np.float64]) -> list[tuple[float, float, int]]:
         """Move the disc's centre along a track, Shape=(N, 2), metres.
 
         Returns:
-            New contacts as (x, y, obstacle): where the centre was (m) and which obstacle it began to touch.
+            New contacts as (x, y, obstacle): position of the centre (m) and index of the obstacle.
         """
         f, room = self._footprints, len(track) * len(self._touching)
         if room > len(self._fresh):
@@ -77,7 +77,7 @@ class ContactCounter:
         """Move the disc's centre to a world point (m).
 
         Returns:
-            Indices of the obstacles that it has begun to touch; empty (false) when there is no new contact.
+            Indices of the obstacles that the disc has begun to touch; empty if there is no new contact.
         """
         f = self._footprints
         fresh = collision_kernels.contacts(

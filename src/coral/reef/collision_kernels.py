@@ -1,4 +1,4 @@
-"""Signed distance from a point to ground outlines, and contact bookkeeping; called at every integration step."""
+"""Signed distance from a point to ground outlines, and contacts of a disc with them, for every integration step."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ _ELLIPSE = 0
 
 @njit(cache=True)
 def ellipse_distance(x: float, y: float, a: float, b: float) -> float:
-    """Signed distance from (x, y) to the ellipse with half-axes a, b along the axes, centred at 0.
+    """Compute the signed distance from (x, y) to the ellipse with half-axes a, b along the axes, centred at 0.
 
     With a >= b and the point in the first quadrant, the closest point is (a^2 x / (t + a^2), b^2 y / (t + b^2)) for the
-    largest root t of g(t) = (a x / (t + a^2))^2 + (b y / (t + b^2))^2 - 1. g falls and is convex right of -b^2, so
-    Newton from a point left of the root climbs to it without overshooting.
+    largest root t of g(t) = (a x / (t + a^2))^2 + (b y / (t + b^2))^2 - 1. g is decreasing and convex right of -b^2, so
+    Newton's method from a point left of the root converges without overshooting.
     """
     if a == b:
         return math.sqrt(x * x + y * y) - a
@@ -25,13 +25,13 @@ def ellipse_distance(x: float, y: float, a: float, b: float) -> float:
     if a < b:
         a, b, x, y = b, a, y, x
     if y < 1e-12 * b:
-        # On the long axis, inside the centre of curvature, two closest points lie off the axis.
+        # On the long axis, inside the centre of curvature, there are two closest points, off the axis.
         focal = (a * a - b * b) / a
         if x < focal:
             cx = a * x / focal
             return -b * math.sqrt(max(0.0, 1.0 - (cx / a) ** 2 + ((cx - x) / b) ** 2))
         return x - a
-    # At either start one term of g is 1 (or more), so the root lies to the right.
+    # At either start one term of g is at least 1, so the root lies to the right.
     t = max(-b * b + b * y, -a * a + a * x)
     for _ in range(100):
         u, w = a * x / (t + a * a), b * y / (t + b * b)
@@ -48,7 +48,7 @@ def ellipse_distance(x: float, y: float, a: float, b: float) -> float:
 
 @njit(cache=True)
 def rectangle_distance(x: float, y: float, a: float, b: float) -> float:
-    """Signed distance from (x, y) to the rectangle |x| <= a, |y| <= b."""
+    """Compute the signed distance from (x, y) to the rectangle |x| <= a, |y| <= b."""
     dx, dy = abs(x) - a, abs(y) - b
     if dx > 0.0 and dy > 0.0:
         return math.sqrt(dx * dx + dy * dy)
@@ -65,7 +65,7 @@ def outline_distance(
     half: NDArray[np.float64],
     yaw: NDArray[np.float64],
 ) -> float:
-    """Signed distance (m) from a world point to outline k, negative inside."""
+    """Compute the signed distance (m) from a world point to outline k, negative inside."""
     dx, dy = x - center[k, 0], y - center[k, 1]
     c, s = math.cos(yaw[k]), math.sin(yaw[k])
     px, py = c * dx + s * dy, -s * dx + c * dy
@@ -83,7 +83,7 @@ def clearance(
     half: NDArray[np.float64],
     yaw: NDArray[np.float64],
 ) -> tuple[float, int]:
-    """Signed distance (m) from a world point to the nearest outline, and its index; (inf, -1) when there is none.
+    """Compute the signed distance (m) from a world point to the nearest outline, and its index; (inf, -1) without any.
 
     Args:
         x: World x (m).
@@ -98,7 +98,7 @@ def clearance(
         dx, dy = x - center[k, 0], y - center[k, 1]
         a, b = half[k, 0], half[k, 1]
         round_ = max(a, b) if kind[k] == _ELLIPSE else math.sqrt(a * a + b * b)
-        # No outline comes nearer than the circle about it.
+        # An outline is never nearer than the circle about it.
         if math.sqrt(dx * dx + dy * dy) - round_ >= best:
             continue
         distance = outline_distance(x, y, k, kind, center, half, yaw)
@@ -120,13 +120,13 @@ def contacts(
     touching: NDArray[np.bool_],
     fresh: NDArray[np.int64],
 ) -> int:
-    """Update which outlines a disc touches; returns how many it has begun to touch, their indices in `fresh`.
+    """Update which outlines a disc touches. Return how many it has begun to touch; `fresh` holds their indices.
 
     Args:
         x: World x of the disc's centre (m).
         y: World y (m).
-        radius: Of the disc (m).
-        release: Gap (m) beyond which a contact has ended.
+        radius: Radius of the disc (m).
+        release: Gap (m) beyond which a contact ends.
         kind: Shape=(K,), as `Footprints`.
         center: Shape=(K, 2).
         half: Shape=(K, 2).
@@ -164,19 +164,19 @@ def contacts_along(
     fresh: NDArray[np.int64],
     point: NDArray[np.int64],
 ) -> int:
-    """`contacts` of every point of a track; returns how many there were.
+    """Run `contacts` at every point of a track. Return the number of new contacts.
 
     Args:
         track: Shape=(N, 2), positions of the disc's centre (m), oldest first.
-        radius: Of the disc (m).
-        release: Gap (m) beyond which a contact has ended.
+        radius: Radius of the disc (m).
+        release: Gap (m) beyond which a contact ends.
         kind: Shape=(K,), as `Footprints`.
         center: Shape=(K, 2).
         half: Shape=(K, 2).
         yaw: Shape=(K,).
         touching: Shape=(K,), updated in place.
-        fresh: Shape=(N * K,), written: the outlines it began to touch...
-        point: Shape=(N * K,), written: ... and the point of the track.
+        fresh: Shape=(N * K,), written: outlines that the disc began to touch.
+        point: Shape=(N * K,), written: index of the track point of each new contact.
     """
     count = 0
     for i in range(track.shape[0]):

@@ -1,4 +1,4 @@
-"""DDP-MPPI: sampling-based control with dynamics that get coarser along the rollout (paper III-E, Alg. 3)."""
+"""DDP-MPPI: sampling-based control whose dynamics become coarser along the rollout (paper III-E, Alg. 3)."""
 
 from __future__ import annotations
 
@@ -26,63 +26,64 @@ NO_FEASIBLE = "no feasible rollout"
 
 @dataclass(frozen=True, kw_only=True)
 class CostCfg:
-    """Weights of the cost terms. Each term has a fixed scale, so that lambda means the same at every tick."""
+    """Weights of the cost terms. Each term has a fixed scale, so lambda means the same at every tick."""
 
     goal: float = 0.6
-    """Mean of the cost-to-go at the end and along the rollout, less the one now, over the farthest that a rollout can
-    get (-1 full progress, 0 none). Paper IV-F."""
+    """Mean of the cost-to-go at the end and along the rollout, minus its present value, divided by the longest rollout
+    (-1: full progress, 0: none). Paper IV-F."""
     obstacle: float = 0.5
     """Mean over time of ((1 - clearance / soft_m)+)^2. Paper IV-F."""
     speed: float = 0.3
     """Mean of 1 - u / v_max. Paper IV-F."""
     path: float = 0.0
-    """(Metres driven + cost-to-go at the end - cost-to-go now) / farthest: metres that did not shorten the way. Alg. 3
-    names it and the paper gives no value; the cost-to-go already prices detours."""
+    """(Metres driven + cost-to-go at the end - cost-to-go now) / longest rollout: metres without progress. Alg. 3 names
+    this term, but the paper gives no weight. 0, since the cost-to-go already penalises detours."""
     heading: float = 0.2
-    """Mean of (1 - cos) / 2 of the angle between heading and the cost-to-go's descent. Ours: the camera looks forward
-    and the vehicle only drives forward, so that a goal behind needs a turn first."""
+    """Mean of (1 - cos) / 2 of the angle between the heading and the descent of the cost-to-go. Not in the paper: the
+    camera looks forward and the vehicle drives only forward, so a goal behind it needs a turn first."""
     smooth: float = 0.05
-    """Mean squared change of the command, in units of its limits. Ours; the paper names smoothness in the text (III-E)
-    and not in Alg. 3."""
+    """Mean squared change of the command, in units of its limits. The paper names smoothness in III-E, but not in
+    Alg. 3, and gives no weight."""
     soft_m: Positive = 0.4
 
 
 @dataclass(frozen=True, kw_only=True)
 class MppiCfg:
-    """DDP-MPPI; values from the paper IV-F unless said otherwise."""
+    """Settings of DDP-MPPI. Values are those of paper IV-F unless noted."""
 
     n_rollouts: Annotated[int, Field(ge=10)] = 400
     n_steps: Annotated[int, Field(ge=2)] = 10
     horizon_s: Positive = 5.0
-    """T. The paper gives none; with p = 1.7 the first interval of Eq. 10 is then the control period, 0.1 s."""
+    """T. The paper gives none. With 5 s and p = 1.7 the first interval of Eq. 10 is the control period, 0.1 s."""
     p: Positive = 1.7
-    """Eq. 10 and 11. The paper gives none; 1.7 is what the published DDP planner's intervals obey."""
+    """Exponent of Eqs. 10 and 11. The paper gives none; 1.7 fits the intervals of the published DDP planner."""
     uniform: bool = False
-    """No-DDP ablation: equal intervals, every boundary point at every step."""
+    """True is the ablation without DDP: equal intervals, all boundary points at every step."""
     n_points: Count = 32
-    """n of Eq. 11: 5.9 cm apart on the hull, about one map cell."""
+    """n of Eq. 11. The points are 5.9 cm apart on the hull, about one map cell."""
     margin_m: float = 0.08
-    """Clearance of the hull a rollout must keep: one map cell of position error and the lag left out of the rollout."""
+    """Clearance that a rollout must keep: one map cell of position error, and the thrust lag that rollouts omit."""
     substep_near_s: TimeStep = 0.05
     substep_far_s: TimeStep = 0.2
-    """Integration steps of the first interval and of the last; between them they grow with the interval."""
+    """Integration steps of the first and of the last interval. Between them the step grows with the interval."""
     sensing_m: float = 4.0
     sigma_v: float = 0.05
     sigma_omega: float = 0.05
     temperature: Positive = 0.03
-    """lambda, in units of the cost (which spans about 1 between standing and full progress); the paper gives none. 0.1
-    drags the mean towards the slow half of the samples: 0.42 m/s in clutter instead of 0.50."""
+    """lambda, in units of the cost, which differs by about 1 between standing and full progress. The paper gives none.
+    With 0.1 the slow half of the samples weighs too much: 0.42 m/s in clutter instead of 0.50."""
     elites: int = 0
-    """0: all feasible rollouts are averaged. 10 with a temperature of 1 is what the published DDP planner does."""
+    """Number of best rollouts that are averaged; 0: all feasible ones. The published DDP planner averages 10 with a
+    temperature of 1."""
     warm_fraction: Fraction = 0.35
-    """Share of rollouts around the previous solution."""
+    """Share of rollouts sampled around the previous solution."""
     guided_fraction: Fraction = 0.15
-    """Share that steers down the cost-to-go. sigma = 0.05 alone cannot leave its nominal within a second; the rest of
-    the rollouts hold a constant drawn from the dynamic window, half of them braking part of the way."""
+    """Share of rollouts that steer down the cost-to-go: with sigma = 0.05 alone, samples stay near the nominal for a
+    second. The remaining rollouts hold a constant from the dynamic window; half of them brake part of the way."""
     recovery_speed_m_s: float = 0.2
-    """Reverse speed tried when nothing else is feasible; the camera looks forward, so never otherwise."""
+    """Reverse speed, tried only when nothing else is feasible: the camera looks forward."""
     hold_m: float = 0.3
-    """Within this of the goal the vehicle holds still."""
+    """Within this distance of the goal the vehicle holds its position."""
     costs: CostCfg = field(default_factory=CostCfg)
     keep_rollouts: bool = False
 
@@ -91,51 +92,51 @@ class MppiCfg:
         if shares > 0.95:
             raise InputError("controller", "warm_fraction + guided_fraction", f"{shares:g}", "at most 0.95 together")
         taken = 2 + round(self.warm_fraction * self.n_rollouts) + round(self.guided_fraction * self.n_rollouts)
-        if taken > self.n_rollouts:  # two more stand still and repeat the previous plan
+        if taken > self.n_rollouts:  # two more: one stands still, one repeats the previous plan
             raise InputError("controller", "n_rollouts", self.n_rollouts, f"at least {taken} for these shares")
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The controller's decision at one tick."""
+    """Result of the controller at one tick."""
 
     command: tuple[float, float]
     """Forward speed (m/s) and yaw rate (rad/s) to execute now."""
     ok: bool
-    """Whether a feasible way was found; otherwise `failure` says why and the command is safe."""
+    """Whether a feasible rollout was found. Otherwise `failure` gives the reason and the command is safe."""
     failure: str
     path: Array
-    """Shape=(T + 1, 3) poses of the plan in the world."""
+    """Poses of the plan in the world. Shape=(T + 1, 3)."""
     controls: Array
-    """Shape=(T, 2) the plan's commands; the first is `command`."""
+    """Commands of the plan; the first is `command`. Shape=(T, 2)."""
     times: Array
-    """Shape=(T + 1,) seconds from now at which the poses hold."""
+    """Times of the poses, in seconds from now. Shape=(T + 1,)."""
     costs: dict[str, float] = field(default_factory=dict)
-    """Weighted cost terms of the plan by name."""
+    """Weighted cost terms of the plan, by name."""
     n_feasible: int = 0
-    """Rollouts without a collision."""
+    """Number of rollouts without a collision."""
     effective_samples: float = 0.0
     """1 / sum of squared weights."""
     mean_feasible: bool = True
-    """Whether the weighted mean itself was free; if not, the plan is the best rollout."""
+    """Whether the weighted mean itself was feasible. If not, the plan is the best rollout."""
     rollouts: Array | None = None
-    """Shape=(K, T + 1, 3) when asked for, and `feasible` Shape=(K,)."""
+    """All rollouts, Shape=(K, T + 1, 3), and whether each is `feasible`, Shape=(K,). None unless asked for."""
     feasible: NDArray[np.bool_] | None = None
 
 
 def intervals(horizon_s: float, n_steps: int, p: float) -> Array:
-    """Eq. 10: Delta_t = T [((t+1)/n)^p - (t/n)^p], Shape=(n,), sums to T (s)."""
+    """Compute Eq. 10: Delta_t = T [((t+1)/n)^p - (t/n)^p] (s). They add up to T. Shape=(n,)."""
     edges = horizon_s * (np.arange(n_steps + 1) / n_steps) ** p
     return np.asarray(np.diff(edges))
 
 
 def boundary_points(n: int, n_steps: int, p: float) -> NDArray[np.int64]:
-    """Eq. 11: N_t = n (1 - (t/T)^p), Shape=(n_steps,), rounded up."""
+    """Compute Eq. 11: N_t = n (1 - (t/T)^p), rounded up. Shape=(n_steps,)."""
     return np.asarray(np.ceil(n * (1.0 - (np.arange(n_steps) / n_steps) ** p)), dtype=np.int64)
 
 
 def schedule(cfg: MppiCfg, vehicle: VehicleCfg) -> Schedule:
-    """Compute the intervals, integration steps and boundary points of every step of a configuration."""
+    """Compute interval, integration steps and boundary points of every step of the horizon."""
     n = cfg.n_steps
     dt = intervals(cfg.horizon_s, n, 1.0 if cfg.uniform else cfg.p)
     points = np.full(n, cfg.n_points) if cfg.uniform else boundary_points(cfg.n_points, n, cfg.p)
@@ -152,9 +153,9 @@ def schedule(cfg: MppiCfg, vehicle: VehicleCfg) -> Schedule:
 
 
 def shift_matrix(dt: Array, by_s: float) -> Array:
-    """Shape=(T, T) matrix that moves a piecewise-constant sequence on the intervals `dt` forward by `by_s` seconds.
+    """Return the matrix that shifts a piecewise-constant sequence on the intervals `dt` by `by_s` (s). Shape=(T, T).
 
-    Row t holds the shares of the old intervals in the new interval t; beyond the old end the last value is held.
+    Row t holds the shares of the old intervals in the new interval t. Beyond the old end the last value is held.
     """
     edges = np.concatenate([[0.0], np.cumsum(dt)])
     n = len(dt)
@@ -172,14 +173,14 @@ class DdpMppi:
     """Minimise over (v, omega) the weighted sum of `COSTS` on a rollout, subject to clearance >= margin at each step.
 
     The commands are constant on the intervals of Eq. 10. Each tick samples K sequences, rolls them out over the
-    vehicle's dynamics, drops those that collide, and takes the mean of the others with weights softmax(-cost / lambda).
-    The mean is the next tick's warm start.
+    vehicle's dynamics, drops those that collide, and averages the others with weights softmax(-cost / lambda). The mean
+    is the warm start of the next tick.
 
     Args:
-        cfg: The controller.
+        cfg: Settings of the controller.
         vehicle: Limits, hull and dynamics of the vehicle.
         rng: Source of the samples.
-        control_period_s: Time between two plans, by which the warm start is shifted.
+        control_period_s: Time between two plans (s), by which the warm start is shifted.
     """
 
     def __init__(
@@ -220,7 +221,7 @@ class DdpMppi:
         self._executed[:] = 0.0
 
     def warm_start(self) -> Array:
-        """The previous solution, one control period later, Shape=(T, 2)."""
+        """Return the previous solution, shifted by one control period. Shape=(T, 2)."""
         return np.asarray(self._shift @ self._nominal)
 
     def plan(
@@ -234,10 +235,10 @@ class DdpMppi:
         """Compute the command of this tick.
 
         Args:
-            state: Pose and ground-relative velocity, as estimated.
-            cost_field: Cost-to-go to the goal; one that failed makes the plan fail with its reason.
-            distance_map: Shape=(H, W) float32 distance (m) to the nearest known obstacle, inf when there is none.
-            cell_m: Edge of its cells (m); cell (0, 0) at the world's origin.
+            state: Estimated pose and ground-relative velocity.
+            cost_field: Cost-to-go to the goal. If it failed, the plan fails with the same reason.
+            distance_map: Distance (m) to the nearest known obstacle, inf without any. Shape=(H, W), float32.
+            cell_m: Edge of a cell of `distance_map` (m); cell (0, 0) at the world's origin.
         """
         if not cost_field.ok:
             return self._stop(state, cost_field.failure, ok=False)
@@ -295,8 +296,8 @@ class DdpMppi:
             self.vehicle.max_speed_m_s,
             self.vehicle.max_yaw_rate_rad_s,
         )
-        # A robot that is closer than the margin already (a new obstacle, drift) must be allowed to leave: it may go
-        # anywhere that is not closer still, but for the way it needs to stop and what the map's cells blur.
+        # A robot that is already closer than the margin (a new obstacle, drift) must be able to leave: it may go
+        # anywhere that is not closer still, except for its stopping distance and the blur of the map's cells.
         slack = 0.5 * cell_m
         circle = self.schedule.circle[0]
         x, y = float(start[0]), float(start[1])
@@ -311,13 +312,13 @@ class DdpMppi:
         return scene._replace(margin_m=0.0, hull_m=max(clearance_at(distance, cell_m, x, y) - 2.0 * slack, 0.05))
 
     def _sample(self, start: Array) -> Array:
-        """Shape=(K, T, 2) control sequences: stop, previous plan, guided, warm-started, dynamic window."""
+        """Sample control sequences: stop, previous plan, guided, warm-started, dynamic window. Shape=(K, T, 2)."""
         cfg, v_max, w_max = self.cfg, self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s
         k, n = cfg.n_rollouts, cfg.n_steps
         controls = self._rng.standard_normal(out=self._controls)
         n_window = k - 2 - self._n_guided - self._n_warm
         window = np.stack([self._rng.uniform(0.0, v_max, n_window), self._rng.uniform(-w_max, w_max, n_window)], axis=1)
-        # Half of them brake from a random step on: in clutter few constants stay free for the whole horizon.
+        # Half of them brake from a random step on: in clutter, few constants stay feasible over the whole horizon.
         brake = self._rng.integers(1, n, n_window)
         brake[::2] = n
         warm_start = self.warm_start()
@@ -326,7 +327,7 @@ class DdpMppi:
         return controls
 
     def _sample_recovery(self) -> Array:
-        """Shape=(K, T, 2) slow constants, reverse included, half of them braking at once; the first one stops."""
+        """Sample slow constants, reverse included, that stop at a random step; the first stands. Shape=(K, T, 2)."""
         cfg, slow, w_max = self.cfg, self.cfg.recovery_speed_m_s, self.vehicle.max_yaw_rate_rad_s
         k, n = cfg.n_rollouts, cfg.n_steps
         constants = np.stack([self._rng.uniform(-slow, slow, k), self._rng.uniform(-w_max, w_max, k)], axis=1)
@@ -337,7 +338,7 @@ class DdpMppi:
         return controls
 
     def _evaluate(self, start: Array, controls: Array, guide: Array, scene: RolloutScene) -> Array:
-        """Shape=(K,) total costs, inf for rollouts that collide."""
+        """Compute the total cost of each rollout, inf if it collides. Shape=(K,)."""
         rollout(
             start, self._executed, controls, guide, self.schedule, scene, self._model,
             self._path, self._costs, self._feasible,
@@ -345,7 +346,7 @@ class DdpMppi:
         return np.asarray(np.where(self._feasible, self._costs @ self._weights, np.inf))
 
     def _one(self, start: Array, controls: Array, scene: RolloutScene) -> tuple[Array, Array, bool]:
-        """Evaluate path, cost terms and feasibility of a single sequence."""
+        """Return the path, the cost terms and the feasibility of one sequence."""
         path, costs, free = np.empty((1, len(controls) + 1, 3)), np.empty((1, N_COSTS)), np.empty(1, np.bool_)
         rollout(
             start, self._executed, controls[None].copy(), np.zeros(1), self.schedule, scene, self._model,
@@ -354,7 +355,7 @@ class DdpMppi:
         return path[0], costs[0], bool(free[0])
 
     def _stop(self, state: VehicleState, failure: str, *, ok: bool) -> Plan:
-        """Brake and stay."""
+        """Return a plan that brakes and stays."""
         self.reset()
         n = self.cfg.n_steps
         path = np.tile(np.array(state[:3], dtype=np.float64), (n + 1, 1))

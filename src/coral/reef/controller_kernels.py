@@ -1,6 +1,6 @@
-"""Rollouts of DDP-MPPI: variable-fidelity propagation, collision checks and cost terms in one pass (numba).
+"""Rollouts of DDP-MPPI: propagation of variable fidelity, collision checks and cost terms in one pass (numba).
 
-Paper Eq. 9 to 11 and Alg. 3. Everything a rollout needs is a table made once (`Schedule`), so that the no-DDP ablation
+Paper Eqs. 9 to 11 and Alg. 3. The fidelity of each step is a table made once (`Schedule`), so the ablation without DDP
 is the same code with other numbers.
 """
 
@@ -23,7 +23,7 @@ GOAL, OBSTACLE, SPEED, PATH, HEADING, SMOOTH, N_COSTS = 0, 1, 2, 3, 4, 5, 6
 
 
 class Schedule(NamedTuple):
-    """How finely each step of a rollout is computed; arrays Shape=(T,)."""
+    """Fidelity of each step of a rollout. Arrays have Shape=(T,)."""
 
     dt: Array
     """Interval of each step, Eq. 10 (s)."""
@@ -33,42 +33,42 @@ class Schedule(NamedTuple):
     """(1 - exp(-k h)) / h: mean acceleration per unit of velocity error over one integration step h (1/s)."""
     yaw_rate: Array
     points: NDArray[np.int64]
-    """Boundary points checked at each step, Eq. 11."""
+    """Number of boundary points checked at each step, Eq. 11."""
     circle: Array
-    """Shape=(T, n, 2): unit vectors to those points."""
+    """Unit vectors to those points. Shape=(T, n, 2)."""
 
 
 class RolloutScene(NamedTuple):
-    """Obstacle distances and cost-to-go on their grids, the hull, and the scales of the cost terms.
+    """Grids of obstacle distances and cost-to-go, the hull, and the scales of the cost terms.
 
     World frame, metres.
     """
 
     distance: NDArray[np.float32]
-    """Shape=(H, W) distance to the nearest known obstacle (m)."""
+    """Distance to the nearest known obstacle (m). Shape=(H, W)."""
     cell_m: float
     value: NDArray[np.float32]
-    """Shape=(h, w) cost-to-go (m)."""
+    """Cost-to-go (m). Shape=(h, w)."""
     value_cell_m: float
     hull_m: float
-    """Radius of the hull that is checked."""
+    """Radius of the hull for the collision check."""
     margin_m: float
-    """Clearance every boundary point must keep."""
+    """Clearance that every boundary point must keep."""
     range_m: float
-    """Obstacles farther from the robot than this do not count."""
+    """Obstacles beyond this distance from the robot do not count."""
     body_m: float
-    """True radius of the hull: what proximity is measured from, also while `hull_m` is reduced."""
+    """True radius of the hull, from which proximity is measured, even while `hull_m` is reduced."""
     soft_m: float
-    """Clearance of the hull below which proximity costs."""
+    """Clearance of the hull below which proximity has a cost."""
     reach_m: float
-    """Farthest a rollout can get: the scale of the goal cost."""
+    """Length of the longest possible rollout: the scale of the goal cost."""
     speed_m_s: float
     yaw_rate_rad_s: float
 
 
 @njit(cache=True, error_model="numpy")
 def clearance_at(distance: NDArray[np.float32], cell_m: float, x: float, y: float) -> float:
-    """Distance (m) from a point to the nearest known obstacle or to the edge of the map (not positive outside it)."""
+    """Return the distance (m) from a point to the nearest known obstacle or map edge; not positive outside the map."""
     h, w = distance.shape
     edge: float = min(min(x, w * cell_m - x), min(y, h * cell_m - y))
     if edge > 0.0:
@@ -78,7 +78,7 @@ def clearance_at(distance: NDArray[np.float32], cell_m: float, x: float, y: floa
 
 @njit(cache=True, error_model="numpy")
 def turn(c: float, s: float, angle: float) -> tuple[float, float]:
-    """(cos, sin) turned by an angle of at most 0.3 rad, by Taylor series: within 1e-6, without libm's cost."""
+    """Rotate (cos, sin) by an angle of at most 0.3 rad, by a Taylor series: accurate to 1e-6, faster than libm."""
     a2 = angle * angle
     ca, sa = 1.0 - a2 * (0.5 - a2 / 24.0), angle * (1.0 - a2 * (1.0 / 6.0 - a2 / 120.0))
     return c * ca - s * sa, s * ca + c * sa
@@ -95,7 +95,7 @@ def hull_is_free(
     circle: Array,
     n: int,
 ) -> bool:
-    """Check whether n points (N_t of Eq. 11) on the hull's boundary all keep the margin.
+    """Check whether n points on the hull's boundary (N_t of Eq. 11) all keep the margin.
 
     Args:
         distance: Shape=(H, W) distance to the nearest known obstacle (m).
@@ -105,7 +105,7 @@ def hull_is_free(
         x: Centre of the hull (m).
         y: Centre of the hull (m).
         circle: Shape=(>=n, 2) unit vectors.
-        n: How many of them to check.
+        n: Number of them to check.
     """
     for k in range(n):
         px, py = x + hull_m * circle[k, 0], y + hull_m * circle[k, 1]
@@ -127,17 +127,17 @@ def shape_samples(
 ) -> None:
     """Turn standard normal numbers into control sequences, in place.
 
-    In this order: standing still, the previous plan, the guided ones (the first five without noise), `n_warm` around
-    the previous plan, and the rest around constants, at a stop from some step on. All but the guided are clipped.
+    Their order: standing still, the previous plan, the guided ones (the first five without noise), `n_warm` around the
+    previous plan, and the rest around constants that stop at some step. All except the guided ones are clipped.
 
     Args:
-        controls: Shape=(K, T, 2) standard normal in, speed (m/s) and yaw rate (rad/s) out.
-        sigma: Standard deviations of the two.
-        warm: Shape=(T, 2) previous plan, moved on to now.
-        guide_speed: Shape=(K,) positive for the guided ones.
-        n_warm: How many lie around `warm`.
-        window: Shape=(W, 2) constants of the last W.
-        brake: Shape=(W,) steps from which they stop.
+        controls: Shape=(K, T, 2), standard normal on input, speed (m/s) and yaw rate (rad/s) on output.
+        sigma: Standard deviations of speed and yaw rate.
+        warm: Shape=(T, 2), previous plan, shifted to now.
+        guide_speed: Shape=(K,), positive for guided sequences.
+        n_warm: Number of sequences around `warm`.
+        window: Shape=(W, 2), constants of the last W sequences.
+        brake: Shape=(W,), steps from which those stop.
         limits: Largest speed (m/s) and yaw rate (rad/s).
     """
     n_rollouts, n_steps = controls.shape[0], controls.shape[1]
@@ -176,22 +176,22 @@ def rollout(
 ) -> None:
     """Propagate K control sequences (Eq. 9) and score them.
 
-    The model is the vehicle's own: velocity loop, thruster limits, drag and Coriolis. Within an integration step the
-    loop's response is exact (exponential) as long as no thruster saturates, which keeps steps of 0.2 s stable; the
-    thrust lag (0.03 s) is left out.
+    The model is that of the vehicle: velocity loop, thruster limits, drag and Coriolis terms. Within an integration
+    step the loop's response is exact (exponential) as long as no thruster saturates, which keeps steps of 0.2 s stable.
+    The thrust lag (0.03 s) is omitted.
 
     Args:
-        start: Shape=(6,) x, y, theta, u, v, r.
-        previous: Shape=(2,) command being executed, for the smoothness term.
-        controls: Shape=(K, T, 2) speed and yaw rate; a guided rollout writes what it chose into it.
-        guide_speed: Shape=(K,) when positive, the rollout steers itself down the cost-to-go at about this speed and
-            its row of `controls` is read as a perturbation of that.
+        start: Shape=(6,), x, y, theta, u, v, r.
+        previous: Shape=(2,), command being executed, for the smoothness term.
+        controls: Shape=(K, T, 2), speed and yaw rate. A guided rollout writes the commands that it chose.
+        guide_speed: Shape=(K,). If positive, the rollout steers down the cost-to-go at about this speed, and its row of
+            `controls` is a perturbation of that.
         schedule: Fidelity of each step.
         scene: Map, cost-to-go and scales.
         model: Constants of the vehicle.
-        path: Shape=(K, T + 1, 3) poses at the ends of the steps, written.
-        costs: Shape=(K, N_COSTS) normalised cost terms, written.
-        feasible: Shape=(K,) whether the rollout stays clear of obstacles, written.
+        path: Shape=(K, T + 1, 3), written: poses at the ends of the steps.
+        costs: Shape=(K, N_COSTS), written: normalised cost terms.
+        feasible: Shape=(K,), written: whether the rollout stays clear of obstacles.
     """
     n_rollouts, n_steps = controls.shape[0], controls.shape[1]
     x0, y0 = start[0], start[1]
@@ -201,8 +201,8 @@ def rollout(
     inv_m11, inv_m22, inv_m66 = 1.0 / model.m11, 1.0 / model.m22, 1.0 / model.m66
     distance, cell, hull, margin, circle = scene.distance, scene.cell_m, scene.hull_m, scene.margin_m, schedule.circle
     range2, cell2 = scene.range_m * scene.range_m, cell * cell
-    # Where the centre is this far from everything no boundary point can fail: the distance is 1-Lipschitz, up to half
-    # a diagonal for each of the two cells looked at.
+    # With the centre this far from all obstacles no boundary point can fail: the distance is 1-Lipschitz, up to half a
+    # diagonal of each of the two cells compared.
     clear = hull + margin + 1.5 * cell
     for k in range(n_rollouts):
         x, y, th, u, v, r = start[0], start[1], start[2], start[3], start[4], start[5]
@@ -229,7 +229,7 @@ def rollout(
             rate, yaw_rate, n_points = schedule.rate[t], schedule.yaw_rate[t], schedule.points[t]
             nearest = 1e9
             for _ in range(schedule.substeps[t]):
-                # Drag and Coriolis forces, then the velocity loop's request within the thrusters' limits.
+                # Drag and Coriolis forces, then the wrench of the velocity loop within the thrusters' limits.
                 cor_u = model.m22 * v * r - (model.du + model.duu * abs(u)) * u
                 cor_v = -model.m11 * u * r - (model.dv + model.dvv * abs(v)) * v
                 cor_r = (model.m11 - model.m22) * u * v - (model.dr + model.drr * abs(r)) * r
@@ -248,7 +248,7 @@ def rollout(
                 dx, dy = h * (cm * um - sm * vm), h * (sm * um + cm * vm)
                 step2 = dx * dx + dy * dy
                 if (x + dx - x0) ** 2 + (y + dy - y0) ** 2 < range2:
-                    # Swept midpoint: a coarse step may be longer than an obstacle is wide.
+                    # Check the midpoint too: a coarse step may be longer than an obstacle is wide.
                     for part in range(0 if step2 > cell2 else 1, 2):
                         px, py = x + 0.5 * (1 + part) * dx, y + 0.5 * (1 + part) * dy
                         d = clearance_at(distance, cell, px, py)
@@ -272,7 +272,7 @@ def rollout(
             goal += value * dt
             tight = max(0.0, 1.0 - (nearest - scene.body_m) / scene.soft_m)
             near += tight * tight * dt
-            # Within a metre of the goal neither haste nor heading matters any more.
+            # Within a metre of the goal, speed and heading no longer matter.
             far = min(1.0, value) * dt
             speed += max(0.0, 1.0 - max(u, 0.0) / scene.speed_m_s) * far
             size = math.sqrt(gx * gx + gy * gy)

@@ -1,4 +1,4 @@
-"""Geodesic cost-to-go: the distance to the goal around the known obstacles, from every point of the map."""
+"""Geodesic cost-to-go: the distance to the goal around known obstacles, from every point of the map."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ NO_FREE_CELL = "no free cell in the map"
 
 @dataclass(frozen=True, kw_only=True)
 class CostFieldCfg:
-    """Grid and clearance of the cost-to-go. The paper describes none; `CostField.straight` ignores the map."""
+    """Grid and clearance of the cost-to-go. The paper describes no cost-to-go."""
 
     ratio: Count = 2
-    """Map cells per field cell: 0.1 m at the 0.05 m map, three field cells across the narrowest passage."""
+    """Map cells per field cell and axis: 0.1 m field cells on a 0.05 m map, three across the narrowest passage."""
     radius_m: float = 0.35
-    """Clearance of the robot's centre: hull 0.3 m and one map cell."""
+    """Least clearance of the robot's centre: the hull's 0.3 m and one map cell."""
     band_m: float = 0.5
     penalty: float = 3.0
-    """Water at contact costs 1 + penalty times open water, so that paths keep off obstacles where they can."""
+    """Water at contact costs 1 + penalty times as much as open water, so paths keep away from obstacles if they can."""
     steepness: float = 10.0
-    """Cost per metre inside the blocked band: always dearer than any way around."""
+    """Cost per metre inside the blocked band: more than any detour."""
 
 
 @dataclass(frozen=True)
@@ -35,17 +35,17 @@ class CostField:
     """Cost-to-go to one goal."""
 
     value: NDArray[np.float32]
-    """Shape=(h, w) float32, metres of open water to go; finite everywhere."""
+    """Metres of open water to go; finite everywhere. Shape=(h, w), float32."""
     cell_m: float
     """Edge of a field cell (m); cell (0, 0) at the world's origin."""
     goal: tuple[float, float]
-    """(x, y) that was asked for."""
+    """Goal that was asked for, (x, y) (m)."""
     target: tuple[float, float]
-    """(x, y) the field leads to: the goal, or the free cell nearest to it."""
+    """Point to which the field leads, (x, y) (m): the goal, or the free cell nearest to it."""
     reached: NDArray[np.bool_] | None = None
-    """Shape=(h, w), cells with a way to the goal; None for a straight field."""
+    """Cells from which a path leads to the goal; None for a straight field. Shape=(h, w)."""
     failure: str = ""
-    """"" or why there is no field."""
+    """Reason why there is no field, or ""."""
 
     @classmethod
     def compute(
@@ -57,12 +57,12 @@ class CostField:
         cell_m: float = 0.05,
         cfg: CostFieldCfg | None = None,
     ) -> CostField:
-        """Compute the cost-to-go over a map; unknown water is traversable and the map's edge is not.
+        """Compute the cost-to-go over a map. Unknown water can be crossed, the map's edge cannot.
 
         Args:
-            distance: Shape=(H, W) float32 distance (m) of the map's cells to the nearest known obstacle, inf for none.
+            distance: Distance (m) of each map cell to the nearest known obstacle, inf without any. Shape=(H, W).
             goal: World point (m).
-            start: Where the robot is; when given, a goal without a way from there is reported in `failure`.
+            start: Position of the robot (m). If given, a goal without a path from there is a `failure`.
             cell_m: Edge of a map cell (m).
             cfg: Grid and clearance.
         """
@@ -88,7 +88,7 @@ class CostField:
 
     @classmethod
     def straight(cls, shape: tuple[int, int], goal: tuple[float, float], *, cell_m: float = 0.05) -> CostField:
-        """Return the Euclidean distance to the goal over a map of `shape`: what a planner without a map would use."""
+        """Return the Euclidean distance to the goal over a map of `shape`, as a planner without a map would use it."""
         cell = 2.0 * cell_m
         h, w = (shape[0] + 1) // 2, (shape[1] + 1) // 2
         x, y = (np.arange(w) + 0.5) * cell - goal[0], (np.arange(h) + 0.5) * cell - goal[1]
@@ -100,7 +100,7 @@ class CostField:
         return not self.failure
 
     def lookup(self, x: float, y: float) -> float:
-        """Cost-to-go (m) at a world point."""
+        """Return the cost-to-go (m) at a world point."""
         return float(lookup(self.value, self.cell_m, x, y)[0])
 
     def descent(self, x: float, y: float) -> float:
@@ -109,7 +109,7 @@ class CostField:
         return math.atan2(-gy, -gx)
 
     def reaches(self, x: float, y: float, within_m: float = 0.0) -> bool:
-        """Check whether a path leads from a cell within `within_m` of the point to the goal."""
+        """Check whether a path leads to the goal from some cell within `within_m` of a point."""
         if self.reached is None:
             return True
         h, w = self.reached.shape
@@ -118,7 +118,7 @@ class CostField:
         return bool(self.reached[max(j - n, 0) : j + n + 1, max(i - n, 0) : i + n + 1].any())
 
     def lengths(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the cost-to-go (m) at many world points, Shape=(N,); inf where no path leads to the goal."""
+        """Return the cost-to-go (m) at many world points, inf where no path leads to the goal. Shape=(N,)."""
         values = lookup_many(self.value, self.cell_m, np.ascontiguousarray(xs), np.ascontiguousarray(ys))
         if self.reached is None:
             return np.asarray(values)
@@ -128,11 +128,11 @@ class CostField:
         return np.where(self.reached[j, i], values, np.inf)
 
     def path_from(self, x: float, y: float, step_m: float = 0.1, length_m: float = 100.0) -> NDArray[np.float64]:
-        """Return the path of steepest descent to the goal, the reference for the robot's executed path.
+        """Return the path of steepest descent to the goal: the reference for the executed path.
 
         Returns:
-            Shape=(n, 2) world points about `step_m` apart, the first at (x, y), the last at `target` when it is
-            reached within `length_m`.
+            World points about `step_m` apart, from (x, y) to `target` if that is reached within `length_m`.
+            Shape=(n, 2).
         """
         n_max = math.ceil(length_m / step_m)
         path = descend(self.value, self.cell_m, x, y, self.target[0], self.target[1], step_m, n_max)

@@ -13,16 +13,16 @@ Grid = NDArray[np.float32]
 
 @njit(cache=True, error_model="numpy")
 def slowness_grid(distance: Grid, fine_m: float, ratio: int, radius_m: float, band_m: float, penalty: float) -> Grid:
-    """Cost per metre of the coarse cells; negative where the hull does not fit.
+    """Compute the cost per metre of the coarse cells; negative where the hull does not fit.
 
-    1 in the open, rising quadratically to 1 + penalty where the hull (radius_m) would touch, within band_m of that.
-    The edge of the map counts as an obstacle.
+    It is 1 in open water and rises quadratically over the last `band_m` to 1 + penalty where the hull would touch an
+    obstacle. The edge of the map counts as an obstacle.
 
     Args:
-        distance: Shape=(H, W) distance (m) of the fine cells to the nearest obstacle cell.
+        distance: Shape=(H, W), distance (m) of the fine cells to the nearest obstacle cell.
         fine_m: Edge of a fine cell (m).
         ratio: Fine cells per coarse cell and axis.
-        radius_m: Clearance the centre needs (m).
+        radius_m: Clearance that the robot's centre needs (m).
         band_m: Width of the soft band (m).
         penalty: Extra cost per metre at contact.
     """
@@ -33,7 +33,7 @@ def slowness_grid(distance: Grid, fine_m: float, ratio: int, radius_m: float, ba
     for j in range(h):
         for i in range(w):
             j1, i1 = min((j + 1) * ratio, fine_h), min((i + 1) * ratio, fine_w)
-            if ratio == 2 and j1 == 2 * j + 2 and i1 == 2 * i + 2:  # the default, without the loops
+            if ratio == 2 and j1 == 2 * j + 2 and i1 == 2 * i + 2:  # the default case, unrolled
                 row, col = 2 * j, 2 * i
                 total = distance[row, col] + distance[row, col + 1]
                 mean = 0.25 * (total + distance[row + 1, col] + distance[row + 1, col + 1])
@@ -54,24 +54,24 @@ def slowness_grid(distance: Grid, fine_m: float, ratio: int, radius_m: float, ba
 
 @njit(cache=True, error_model="numpy")
 def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy: float, top: float) -> Grid:
-    """Solve |grad V| = slowness from the goal outwards; inf where the goal cannot be reached.
+    """Solve |grad V| = slowness from the goal outwards; inf where no path leads to the goal.
 
-    Fast marching with buckets one third of a cell wide instead of a heap: cells inside a bucket are taken in the order
-    they came, which costs an error far below the scheme's own and makes the whole linear in the number of cells.
+    Fast marching with buckets one third of a cell wide instead of a heap. Cells of a bucket are taken in the order of
+    their arrival: the error is far below that of the scheme, and the time is linear in the number of cells.
 
     Args:
-        slowness: Shape=(h, w) cost per metre; negative is blocked.
+        slowness: Shape=(h, w), cost per metre; negative: blocked.
         cell_m: Edge of a cell (m).
         goal_j: Row of the goal's cell.
         goal_i: Column of the goal's cell.
-        gx: Goal (m); the cells around it start from their true distance.
-        gy: Goal (m).
+        gx: x of the goal (m). The cells around the goal start with their true distance.
+        gy: y of the goal (m).
         top: Largest slowness in the grid.
 
     Returns:
         Shape=(h, w) cost-to-go (m of open water).
     """
-    # A rim of blocked cells spares the bounds checks; cells are numbered through.
+    # A rim of blocked cells makes bounds checks unnecessary. Cells have a linear index.
     h, w = slowness.shape[0] + 2, slowness.shape[1] + 2
     padded = np.full((h, w), -1.0, np.float32)
     padded[1:-1, 1:-1] = slowness
@@ -143,9 +143,9 @@ def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy
 
 @njit(cache=True, error_model="numpy")
 def extend(value: Grid, cell_m: float, steepness: float) -> None:
-    """Extrapolate the values of reached cells to every unreached cell, in place (two raster sweeps, twice).
+    """Extrapolate the values of reached cells to all other cells, in place, by two rounds of two raster sweeps.
 
-    A robot found inside the blocked band then still has a downhill direction: out.
+    A robot inside the blocked band then still finds a descent direction: out of it.
     """
     h, w = value.shape
     f = np.float32(steepness * cell_m)
@@ -172,7 +172,7 @@ def extend(value: Grid, cell_m: float, steepness: float) -> None:
 
 @njit(cache=True)
 def nearest_free(slowness: Grid, j0: int, i0: int) -> tuple[int, int]:
-    """Return (row, column) of the free cell nearest to a cell; (-1, -1) when none is free."""
+    """Return (row, column) of the free cell nearest to a cell; (-1, -1) if none is free."""
     h, w = slowness.shape
     best, bj, bi = 1 << 60, -1, -1
     for j in range(h):
@@ -189,7 +189,7 @@ def nearest_free(slowness: Grid, j0: int, i0: int) -> tuple[int, int]:
 
 @njit(cache=True, error_model="numpy")
 def lookup(value: Grid, cell_m: float, x: float, y: float) -> tuple[float, float, float]:
-    """Bilinear value and its gradient (dV/dx, dV/dy) at a world point; points outside take the edge's value."""
+    """Interpolate the value and its gradient (dV/dx, dV/dy) at a world point. Points outside take the edge's value."""
     h, w = value.shape
     fx = min(max(x / cell_m - 0.5, 0.0), w - 1.001)
     fy = min(max(y / cell_m - 0.5, 0.0), h - 1.001)
@@ -203,7 +203,7 @@ def lookup(value: Grid, cell_m: float, x: float, y: float) -> tuple[float, float
 
 @njit(cache=True)
 def lookup_many(value: Grid, cell_m: float, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
-    """`lookup`'s values at many world points, Shape=(N,)."""
+    """Return the values of `lookup` at many world points. Shape=(N,)."""
     out = np.empty(xs.size)
     for k in range(xs.size):
         out[k] = lookup(value, cell_m, xs[k], ys[k])[0]
@@ -212,7 +212,7 @@ def lookup_many(value: Grid, cell_m: float, xs: NDArray[np.float64], ys: NDArray
 
 @njit(cache=True)
 def descend(value: Grid, cell_m: float, x: float, y: float, gx: float, gy: float, step_m: float, n_max: int) -> Grid:
-    """Path of steepest descent from a point, Shape=(n, 2), ending at the goal (gx, gy) when it gets there."""
+    """Return the path of steepest descent from a point, up to the goal (gx, gy) if it gets there. Shape=(n, 2)."""
     path = np.empty((n_max + 1, 2), np.float32)
     path[0, 0], path[0, 1] = x, y
     n = 1

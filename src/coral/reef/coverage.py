@@ -1,4 +1,4 @@
-"""Ground truth of the coverage metric: how much of every oyster cluster has been in view (paper IV-E)."""
+"""Ground truth of the coverage metric: the share of every oyster cluster that has been in view (paper IV-E)."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from coral.reef.scene import Footprints, Scene
 
 @dataclass(frozen=True, kw_only=True)
 class CoverageCfg:
-    """What counts as a cluster's area, and as observed."""
+    """Definitions of a cluster's area and of observed."""
 
     cell_m: CellSize = 0.05
-    """Edge of a cell of the true area; the same as the robot's map."""
+    """Edge of a cell of the true area; the same as in the robot's map."""
     closing_m: float = 0.15
-    """Gaps narrower than twice this between a cluster's oysters belong to its area (morphological closing): an oyster
-    bed counts as a bed, its outer edge stays where its oysters end."""
+    """Gaps narrower than twice this between a cluster's oysters belong to its area (morphological closing). The outer
+    edge stays where the oysters end."""
     hfov_deg: float = 120.0
-    """Paper IV-E: observed within the 120° camera FOV."""
+    """Paper IV-E: observed means within the camera's 120° field of view."""
     range_m: float = 6.0
     """The paper gives no limit; its prompts speak of 0-6 m."""
     threshold: float = 0.6
-    """Paper IV-E: a cluster counts when at least 60% of its area was observed."""
+    """Paper IV-E: a cluster is covered when at least 60 % of its area has been observed."""
 
     def __post_init__(self) -> None:
         def demand(field: str, holds: bool, expected: str) -> None:
@@ -45,11 +45,11 @@ class CoverageCfg:
 
 
 class CoverageMeter:
-    """Marks the true oyster area seen from the true pose; no decision reads it.
+    """Marks the true oyster area seen from the true pose. No decision reads it.
 
-    A cell is seen when its centre lies within range and field of view of the body's origin and the straight line to it,
-    on the ground plane, crosses no obstacle's outline, whatever the obstacle's height. Cells under an obstacle can
-    never be seen and are not part of the area.
+    A cell is seen when its centre lies within range and field of view of the body's origin and the straight line to it
+    on the ground plane crosses no obstacle's outline. The obstacle's height does not count. Cells under an obstacle
+    can never be seen and are not part of the area.
     """
 
     def __init__(self, scene: Scene, cfg: CoverageCfg | None = None) -> None:
@@ -91,24 +91,24 @@ class CoverageMeter:
 
     @property
     def fractions(self) -> NDArray[np.float64]:
-        """Return the share of every cluster's area seen so far. Shape=(n_clusters,), in the world's order."""
+        """Return the share of every cluster's area seen so far, in the world's order. Shape=(n_clusters,)."""
         return 1.0 - self._left / self._size
 
     def covered(self, threshold: float | None = None) -> NDArray[np.bool_]:
-        """Which clusters have been seen to at least `threshold` (`cfg.threshold` when None). Shape=(n_clusters,)."""
+        """Return which clusters have been seen to at least `threshold` (None: `cfg.threshold`). Shape=(n_clusters,)."""
         limit = self.cfg.threshold if threshold is None else threshold
         return np.asarray(self._size - self._left >= limit * self._size - 1e-9)
 
     @property
     def coverage(self) -> float:
-        """Total coverage rate, N_cov / N_total, between 0 and 1 (paper IV-E)."""
+        """Coverage rate, N_cov / N_total, between 0 and 1 (paper IV-E)."""
         return float(self.covered().mean())
 
     def area(self, cluster: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """Return the cells of a cluster's true area, for pictures.
 
         Returns:
-            Their centres (m), Shape=(M, 2), and whether each has been seen, Shape=(M,).
+            Centres of the cells (m), Shape=(M, 2), and whether each has been seen, Shape=(M,).
         """
         start, size = self._start[cluster], self._size[cluster]
         seen = np.ones(size, np.bool_)
@@ -117,9 +117,9 @@ class CoverageMeter:
 
 
 def rasterise(outlines: Footprints, cell_m: float, closing_m: float) -> NDArray[np.float64]:
-    """Return the centres of the cells in the closed union of some ellipses. Shape=(M, 2), metres, row by row.
+    """Return the centres of the cells in the closed union of ellipses, row by row (m). Shape=(M, 2).
 
-    A cell belongs to an ellipse when its centre lies inside, or the ellipse's centre in the cell.
+    A cell belongs to an ellipse if the cell's centre lies in the ellipse or the ellipse's centre in the cell.
     """
     margin = closing_m + 2 * cell_m
     reach = outlines.half.max(axis=1, keepdims=True)
@@ -151,6 +151,6 @@ def _distance(footprints: Footprints, x: float, y: float) -> float:
 
 
 def _circle(cells: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Return a bounding circle (x, y, radius) of points."""
+    """Return a circle (x, y, radius) that contains all points."""
     middle = (cells.min(axis=0) + cells.max(axis=0)) / 2
     return float(middle[0]), float(middle[1]), float(np.linalg.norm(cells - middle, axis=1).max())

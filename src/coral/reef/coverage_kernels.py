@@ -1,4 +1,4 @@
-"""Which cells of the true oyster area come into view: range, field of view, line of sight on the ground plane."""
+"""Cells of the true oyster area that come into view: range, field of view, line of sight on the ground plane."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ def observe(
     yaw: NDArray[np.float64],
     unit: NDArray[np.float64],
 ) -> None:
-    """Mark the cells that are seen from a pose.
+    """Mark the cells seen from a pose.
 
     Args:
         pose: (x, y, theta) in the world.
         half_fov: Half of the horizontal field of view (rad), at most pi.
-        range_m: Cells farther than this are not seen.
+        range_m: Largest distance at which a cell is seen (m).
         cells: Shape=(M, 2), centres of all cells (m), cluster by cluster.
         start: Shape=(C,), first cell of every cluster.
-        circle: Shape=(C, 3), a circle (x, y, radius) about every cluster's cells.
-        order: Shape=(M,), from a cluster's `start` on, its cells not yet seen, `left` of them; updated in place.
-        left: Shape=(C,), how many of a cluster's cells are not yet seen; updated in place.
-        kind: Shape=(K,), what hides, as `Footprints`.
+        circle: Shape=(C, 3), circle (x, y, radius) that contains the cells of every cluster.
+        order: Shape=(M,), from each cluster's `start` on, its `left` cells not yet seen; updated in place.
+        left: Shape=(C,), number of each cluster's cells not yet seen; updated in place.
+        kind: Shape=(K,), outlines that hide cells, as `Footprints`.
         center: Shape=(K, 2).
         half: Shape=(K, 2).
         yaw: Shape=(K,).
@@ -47,7 +47,7 @@ def observe(
     x, y = pose[0], pose[1]
     c, s = math.cos(pose[2]), math.sin(pose[2])
     edge = math.cos(half_fov)
-    # Rows of unit: the map that makes an outline the unit circle or square (4), the eye in it (2), round or not (1).
+    # Rows of unit: the map from an outline to the unit circle or square (4), the eye in that frame (2), round (1).
     hiders = 0
     for k in range(kind.size):
         dx, dy = x - center[k, 0], y - center[k, 1]
@@ -83,7 +83,7 @@ def observe(
 
 @njit(cache=True)
 def _hidden(dx: float, dy: float, unit: NDArray[np.float64]) -> bool:
-    """Check whether the segment from the eye to the eye + (dx, dy) passes through an outline."""
+    """Check whether the segment from the eye to eye + (dx, dy) crosses an outline."""
     for k in range(unit.shape[0]):
         gx, gy = unit[k, 0] * dx + unit[k, 1] * dy, unit[k, 2] * dx + unit[k, 3] * dy
         ex, ey = unit[k, 4], unit[k, 5]

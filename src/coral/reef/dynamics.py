@@ -1,7 +1,7 @@
-"""Parameter sets of the BlueROV2 and the constants its equations of motion are written in.
+"""Parameter sets of the BlueROV2, and the constants of its equations of motion.
 
-Body frame FLU (x forward, y left, z up), origin in the centre of gravity. All mass, inertia and drag values are the
-magnitudes (positive); the equations carry the signs.
+Body frame FLU (x forward, y left, z up), origin at the centre of gravity. Mass, inertia and drag values are positive
+magnitudes; the equations carry the signs.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Six = tuple[float, float, float, float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Parameters:
-    """Rigid body and hydrodynamics of one vehicle; six-vectors are ordered surge, sway, heave, roll, pitch, yaw."""
+    """Rigid-body and hydrodynamic parameters of a vehicle. Six-vectors: surge, sway, heave, roll, pitch, yaw."""
 
     mass_kg: float
     volume_m3: float
@@ -47,7 +47,7 @@ PARAMETER_SETS: dict[str, Parameters] = {
         cb_above_cg_m=0.01,
         source="von Benzon et al. 2022, BlueROV2 Heavy",
     ),
-    # B's source gives no mass and no inertia: neutrally buoyant, and A's inertia.
+    # B's source gives no mass or inertia: taken as neutrally buoyant, with A's inertia.
     "B": Parameters(
         mass_kg=11.35,
         volume_m3=0.01135,
@@ -58,7 +58,7 @@ PARAMETER_SETS: dict[str, Parameters] = {
         cb_above_cg_m=0.01,
         source="MarineGym BlueROV; drag implausibly low (2 m/s at full thrust)",
     ),
-    # C's source gives no volume: neutrally buoyant.
+    # C's source gives no volume: taken as neutrally buoyant.
     "C": Parameters(
         mass_kg=13.0,
         volume_m3=0.013,
@@ -73,7 +73,7 @@ PARAMETER_SETS: dict[str, Parameters] = {
 
 
 def parameter_set(name: str) -> Parameters:
-    """Return the named set; raises InputError with the nearest name if there is none."""
+    """Return the parameter set of a name; an unknown name raises InputError with the nearest one."""
     if name not in PARAMETER_SETS:
         expected = f"one of {', '.join(PARAMETER_SETS)}{nearest(name, PARAMETER_SETS)}"
         raise InputError("vehicle", "parameters", name, expected)
@@ -82,7 +82,7 @@ def parameter_set(name: str) -> Parameters:
 
 @dataclass(frozen=True, kw_only=True)
 class Thrusters:
-    """T200 thrusters of the Heavy frame: four horizontal ones at 45 degrees, four vertical ones (von Benzon 2022)."""
+    """T200 thrusters of the Heavy frame: four horizontal ones at 45 degrees and four vertical (von Benzon 2022)."""
 
     x_m: float = 0.156
     y_m: float = 0.111
@@ -90,12 +90,12 @@ class Thrusters:
     vertical_x_m: float = 0.12
     vertical_y_m: float = 0.218
     lag_s: Positive = 0.0287
-    """First-order lag of the thrust. The identified (6136s+108700)/(s^3+89s^2+9258s+108700) has the mean delay
-    (9258-6136)/108700 s, which this keeps; its other modes (above 13 rad/s) are faster than the velocity loop."""
+    """First-order lag of the thrust: the mean delay (9258-6136)/108700 s of the identified transfer function
+    (6136s+108700)/(s^3+89s^2+9258s+108700). Its other modes (above 13 rad/s) are faster than the velocity loop."""
 
 
 class Planar(NamedTuple):
-    """Constants of the planar model (surge, sway, yaw), in the form the kernels take."""
+    """Constants of the planar model (surge, sway, yaw), as the kernels take them."""
 
     m11: float
     m22: float
@@ -109,30 +109,30 @@ class Planar(NamedTuple):
     thrust_max: float
     """Largest force of one thruster (N)."""
     force_arm: float
-    """Surge (or sway) force per newton of each of the four thrusters: 4 cos 45."""
+    """Surge or sway force per newton of each of the four thrusters: 4 cos 45."""
     moment_arm: float
     """Yaw moment per newton of each of the four thrusters: 4 (x + y) cos 45 (m)."""
 
 
 def thrust_n(u: NDArray[np.float64] | float) -> NDArray[np.float64]:
-    """Static thrust (N) of a T200 at the normalised input u in [-1, 1] (von Benzon 2022); 30.4 N at u = 1."""
+    """Compute the static thrust (N) of a T200 at the input u in [-1, 1] (von Benzon 2022); 30.4 N at u = 1."""
     a = np.clip(np.asarray(u, dtype=np.float64), -1.0, 1.0)
     return np.asarray(a * (8.9 + a**2 * (176.0 + a**2 * (-404.1 + a**2 * (389.9 - 140.3 * a**2)))))
 
 
 _INPUTS = np.linspace(0.0, 1.0, 4001)
-_THRUSTS = np.maximum.accumulate(thrust_n(_INPUTS))  # the fit bends down by 0.2 N above u = 0.97
+_THRUSTS = np.maximum.accumulate(thrust_n(_INPUTS))  # the fit falls by 0.2 N above u = 0.97
 THRUST_MAX_N = float(thrust_n(1.0))
 
 
 def thruster_input(force_n: NDArray[np.float64] | float) -> NDArray[np.float64]:
-    """Compute the normalised input whose static thrust is `force_n` (N): the inverse of `thrust_n`, saturating."""
+    """Compute the normalised input whose static thrust is `force_n` (N): the inverse of `thrust_n`, saturated."""
     force = np.asarray(force_n, dtype=np.float64)
     return np.asarray(np.sign(force) * np.interp(np.abs(force), _THRUSTS, _INPUTS))
 
 
 def planar(parameters: Parameters, thrusters: Thrusters, thrust_max_n: float = THRUST_MAX_N) -> Planar:
-    """Planar constants of a parameter set (added mass included in m11, m22, m66)."""
+    """Return the planar constants of a parameter set (m11, m22 and m66 include the added mass)."""
     p = parameters
     cos45 = math.sqrt(0.5)
     return Planar(
@@ -152,21 +152,21 @@ def planar(parameters: Parameters, thrusters: Thrusters, thrust_max_n: float = T
 
 
 def allocate_horizontal(wrench: tuple[float, float, float], model: Planar) -> NDArray[np.float64]:
-    """Allocate a planar wrench (N, N, N m) to the four horizontal thrusters: their forces (N).
+    """Allocate a planar wrench (N, N, N m) to the four horizontal thrusters.
 
     Returns:
-        Shape=(4,): front left, front right, rear left, rear right. The four are the least-squares solution; a wrench
-        from `limit_wrench` never asks one of them for more than `model.thrust_max`.
+        Forces (N) of front left, front right, rear left, rear right, Shape=(4,): the least-squares solution. With a
+        wrench from `limit_wrench` none exceeds `model.thrust_max`.
     """
     fx, fy, n = wrench[0] / model.force_arm, wrench[1] / model.force_arm, wrench[2] / model.moment_arm
     return np.array([fx - fy - n, fx + fy + n, fx + fy - n, fx - fy + n])
 
 
 class SixDof(NamedTuple):
-    """Constants of the six-degree-of-freedom model, in the form the kernels take; arrays Shape=(6,)."""
+    """Constants of the six-degree-of-freedom model, as the kernels take them. Arrays have Shape=(6,)."""
 
     inertia: NDArray[np.float64]
-    """Diagonal of rigid-body plus added mass (kg, kg m^2)."""
+    """Diagonal of the mass matrix, rigid body plus added mass (kg, kg m^2)."""
     linear_drag: NDArray[np.float64]
     quadratic_drag: NDArray[np.float64]
     weight_n: float
@@ -180,7 +180,7 @@ class SixDof(NamedTuple):
 
 
 def six_dof(parameters: Parameters, thrusters: Thrusters, thrust_max_n: float = THRUST_MAX_N) -> SixDof:
-    """Six-degree-of-freedom constants of a parameter set."""
+    """Return the six-degree-of-freedom constants of a parameter set."""
     p, t = parameters, thrusters
     rigid = np.array([p.mass_kg] * 3 + list(p.inertia_kg_m2))
     flat = planar(p, t)

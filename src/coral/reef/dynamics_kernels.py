@@ -1,8 +1,8 @@
 """Fossen's equations of motion for the BlueROV2: planar and six degrees of freedom, RK4 (numba).
 
-Velocities inside this file are relative to the water. For a steady irrotational current Fossen's
-M nu' + C(nu) nu + D(nu) nu + g = tau holds with the relative velocity throughout (added mass and drag both act on
-the water-relative motion), so that only the position equation needs the current.
+Velocities in this file are relative to the water. In a steady irrotational current Fossen's
+M nu' + C(nu) nu + D(nu) nu + g = tau holds for the relative velocity (added mass and drag both act on it), so only the
+position equation needs the current.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ def clip(value: float, limit: float) -> float:
 def limit_wrench(fx: float, fy: float, n: float, model: Planar) -> tuple[float, float, float]:
     """Limit a wrench (N, N, N m) to what the four horizontal thrusters can produce.
 
-    Yaw is served first, then sway, then surge with what is left of each thruster: a vehicle that cannot hold its
-    heading cannot be steered away from anything.
+    Yaw has priority, then sway, then surge with the thrust that is left: a vehicle that cannot hold its heading cannot
+    avoid anything.
     """
     n1 = clip(n / model.moment_arm, model.thrust_max)
     left = model.thrust_max - abs(n1)
@@ -42,10 +42,10 @@ def limit_wrench(fx: float, fy: float, n: float, model: Planar) -> tuple[float, 
 def tracking_wrench(
     u: float, v: float, r: float, v_cmd: float, omega_cmd: float, rate: float, yaw_rate: float, model: Planar
 ) -> tuple[float, float, float]:
-    """Unlimited wrench (N, N, N m) of the velocity loop: surge to v_cmd, sway to 0, yaw rate to omega_cmd.
+    """Compute the unlimited wrench (N, N, N m) of the velocity loop: surge to v_cmd, sway to 0, yaw rate to omega_cmd.
 
-    Feedback linearisation: the model's own drag and Coriolis terms are fed forward, and the error decays with
-    `rate` (1/s) in surge and sway and `yaw_rate` (1/s) in yaw.
+    Feedback linearisation: drag and Coriolis terms of the model are fed forward, and the error decays at `rate` (1/s)
+    in surge and sway and at `yaw_rate` (1/s) in yaw.
     """
     fx = model.m11 * rate * (v_cmd - u) + (model.du + model.duu * abs(u)) * u - model.m22 * v * r
     fy = -model.m22 * rate * v + (model.dv + model.dvv * abs(v)) * v + model.m11 * u * r
@@ -57,7 +57,7 @@ def tracking_wrench(
 def planar_acceleration(
     u: float, v: float, r: float, fx: float, fy: float, n: float, model: Planar
 ) -> tuple[float, float, float]:
-    """Acceleration (m/s^2, m/s^2, rad/s^2) of the planar model from water-relative velocities and the wrench."""
+    """Compute the planar acceleration (m/s^2, m/s^2, rad/s^2) from water-relative velocities and the wrench."""
     du = (fx + model.m22 * v * r - (model.du + model.duu * abs(u)) * u) / model.m11
     dv = (fy - model.m11 * u * r - (model.dv + model.dvv * abs(v)) * v) / model.m22
     dr = (n - (model.m22 - model.m11) * u * v - (model.dr + model.drr * abs(r)) * r) / model.m66
@@ -77,13 +77,13 @@ def _planar_rate(s: Array, asked: Array, current: Array, lag_s: float, model: Pl
 
 @njit(cache=True)
 def planar_rk4(s: Array, asked: Array, current: Array, lag_s: float, h: float, model: Planar) -> None:
-    """One RK4 step of the planar model, in place.
+    """Advance the planar model by one RK4 step, in place.
 
     Args:
-        s: Shape=(9,): x, y, theta, water-relative u, v, r, and the wrench now produced (Fx, Fy, N).
-        asked: Shape=(3,) wrench the thrusters are asked for, within their limits, held over the step.
-        current: Shape=(2,) water velocity in the world (m/s).
-        lag_s: Time constant of the thrust (s). All thrusters share it, so the wrench lags as each thrust does.
+        s: Shape=(9,), x, y, theta, water-relative u, v, r, and the present wrench (Fx, Fy, N).
+        asked: Shape=(3,), commanded wrench, within the thrusters' limits, constant over the step.
+        current: Shape=(2,), water velocity in the world (m/s).
+        lag_s: Time constant of the thrust (s). All thrusters share it, so the wrench has the same lag.
         h: Step (s).
         model: Constants of the vehicle.
     """
@@ -108,22 +108,22 @@ def velocity_loop(
     model: Planar,
     asked: Array,
 ) -> None:
-    """Run one period of the velocity loop: the wrench to ask for, and the estimated disturbance.
+    """Run one period of the velocity loop: update the estimated disturbance and the commanded wrench.
 
-    The disturbance moves towards what the last period's motion shows beyond the model's explanation.
+    The disturbance moves towards the part of the last period's motion that the model does not explain.
 
     Args:
-        s: Shape=(9,): x, y, theta, ground-relative u, v, r, and the wrench now produced.
-        memory: Shape=(9,): disturbance in the world frame (N, N, N m), then velocity and wrench one period ago; NaN
-            there means that there was none. Updated in place.
+        s: Shape=(9,), x, y, theta, ground-relative u, v, r, and the present wrench.
+        memory: Shape=(9,), disturbance in the world frame (N, N, N m), then velocity and wrench one period ago, NaN
+            if there was none. Updated in place.
         v_cmd: Surge set point (m/s).
         omega_cmd: Yaw-rate set point (rad/s).
         rate: As in `tracking_wrench`.
         yaw_rate: As in `tracking_wrench`.
-        period: Of the loop (s).
-        gain: Share of the disturbance's error that is corrected in one period.
+        period: Period of the loop (s).
+        gain: Share of the disturbance's error that one period corrects.
         model: Constants of the vehicle.
-        asked: Shape=(3,), written: the wrench to ask for, within the thrusters' limits.
+        asked: Shape=(3,), written: the commanded wrench, within the thrusters' limits.
     """
     c, si = math.cos(s[2]), math.sin(s[2])
     if not np.isnan(memory[3]):
@@ -144,7 +144,7 @@ def velocity_loop(
 
 @njit(cache=True)
 def planar_step(s: Array, asked: Array, current: Array, lag_s: float, h: float, model: Planar) -> None:
-    """`planar_rk4` on ground-relative velocities, the heading wrapped to (-pi, pi]; s as in `velocity_loop`."""
+    """Run `planar_rk4` on ground-relative velocities and wrap the heading to (-pi, pi]; s as in `velocity_loop`."""
     c, si = math.cos(s[2]), math.sin(s[2])
     s[3] -= c * current[0] + si * current[1]
     s[4] -= -si * current[0] + c * current[1]
@@ -171,7 +171,7 @@ def planar_drive(
     h: float,
     trace: Array,
 ) -> None:
-    """Run velocity loop and motion over a whole control tick, without obstacles.
+    """Run the velocity loop and the motion over a control tick, without obstacles.
 
     Args:
         s: As in `velocity_loop`, updated in place.
@@ -186,7 +186,7 @@ def planar_drive(
         current: Shape=(2,) water velocity in the world (m/s).
         lag_s: Time constant of the thrust (s).
         h: Integration step (s).
-        trace: Shape=(loops, steps, 2), written: the position after every integration step.
+        trace: Shape=(loops, steps, 2), written: position after every integration step.
     """
     asked = np.empty(3)
     for i in range(trace.shape[0]):
@@ -198,10 +198,10 @@ def planar_drive(
 
 @njit(cache=True)
 def limit_six(wrench: Array, model: SixDof) -> Array:
-    """Limit a wrench, Shape=(6,), to what the eight thrusters can produce.
+    """Limit a wrench to what the eight thrusters can produce. Shape=(6,).
 
-    Horizontal thrusters as in `limit_wrench`. They sit below the centre of gravity, so their forces tip the vehicle;
-    the vertical ones counter that: pitch first, then roll, then heave.
+    The horizontal thrusters follow `limit_wrench`. They lie below the centre of gravity, so their forces tip the
+    vehicle. The vertical ones counter this: pitch first, then roll, then heave.
     """
     force, moment, z = model.horizontal[0], model.horizontal[1], model.horizontal[2]
     n = clip(wrench[5] / moment, model.thrust_max)
@@ -209,7 +209,7 @@ def limit_six(wrench: Array, model: SixDof) -> Array:
     fy = clip(wrench[1] / force, left)
     fx = clip(wrench[0] / force, left - abs(fy)) * force
     fy *= force
-    # r x F of a horizontal force at height z: (-z Fy, z Fx).
+    # Moment r x F of a horizontal force at height z: (-z Fy, z Fx).
     tip_roll, tip_pitch = -z * fy, z * fx
     pitch = clip((wrench[4] - tip_pitch) / model.vertical[2], model.thrust_max)
     left = model.thrust_max - abs(pitch)
@@ -229,7 +229,7 @@ def limit_six(wrench: Array, model: SixDof) -> Array:
 
 @njit(cache=True)
 def rotation(roll: float, pitch: float, yaw: float) -> Array:
-    """Body-to-world rotation, Shape=(3, 3), z-y-x angles."""
+    """Return the body-to-world rotation of z-y-x angles. Shape=(3, 3)."""
     cr, sr, cp, sp, cy, sy = (
         math.cos(roll),
         math.sin(roll),
@@ -254,7 +254,7 @@ def _cross(a: Array, b: Array) -> Array:
 
 @njit(cache=True)
 def coriolis_force(nu: Array, inertia: Array) -> Array:
-    """C(nu) nu, Shape=(6,), for a diagonal mass matrix (Kirchhoff's equations); does no work on nu."""
+    """Compute C(nu) nu for a diagonal mass matrix (Kirchhoff's equations). It does no work. Shape=(6,)."""
     v, w = nu[:3], nu[3:]
     momentum, spin = inertia[:3] * v, inertia[3:] * w
     out = np.empty(6)
@@ -265,7 +265,7 @@ def coriolis_force(nu: Array, inertia: Array) -> Array:
 
 @njit(cache=True)
 def restoring_force(roll: float, pitch: float, model: SixDof) -> Array:
-    """Weight and buoyancy as a body wrench, Shape=(6,); buoyancy acts `cb_above_cg_m` above the origin."""
+    """Compute weight and buoyancy as a body wrench; buoyancy acts `cb_above_cg_m` above the origin. Shape=(6,)."""
     up = np.array([-math.sin(pitch), math.cos(pitch) * math.sin(roll), math.cos(pitch) * math.cos(roll)])
     out = np.empty(6)
     out[:3] = (model.buoyancy_n - model.weight_n) * up
@@ -275,7 +275,7 @@ def restoring_force(roll: float, pitch: float, model: SixDof) -> Array:
 
 @njit(cache=True)
 def six_acceleration(nu: Array, attitude: Array, wrench: Array, model: SixDof) -> Array:
-    """Acceleration, Shape=(6,), from water-relative velocity nu, attitude (roll, pitch, yaw) and wrench."""
+    """Compute the acceleration from water-relative velocity nu, (roll, pitch, yaw) and wrench. Shape=(6,)."""
     drag = (model.linear_drag + model.quadratic_drag * np.abs(nu)) * nu
     force = wrench - coriolis_force(nu, model.inertia) - drag + restoring_force(attitude[0], attitude[1], model)
     return force / model.inertia
@@ -301,13 +301,13 @@ def _six_rate(s: Array, asked: Array, current: Array, lag_s: float, model: SixDo
 
 @njit(cache=True)
 def six_rk4(s: Array, asked: Array, current: Array, lag_s: float, h: float, model: SixDof) -> None:
-    """One RK4 step of the six-degree-of-freedom model, in place.
+    """Advance the six-degree-of-freedom model by one RK4 step, in place.
 
     Args:
-        s: Shape=(18,): position (3), roll, pitch, yaw, water-relative body velocity (6), wrench now produced (6).
-            The z-y-x angles are singular at a pitch of 90 degrees, far from where the righting moment lets it go.
-        asked: Shape=(6,) wrench the thrusters are asked for, within their limits, held over the step.
-        current: Shape=(2,) horizontal water velocity in the world (m/s).
+        s: Shape=(18,), position (3), roll, pitch, yaw, water-relative body velocity (6), present wrench (6). The z-y-x
+            angles are singular at a pitch of 90 degrees, which the righting moment does not allow.
+        asked: Shape=(6,), commanded wrench, within the thrusters' limits, constant over the step.
+        current: Shape=(2,), horizontal water velocity in the world (m/s).
         lag_s: Time constant of the thrust (s).
         h: Step (s).
         model: Constants of the vehicle.

@@ -1,4 +1,4 @@
-"""Contacts between robots: disc against disc, each pair counted once for each contact."""
+"""Contacts between robots: disc against disc. Each contact of a pair counts once."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 
 class Encounters:
-    """Tracks all robots' true motion; a contact lasts until the pair is more than `release_m` apart again."""
+    """Counts contacts in the robots' true motion. A contact lasts until the pair is more than `release_m` apart."""
 
     def __init__(self, radius_m: float = 0.3, release_m: float = 0.05) -> None:
         self.count = 0
@@ -20,15 +20,15 @@ class Encounters:
     def follow(
         self, robot: int, track: NDArray[np.float64], positions: Sequence[tuple[float, float]]
     ) -> list[tuple[float, float, int]]:
-        """Move one robot along a track, Shape=(N, 2), metres, past the others at their present positions.
+        """Move one robot along a track, past the others at their present positions.
 
         Args:
-            robot: Which one moves.
-            track: Positions of its centre, oldest first.
-            positions: Of every robot (m); its own is not looked at.
+            robot: Number of the robot that moves.
+            track: Positions of its centre, oldest first (m). Shape=(N, 2).
+            positions: Positions of all robots (m). Its own is ignored.
 
         Returns:
-            New contacts as (x, y, other): where its centre was (m), and which robot it began to touch.
+            New contacts as (x, y, other): position of its centre (m) and number of the robot that it touches.
         """
         found = []
         for other, (x, y) in enumerate(positions):

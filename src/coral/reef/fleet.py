@@ -1,4 +1,4 @@
-"""What the robots of one mission tell each other, at every tick without loss or delay."""
+"""The message that robots of one mission exchange at every tick, without loss or delay."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ MOST_ROBOTS = 4
 
 @dataclass(frozen=True, kw_only=True)
 class Neighbour:
-    """Another robot's description of itself."""
+    """What another robot tells about itself."""
 
     pose: Pose
-    """Its own estimate."""
+    """Pose of the robot, by its own estimate."""
     radius_m: float
-    """Of its hull."""
+    """Radius of its hull."""
     goal: tuple[float, float] | None = None
-    """Where it is going (m); None while it has nothing to do."""
+    """Its goal (m); None while it has nothing to do."""
     index: int | None = None
-    """Label of the cluster that its goal stands for."""
+    """Label of the cluster that its goal stands for; None for a free waypoint."""
     path: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
-    """Its plan: positions from now on. Shape=(N, 2), metres."""
+    """Its plan: positions from now on (m). Shape=(N, 2)."""
     times: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
-    """When it will be there, in seconds from the moment of planning. Shape=(N,)."""
+    """Times of these positions, in seconds from the moment of planning. Shape=(N,)."""
 
     def is_going_to(self, x: float, y: float, index: int | None, within_m: float) -> bool:
-        """Check whether its goal is this cluster, or a point within `within_m` of this one (m)."""
+        """Check whether its goal is the cluster with this label, or lies within `within_m` of a point (m)."""
         if self.goal is None:
             return False
         return (index is not None and index == self.index) or math.dist(self.goal, (x, y)) < within_m
 
     def distance_m(self, x: float, y: float) -> float:
-        """Return the distance from a point to the robot or to its goal, whichever is nearer (m)."""
+        """Return the distance (m) from a point to the robot or to its goal, whichever is nearer."""
         here = math.dist(self.pose[:2], (x, y))
         return here if self.goal is None else min(here, math.dist(self.goal, (x, y)))

@@ -1,4 +1,4 @@
-"""Makes reef worlds: clusters grown along a spine, obstacles dense at the start and interspersed later (paper IV-A)."""
+"""Generator of reef worlds: clusters along a spine, obstacles dense at the start and scattered after (paper IV-A)."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ _APART_M = 3.0
 """Between the middles of two clusters at least, so that a gap of 1.2 m or more stays between their outlines."""
 _LONGEST_NAME = 60
 _SETTLE_M = 0.2
-"""Between an oyster and its nearest neighbour at most, so that a cluster is one patch on the robot's map."""
+"""Largest gap between an oyster and its nearest neighbour, so that a cluster is one patch on the robot's map."""
 _BORDER_M = 1.9
-"""Between the middle of a cluster and the world's edge at least."""
+"""Least distance between the centre of a cluster and the world's edge."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class GeneratorCfg:
-    """What a generated reef is like. Lengths in metres; the paper gives only the size range and the topologies."""
+    """Settings of a generated reef. Lengths in metres. The paper gives only the size range and the topologies."""
 
     topology: Topology = "S"
     spine: tuple[tuple[tuple[float, float], ...], ...] = ()
-    """Polylines (m) to grow the reef along in place of a topology."""
+    """Polylines (m) along which the reef grows, in place of a topology."""
     size_m: tuple[float, float] = (22.0, 22.0)
-    """The paper's range is 20 to 30."""
+    """Width and height. The paper's range is 20 to 30."""
     clusters: int = 7
     """The paper's percentages are those of 70 clusters in 10 environments."""
     oysters: tuple[int, int] = (48, 88)
     """Range of the number of oysters in a cluster."""
     dense_obstacles: int = 20
-    """Obstacles within `dense_radius_m` in front of the start, or as many as leave passages; at least half of them."""
+    """Obstacles within `dense_radius_m` ahead of the start. Fewer if they would close passages, but at least half."""
     dense_radius_m: float = 6.5
     obstacles: int = 34
     """Obstacles beyond it, most of them along the spine; the same holds."""
@@ -49,7 +49,7 @@ class GeneratorCfg:
 
 
 def generate(cfg: GeneratorCfg, name: str = "") -> ReefWorld:
-    """Grow a reef; the same configuration gives the same world.
+    """Generate a reef. The same configuration gives the same world.
 
     Raises:
         InputError: The configuration asks for more than fits, or a value is out of range.
@@ -127,7 +127,7 @@ def _check(cfg: GeneratorCfg) -> None:
 
 
 def _beds(cfg: GeneratorCfg, lines: Sequence[Line], rng: np.random.Generator) -> list[_Bed]:
-    """Beds spread evenly over the whole spine, but for its first few metres."""
+    """Spread beds evenly over the spine, except for its first few metres."""
     lead = float(np.clip(0.14 * min(cfg.size_m), 2.0, 4.0))
     if np.hypot(*np.diff(lines[0], axis=0).T).sum() <= lead:
         raise InputError("generator", "spine", "no room for a cluster", f"a first line longer than {lead:.1f} m")
@@ -169,7 +169,7 @@ def _places(cfg: GeneratorCfg, lines: Sequence[Line], count: int, lead_m: float)
 
 
 def _cluster(name: str, bed: _Bed, cfg: GeneratorCfg, rng: np.random.Generator) -> Cluster:
-    """Oysters of random size and pose in a bed, denser about a few spots; each settles near one that is there."""
+    """Draw oysters of random size and pose in a bed, denser around a few spots; each lies near an earlier one."""
     spots = rng.uniform(-0.6, 0.6, (int(rng.integers(2, 5)), 2))
     c, s = math.cos(bed.yaw), math.sin(bed.yaw)
     oysters: list[Oyster] = []
@@ -192,7 +192,7 @@ def _cluster(name: str, bed: _Bed, cfg: GeneratorCfg, rng: np.random.Generator) 
 
 
 def command_line(cfg: GeneratorCfg, out: str) -> str:
-    """Return the command that makes a reef again: every setting that is not the default."""
+    """Return the command that generates a reef again, with every setting that is not the default."""
     words = ["coral reef generate"]
     for field in fields(cfg):
         value = getattr(cfg, field.name)
@@ -220,11 +220,11 @@ SHIPPED: dict[str, GeneratorCfg] = {
     "o1": GeneratorCfg(topology="O", size_m=(22.0, 22.0), clusters=7, obstacles=40, seed=51),
     "o2": GeneratorCfg(topology="O", size_m=(26.0, 26.0), clusters=8, obstacles=56, seed=52),
 }
-"""The ten environments: two of each topology, the second larger."""
+"""Settings of the ten environments: two of each topology, the second one larger."""
 
 
 def shipped(name: str) -> tuple[ReefWorld, str]:
-    """Make one of the ten environments again, with the comment at the head of its file."""
+    """Generate one of the ten environments again, with the comment at the head of its file."""
     cfg = SHIPPED[name]
     comment = (
         f"{name}: {cfg.topology}-shaped reef. World frame ENU, z up; metres and radians.\n"

@@ -1,4 +1,4 @@
-"""Poses and frames shared by the reef: world ENU, body FLU (REP-103), camera optical (REP-103)."""
+"""Poses and frames of the reef: world ENU, body FLU (REP-103), camera optical (REP-103)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 
 class Pose(NamedTuple):
-    """Planar pose in the world frame: metres, metres, radians."""
+    """Planar pose in the world frame (m, m, rad)."""
 
     x: float
     y: float
@@ -33,16 +33,16 @@ class Frame:
     """One camera picture."""
 
     depth: NDArray[np.float32]
-    """Shape=(H, W) float32, metres along the optical axis (z, not range); inf where nothing is seen."""
+    """Depth along the optical axis, not range (m); inf where nothing is seen. Shape=(H, W), float32."""
     labels: NDArray[np.uint8]
-    """Shape=(H, W) uint8 of `Label`."""
+    """`Label` of every pixel. Shape=(H, W), uint8."""
     instances: NDArray[np.int32]
-    """Shape=(H, W) int32, index of the object in the scene, -1 for seabed and water; for tests and metrics only, no
-    decision reads it."""
+    """Index of the object in the scene, -1 for seabed and water. Shape=(H, W), int32. For tests and metrics
+    only: no decision reads it."""
 
 
 def wrap(angle: float) -> float:
-    """Angle wrapped to (-pi, pi]."""
+    """Wrap an angle (rad) to (-pi, pi]."""
     return math.pi - (math.pi - angle) % (2 * math.pi)
 
 

@@ -1,4 +1,4 @@
-"""Imaging coverage: the share of every cluster's oyster area that the true camera has pictured."""
+"""Imaging coverage: the share of every cluster's oyster area that the true camera has seen."""
 
 from __future__ import annotations
 
@@ -17,34 +17,34 @@ from coral.reef.geometry import Label, Pose
 from coral.reef.scene import BOX, CYLINDER, Scene
 
 LEVELS = {"imaged": imaging_kernels.IMAGED, "inspected": imaging_kernels.INSPECTED}
-"""The two distances at which a cluster's area is counted."""
+"""The two levels at which a cluster's area is counted."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingCfg:
-    """At which distance oysters count as imaged, and at which resolution as inspected."""
+    """Distance at which oysters count as imaged, and resolution at which they count as inspected."""
 
     range_m: Positive = 6.0
-    """`imaged`: the paper's detection range, its prompts speak of 0-6 m. Measured along the line of sight."""
+    """`imaged`: the paper's detection range (0-6 m in its prompts), measured along the line of sight."""
     pixel_m: Positive = 0.05
-    """`inspected`: the largest pixel at which an ecologist can count oysters. A pixel's size is its distance times the
-    angle of a pixel at the picture's centre, that is, across the line of sight; the stretched pixels at the edges of a
-    wide picture get no credit. Whoever counts must tell each oyster apart, and a human observer detects an object
-    in half of the cases once two pixels lie across its smaller dimension (Johnson, Analysis of Image Forming Systems,
-    1958: 2 ± 0.5). From the side that is an oyster's height, 0.10 m here, so 0.05 m: up to 2.3 m away with the default
-    camera. It agrees with practice: geese are counted in aerial pictures of 4 to 5 cm (Chabot et al., An approach for
-    using off-the-shelf object-based image analysis, 2018), and lengths read off a ROV's stereo pictures are best at
-    2 to 3 m (Garner et al. 2021, PLOS ONE 16(3) e0247985)."""
+    """`inspected`: the largest pixel at which an ecologist can count oysters. The size of a pixel is its distance times
+    the angle of a pixel at the picture's centre, that is, across the line of sight: the stretched pixels at the edges
+    of a wide picture get no credit. To count oysters one must tell them apart. A human observer detects an object in
+    half of the cases once two pixels lie across its smaller dimension (Johnson, Analysis of Image Forming Systems,
+    1958: 2 ± 0.5). Seen from the side, this is an oyster's height, 0.10 m here, so 0.05 m: up to 2.3 m away with the
+    default camera. This agrees with practice: geese are counted in aerial pictures of 4 to 5 cm (Chabot et al., An
+    approach for using off-the-shelf object-based image analysis, 2018), and lengths measured in an ROV's stereo
+    pictures are best at 2 to 3 m (Garner et al. 2021, PLOS ONE 16(3) e0247985)."""
     cell_m: CellSize = 0.05
-    """Spacing of the points that stand for the oysters' area."""
+    """Spacing of the points that sample the oysters' area."""
 
 
 class ImagingMeter:
-    """Holds the true oyster area, point by point, and how well each point has been seen; no decision reads it.
+    """Samples the true oyster area and records how well each point has been seen. No decision reads it.
 
     A point counts when it lies inside both angles of view of the true camera, within the range and the water's
-    visibility along the line of sight, and no obstacle stands in between. Oysters are too low to hide one another.
-    Points under an obstacle can never be seen and are not part of the area.
+    visibility along the line of sight, and no obstacle hides it. Oysters are too low to hide one another. Points under
+    an obstacle can never be seen and are not part of the area.
     """
 
     def __init__(
@@ -55,13 +55,13 @@ class ImagingMeter:
         *,
         visibility_m: float | None = None,
     ) -> None:
-        """Build the true points.
+        """Sample the true points.
 
         Args:
             scene: The world's solids.
-            camera: That takes the pictures.
-            cfg: The distances.
-            visibility_m: Nothing is seen through the water beyond this distance; None: clear water.
+            camera: Camera that takes the pictures.
+            cfg: Distance and resolution that count.
+            visibility_m: Distance beyond which the water hides everything (m); None: clear water.
         """
         self.cfg, self.camera = cfg or ImagingCfg(), camera or CameraCfg()
         self.names = scene.cluster_names
@@ -74,7 +74,7 @@ class ImagingMeter:
         """Largest distance of an inspected point (m)."""
         self._limits = (self.camera.near_m, far, self.inspection_m)
         self.points, self.group = _points(scene, self.cfg.cell_m)
-        """World points, Shape=(M, 3), and the cluster of each, Shape=(M,)."""
+        """World points (m), Shape=(M, 3), and the cluster of each, Shape=(M,)."""
         self.size: NDArray[np.int64] = np.bincount(self.group, minlength=len(self.names)).astype(np.int64)
         hiders = np.flatnonzero(scene.label == Label.OBSTACLE)
         self._kind, self._center = scene.kind[hiders], np.ascontiguousarray(scene.center[hiders])
@@ -88,7 +88,7 @@ class ImagingMeter:
         self._count = np.zeros((3, len(self.names)), np.int64)
 
     def update(self, pose: Pose, altitude: float | None = None, *, roll: float = 0.0, pitch: float = 0.0) -> None:
-        """Count the picture taken from a true body pose; the arguments are those of `T_world_camera`."""
+        """Count the picture taken from a true body pose. The arguments are those of `T_world_camera`."""
         self.look(pose, self.level, self._count, altitude, roll=roll, pitch=pitch)
 
     def look(
@@ -101,7 +101,7 @@ class ImagingMeter:
         roll: float = 0.0,
         pitch: float = 0.0,
     ) -> None:
-        """Count on an external record: `level`, Shape=(M,), and `count`, Shape=(3, n_clusters), in place."""
+        """Count a picture in the caller's `level`, Shape=(M,), and `count`, Shape=(3, n_clusters), in place."""
         transform = T_world_camera(
             pose, self.camera, seabed_z=self._seabed_z, altitude=altitude, roll=roll, pitch=pitch
         )
@@ -131,17 +131,17 @@ class ImagingMeter:
         every: int = 1,
         target: float = math.inf,
     ) -> int | None:
-        """Count the pictures of a level drive until a share is inspected.
+        """Count the pictures of a drive without roll or pitch until a share is inspected.
 
         Args:
             poses: Shape=(K, 3), x, y, theta of the body.
             level: As for `look`.
             count: As for `look`.
-            every: Of the poses, one in so many, and the last one.
+            every: Count only every so many poses, and the last one.
             target: Share at which to stop.
 
         Returns:
-            Index of the pose at which the target was met; None when it never was.
+            Index of the pose at which the target was met; None if it never was.
         """
         k = imaging_kernels.image_along(
             poses,
@@ -165,22 +165,22 @@ class ImagingMeter:
         return int(k) if k >= 0 else None
 
     def fractions(self, name: str) -> NDArray[np.float64]:
-        """Share of every cluster's oyster area that is `imaged` or `inspected`. Shape=(n_clusters,)."""
+        """Return the share of every cluster's oyster area that is `imaged` or `inspected`. Shape=(n_clusters,)."""
         return np.asarray(self._count[LEVELS[name]] / self.size)
 
     @property
     def imaged(self) -> float:
-        """Return the mean over clusters of the share pictured within the detection range, 0 to 1."""
+        """Mean over the clusters of the share seen within the detection range, 0 to 1."""
         return float(self.fractions("imaged").mean())
 
     @property
     def inspected(self) -> float:
-        """Return the mean over clusters of the share pictured near enough to count oysters, 0 to 1."""
+        """Mean over the clusters of the share seen from close enough to count oysters, 0 to 1."""
         return float(self.fractions("inspected").mean())
 
 
 def _points(scene: Scene, cell_m: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Cells of every cluster's oysters, each at the height of the highest oyster there, and the cluster of each."""
+    """Return the cells of every cluster's oysters, at the height of the highest oyster there, and their clusters."""
     hiders = scene.footprints()
     points: list[tuple[float, float, float]] = []
     group: list[int] = []

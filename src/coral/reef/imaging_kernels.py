@@ -1,4 +1,4 @@
-"""Visibility of the true oyster points in a picture: angles of view, distance, line of sight."""
+"""Visibility of true oyster points in a picture: angles of view, distance, line of sight."""
 
 from __future__ import annotations
 
@@ -30,23 +30,23 @@ def image(
     group: NDArray[np.int64],
     count: NDArray[np.int64],
 ) -> None:
-    """Raise the level of every point that one picture shows better than any before.
+    """Raise the level of every point that a picture shows better than any picture before.
 
     Args:
-        eye: Shape=(3,), the camera in the world (m).
+        eye: Shape=(3,), position of the camera in the world (m).
         turn: Shape=(3, 3), camera optical frame to world.
-        lens: Tangents of the picture's left, right, upper and lower edge: X / Z and Y / Z of the outer pixels' rims.
-        limits: Nearest depth (m), farthest distance of an imaged point (m), and of an inspected one (m).
-        points: Shape=(M, 3), world (m).
-        kind: Shape=(K,), solids that hide: `Scene.kind`.
+        lens: Tangents of the picture's left, right, upper and lower edge: X / Z and Y / Z of the outer pixels' edges.
+        limits: Smallest depth (m), largest distance of an imaged point (m) and of an inspected point (m).
+        points: Shape=(M, 3), world points (m).
+        kind: Shape=(K,), `Scene.kind` of the solids that hide points.
         center: Shape=(K, 3).
         unit: Shape=(K, 3, 3), world to the frame in which the solid is the unit ball, cube or cylinder.
-        radius: Shape=(K,), of a ball about the centre that holds the solid.
+        radius: Shape=(K,), radius of a ball about the centre that contains the solid.
         scratch: Shape=(K, 3), overwritten.
         near_hiders: Shape=(K,), overwritten.
         level: Shape=(M,), best level of each point so far; updated in place.
         group: Shape=(M,), the cluster of each point.
-        count: Shape=(3, C), points of each cluster at a level or above it; updated in place.
+        count: Shape=(3, C), number of points of each cluster at or above a level; updated in place.
     """
     left, right, top, bottom = lens
     near, far, close = limits
@@ -113,11 +113,11 @@ def image_along(
     count: NDArray[np.int64],
     size: NDArray[np.int64],
 ) -> int:
-    """Process every `every`-th picture of a level drive, and the last one, until the mean share inspected is `target`.
+    """Process every `every`-th picture of a drive, and the last one, until the mean share inspected reaches `target`.
 
-    Returns the index of the pose at which the target was met, -1 when it never was. `poses` are x, y, theta of the
-    body, Shape=(K, 3); `first` is camera optical frame to world of the body at the origin with heading 0, Shape=(4, 4);
-    `size` the points of each cluster, Shape=(C,); the other arguments are those of `image`.
+    Returns the index of the pose at which the target was met, -1 if it never was. `poses` are x, y, theta of the body,
+    Shape=(K, 3). `first` is the transform from camera to world for the body at the origin with heading 0, Shape=(4, 4).
+    `size` is the number of points of each cluster, Shape=(C,). The other arguments are those of `image`.
     """
     eye, turn = np.empty(3), np.empty((3, 3))
     last = poses.shape[0] - 1
@@ -143,7 +143,7 @@ def image_along(
 
 @njit(cache=True, error_model="numpy")
 def _blocks(kind: int, e0: float, e1: float, e2: float, g0: float, g1: float, g2: float) -> bool:
-    """Check whether the segment e + t g, 0 <= t <= 1, passes through the unit ball, cube or upright cylinder."""
+    """Check whether the segment e + t g, 0 <= t <= 1, crosses the unit ball, cube or upright cylinder."""
     if kind == _ELLIPSOID:
         square = g0 * g0 + g1 * g1 + g2 * g2
         t = -(e0 * g0 + e1 * g1 + e2 * g2)
@@ -171,7 +171,7 @@ def _blocks(kind: int, e0: float, e1: float, e2: float, g0: float, g1: float, g2
 
 @njit(cache=True, error_model="numpy")
 def _slab(e: float, g: float, enter: float, leave: float) -> tuple[float, float]:
-    """The part of a segment that lies between -1 and 1 along one axis."""
+    """Return the part of a segment that lies between -1 and 1 along one axis."""
     if g == 0.0:
         return (enter, leave) if abs(e) < 1.0 else (2.0, -1.0)
     first, second = (-1.0 - e) / g, (1.0 - e) / g

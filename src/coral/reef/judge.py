@@ -1,4 +1,4 @@
-"""The judge's record, with access to the truth: the share imaged and inspected, and the distance to the reef."""
+"""The judge of a mission, who knows the truth: records the share imaged and inspected and the distance to the reef."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from coral.reef.world import ReefWorld
 
 JUDGE_FILE = "judge.csv"
 COLUMNS = ("step", "t", "imaged", "inspected", "reef_m")
-"""Mean share of the clusters' oyster area imaged and inspected so far; distance of the robot from the reef (m), of the
-farthest one where several survey."""
+"""Mean share of the clusters' oyster area imaged and inspected so far, and distance from the reef (m) of the robot, or
+of the farthest one if there are several."""
 CELL_M = 0.1
-"""Edge of the cells in which the distance from the reef is looked up."""
+"""Edge of a cell of the grid of distances from the reef."""
 MATCH_M = 1.0
-"""A track stands for a true cluster when it lies this near to its oysters: d_merge of the robot's own tracker."""
+"""A track within this distance of a true cluster's oysters matches it. d_merge of the robot's own tracker."""
 
 
 class MissionJudge:
-    """Follows the truth of one mission and appends it to `judge.csv`; no decision reads it."""
+    """Records the truth of one mission in `judge.csv`. No decision reads it."""
 
     def __init__(self, world: ReefWorld, meter: ImagingMeter, folder: Path) -> None:
         self.meter = meter
@@ -41,26 +41,26 @@ class MissionJudge:
         self._file.write(",".join(COLUMNS) + "\n")
 
     def note(self, step: int, t: float, positions: Sequence[tuple[float, float]]) -> None:
-        """Append a row; `positions` are the robots' true ones (m)."""
+        """Append a row. `positions`: true positions of the robots (m)."""
         meter = self.meter
         reef_m = max(self.reef_m(x, y) for x, y in positions)
         self._file.write(f"{step},{t:.6g},{meter.imaged:.6g},{meter.inspected:.6g},{reef_m:.4g}\n")
 
     def reef_m(self, x: float, y: float) -> float:
-        """Return a point's distance from the reef, to a decimetre (m): from an oyster, or from the reef's spine."""
+        """Return the distance (m) from a point to the reef, its oysters or its spine, accurate to a decimetre."""
         height, width = self._away.shape
         j, i = min(max(int(y / CELL_M), 0), height - 1), min(max(int(x / CELL_M), 0), width - 1)
         return float(self._away[j, i])
 
     def phantoms(self, tracks: Sequence[Track]) -> int:
-        """Count the robot's clusters that match no true one."""
+        """Count the robot's clusters that match no true cluster."""
         oysters = self.meter.points[:, :2]
         return sum(
             not len(oysters) or float(np.hypot(*(oysters - (track.x, track.y)).T).min()) > MATCH_M for track in tracks
         )
 
     def clusters(self) -> list[dict[str, Any]]:
-        """Return the share of every true cluster that was imaged and inspected."""
+        """Return the share of every true cluster that has been imaged and inspected."""
         shares = zip(self.meter.names, *(self.meter.fractions(n) for n in ("imaged", "inspected")), strict=True)
         return [{"name": name, "imaged": round(float(a), 4), "inspected": round(float(b), 4)} for name, a, b in shares]
 

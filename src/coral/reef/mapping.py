@@ -18,36 +18,36 @@ UNEXPLORED, FREE, OBSTACLE, TARGET = 0, 1, 2, 3
 """Cell classes, in the paper's colours: white, gray, black, green."""
 
 NEAR_SLACK_M = 1.0
-"""The robot may move this far before its local distances are computed again though nothing has changed."""
+"""Distance that the robot may move before local distances are computed again, if no obstacle has changed."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MapCfg:
-    """CellSize and evidence thresholds of the occupancy map."""
+    """Cell size, ranges and evidence thresholds of the occupancy map."""
 
     cell_m: CellSize = 0.05
     """Edge of a cell. The paper gives none; 0.05 m makes its A_min = 100 px equal to 0.25 m²."""
     range_m: float = 6.0
-    """d_max of the explored-area rays and of target detection; the paper's prompts speak of 0-6 m."""
+    """d_max of explored-area rays and of target detection (0-6 m in the paper's prompts)."""
     obstacle_range_m: float = 4.0
     """Obstacle sensing range (paper IV-F)."""
     n_rays: Count = 360
-    """N of the explored-area ray casting; 120° in 360 rays is 3.5 cm between rays at 6 m, under one cell."""
+    """N of the explored-area ray casting. 360 rays over 120° are 3.5 cm apart at 6 m, less than a cell."""
     target_hits: Count = 2
-    """Pictures that must show oysters in a cell before it counts; 2 ignores what a single picture shows."""
+    """Pictures that must show oysters in a cell before it is a target. With 2, one wrong picture has no effect."""
     obstacle_hits: Count = 3
-    """The same for obstacles. At 10 pictures per second the third comes 12 cm later at full speed, of the 4 m that
-    obstacles are seen ahead."""
+    """The same for obstacles. At 10 pictures per second and full speed the third picture comes 12 cm after the first,
+    of the 4 m at which obstacles are seen."""
     target_ratio: NonNegative = 0.05
-    """A cell is no target when fewer pictures show oysters there than this share of those that show seabed: wrong masks
-    are outvoted in time. Small, since oysters leave seabed to see between them."""
+    """A cell is no target if fewer pictures show oysters there than this share of those that show seabed: correct
+    pictures outvote wrong masks in time. Small, since seabed shows between oysters."""
     obstacle_ratio: NonNegative = 0.3
     """The same for obstacles, which hide the seabed of their cells. Of 15 pictures with a mask
     that is wrong in 4 of 100 patches, 5 agree on a cell once in 5000."""
 
 
 class OccupancyMap:
-    """Persistent 2D grid over the survey area; arrays are indexed [iy, ix], cell (0, 0) at the world's origin."""
+    """Persistent 2D grid over the survey area. Arrays are indexed [iy, ix], cell (0, 0) at the world's origin."""
 
     def __init__(self, size_m: tuple[float, float], camera: CameraCfg, cfg: MapCfg | None = None) -> None:
         self.cfg = cfg = cfg or MapCfg()
@@ -63,7 +63,7 @@ class OccupancyMap:
         self.obstacle = np.zeros(shape, np.bool_)
         """Obstacle cells. Shape=(NY, NX)."""
         self.explored = np.zeros(shape, np.bool_)
-        """Cells that were in view. Shape=(NY, NX)."""
+        """Cells that have been in view. Shape=(NY, NX)."""
         self.version = 0
         """Grows whenever an obstacle cell appears or goes."""
         self._whole: tuple[NDArray[np.bool_], NDArray[np.float32]] | None = None
@@ -74,7 +74,7 @@ class OccupancyMap:
         self._reach = np.zeros(camera.width)
 
     def integrate(self, frame: Frame, pose: Pose) -> None:
-        """Fuse one camera picture taken at `pose` (the robot's own estimate)."""
+        """Fuse a camera picture taken at `pose`, the robot's own estimate."""
         cfg = self.cfg
         self._pictures += 1
         project(
@@ -122,20 +122,20 @@ class OccupancyMap:
         )
 
     def cells(self) -> NDArray[np.uint8]:
-        """Class of every cell. Shape=(NY, NX), values UNEXPLORED, FREE, OBSTACLE, TARGET."""
+        """Return the class of every cell: UNEXPLORED, FREE, OBSTACLE or TARGET. Shape=(NY, NX)."""
         cells = self.explored.astype(np.uint8)
         cells[self.target] = TARGET
         cells[self.obstacle] = OBSTACLE
         return cells
 
     def distance(self) -> NDArray[np.float32]:
-        """Distance of every cell's centre to the nearest obstacle cell's centre (m). Shape=(NY, NX), read only."""
+        """Return the distance (m) of every cell to the nearest obstacle cell, by centres. Shape=(NY, NX), read only."""
         if self._whole is None or not np.array_equal(self._whole[0], self.obstacle):
             self._whole = self.obstacle.copy(), distance_to(self.obstacle, self.cfg.cell_m)
         return self._whole[1]
 
     def distance_near(self, x: float, y: float, radius_m: float) -> NDArray[np.float32]:
-        """Return `distance`, updated only within `radius_m` of a point: what the controller needs."""
+        """Return `distance`, up to date only within `radius_m` of a point, which is enough for the controller."""
         key = self._near_key
         if key is not None and key[0] == self.version and math.hypot(x - key[1], y - key[2]) < NEAR_SLACK_M:
             return self._near
@@ -145,7 +145,7 @@ class OccupancyMap:
         return self._near
 
     def index(self, x: float, y: float) -> tuple[int, int]:
-        """(iy, ix) of the cell that holds a world point, clipped to the map."""
+        """Return (iy, ix) of the cell that contains a world point, clipped to the map."""
         ny, nx = self.target.shape
         ix, iy = int(x // self.cfg.cell_m), int(y // self.cfg.cell_m)
         return min(max(iy, 0), ny - 1), min(max(ix, 0), nx - 1)
@@ -156,7 +156,7 @@ class OccupancyMap:
         return margin_m <= x <= width - margin_m and margin_m <= y <= height - margin_m
 
     def unexplored_share(self, x: float, y: float, radius_m: float) -> float:
-        """Share of the square of half-edge `radius_m` about a world point that is unexplored survey area."""
+        """Return the share of the square of half-edge `radius_m` about a point that is unexplored survey area."""
         y0, y1, x0, x1 = self._window(Pose(x, y, 0.0), radius_m)
         patch = self.explored[y0:y1, x0:x1]
         return float(patch.size - np.count_nonzero(patch)) * (self.cfg.cell_m / (2.0 * radius_m)) ** 2
@@ -170,7 +170,7 @@ class OccupancyMap:
 
 
 def distance_to(mask: NDArray[np.bool_], cell_m: float) -> NDArray[np.float32]:
-    """Distance of every cell to the nearest True cell (m); `inf` everywhere when there is none. Shape=(NY, NX)."""
+    """Compute the distance (m) of every cell to the nearest True cell, inf if there is none. Shape=(NY, NX)."""
     if not mask.any():
         return np.full(mask.shape, np.inf, np.float32)
     distances = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 5)

@@ -29,9 +29,9 @@ def project(
     picture: int,
     column_reach: NDArray[np.float64],
 ) -> None:
-    """Project every pixel into the grid (Eq. 1); a cell counts the pictures that show it as a class.
+    """Project every pixel into the grid (Eq. 1). Each cell counts the pictures that show a class there.
 
-    Pictures and not pixels: segmentation errs in patches, and one wrong patch puts many pixels into a cell.
+    It counts pictures, not pixels: segmentation errs in patches, and a wrong patch puts many pixels into one cell.
 
     Args:
         depth: Shape=(H, W), metres along the optical axis; inf where nothing is seen.
@@ -40,12 +40,12 @@ def project(
         lever: Shape=(2,), camera position in the body frame (m forward, m left).
         pose: (x, y, theta) of the body in the world.
         cell_m: Edge of a grid cell (m).
-        target_range_m: Oyster and seabed pixels farther than this (horizontally, m) are not counted.
+        target_range_m: Largest horizontal distance (m) at which oyster and seabed pixels count.
         obstacle_range_m: The same for obstacle pixels.
-        targets: Shape=(NY, NX), pictures with oysters there, updated in place.
-        obstacles: Shape=(NY, NX), with obstacles, updated in place.
-        ground: Shape=(NY, NX), with seabed, updated in place.
-        counted: Shape=(NY, NX), what the last picture of each cell has counted: 8 picture + a bit for each class.
+        targets: Shape=(NY, NX), pictures that show oysters there, updated in place.
+        obstacles: Shape=(NY, NX), pictures that show obstacles, updated in place.
+        ground: Shape=(NY, NX), pictures that show seabed, updated in place.
+        counted: Shape=(NY, NX), classes that the last picture of each cell counted: 8 picture + a bit per class.
         picture: Number of this picture, from 1 on.
         column_reach: Shape=(W,), farthest horizontal distance (m) with a return in each column, written.
     """
@@ -103,8 +103,8 @@ def explore(
 ) -> int:
     """Cast `n_rays` rays over the field of view and mark the cells they pass as explored.
 
-    A ray ends at the first blocked cell, at `range_m`, or where its image column had its last return,
-    whichever comes first: nothing is called explored that the camera could not have seen.
+    A ray ends at the first blocked cell, at `range_m`, or at the last return in its image column, whichever comes
+    first: no cell counts as explored that the camera could not see.
 
     Args:
         explored: Shape=(NY, NX), updated in place.
@@ -158,13 +158,13 @@ def classify(
     obstacle_mask: NDArray[np.bool_],
     window: tuple[int, int, int, int],
 ) -> int:
-    """Turn counts into masks inside `window` (y0, y1, x0, x1); returns how many obstacle cells changed."""
+    """Turn counts into masks inside `window` (y0, y1, x0, x1). Return the number of obstacle cells that changed."""
     changed = 0
     for iy in range(window[0], window[1]):
         for ix in range(window[2], window[3]):
             hard, soft = obstacles[iy, ix] >= obstacle_hits, targets[iy, ix] >= target_hits
             if not (hard or soft or obstacle_mask[iy, ix] or target_mask[iy, ix]):
-                continue  # by far the most cells
+                continue  # nearly all cells
             floor = ground[iy, ix]
             solid = hard and obstacles[iy, ix] >= obstacle_ratio * floor
             if solid != obstacle_mask[iy, ix]:

@@ -1,4 +1,4 @@
-"""The paper's metrics (IV-E), computed from a run folder alone, so that anyone can recompute them."""
+"""The paper's metrics (IV-E), computed from a run folder alone, so anyone can recompute them."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ OF_EACH = (
     "planner_failures",
     "path_replans",
 )
-"""What `per_robot` lists for every robot of several."""
+"""Metrics that `per_robot` lists for each of several robots."""
 
 
 def compute_metrics(folder: Path) -> dict[str, Any]:
@@ -78,14 +78,14 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
 
 
 def covered_at(folder: Path) -> list[float]:
-    """Simulated times (s) at which clusters were covered, ascending: coverage time against any count (IV-E)."""
+    """Return the simulated times (s) at which clusters were covered, ascending (coverage time, IV-E)."""
     return sorted(
         float(event["t"]) for event in read_events(folder / "events.jsonl") if event["event"] == "cluster_covered"
     )
 
 
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
-    """Metrics from the events and the rows of the trajectory, in order."""
+    """Compute the metrics from the events and the rows of the trajectory, both in order."""
     events = list(events)
     counts = dict.fromkeys(("collision", "robot_collision", "question", "fallback", "planner_failure"), 0)
     requeries = rejections = deviations = replans = 0
@@ -140,11 +140,11 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
 
 
 def fleet_metrics(events: Sequence[Mapping[str, Any]], tables: Sequence[Sequence[Mapping[str, str]]]) -> dict[str, Any]:
-    """Compute the metrics of several robots together, and of each.
+    """Compute the metrics of several robots, together and for each.
 
     Args:
-        events: Of all robots, in order; what concerns one of them names it. A contact of two counts for either.
-        tables: Rows of every robot's trajectory, in order of time.
+        events: Events of all robots, in order, with the number of the robot. A contact of two counts for both.
+        tables: Rows of every robot's trajectory, in order.
     """
     each = [
         metrics_of([e for e in events if k in (e.get("robot", 0), e.get("other"))], rows)

@@ -1,4 +1,4 @@
-"""One mission, end to end: a world, a configuration and an advisor in, a run folder out."""
+"""One mission from start to end: world, configuration and advisor in, run folder out."""
 
 from __future__ import annotations
 
@@ -51,26 +51,26 @@ PAPER_LATENCY = "fixed:10"
 
 @dataclass(frozen=True, kw_only=True)
 class MissionCfg:
-    """Everything that defines a mission besides the world, the advisor and the seed."""
+    """Everything that defines a mission except the world, the advisor and the seed."""
 
     time_limit_s: Positive = 600.0
     control_period_s: TimeStep = 0.1
     """10 Hz (paper IV-F)."""
     latency: str = "auto"
-    """Advisor's reply time in simulated seconds: fixed:S, lognormal:MEDIAN:SIGMA, measured. auto: as recorded for a
-    recording, measured for models and people, and for rules fixed:10, the paper's median for CORAL (IV-E)."""
+    """Reply time of the advisor in simulated seconds: fixed:S, lognormal:MEDIAN:SIGMA or measured. auto: as recorded
+    for a recording, measured for models and people, fixed:10 for rules, the paper's median for CORAL (IV-E)."""
     stop_when_covered: bool = True
-    """End once every true cluster is covered. This is the experimenter's stop, as in the paper's coverage-time
-    metric; the robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
+    """End when every true cluster is covered. The experimenter stops the mission, as for the paper's coverage time; the
+    robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
     driver: Literal["ddp-mppi", "pd"] = "ddp-mppi"
     """The low-level planner."""
     decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"
-    """Who answers the questions: the advisor, or the rules of a baseline in its place. sweep and oracle ask nothing:
-    they follow lanes, or a tour that knows the reef."""
+    """Who answers the questions: the advisor, or a baseline's rules in its place. sweep and oracle ask no questions:
+    they follow lanes, or a tour planned on the true reef."""
     lane_m: Positive = 10.0
     """Distance between the lanes of a blind sweep (m)."""
     robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 1
-    """How many survey the reef together, on one map that all of them see at once (beyond the paper)."""
+    """Number of robots that survey the reef together with one shared map (not in the paper)."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
     map: MapCfg = field(default_factory=MapCfg)
     belief: BeliefCfg = field(default_factory=BeliefCfg)
@@ -96,14 +96,14 @@ class Mission:
     ) -> None:
         budget = cfg.pilot.budget.within(DEADLINE_S)
         cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
-        # Three streams a robot: those of the first are the same however many follow.
+        # Three streams per robot: those of the first do not depend on the number of robots.
         streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3 * cfg.robots)]
         if cfg.decider != "advisor":
             advisor = RuleAdvisor(baseline_rules(cfg.decider, np.random.default_rng([seed, 11])), name=cfg.decider)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
         self.step, self.t = 0, 0.0
         self.control_ms: list[float] = []
-        """Wall time of every robot's own computation at every tick."""
+        """Wall time of each robot's computation at each tick (ms)."""
         self.tick_ms: list[float] = []
         first = ReefSimulator(world, cfg.simulator, streams[0])
         starts = (
@@ -140,7 +140,7 @@ class Mission:
         self.judge = MissionJudge(world, first.imaging, folder)
         self.attempts = AttemptRecorder(folder)
         self.frames = FrameRecorder(self.writer, cfg.record)
-        # A clock for each robot, whose question it may withdraw; one thread, on which the one advisor thinks.
+        # A clock per robot, which may withdraw that robot's question, and one thread for the one advisor.
         clocks = [SimulatedClock(latency, streams[2])]
         clocks += [SimulatedClock(latency, streams[3 * k + 2], thread=clocks[0].thread) for k in range(1, cfg.robots)]
         clocks[0].thread.warm_up(advisor)
@@ -172,12 +172,12 @@ class Mission:
         ]
         lead = self.robots[0]
         self.simulator, self.belief, self.driver, self.pilot = lead.simulator, lead.belief, lead.driver, lead.pilot
-        """Those of the first robot."""
+        """Parts of the first robot."""
         self.encounters = Encounters(cfg.simulator.vehicle.hull_radius_m)
         self.collisions = self.calls = 0
         self.end_reason = ""
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
-        """Called with every event, as it is written to events.jsonl."""
+        """Functions called with every event, as written to events.jsonl."""
         self._covered: set[int] = set()
         self._wall = self._stood_still_s = 0.0
 
@@ -196,7 +196,7 @@ class Mission:
             robot.clock.stood_still(seconds)
 
     def run(self, observers: Sequence[Observer[Mission]] = ()) -> dict[str, Any]:
-        """Run to the end; return metrics and timing together."""
+        """Run to the end. Return metrics and timing together."""
         started = time.perf_counter()
         try:
             with stoppable(self):
@@ -218,7 +218,7 @@ class Mission:
         return self._finish()
 
     def advance(self) -> None:
-        """Run one control tick: all robots sense, then each thinks, then all act; record."""
+        """Run one control tick: all robots sense, each thinks, all act. Record it."""
         cfg, dt, robots = self.cfg, self.cfg.control_period_s, self.robots
         begun, waited = time.perf_counter(), 0.0
         for robot in robots:
@@ -227,7 +227,7 @@ class Mission:
         self.frames.offer(self.step, self.t, self.belief.map.cells, robots[0].sensed.frame)
         for robot in robots:
             thinking = time.perf_counter()
-            # Simulated time stands still for a reply that is due: no part of the control period.
+            # The wait for a due reply, while simulated time stands still, is no part of the control period.
             idle = robot.think(self.t, (other.says() for other in robots if other is not robot))
             waited += idle
             self.control_ms.append(1e3 * (time.perf_counter() - thinking - idle))
@@ -252,7 +252,7 @@ class Mission:
             self.end_reason = "time limit"
 
     def _given_up(self) -> str:
-        """Return why no robot continues; one without a task waits until nobody has one, since others may find some."""
+        """Return why no robot continues, or "". A robot without a task waits: others may still find one for it."""
         reasons = [robot.pilot.end_reason for robot in self.robots]
         failed = [reason for reason in reasons if reason not in ("", NOTHING_LEFT)]
         return failed[0] if failed else reasons[0] if all(reasons) else ""
@@ -284,7 +284,7 @@ class Mission:
 
     @property
     def coverage(self) -> float:
-        """Return the share of the true clusters covered so far."""
+        """Share of the true clusters covered so far."""
         return len(self._covered) / len(self.world.clusters)
 
     def _begin(self) -> None:
@@ -320,9 +320,9 @@ class Mission:
         return {"robots": len(self.robots), "hull_radius_m": self.cfg.simulator.vehicle.hull_radius_m}
 
     def _judged(self) -> float:
-        """Emit the judge's final record; return the wall time that took (s)."""
+        """Emit the judge's final record. Return the wall time that this took (s)."""
         begun, sim, meter = time.perf_counter(), self.cfg.simulator, self.simulator.imaging
-        # The bound takes seconds to plan: only where there is something to compare with it.
+        # The bound takes seconds to plan: only if there is something to compare with it.
         soon = None
         if self.end_reason and meter.inspected >= 0.9 - 1e-6:
             visibility_m = sim.noise.visibility_m

@@ -15,23 +15,23 @@ CENTROID, WAYPOINT = "reef-centroid", "reef-waypoint"
 STEP_M = 6
 """Longest waypoint step per axis (paper III-C.2)."""
 NEIGHBOUR_M = 2.0
-"""A dot so much farther from the right one is taken for it e times less often; farther than three times that, never."""
+"""A dot this much farther from the right one is chosen e times less often, and never beyond three times this."""
 MISREAD_M = 3.0
-"""A place misread by a swap or a rotation is taken for a dot this near to it."""
+"""A misread place (swapped or rotated) stands for a dot within this distance of it."""
 ANGLE_DEG, DISTANCE = 25.0, 0.35
-"""Standard deviations of a blurred waypoint: of its angle, and of the logarithm of its distance."""
+"""Standard deviations of a blurred waypoint: of its angle (deg) and of the logarithm of its distance."""
 STALE_S = 10.0
-"""The paper's median latency: what a model says that reasons about the picture before."""
+"""Age of the picture that a late answer is about: the paper's median latency."""
 TRIES = 8
 
 Turn = Callable[[float, float], tuple[float, float]]
-"""From (forward, left) to where it is taken to lie, m in the robot frame."""
+"""Maps (forward, left) to the misread place, in the robot frame (m)."""
 
 
 def _confuse_dots(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """Another dot near the right one, the nearer the likelier."""
+    """Choose another dot near the right one; nearer dots are more likely."""
     chosen, others = _dots(question, right)
     if chosen is None:
         return None
@@ -45,11 +45,11 @@ def _confuse_dots(
 def _blur(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """The waypoint, uncertain in angle and distance."""
+    """Blur the waypoint in angle and distance."""
     distance = math.hypot(right["forward_m"], right["left_m"])
     if not distance:
         return None
-    for _ in range(TRIES):  # whole metres swallow small errors
+    for _ in range(TRIES):  # rounding to whole metres hides small errors
         angle = math.atan2(right["left_m"], right["forward_m"]) + math.radians(ANGLE_DEG) * rng.standard_normal()
         reach = distance * math.exp(DISTANCE * rng.standard_normal())
         wrong = _step(right, reach * math.cos(angle), reach * math.sin(angle))
@@ -61,14 +61,14 @@ def _blur(
 def _mirror(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """Left and right swapped."""
+    """Swap left and right."""
     return _misread(question, right, lambda forward, left: (forward, -left))
 
 
 def _rotate(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """The map read as though it were turned by a quarter, to either side."""
+    """Read the map as if it were rotated by 90 degrees, to either side."""
     side = 1.0 if rng.random() < 0.5 else -1.0
     return _misread(question, right, lambda forward, left: (-side * left, side * forward))
 
@@ -76,7 +76,7 @@ def _rotate(
 def _answer_late(
     question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
 ) -> Answer | None:
-    """What was right at the last question of this kind that is at least ten seconds old, said again."""
+    """Repeat the right answer to the last question of this kind that is at least ten seconds old."""
     old = [one for one in earlier if question.asked_at_s - one.at_s >= STALE_S - 1e-9]
     if not old or _same(old[-1].answer, right):
         return None
@@ -123,11 +123,11 @@ REEF_MISTAKES = (
         err=_answer_late,
     ),
 )
-"""What can be named behind `sloppy:`."""
+"""Mistakes that can be named after `sloppy:`."""
 
 
 def _misread(question: Question[Any], right: Answer, turn: Turn) -> Answer | None:
-    """The answer to a picture that is taken to be turned; a dot must lie near the place that is meant then."""
+    """Return the answer to a misread picture; None if it means a dot and no dot lies near the misread place."""
     if question.kind == WAYPOINT:
         wrong = _step(right, *turn(float(right["forward_m"]), float(right["left_m"])))
         return None if _same(wrong, right) else wrong
@@ -140,7 +140,7 @@ def _misread(question: Question[Any], right: Answer, turn: Turn) -> Answer | Non
 
 
 def _dots(question: Question[Any], right: Answer) -> tuple[Mapping[str, Any] | None, list[Mapping[str, Any]]]:
-    """The dot that was chosen, and the others; no dot where the answer names none that is on the map."""
+    """Return the chosen dot and the others; None for a label that is not on the map."""
     dots = question.facts["centroids"]
     chosen = next((dot for dot in dots if dot["index"] == right["selected_centroid_index"]), None)
     return chosen, [dot for dot in dots if dot is not chosen]

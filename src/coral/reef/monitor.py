@@ -1,4 +1,4 @@
-"""The path feasibility monitor: planned against executed trajectory (paper contribution 3)."""
+"""The path feasibility monitor: compares planned and executed trajectory (paper contribution 3)."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, kw_only=True)
 class MonitorCfg:
-    """When an executed trajectory has left its plan. The paper names the monitor but gives no thresholds."""
+    """Thresholds of the monitor. The paper names the monitor but gives no thresholds."""
 
     deviation_m: float = 1.0
-    """Cross-track distance that counts as having left the reference path; twice the widest detour seen round
-    an obstacle that was known when the path was planned."""
+    """Cross-track distance beyond which the vehicle has left the reference path: twice the widest detour measured
+    around an obstacle that was known when the path was planned."""
     max_replans: int = 3
-    """New reference paths towards one goal before the advisor is asked for another goal."""
+    """Number of new reference paths to one goal, after which the advisor is asked for another goal."""
 
 
 class PathMonitor:
@@ -26,7 +26,7 @@ class PathMonitor:
     def __init__(self, cfg: MonitorCfg | None = None) -> None:
         self.cfg = cfg or MonitorCfg()
         self.path: NDArray[np.float64] = np.empty((0, 2))
-        """Reference path. Shape=(N, 2), metres, from where it was planned to the goal."""
+        """Reference path, from where it was planned to the goal (m). Shape=(N, 2)."""
         self.replans = 0
         self._last = (0.0, 0.0, np.inf)
 
@@ -37,12 +37,12 @@ class PathMonitor:
         self.replans = 0 if new_goal else self.replans + 1
 
     def deviation(self, x: float, y: float) -> float:
-        """Distance from a point to the reference path (m); 0 without a path."""
+        """Return the distance (m) from a point to the reference path; 0 without a path."""
         return distance_to_path(self.path, x, y)
 
     def left_path(self, x: float, y: float) -> bool:
         """Check whether the vehicle has left its path by more than the threshold."""
-        # The deviation grows by no more than the vehicle moves: most ticks need no look at the whole path.
+        # The deviation grows by no more than the vehicle moves: most ticks need not search the whole path.
         last_x, last_y, deviation = self._last
         if deviation + math.hypot(x - last_x, y - last_y) < self.cfg.deviation_m - 1e-6:
             return False
@@ -51,12 +51,12 @@ class PathMonitor:
 
     @property
     def exhausted(self) -> bool:
-        """Check whether the goal has been replanned too often."""
+        """Whether the path to this goal has been planned again too often."""
         return self.replans >= self.cfg.max_replans
 
 
 def distance_to_path(path: NDArray[np.float64], x: float, y: float) -> float:
-    """Distance from a point to a polyline (m). `path`: Shape=(N, 2); 0 when it is empty."""
+    """Compute the distance (m) from a point to a polyline, Shape=(N, 2); 0 if it is empty."""
     if len(path) == 0:
         return 0.0
     p = np.array([x, y])

@@ -1,4 +1,4 @@
-"""Imperfect sensing: noisy depth, lost pixels, turbid water, wrong masks, drifting position. All off by default."""
+"""Imperfect sensing: noisy depth, lost pixels, turbid water, wrong masks, drifting pose. All off by default."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ _SHARES = ("dropout", "oyster_missed", "obstacle_missed", "oyster_false", "obsta
 
 @dataclass(frozen=True, kw_only=True)
 class SensorNoiseCfg:
-    """How bad the sensors are. The paper's simulation is free of noise (III-A), so everything is off by default."""
+    """Errors of the sensors. The paper's simulation has no noise (III-A), so all are off by default."""
 
     depth_sigma: float = 0.0
     """Standard deviation of the depth per metre of depth (m/m)."""
     depth_sigma_square: float = 0.0
-    """Standard deviation of the depth per squared metre of depth (m/m²), as stereo has; added to the one above."""
+    """Standard deviation of the depth per squared metre of depth (m/m²), as in stereo; added to `depth_sigma`."""
     dropout: float = 0.0
     """Probability that a pixel returns nothing."""
     visibility_m: float | None = None
-    """Turbidity: nothing is seen beyond this range along the ray (m)."""
+    """Turbidity: nothing is visible beyond this range along the ray (m). None: clear water."""
     visibility_falloff: float = 0.3
-    """Share of that range, at its far end, over which the probability to lose a pixel rises from 0 to 1."""
+    """Last share of that range over which the probability of losing a pixel rises from 0 to 1."""
     oyster_missed: float = 0.0
     """Share of oyster pixels labelled seabed."""
     obstacle_missed: float = 0.0
@@ -38,7 +38,7 @@ class SensorNoiseCfg:
     obstacle_false: float = 0.0
     """Share of seabed pixels labelled obstacle."""
     patch_px: int = 6
-    """Edge of the square patches in which masks are wrong: segmentation errs in blobs, not in single pixels."""
+    """Edge of the square patches in which masks are wrong: segmentation errs in patches, not in single pixels."""
     drift_xy: float = 0.0
     """Random walk of the estimated position along each axis (m per square root of a second)."""
     drift_theta: float = 0.0
@@ -68,15 +68,15 @@ class SensorNoiseCfg:
 
 
 class SensorNoise:
-    """Adds noise to camera pictures. With everything off it returns the same frame and draws no random numbers."""
+    """Adds noise to camera pictures. With all errors off it returns the same frame and draws no random numbers."""
 
     def __init__(self, cfg: SensorNoiseCfg, rng: np.random.Generator, camera: CameraCfg | None = None) -> None:
-        """Keep the generator.
+        """Store the settings and the generator.
 
         Args:
-            cfg: What to spoil.
+            cfg: Errors to apply.
             rng: Source of all randomness.
-            camera: The camera that took the pictures; its rays turn depth into range for the visibility.
+            camera: Camera that takes the pictures. Its rays turn depth into range, for the visibility.
         """
         self.cfg = cfg
         self._rng = rng
@@ -88,7 +88,7 @@ class SensorNoise:
     def apply(self, frame: Frame) -> Frame:
         """Return a noisy copy of a frame. Lost pixels become water at infinite depth.
 
-        Turbidity looks at the true range; masks are spoiled before pixels are lost and depth is last.
+        Masks are corrupted first, then pixels are lost (turbidity by the true range), then depth gets its noise.
         """
         cfg, rng = self.cfg, self._rng
         noisy = cfg.depth_sigma > 0.0 or cfg.depth_sigma_square > 0.0
@@ -110,7 +110,7 @@ class SensorNoise:
             z = np.where(seen, depth, np.float32(0.0))
             sigma = cfg.depth_sigma * z + cfg.depth_sigma_square * z * z
             noise = rng.standard_normal(depth.shape, np.float32) * sigma
-            # A surface never jumps behind the camera.
+            # A surface stays in front of the camera.
             depth = np.where(seen, np.maximum(z + noise, np.float32(1e-3)), depth).astype(np.float32)
         depth[lost] = np.inf
         labels[lost] = Label.WATER
@@ -118,7 +118,7 @@ class SensorNoise:
         return Frame(depth, labels, instances)
 
     def _spoil_masks(self, labels: NDArray[np.uint8], instances: NDArray[np.int32]) -> None:
-        """Draw one number in [0, 1) per patch, at a random offset; a class is wrong below the class's share."""
+        """Corrupt masks by patch: one number in [0, 1) each, at a random offset. A class is wrong below its share."""
         cfg, n = self.cfg, self.cfg.patch_px
         height, width = labels.shape
         top, side = self._rng.integers(0, n, 2)
@@ -137,7 +137,7 @@ class SensorNoise:
 
 
 class PoseDrift:
-    """Dead reckoning: the estimated pose is the true pose plus a random walk."""
+    """Dead reckoning. The estimated pose is the true pose plus a random walk."""
 
     def __init__(self, cfg: SensorNoiseCfg, rng: np.random.Generator) -> None:
         self.cfg = cfg
@@ -146,7 +146,7 @@ class PoseDrift:
         self._rng = rng
 
     def step(self, true_pose: Pose, dt: float) -> Pose:
-        """Return the estimate after `dt` seconds; the pose itself, without drawing, if drift is off."""
+        """Return the estimate after `dt` seconds. Without drift it is the true pose, and nothing is drawn."""
         cfg = self.cfg
         if cfg.drift_xy == 0.0 and cfg.drift_theta == 0.0:
             return true_pose

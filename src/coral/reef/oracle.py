@@ -1,7 +1,7 @@
-"""A tour planned with full knowledge of the reef: the earliest time of full inspection, a bound for the judge.
+"""A tour planned with full knowledge of the reef: a reference for the time to inspect everything.
 
-It is a heuristic, not a proven optimum: viewpoints by greedy set cover, an order by nearest neighbour, 2-opt and
-Or-opt over geodesic distances, then a local search on the tour as it would be driven. The best tour may be faster.
+It is a heuristic, not a proven optimum: viewpoints by greedy set cover, their order by nearest neighbour, 2-opt and
+Or-opt over geodesic distances, then a local search on the tour as driven. The best tour may be faster.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from coral.reef.vehicle import VehicleCfg
 from coral.reef.world import ReefWorld
 
 GRIDS_M, HEADINGS = (0.5, 0.65, 0.8), 12
-"""Spacings of candidate viewpoints: the search starts once from each, and the best tour counts. Headings at each."""
+"""Spacings of candidate viewpoints, with a search from each of which the best counts; headings per viewpoint."""
 SLACK = 0.005
-"""Share that the tour may leave out of what can be inspected: single points in corners would cost long detours."""
+"""Share of what can be inspected that the tour may leave out: single points in corners would need long detours."""
 EVALUATIONS = 1500
-"""Tours that the local search drives at most, from each start."""
+"""Most tours that the local search drives, from each start."""
 LOOK_PERIOD = 4
-"""While tours are compared, every fourth tick's picture is looked at; of the chosen one, all."""
+"""Only every fourth picture counts while tours are compared. All pictures of the chosen tour count."""
 
 
 @dataclass(frozen=True)
@@ -42,18 +42,18 @@ class Tour:
     """A tour, tick by tick."""
 
     commands: NDArray[np.float64]
-    """Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s)."""
+    """Forward speed (m/s) and yaw rate (rad/s) of each tick. Shape=(K, 2)."""
     poses: NDArray[np.float64]
-    """Shape=(K + 1, 3), at the start and after each tick."""
+    """Poses at the start and after each tick. Shape=(K + 1, 3)."""
     inspected: NDArray[np.float64]
-    """Shape=(K + 1,), share inspected by then."""
+    """Share inspected at these poses. Shape=(K + 1,)."""
     stops: tuple[Stop, ...]
-    """In their order."""
+    """Stops of the tour, in order."""
     dt: float
     """Control period (s)."""
 
     def time_to(self, share: float) -> float | None:
-        """Return when this share is inspected (s); None if never."""
+        """Return the time at which a share is inspected (s); None if it never is."""
         reached = np.flatnonzero(self.inspected >= share - 1e-6)
         return round(float(reached[0]) * self.dt, 3) if reached.size else None
 
@@ -67,26 +67,26 @@ def plan_tour(
     vehicle: VehicleCfg | None = None,
     dt: float = 0.1,
 ) -> Tour:
-    """Plan the fastest tour that inspects everything that can be, up to `SLACK`. Deterministic.
+    """Plan a fast tour that inspects all that can be inspected, up to `SLACK`. Deterministic.
 
     Args:
-        world: The truth.
-        camera: That takes the pictures.
+        world: The true reef.
+        camera: Camera that takes the pictures.
         imaging: What counts as inspected.
-        visibility_m: As of the water; None: clear.
-        vehicle: For its hull, its speed and its yaw rate; it has no inertia here.
+        visibility_m: Visibility in the water (m); None: clear water.
+        vehicle: Gives hull radius, speed and yaw rate. It has no inertia here.
         dt: Control period (s).
     """
     planner = _Planner(world, camera or CameraCfg(), imaging or ImagingCfg(), visibility_m, vehicle or VehicleCfg(), dt)
     tours = [planner.search(spacing) for spacing in GRIDS_M]
-    # All starts share one target: whatever is within reach of one, the others must inspect too.
+    # All starts share one target: what one of them can inspect, the others must inspect too.
     target = max(target for target, _ in tours)
     routes = [planner.improve(planner.complete(route, target), target) for _, route in tours]
     return planner.tour(min(routes, key=lambda route: planner.seconds(route, target)), target)
 
 
 class _Planner:
-    """The constants of the comparison of tours in one world."""
+    """Searches, drives and compares tours in one world."""
 
     def __init__(
         self,
@@ -101,18 +101,18 @@ class _Planner:
         self.start = Pose(world.start.x, world.start.y, world.start.theta)
         self.vehicle, self.dt = vehicle, dt
         self.weight: NDArray[np.float64] = 1.0 / (len(world.clusters) * self.meter.size[self.meter.group])
-        """What each point adds to the share. Shape=(M,)."""
+        """Share that each point adds. Shape=(M,)."""
         outlines = [obstacle_outline(obstacle) for obstacle in world.obstacles]
         space = free_space(world.size_m, outlines, self.start[:2])
         self._cell_m, self._clearance = space.cell_m, distance_to(space.solid, space.cell_m)
-        # Paths keep clear of obstacles where there is room, since following one cuts corners by a few centimetres.
+        # Paths keep away from obstacles if there is room: a vehicle that follows one cuts corners by a few centimetres.
         self._paths = CostFieldCfg(radius_m=vehicle.hull_radius_m + 0.05, band_m=0.2, penalty=1.0)
         self._fields: dict[Place, CostField] = {}
         self._legs: dict[tuple[float, ...], NDArray[np.float64]] = {}
         self._views: list[tuple[NDArray[np.float64], NDArray[np.bool_]]] = []
 
     def search(self, spacing_m: float) -> tuple[float, list[Stop]]:
-        """Return the share that can be inspected, less the slack, and stops that cover it in a short order."""
+        """Return the share that can be inspected, minus the slack, and stops that cover it, in a short order."""
         poses, seen = self._candidates(spacing_m)
         self._views.append((poses, seen))
         stops = [(float(x), float(y), math.nan) for x, y, _ in poses[greedy_cover(seen, self.weight)]]
@@ -151,7 +151,7 @@ class _Planner:
         return np.stack(columns, axis=1) if stops else np.empty((1, 0))
 
     def complete(self, route: list[Stop], target: float) -> list[Stop]:
-        """Add stops with a heading until the target is met, each where it costs the least time."""
+        """Add stops with a heading until the target is met, each where it adds the least time."""
         poses, seen = (np.concatenate(parts) for parts in zip(*self._views, strict=True))
         while True:
             _, level = self._drive(route, target)
@@ -163,7 +163,7 @@ class _Planner:
             route = min(options, key=self._length)
 
     def improve(self, route: list[Stop], target: float) -> list[Stop]:
-        """Remove, turn or move stops as long as the driven tour gets faster."""
+        """Remove, turn and move stops as long as the driven tour becomes faster."""
         best, evaluations, better = self.seconds(route, target), 0, True
         while better and evaluations < EVALUATIONS:
             better = False
@@ -183,7 +183,7 @@ class _Planner:
         return route
 
     def seconds(self, route: Sequence[Stop], target: float) -> float:
-        """Return how long the driven tour takes until the target is met (s); inf if it never is."""
+        """Return the time until the driven tour meets the target (s); inf if it never does."""
         return self._drive(route, target)[0]
 
     def tour(self, route: Sequence[Stop], target: float) -> Tour:
@@ -200,14 +200,14 @@ class _Planner:
         return Tour(commands[: n - 1], poses[:n], np.array(shares), tuple(route), self.dt)
 
     def _drive(self, route: Sequence[Stop], target: float) -> tuple[float, NDArray[np.uint8]]:
-        """Return when the target is met (s; inf: never), and the level of every point by then or at the end."""
+        """Return the time at which the target is met (s; inf: never) and the levels of the points by then."""
         _, poses = self._follow(route)
         level, count = self._nothing()
         met = self.meter.look_along(poses, level, count, every=LOOK_PERIOD, target=target)
         return math.inf if met is None else met * self.dt, level
 
     def _follow(self, route: Sequence[Stop]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return commands and poses of the drive to all stops; at a stop with a heading the vehicle turns to it."""
+        """Return commands and poses of the drive to all stops. At a stop with a heading the vehicle turns to it."""
         commands, poses = np.empty((0, 2)), np.array([self.start])
         path, at = [poses[:, :2]], self.start[:2]
         for k, (x, y, theta) in enumerate(route):

@@ -1,4 +1,4 @@
-"""Metrics of imaging, path and position estimate, from a run folder alone."""
+"""Metrics of imaging, path and position estimate, computed from a run folder alone."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from coral.reef.judge import JUDGE_FILE
 Row = Mapping[str, str]
 SHARES = (0.5, 0.8, 0.9, 1.0)
 HORIZON_S = 600.0
-"""The area under a curve is its mean over so much time, its last value held: one number for missions of any length."""
+"""Time over which the area under a curve is averaged, the last value held: comparable for missions of any length."""
 IDLE_M_S = 0.05
-"""Below this speed over ground the vehicle stands still, turning or not: a twelfth of its cruise speed."""
+"""Speed over ground below which the vehicle stands still, turning or not: a twelfth of its cruise speed."""
 OFF_ROUTE_M = 3.0
-"""Farther from the reef than this the path has left it: d_lat, the largest offset of Eq. 7's reference."""
+"""Distance beyond which the path has left the reef: d_lat, the largest offset of the reference in Eq. 7."""
 BACK_ON_M = 2.5
-"""... and nearer than this it is back, so that driving along the limit counts once."""
+"""Distance below which the path is back at the reef, so that driving along the limit counts once."""
 SAMPLE_M, EARLIER_M, BESIDE_M, BACK_DEG, STRETCH_M = 0.5, 5.0, 1.0, 120.0, 2.0
-"""Driven back: at samples this far apart, within 1 m of where the path was 5 m or more of way before, in a direction
-more than theta_back (Eq. 4) off the one it had there. A stretch of at least 2 m counts as a deviation."""
+"""Driven back means, at samples 0.5 m apart: within 1 m of where the path was 5 m or more of way earlier, in a
+direction that differs by more than theta_back (Eq. 4) from that there. A stretch of 2 m or more is a deviation."""
 
 DEFINITIONS = {
     "imaged": "Mean over the true clusters of the share of their oysters' area that came into the true camera's "
@@ -54,17 +54,17 @@ DEFINITIONS = {
     "mission by default; none where it never came to that.",
     "all_covered_calls": "Advisor calls until then.",
 }
-"""In words, for the report."""
+"""Definitions of the metrics, for the report."""
 
 
 def outcome_metrics(
     folder: Path, events: Iterable[Mapping[str, Any]], tables: Sequence[Sequence[Row]]
 ) -> dict[str, Any]:
-    """Compute the judge's metrics; None where their input was not recorded.
+    """Compute the judge's metrics. Those whose input was not recorded are None.
 
     Args:
-        folder: Of the run.
-        events: All of them, in order.
+        folder: Run folder.
+        events: All events, in order.
         tables: Rows of every robot's trajectory.
     """
     t, imaged, inspected, reef_m = _judged(folder / JUDGE_FILE)
@@ -100,13 +100,13 @@ def outcome_metrics(
 
 
 def time_to(t: NDArray[np.float64], share: NDArray[np.float64], wanted: float) -> float | None:
-    """Return when a growing share first reached the wanted one (s); None if never. t, share: Shape=(N,)."""
+    """Return the time (s) at which a growing share first reached a value; None if never. t, share: Shape=(N,)."""
     reached = np.flatnonzero(share >= wanted - 1e-6)
     return round(float(t[reached[0]]), 3) if reached.size else None
 
 
 def area_under(t: NDArray[np.float64], share: NDArray[np.float64], horizon_s: float = HORIZON_S) -> float | None:
-    """Return the mean of a step function over the first `horizon_s`, its last value held; t, share: Shape=(N,)."""
+    """Return the mean of a step function over the first `horizon_s`, last value held. t, share: Shape=(N,)."""
     if not len(t):
         return None
     ends = np.minimum(np.append(t[1:], max(horizon_s, float(t[-1]))), horizon_s)
@@ -114,7 +114,7 @@ def area_under(t: NDArray[np.float64], share: NDArray[np.float64], horizon_s: fl
 
 
 def excursions(reef_m: NDArray[np.float64]) -> int:
-    """Count how often a robot left the reef. reef_m: its distance at every tick (m), Shape=(N,)."""
+    """Count how often a robot left the reef. reef_m: its distance from the reef at every tick (m), Shape=(N,)."""
     count, out = 0, False
     for distance in reef_m.tolist():
         if not out and distance > OFF_ROUTE_M:
@@ -125,7 +125,7 @@ def excursions(reef_m: NDArray[np.float64]) -> int:
 
 
 def driven_back(path: NDArray[np.float64]) -> tuple[float, int]:
-    """Measure the path (m) driven back along its own earlier course, and the stretches. path: Shape=(N, 2), metres."""
+    """Return the length (m) driven back along the path itself and the number of stretches. path: Shape=(N, 2)."""
     if len(path) < 2:
         return 0.0, 0
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
@@ -156,7 +156,7 @@ def _position_errors(rows: Sequence[Row]) -> list[float]:
 
 
 def _all_covered(events: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return when the experimenter would stop, and the calls by then."""
+    """Return the time at which the experimenter would stop, and the calls until then."""
     total, covered, calls = 0, 0, 0
     for event in events:
         if event["event"] == "start":
@@ -171,7 +171,7 @@ def _all_covered(events: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _judged(path: Path) -> tuple[NDArray[np.float64], ...]:
-    """Columns t, imaged, inspected and reef_m of judge.csv as far as it was written, Shape=(N,) each."""
+    """Return the columns t, imaged, inspected and reef_m of judge.csv, as far as written. Shape=(N,) each."""
     rows: list[tuple[float, ...]] = []
     if path.is_file():
         with open(path, encoding="utf-8", newline="") as lines:

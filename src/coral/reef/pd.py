@@ -1,4 +1,4 @@
-"""The proportional-derivative controller of the ablation without a low-level planner: no map, no obstacles."""
+"""The proportional-derivative controller of the ablation without a low-level planner. It ignores map and obstacles."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from coral.reef.vehicle import VehicleCfg, VehicleState
 
 @dataclass(frozen=True, kw_only=True)
 class PdCfg:
-    """Gains (the papers give none): critically damped with the planar masses at 1 rad/s in surge and 2 rad/s in yaw."""
+    """Gains (the paper gives none): critically damped with the planar masses, 1 rad/s in surge and 2 rad/s in yaw."""
 
     surge_kp_n_m: float = 20.0
     surge_kd_ns_m: float = 26.0
@@ -24,14 +24,14 @@ class PdCfg:
     yaw_kd_nms_rad: float = 2.4
     hold_m: float = 0.3
     horizon_s: float = 5.0
-    """Length of the straight line that `Plan.path` shows; the law itself does not look ahead."""
+    """Duration of the straight line in `Plan.path`. The control law itself does not look ahead."""
 
 
 class PdController:
-    """Drives at the goal in a straight line; same call and answer as `DdpMppi`.
+    """Drives straight at the goal. It is called like `DdpMppi`.
 
-    The law Kp e - Kd nu is given in its cascade form Kd (Kp/Kd e - nu): the set point Kp/Kd e goes to the vehicle's
-    velocity loop, so that both controllers share the same thrusters, limits and drag compensation.
+    The law Kp e - Kd nu has the cascade form Kd (Kp/Kd e - nu): the set point Kp/Kd e goes to the vehicle's velocity
+    loop, so both controllers share thrusters, limits and drag compensation.
     """
 
     def __init__(self, cfg: PdCfg | None = None, vehicle: VehicleCfg | None = None) -> None:
@@ -49,7 +49,7 @@ class PdController:
         *,
         cell_m: float = 0.05,
     ) -> Plan:
-        """Command towards `cost_field.goal`; the field's values and the map are not looked at."""
+        """Compute the command towards `cost_field.goal`. The field's values and the map are ignored."""
         cfg = self.cfg
         dx, dy = cost_field.goal[0] - state.x, cost_field.goal[1] - state.y
         distance = math.hypot(dx, dy)
@@ -57,7 +57,7 @@ class PdController:
         v = omega = 0.0
         if distance > cfg.hold_m:
             v_max, w_max = self.vehicle.max_speed_m_s, self.vehicle.max_yaw_rate_rad_s
-            # The error along the body's x axis; a goal behind is turned to, not reversed to.
+            # The error along the body's x axis. The vehicle turns to a goal behind it and does not reverse.
             v = min(max(cfg.surge_kp_n_m / cfg.surge_kd_ns_m * distance * math.cos(bearing), 0.0), v_max)
             omega = min(max(cfg.yaw_kp_nm_rad / cfg.yaw_kd_nms_rad * bearing, -w_max), w_max)
         times = np.linspace(0.0, cfg.horizon_s, 11)

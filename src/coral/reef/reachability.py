@@ -1,4 +1,4 @@
-"""Reachability of the hull: flood fill of a world's free space from the start."""
+"""What the hull can reach: flood fill of a world's free space from the start."""
 
 from __future__ import annotations
 
@@ -15,37 +15,37 @@ if TYPE_CHECKING:
     from coral.reef.world import Obstacle, ReefWorld
 
 HULL_RADIUS_M = 0.3
-"""Paper IV-F: the robot is a disc of 0.3 m."""
+"""Paper IV-F: the robot is a disc of 0.3 m radius."""
 MARGIN_M = 0.05
-"""Kept beside the hull in every passage: one cell of the robot's map."""
+"""Margin beside the hull in every passage: one cell of the robot's map."""
 VIEW_M = 2.0
-"""A cluster is reached when the hull gets this near to one of its oysters, in line of sight."""
+"""A cluster is reachable if the hull gets within this distance of one of its oysters, in line of sight."""
 
 _SUBPIXEL = 8
-"""Fractional bits of the corners handed to OpenCV's polygon filling."""
+"""Fractional bits of the corners in OpenCV's polygon filling."""
 _STRIDE_M = 0.2
-"""Spacing of the places from which line of sight is tried."""
+"""Spacing of the places from which line of sight is checked."""
 _TRIED = 200
-"""Oysters of a cluster towards which line of sight is tried."""
+"""Largest number of oysters of a cluster to which line of sight is checked."""
 
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """What is solid and what the hull can reach, on a grid with its origin at (0, 0)."""
+    """Grid of solid cells and cells that the hull can reach, with its origin at (0, 0)."""
 
     cell_m: float
-    """Edge of a cell."""
+    """Edge of a cell (m)."""
     solid: NDArray[np.bool_]
-    """Shape=(NY, NX) bool, the cell touches an obstacle's outline."""
+    """Cells that touch an obstacle's outline. Shape=(NY, NX)."""
     reachable: NDArray[np.bool_]
-    """Shape=(NY, NX) bool, the hull's centre can get there from the start."""
+    """Cells that the hull's centre can reach from the start. Shape=(NY, NX)."""
 
     def sees(self, points: NDArray[np.float64], range_m: float = VIEW_M) -> bool:
         """Check whether the hull can get within `range_m` of one of the points in line of sight.
 
         Args:
             points: Shape=(N, 2), metres.
-            range_m: How near.
+            range_m: Largest distance (m).
         """
         cells = self._cells(points)
         if self.reachable[cells[:, 1], cells[:, 0]].any():
@@ -77,13 +77,13 @@ def free_space(
     start: tuple[float, float],
     radius_m: float = HULL_RADIUS_M + MARGIN_M,
 ) -> FreeSpace:
-    """Flood the free space from the start; obstacles block at any height.
+    """Flood the free space from the start. An obstacle blocks at any height.
 
     Args:
         size_m: Width and height of the world.
-        outlines: Polygons of the obstacles on the ground plane, each Shape=(K, 2), metres.
-        start: Where the hull begins, inside the world.
-        radius_m: Of the hull, margin included.
+        outlines: Polygons of the obstacles on the ground plane (m), each Shape=(K, 2).
+        start: Start of the hull (m), inside the world.
+        radius_m: Radius of the hull with its margin.
     """
     cell = 0.05 if max(size_m) <= 40 else 0.1
     shape = math.ceil(size_m[1] / cell - 1e-9), math.ceil(size_m[0] / cell - 1e-9)
@@ -94,7 +94,7 @@ def free_space(
     distance = np.asarray(cv2.distanceTransform(1 - solid, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)) * cell
     passable = (distance >= radius_m).astype(np.uint8)
     ix, iy = min(int(start[0] / cell), shape[1] - 1), min(int(start[1] / cell), shape[0] - 1)
-    # The start itself is checked exactly elsewhere; rounding to cells must not shut the vehicle in.
+    # `check_world` checks the start exactly: here, rounding to cells must not shut the vehicle in.
     near = 2 + math.ceil(MARGIN_M / cell)
     passable[max(iy - near, 0) : iy + near + 1, max(ix - near, 0) : ix + near + 1] = 1
     _, parts = cv2.connectedComponents(passable, connectivity=4)
@@ -102,7 +102,7 @@ def free_space(
 
 
 def unreachable_clusters(world: ReefWorld) -> list[int]:
-    """Indices of the clusters that the hull cannot get within `VIEW_M` of, in line of sight, from the start."""
+    """Return the indices of clusters that the hull cannot reach within `VIEW_M`, in line of sight, from the start."""
     outlines = [obstacle_outline(obstacle) for obstacle in world.obstacles]
     space = free_space(world.size_m, outlines, (world.start.x, world.start.y))
     missing = []
@@ -114,10 +114,10 @@ def unreachable_clusters(world: ReefWorld) -> list[int]:
 
 
 def obstacle_outline(obstacle: Obstacle, corners: int = 48) -> NDArray[np.float64]:
-    """Return the polygon of an obstacle on the ground plane, a box's rectangle or a round shape's ellipse.
+    """Return an obstacle's polygon on the ground plane: a rectangle for a box, an ellipse for a round shape.
 
     Returns:
-        Shape=(K, 2), metres, counter-clockwise; an ellipse gets `corners` of them.
+        Corners (m), counter-clockwise, `corners` of them for an ellipse. Shape=(K, 2).
     """
     if obstacle.shape == "box":
         local = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
@@ -129,7 +129,7 @@ def obstacle_outline(obstacle: Obstacle, corners: int = 48) -> NDArray[np.float6
 
 
 def distance_to(polygon: NDArray[np.float64], x: float, y: float) -> float:
-    """Compute the distance (m) of a point to a polygon, negative inside."""
+    """Compute the distance (m) from a point to a convex polygon, negative inside."""
     begin, along = polygon, np.roll(polygon, -1, axis=0) - polygon
     offset = np.array([x, y]) - begin
     share = np.clip((offset * along).sum(1) / np.maximum((along**2).sum(1), 1e-18), 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""Records a reef mission in its run folder while it runs."""
+"""Record of a reef mission in its run folder, written during the mission."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ COLUMNS = (
 
 @dataclass(frozen=True, kw_only=True)
 class RecordCfg:
-    """What a run folder holds beyond its logs."""
+    """What a run folder holds besides its logs."""
 
     pictures: bool = True
-    """Draw and keep the pictures of every question (an advisor with eyes gets them in any case)."""
+    """Draw and keep the pictures of every question. An advisor that sees gets them in any case."""
     frames: bool = True
-    """Keep the map and the camera pictures at intervals; the report's time slider and the video need them."""
+    """Keep the map and the camera pictures at intervals. The report's time slider and the video need them."""
     frame_period_s: Positive = 2.0
     report: bool = True
     """Write map.png and report.html at the end."""
@@ -53,14 +53,14 @@ class RecordCfg:
 
 
 class FrameRecorder:
-    """Keeps the known map and the camera pictures, every few seconds of simulated time."""
+    """Writes the known map and the camera pictures every few seconds of simulated time."""
 
     def __init__(self, writer: RunWriter, cfg: RecordCfg) -> None:
         self._writer, self._cfg = writer, cfg
         self._due = 0.0
 
     def offer(self, step: int, t: float, cells: Any, frame: Frame) -> None:
-        """Write one set of pictures if it is due; `cells()` returns the map's classes, Shape=(NY, NX)."""
+        """Write a set of pictures if it is due. `cells()` returns the classes of the map, Shape=(NY, NX)."""
         if not self._cfg.frames or t < self._due - 1e-9:
             return
         self._due = t + self._cfg.frame_period_s

@@ -14,11 +14,11 @@ from coral.reef.pilot import Command, LocalPlanner, Pilot
 from coral.reef.simulator import ReefSimulator, Sensed
 
 Build = Callable[["Robot"], Pilot]
-"""Makes the pilot of a robot."""
+"""Builds the pilot of a robot."""
 
 
 class Robot:
-    """Couples one vehicle with its pilot; its events go to `emit`."""
+    """Couples a simulated vehicle with its pilot."""
 
     def __init__(
         self,
@@ -38,16 +38,16 @@ class Robot:
         self.pilot = build(self)
 
     def emit(self, event: str, **fields: Any) -> None:
-        """Emit an event, with the number of the robot if there are several."""
+        """Emit an event, with the number of the robot if it is not alone."""
         self._emit(event, **(fields if self._alone else {"robot": self.number, **fields}))
 
     def sense(self, dt: float) -> Sensed:
-        """Take a picture, `dt` seconds after the last one."""
+        """Take a picture `dt` seconds after the last one."""
         self.sensed = self.simulator.sense(dt)
         return self.sensed
 
     def think(self, t: float, others: Iterable[Neighbour]) -> float:
-        """Choose the next command at time `t` (s); return the wall time spent waiting for a reply (s)."""
+        """Choose the next command at time `t` (s). Return the wall time spent waiting for a reply (s)."""
         assert self.sensed is not None
         waited, self.belief.others = self.clock.waited_s, tuple(others)
         self.command = self.pilot.tick(t, self.sensed.frame, self.sensed.pose, self.sensed.velocity)

@@ -1,4 +1,4 @@
-"""A reef world as flat arrays: solids for ray casting, ground outlines for collision and line of sight."""
+"""A reef world as arrays: solids for ray casting, ground outlines for collisions and line of sight."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from coral.reef.geometry import Label
 from coral.reef.world import Obstacle, Oyster, ReefWorld
 
 ELLIPSOID, BOX, CYLINDER = 0, 1, 2
-"""`Scene.kind`. A sphere is an ellipsoid; cylinders stand upright."""
+"""Values of `Scene.kind`. A sphere is an ellipsoid. Cylinders are upright."""
 ELLIPSE, RECTANGLE = 0, 1
-"""`Footprints.kind`. A circle is an ellipse with equal half-axes."""
+"""Values of `Footprints.kind`. A circle is an ellipse with equal half-axes."""
 _KINDS = {"sphere": ELLIPSOID, "ellipsoid": ELLIPSOID, "box": BOX, "cylinder": CYLINDER}
 
 
 @dataclass(frozen=True)
 class Footprints:
-    """Outlines on the ground plane, K of them; world frame, metres, radians."""
+    """K outlines on the ground plane. World frame, metres, radians."""
 
     kind: NDArray[np.int8]
-    """Shape=(K,) int8, ELLIPSE or RECTANGLE."""
+    """ELLIPSE or RECTANGLE. Shape=(K,), int8."""
     center: NDArray[np.float64]
-    """Shape=(K, 2)."""
+    """Centres. Shape=(K, 2)."""
     half: NDArray[np.float64]
-    """Shape=(K, 2), half-axes of the ellipse or half edges of the rectangle, along its own axes."""
+    """Half-axes of the ellipse or half edges of the rectangle, along its own axes. Shape=(K, 2)."""
     yaw: NDArray[np.float64]
-    """Shape=(K,), of the outline's first axis, counter-clockwise from +x."""
+    """Angle of the outline's first axis, counter-clockwise from +x. Shape=(K,)."""
 
     def __len__(self) -> int:
         return len(self.kind)
@@ -37,27 +37,27 @@ class Footprints:
 
 @dataclass(frozen=True)
 class Scene:
-    """Every solid of a world, N of them: the oysters cluster by cluster, then the obstacles; world frame, metres."""
+    """N solids of a world: the oysters cluster by cluster, then the obstacles. World frame, metres."""
 
     kind: NDArray[np.int8]
-    """Shape=(N,) int8, ELLIPSOID, BOX or CYLINDER."""
+    """ELLIPSOID, BOX or CYLINDER. Shape=(N,), int8."""
     center: NDArray[np.float64]
-    """Shape=(N, 3)."""
+    """Centres. Shape=(N, 3)."""
     half: NDArray[np.float64]
-    """Shape=(N, 3), half-extents along the solid's own axes (cylinder: r, r, half height)."""
+    """Half-extents along the solid's own axes (cylinder: r, r, half height). Shape=(N, 3)."""
     rotation: NDArray[np.float64]
-    """Shape=(N, 3, 3), object to world."""
+    """Rotations, object to world. Shape=(N, 3, 3)."""
     label: NDArray[np.uint8]
-    """Shape=(N,) uint8 of `Label`."""
+    """`Label` of each solid. Shape=(N,), uint8."""
     cluster: NDArray[np.int32]
-    """Shape=(N,) int32, index into `cluster_names`; -1 for obstacles."""
+    """Index into `cluster_names`, -1 for obstacles. Shape=(N,), int32."""
     seabed_z: float
     """Height of the flat sea floor (m)."""
     cluster_names: tuple[str, ...]
 
     @classmethod
     def from_world(cls, world: ReefWorld) -> Scene:
-        """Arrays of a world, in the file's order."""
+        """Make the arrays of a world, in the order of its file."""
         oysters = [oyster for cluster in world.clusters for oyster in cluster.oysters]
         cluster = [i for i, group in enumerate(world.clusters) for _ in group.oysters]
         solids: list[Oyster | Obstacle] = [*oysters, *world.obstacles]
@@ -77,19 +77,19 @@ class Scene:
         return len(self.kind)
 
     def footprints(self) -> Footprints:
-        """Outlines of the obstacles, in the order of the world's `obstacles`."""
+        """Return the outlines of the obstacles, in the order of the world's `obstacles`."""
         return self.outlines(np.flatnonzero(self.label == Label.OBSTACLE))
 
     def outlines(self, index: NDArray[np.intp]) -> Footprints:
-        """Shadows of some solids on the ground, seen from straight above.
+        """Return the vertical projection of solids on the ground.
 
         Args:
-            index: Shape=(K,), which solids. Boxes and cylinders have to stand upright, as all of a world's do.
+            index: Shape=(K,), indices of the solids. Boxes and cylinders must be upright, as they are in a world.
         """
         turn = self.rotation[index]
         half = self.half[index, :2].copy()
         yaw = np.arctan2(turn[:, 1, 0], turn[:, 0, 0])
-        # The shadow of {R diag(h) s : |s| <= 1} is the ellipse whose matrix is the upper left 2x2 of R diag(h^2) R^T.
+        # The projection of {R diag(h) s : |s| <= 1} is the ellipse with the upper left 2x2 of R diag(h^2) R^T.
         shadow = np.einsum("nij,nj,nkj->nik", turn, self.half[index] ** 2, turn)[:, :2, :2]
         squares, axes = np.linalg.eigh(shadow)
         tilted = (self.kind[index] == ELLIPSOID) & (np.abs(turn[:, 2, 2]) < 1.0)
@@ -100,7 +100,7 @@ class Scene:
 
 
 def rotations(rpy: Iterable[tuple[float, float, float]]) -> NDArray[np.float64]:
-    """Rotation matrices Rz(yaw) Ry(pitch) Rx(roll). Shape=(N, 3, 3).
+    """Compute the rotation matrices Rz(yaw) Ry(pitch) Rx(roll). Shape=(N, 3, 3).
 
     Args:
         rpy: N triples of roll, pitch, yaw (rad).

@@ -1,4 +1,4 @@
-"""The simulated reef, the only holder of the truth: it moves the vehicle, takes pictures, counts contacts."""
+"""The simulated reef, which alone knows the truth: moves the vehicle, takes pictures, counts contacts."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class SimulatorCfg:
     coverage: CoverageCfg = field(default_factory=CoverageCfg)
     imaging: ImagingCfg = field(default_factory=ImagingCfg)
     contact: Literal["solid", "ghost"] = "solid"
-    """Whether an obstacle stops the hull. ghost counts contacts and lets the vehicle through."""
+    """solid: obstacles stop the hull. ghost: contacts count, but the vehicle passes through."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,11 +42,11 @@ class Sensed:
     pose: Pose
     """The robot's estimate; equals the truth unless drift is on."""
     velocity: tuple[float, float, float]
-    """Surge, sway (m/s) and yaw rate (rad/s), ground-relative, body frame."""
+    """Ground-relative surge, sway (m/s) and yaw rate (rad/s) in the body frame."""
 
 
 class ReefSimulator:
-    """The true state of one mission."""
+    """Simulates the reef, one vehicle and its sensors."""
 
     def __init__(
         self,
@@ -60,11 +60,11 @@ class ReefSimulator:
         """Put a vehicle into a world.
 
         Args:
-            world: The truth.
+            world: The true reef.
             cfg: Vehicle and sensors.
-            rng: Of the sensors' noise.
-            start: Where it starts; the world's start by default.
-            first: Simulator of another vehicle in the same reef; what either sees counts as seen.
+            rng: Source of the sensors' noise.
+            start: Start pose; the world's start by default.
+            first: Simulator of another vehicle in the same reef. What either vehicle sees counts as seen.
         """
         self.world, self.cfg = world, cfg
         self.scene: Scene = Scene.from_world(world) if first is None else first.scene
@@ -84,7 +84,7 @@ class ReefSimulator:
         self.vehicle = Vehicle(cfg.vehicle, VehicleState(begin.x, begin.y, begin.theta))
         self.distance_m = 0.0
         self.track: NDArray[np.float64] = np.array([begin[:2]])
-        """Where the vehicle was in the last tick, before contacts were resolved. Shape=(N, 2), metres."""
+        """Positions of the vehicle in the last tick, before contacts were resolved (m). Shape=(N, 2)."""
         self._others: tuple[tuple[float, float], ...] = ()
         self._judge()
 
@@ -99,7 +99,7 @@ class ReefSimulator:
         return self._contacts.clearance(*self.pose[:2])
 
     def sense(self, dt: float) -> Sensed:
-        """Take a picture and read the navigation sensors, `dt` seconds after the last time."""
+        """Take a picture and read the navigation sensors `dt` seconds after the last time."""
         height, roll, pitch = self._attitude()
         frame = self._noise.apply(self._camera.render(self.pose, height, roll=roll, pitch=pitch))
         u, v, r = (float(x) for x in self.vehicle.state[3:6])
@@ -121,7 +121,7 @@ class ReefSimulator:
     def act(
         self, command: tuple[float, float], dt: float, others: Sequence[tuple[float, float]] = ()
     ) -> list[tuple[float, float, int]]:
-        """Drive for `dt` seconds; returns new contacts with obstacles as (x, y, obstacle index).
+        """Drive for `dt` seconds. Return new contacts with obstacles as (x, y, index of the obstacle).
 
         The hulls of other robots, at the positions `others` (m), stop the vehicle like obstacles.
         """
@@ -135,13 +135,13 @@ class ReefSimulator:
         return contacts
 
     def _judge(self) -> None:
-        """Count the area now in view."""
+        """Count the area in view now."""
         self.coverage.update(self.pose)
         height, roll, pitch = self._attitude()
         self.imaging.update(self.pose, height, roll=roll, pitch=pitch)
 
 
 def _through_water(cfg: SimulatorCfg) -> CoverageCfg:
-    """Limit the coverage range to what can be seen through the water."""
+    """Limit the range of coverage to the visibility."""
     limit = cfg.noise.visibility_m
     return cfg.coverage if limit is None else replace(cfg.coverage, range_m=min(cfg.coverage.range_m, limit))

@@ -14,7 +14,7 @@ Topology = Literal["L", "S", "K", "E", "O"]
 
 _STEP_M = 0.1
 _LOOP_M = 1.5
-"""A line that ends this near to an earlier part of itself is closed."""
+"""A line that ends within this distance of an earlier part of itself is a closed loop."""
 
 
 def _circle() -> list[tuple[float, float]]:
@@ -46,8 +46,8 @@ _SPINES: dict[Topology, list[list[tuple[float, float]]]] = {
     ],
     "O": [[(0.33, 0.13), *_circle()]],
 }
-"""In units of the world's size, start first. At 20 m, the prongs of the E lie 5.2 m apart; the K's arms turn off by
-54° and 115°."""
+"""Polylines in units of the world's size, start first. At 20 m the prongs of the E are 5.2 m apart. The arms of the K
+branch off at 54° and 115°."""
 
 _ROUNDED = {"L": 1, "S": 3}
 """Rounds of corner cutting."""
@@ -67,15 +67,15 @@ TOPOLOGIES = tuple(_SPINES)
 
 
 def spread(lines: Sequence[Line], count: int, lead_m: float) -> list[tuple[float, float, float]]:
-    """Place points on the lines, as evenly spaced as their number allows; every line gets one at least.
+    """Place points on the lines, as evenly spaced as their number allows, at least one on every line.
 
     Args:
-        lines: Polylines, Shape=(K, 2), m; the others branch off the first.
-        count: How many places; as many as lines, or more.
+        lines: Polylines (m), each Shape=(K, 2). The others branch off the first.
+        count: Number of points, at least the number of lines.
         lead_m: Arc length from the start that stays empty.
 
     Returns:
-        (x, y, direction of the line) of each, line by line.
+        (x, y, direction of the line) of each point, line by line.
     """
     arcs = [_arc(line) for line in lines]
     begin, first = lead_m, float(arcs[0][2][-1])
@@ -102,12 +102,12 @@ def spread(lines: Sequence[Line], count: int, lead_m: float) -> list[tuple[float
 
 
 def samples(lines: Sequence[Line]) -> Line:
-    """Points every 0.1 m along the lines. Shape=(N, 2)."""
+    """Sample the lines every 0.1 m. Shape=(N, 2)."""
     return np.concatenate([_arc(line)[0] for line in lines])
 
 
 def _arc(line: Line) -> tuple[Line, NDArray[np.float64], NDArray[np.float64]]:
-    """Points along a line Shape=(N, 2), the line's direction and the arc length there, both Shape=(N,)."""
+    """Sample a line: points, Shape=(N, 2), direction of the line and arc length there, Shape=(N,) each."""
     edges = np.diff(line, axis=0)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(edges[:, 0], edges[:, 1]))])
     at = np.linspace(0.0, along[-1], max(2, round(along[-1] / _STEP_M) + 1))
@@ -117,7 +117,7 @@ def _arc(line: Line) -> tuple[Line, NDArray[np.float64], NDArray[np.float64]]:
 
 
 def _loop_begin(arc: tuple[Line, NDArray[np.float64], NDArray[np.float64]]) -> float | None:
-    """Arc length (m) at which a line begins the loop that its end closes; None when it ends elsewhere."""
+    """Return the arc length (m) at which the loop of a line begins that its end closes; None without a loop."""
     points, _, along = arc
     away = np.hypot(*(points - points[-1]).T)
     away[along > along[-1] - 3 * _LOOP_M] = np.inf
@@ -125,7 +125,7 @@ def _loop_begin(arc: tuple[Line, NDArray[np.float64], NDArray[np.float64]]) -> f
 
 
 def _cut_corners(line: Line, rounds: int) -> Line:
-    """Chaikin's corner cutting; the ends stay."""
+    """Cut corners by Chaikin's rule. The ends stay."""
     for _ in range(rounds):
         quarter, three = 0.75 * line[:-1] + 0.25 * line[1:], 0.25 * line[:-1] + 0.75 * line[1:]
         line = np.concatenate([line[:1], np.stack([quarter, three], axis=1).reshape(-1, 2)[1:-1], line[-1:]])

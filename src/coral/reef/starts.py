@@ -1,4 +1,4 @@
-"""Start poses of a fleet: beside the first robot, in open water."""
+"""Start poses of a fleet: near the first robot, in open water."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from coral.reef.geometry import Pose
 from coral.reef.scene import Footprints
 
 APART_M = 1.2
-"""Least distance between the centres of two robots: twice the hull's diameter."""
+"""Smallest distance between the centres of two robots: twice the hull's diameter."""
 TURNS_DEG = (90.0, -90.0, 180.0, 135.0, -135.0, 45.0, -45.0)
-"""Where to look, off the first robot's heading: at its sides, behind it, then in front."""
+"""Directions to try, relative to the first robot's heading: beside it, behind it, then ahead."""
 RINGS_M = (APART_M, 1.5, 1.8, 2.4, 3.0, 3.6)
 
 
 def starts_beside(
     first: Pose, count: int, footprints: Footprints, size_m: tuple[float, float], radius_m: float
 ) -> list[Pose]:
-    """Return start poses of `count` robots, the first one's included; all share its heading.
+    """Return the start poses of `count` robots, the first one included. All have its heading.
 
-    Each lies in sight of the first, at least `APART_M` from every other and a hull's radius clear of obstacles and
-    of the border. The same world gives the same places.
+    Each has a free line of sight to the first, lies at least `APART_M` from every other, and its hull is a radius clear
+    of obstacles and the border. The same world gives the same poses.
 
     Raises:
-        InputError: There is no room for so many.
+        InputError: There is no room for so many robots.
     """
 
     def free(x: float, y: float, room_m: float) -> bool:

@@ -1,4 +1,4 @@
-"""Few viewpoints that see everything, a short order for them, and the moves of a local search on a route."""
+"""Building blocks of tour planning: set cover by viewpoints, a short order of stops, moves of a local search."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 SHIFT_M = 0.5
-"""How far the local search moves a stop."""
+"""Distance by which the local search moves a stop."""
 Place = tuple[float, float]
 Stop = tuple[float, float, float]
-"""A place (m) and the heading to turn to there (rad); nan: whichever it comes with."""
+"""A place (m) and the heading to turn to there (rad); nan: no turn."""
 
 Route = list[Stop]
 
 
 def greedy_cover(seen: NDArray[np.bool_], weight: NDArray[np.float64]) -> list[int]:
-    """Choose few rows that together cover what all rows cover: always the row that adds most.
+    """Choose few rows that together cover what all rows cover, by adding the row that covers most each time.
 
     Args:
-        seen: Shape=(V, M).
-        weight: Shape=(M,), worth of each column.
+        seen: Shape=(V, M), whether row v covers column m.
+        weight: Shape=(M,), weight of each column.
     """
     left = seen.any(axis=0)
     table, chosen = seen.astype(np.float32), []
@@ -40,10 +40,10 @@ def order_stops(distance: NDArray[np.float64]) -> list[int]:
     """Find a short open tour: nearest neighbour, then 2-opt and Or-opt until neither shortens it.
 
     Args:
-        distance: Shape=(N + 1, N), from the start (row 0) and from stop k (row k + 1) to every stop (m).
+        distance: Shape=(N + 1, N), distance (m) from the start (row 0) and from stop k (row k + 1) to every stop.
 
     Returns:
-        The stops in order.
+        Indices of the stops, in order.
     """
     left, order, at = set(range(distance.shape[1])), list[int](), 0
     while left:
@@ -66,7 +66,7 @@ def order_stops(distance: NDArray[np.float64]) -> list[int]:
 
 
 def neighbours(route: Sequence[int]) -> Iterator[list[int]]:
-    """Yield every route with one stretch reversed (2-opt), or up to three stops in a row moved elsewhere (Or-opt)."""
+    """Yield every route with one stretch reversed (2-opt) or up to three consecutive stops moved elsewhere (Or-opt)."""
     n = len(route)
     for i, j in itertools.combinations(range(n + 1), 2):
         if j - i >= 2:
@@ -91,13 +91,13 @@ def unturned(route: Route) -> Iterator[Route]:
 
 
 def rearranged(route: Route) -> Iterator[Route]:
-    """Every neighbour of a route in the sense of 2-opt and Or-opt."""
+    """Yield every neighbour of a route in the sense of 2-opt and Or-opt."""
     for order in neighbours(range(len(route))):
         yield [route[k] for k in order]
 
 
 def shifted(route: Route) -> Iterator[Route]:
-    """Every route with one stop moved by `SHIFT_M` in one of eight directions."""
+    """Yield every route with one stop moved by `SHIFT_M` in one of eight directions."""
     for k, (x, y, theta) in enumerate(route):
         for angle in np.arange(8) * (math.pi / 4):
             aside = round(x + SHIFT_M * math.cos(angle), 3), round(y + SHIFT_M * math.sin(angle), 3)

@@ -1,4 +1,4 @@
-"""Settings of a robustness sweep: each makes the world or the sensors worse."""
+"""Settings of a robustness sweep. Each of them degrades the world or the sensors."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from coral.reef.world import Current, ReefWorld
 
 WHERE = "--sweep"
 CURRENT = "current"
-"""Speed of the water (m/s) in the direction that the world gives it, or along +x where it has none."""
+"""Key of the water's speed (m/s), in the direction of the world's current, or along +x if it has none."""
 FASTEST_M_S = 1.0
-"""As in a world file."""
+"""Largest speed of the water, as in a world file."""
 _NOISE = "simulator.noise."
 SHORT: dict[str, Mapping[str, float]] = {
     "visibility": {f"{_NOISE}visibility_m": 1.0},
@@ -28,7 +28,7 @@ SHORT: dict[str, Mapping[str, float]] = {
     "depth_noise": {f"{_NOISE}depth_sigma": 1.0},
     "pose_drift": {f"{_NOISE}drift_xy": 1.0, f"{_NOISE}drift_theta": 0.1},
 }
-"""Word to configuration keys, each with the factor that its value is the word's value times.
+"""Short words for configuration keys, each with the factor by which the word's value is multiplied.
 
 Mask errors: of ten pixels of sea floor there is hardly one of an oyster, so false ones are ten times rarer than missed
 ones. Drift: 0.1 rad for each metre, about what a heading error of that size adds over the 10 m between two places.
@@ -37,15 +37,15 @@ Overrides = Sequence[tuple[str, Any]]
 
 
 def apply_setting(overrides: Overrides, cfg: MissionCfg, world: ReefWorld) -> tuple[MissionCfg, ReefWorld]:
-    """Apply a setting to mission and world; without one, return the very same objects.
+    """Apply a setting to mission and world. Without overrides, return the same objects.
 
     Args:
         overrides: Pairs of a key and its JSON value: `current`, a word of `SHORT`, or a dotted configuration key.
-        cfg: Of the nominal mission.
-        world: As it was loaded.
+        cfg: Configuration of the nominal mission.
+        world: World as loaded.
 
     Raises:
-        InputError: An unknown key (with the nearest known one) or a bad value.
+        InputError: A key is unknown (the message names the nearest one) or a value is bad.
     """
     for key, value in overrides:
         if key == CURRENT:

@@ -1,4 +1,4 @@
-"""Vehicles that follow a plan made before the dive: the oracle's tour, and a blind sweep's lanes."""
+"""Missions that follow a plan made before the dive: the oracle's tour and the lanes of a blind sweep."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from coral.reef.tour_kernels import follow
 from coral.reef.vehicle import VehicleCfg
 
 BORDER_M = 1.0
-"""Lanes end this far from the edge of the survey area."""
+"""Distance between the ends of lanes and the edge of the survey area."""
 
 
 class TourPilot(Pilot):
-    """Gives one command after the other, ignoring the sensors; the map is kept for the report alone."""
+    """Executes planned commands and ignores the sensors. The map is kept for the report alone."""
 
     commands: NDArray[np.float64] = np.empty((0, 2))
     """Forward speed (m/s) and yaw rate (rad/s) of each tick. Shape=(K, 2)."""
@@ -36,12 +36,12 @@ class TourPilot(Pilot):
 
 
 def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose) -> NDArray[np.float64]:
-    """Return straight lanes along x, `spacing_m` apart, so that no place is farther than half of that from one.
+    """Return straight lanes along x, `spacing_m` apart, so that no place is farther than half of that from a lane.
 
-    They lie symmetrically in the area, and begin at the corner nearest to the start.
+    They lie symmetrically in the area and begin at the corner nearest to the start.
 
     Returns:
-        Way points from the start on, Shape=(2 N + 1, 2), metres.
+        Waypoints, beginning with the start (m). Shape=(2 N + 1, 2).
     """
     width, height = size_m
     count = max(1, math.ceil(height / spacing_m - 1e-9))
@@ -56,12 +56,12 @@ def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose) -> NDArray
 
 
 def drive_lines(points: NDArray[np.float64], start: Pose, vehicle: VehicleCfg, dt: float) -> NDArray[np.float64]:
-    """Commands that drive straight from point to point at cruise speed, turning on the spot. Shape=(K, 2).
+    """Compute commands that drive straight from point to point at cruise speed and turn on the spot. Shape=(K, 2).
 
     Args:
         points: Shape=(N, 2), metres, the first one at the start.
-        start: Where the vehicle is, and its heading.
-        vehicle: For its speed and yaw rate.
+        start: Pose of the vehicle.
+        vehicle: Gives speed and yaw rate.
         dt: Control period (s).
     """
     parts = []

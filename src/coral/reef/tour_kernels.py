@@ -1,4 +1,4 @@
-"""Path following at cruise speed with a limited yaw rate, without inertia: a unicycle, exactly integrated."""
+"""Path following at cruise speed with limited yaw rate and without inertia: an exactly integrated unicycle."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from numba import njit
 from numpy.typing import NDArray
 
 _LOOKAHEAD_M = 0.3
-"""How far along the path the vehicle aims: short, so that it cuts no corner by more than a few centimetres."""
+"""Distance ahead on the path at which the vehicle aims: short, so that it cuts corners by only a few centimetres."""
 _SPIN_RAD = 0.6
-"""Above this heading error the vehicle turns on the spot."""
+"""Heading error above which the vehicle turns on the spot."""
 
 
 @njit(cache=True, error_model="numpy")
 def advance(x: float, y: float, theta: float, v: float, omega: float, dt: float) -> tuple[float, float, float]:
-    """Pose after `dt` seconds (s) at constant forward speed (m/s) and yaw rate (rad/s): an arc of a circle."""
+    """Compute the pose after `dt` (s) at constant forward speed (m/s) and yaw rate (rad/s): an arc of a circle."""
     if abs(omega) < 1e-9:
         return x + v * dt * math.cos(theta), y + v * dt * math.sin(theta), theta + omega * dt
     end = theta + omega * dt
@@ -42,18 +42,18 @@ def follow(
         speed: Cruise speed (m/s).
         yaw_rate: Largest yaw rate (rad/s).
         dt: Control period (s).
-        most: Ticks at most.
+        most: Largest number of ticks.
         commands: Shape=(>= most, 2), written: forward speed and yaw rate of each tick.
         poses: Shape=(>= most, 3), written: pose after each tick.
 
     Returns:
-        How many ticks it took; `most` when the end was not reached.
+        Number of ticks taken; `most` if the end was not reached.
     """
     x, y, theta = start
     last = path.shape[0] - 1
     at = 0
     for k in range(most):
-        # The nearest point of the path ahead, then the one to aim at; progress never goes back.
+        # The nearest path point ahead, then the one to aim at. Progress never goes back.
         best = math.inf
         for i in range(at, min(at + 12, last + 1)):
             gap = math.hypot(path[i, 0] - x, path[i, 1] - y)

@@ -1,4 +1,4 @@
-"""Which missions follow a plan made before the dive, and that plan."""
+"""Plans made before the dive, and the missions that follow one."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 def planned(world: ReefWorld, cfg: MissionCfg) -> NDArray[np.float64] | None:
-    """Plan the oracle's tour or a blind sweep: commands, Shape=(K, 2); None for missions that decide.
+    """Plan the commands of the oracle's tour or of a blind sweep, Shape=(K, 2); None for a mission that asks questions.
 
     Raises:
-        InputError: Several robots: a tour is for one.
+        InputError: There are several robots: a tour is for one.
     """
     if cfg.decider not in ("oracle", "sweep"):
         return None

@@ -1,4 +1,4 @@
-"""Other robots as moving obstacles: the water they are about to use, in the controller's distances only."""
+"""Other robots as moving obstacles: the water that they will use next, in the controller's distances only."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from coral.reef.geometry import Pose
 
 @dataclass(frozen=True, kw_only=True)
 class TrafficCfg:
-    """How much water is left to another robot. Beyond the paper, which has one robot."""
+    """Space left to another robot. The paper has only one robot."""
 
     reserve_s: NonNegative = 2.0
-    """So much of its plan is kept free for it. It stops within 0.5 s; what it does later it can still change, and
-    reserving all 5 s of two robots that meet would leave neither a way past the other."""
+    """Duration of its plan that is kept free for it. It stops within 0.5 s and can still change what it does later.
+    Reserving all 5 s would leave two robots that meet no way past each other."""
     gap_m: NonNegative = 0.1
-    """Added to its radius: it does not follow its plan exactly."""
+    """Gap added to its radius, since it does not follow its plan exactly."""
     reach_m: NonNegative = 1.2
-    """Farther from it than this nothing changes: beyond the hull and the proximity that the controller prices."""
+    """Distance from it beyond which nothing changes: more than the hull and the proximity that has a cost."""
     hold_m: NonNegative = 0.15
-    """With less water than this between two hulls neither drives towards the other. The controller concedes a robot
-    that is within its margin already the way to leave, and by that leave one could creep up to another that waits."""
+    """Gap between two hulls below which neither drives towards the other. The controller lets a robot that is already
+    within the margin leave it; by this exception one robot could creep up to another that waits."""
 
 
 class Traffic:
-    """One robot's copy of the distances to obstacles, other robots included. The shared map never holds them."""
+    """Keeps one robot's distances to obstacles and other robots. The shared map never holds robots."""
 
     def __init__(self, cfg: TrafficCfg | None = None) -> None:
         self.cfg = cfg or TrafficCfg()
@@ -40,16 +40,16 @@ class Traffic:
     def stamped(
         self, distance: NDArray[np.float32], cell_m: float, pose: Pose, others: Sequence[Neighbour]
     ) -> NDArray[np.float32]:
-        """Return distances to obstacles and to the water that the others are about to use.
+        """Return distances to obstacles and to the water that the other robots will use next.
 
-        Every robot keeps clear of what the others have reserved and reserves what it plans, one after the other, so
-        that no two reservations overlap and each can always stop within its own.
+        One after the other, every robot avoids what the others have reserved and reserves what it plans. So no two
+        reservations overlap, and each robot can always stop within its own.
 
         Args:
-            distance: Shape=(H, W) distances to the nearest obstacle (m); left as it is.
+            distance: Shape=(H, W), distances to the nearest obstacle (m), not changed.
             cell_m: Edge of a cell (m).
-            pose: Of this robot.
-            others: What the other robots say.
+            pose: Pose of this robot.
+            others: Messages of the other robots.
 
         Returns:
             Shape=(H, W), valid until the next call.
@@ -64,12 +64,12 @@ class Traffic:
         return self._own
 
     def held(self, command: tuple[float, float], pose: Pose, others: Sequence[Neighbour]) -> tuple[float, float]:
-        """Return the command, stopped where it would bring this robot nearer to one that is already close.
+        """Return the command, with no speed if it would bring this robot nearer to one that is already close.
 
         Args:
             command: Forward speed (m/s) and yaw rate (rad/s).
-            pose: Of this robot, whose hull is as wide as theirs.
-            others: What the other robots say.
+            pose: Pose of this robot, whose hull is as wide as theirs.
+            others: Messages of the other robots.
         """
         for other in others:
             east, north = other.pose.x - pose.x, other.pose.y - pose.y
@@ -79,9 +79,9 @@ class Traffic:
         return command
 
     def reserved(self, other: Neighbour, pose: Pose) -> NDArray[np.float64]:
-        """Return the line that another robot's centre is about to follow. Shape=(N, 2), metres.
+        """Return the line that another robot's centre will follow next (m). Shape=(N, 2).
 
-        It ends before it reaches this robot, whose water the other keeps clear of in its turn.
+        It ends before it reaches this robot: the other robot keeps clear of this robot's water.
         """
         here = np.array([other.pose[:2]])
         soon = other.path[(other.times > 0.0) & (other.times <= self.cfg.reserve_s)]
@@ -95,14 +95,14 @@ class Traffic:
 def lower_to_path(
     distance: NDArray[np.float32], cell_m: float, line: NDArray[np.float64], radius_m: float, reach_m: float
 ) -> None:
-    """Lower distances, in place, to those from a band around a line; nothing changes beyond `reach_m` of the band.
+    """Lower distances, in place, to those from a band around a line. Beyond `reach_m` of the band nothing changes.
 
     Args:
         distance: Shape=(H, W), metres; cell (0, 0) at the world's origin.
         cell_m: Edge of a cell (m).
         line: Shape=(N, 2), N >= 1, world points (m).
-        radius_m: Half the width of the band.
-        reach_m: How far about the band distances are looked at.
+        radius_m: Half the width of the band (m).
+        reach_m: Distance from the band up to which distances change (m).
     """
     h, w = distance.shape
     around = radius_m + reach_m

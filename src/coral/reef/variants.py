@@ -18,7 +18,7 @@ def _no_verification(cfg: MissionCfg) -> MissionCfg:
 
 
 def _no_centroid_selection(cfg: MissionCfg) -> MissionCfg:
-    """The chain is shown, but only free waypoints are asked for."""
+    """Show the chain, but ask only for free waypoints."""
     return replace(cfg, planner=replace(cfg.planner, centroid_selection=False))
 
 
@@ -28,20 +28,20 @@ def _no_topology(cfg: MissionCfg) -> MissionCfg:
 
 
 def _no_trigger(cfg: MissionCfg) -> MissionCfg:
-    """The advisor is asked again at every cooldown."""
+    """Ask the advisor again at every cooldown."""
     return replace(cfg, pilot=replace(cfg.pilot, trigger=replace(cfg.pilot.trigger, always=True)))
 
 
 def _no_ddp(cfg: MissionCfg) -> MissionCfg:
-    """Uniform intervals, every boundary point at every step."""
+    """Use uniform intervals and check every boundary point at every step."""
     return replace(cfg, controller=replace(cfg.controller, uniform=True))
 
 
 def _pd(cfg: MissionCfg) -> MissionCfg:
-    """A PD controller in place of DDP-MPPI ("w/o low-level planner").
+    """Use a PD controller in place of DDP-MPPI ("w/o low-level planner").
 
-    It goes through what it hits: the paper's PD still covers 91 %, so its contacts cannot have stopped the vehicle,
-    and against solid obstacles ours stays leaning on the first one.
+    It passes through what it hits: the paper's PD still covers 91 %, so contacts cannot have stopped that vehicle.
+    Against solid obstacles ours stays at the first one.
     """
     return replace(cfg, driver="pd", simulator=replace(cfg.simulator, contact="ghost"))
 
@@ -77,19 +77,19 @@ def _random(cfg: MissionCfg) -> MissionCfg:
 
 
 def _glided(cfg: MissionCfg) -> MissionCfg:
-    """A vehicle without inertia on a plan of its own, to the end of it."""
+    """Use a vehicle without inertia that follows a plan to its end."""
     vehicle = replace(cfg.simulator.vehicle, model="kinematic")
     return replace(cfg, latency="0", stop_when_covered=False, simulator=replace(cfg.simulator, vehicle=vehicle))
 
 
 def _blind_sweep(cfg: MissionCfg) -> MissionCfg:
-    """Straight lanes at cruise speed without looking, through whatever is in the way; each contact counts."""
+    """Drive straight lanes at cruise speed, without sensing and through all obstacles; each contact counts."""
     cfg = replace(cfg, simulator=replace(cfg.simulator, contact="ghost"))
     return replace(_glided(cfg), decider="sweep")
 
 
 def _oracle(cfg: MissionCfg) -> MissionCfg:
-    """A short tour past everything, planned on the truth: a bound, not a method."""
+    """Drive a short tour past everything, planned on the true reef: a reference, not a method."""
     return replace(_glided(cfg), decider="oracle")
 
 
@@ -112,7 +112,7 @@ VARIANTS: dict[str, Change] = {
 
 
 def apply_variant(name: str, cfg: MissionCfg) -> MissionCfg:
-    """The configuration of a named variant, on top of `cfg`.
+    """Return `cfg` with the changes of a named variant.
 
     Raises:
         InputError: There is no such variant.

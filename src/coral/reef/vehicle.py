@@ -1,4 +1,4 @@
-"""The simulated BlueROV2: a velocity loop over its thrusters, driven by (forward speed, yaw rate) commands."""
+"""The simulated BlueROV2: a velocity loop over its thrusters, commanded by forward speed and yaw rate."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Clearance = Callable[[float, float], float]
 
 
 class VehicleState(NamedTuple):
-    """World pose (m, m, rad) and ground-relative velocity in the body frame (m/s, m/s, rad/s)."""
+    """Pose in the world (m, m, rad) and ground-relative velocity in the body frame (m/s, m/s, rad/s)."""
 
     x: float
     y: float
@@ -40,10 +40,10 @@ class VehicleState(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class VehicleCfg:
-    """BlueROV2 Heavy and its velocity loop. Limits from the research file; they lie inside the thrusters' envelope."""
+    """BlueROV2 Heavy and its velocity loop. The limits lie inside the thrusters' envelope."""
 
     model: Literal["planar", "six_dof", "kinematic"] = "planar"
-    """kinematic: the vehicle moves as it is told, without inertia, drag or current; for bounds, not for missions."""
+    """kinematic: the vehicle moves exactly as commanded, without inertia, drag or current; for bounds, not missions."""
     parameters: str = "A"
     thrusters: Thrusters = field(default_factory=Thrusters)
     thrust_max_n: Positive = THRUST_MAX_N
@@ -52,24 +52,24 @@ class VehicleCfg:
     hull_radius_m: Positive = 0.3
     """Paper Sec. IV-F."""
     substep_s: TimeStep = 0.02
-    """Largest integration step; RK4 is converged to under 0.1 mm over 10 s at this step (see the tests)."""
+    """Largest integration step. With it RK4 converges to under 0.1 mm over 10 s (see the tests)."""
     loop_s: TimeStep = 0.02
-    """Period of the velocity loop: 50 Hz, as an autopilot runs it."""
+    """Period of the velocity loop: 50 Hz, as in an autopilot."""
     tracking_rate_1_s: Positive = 4.0
-    """Decay of the velocity error; 0.25 s is several thruster lags, and 0.6 m/s is stopped within 0.2 m."""
+    """Decay rate of the velocity error. 0.25 s is several thruster lags; 0.6 m/s stops within 0.2 m."""
     yaw_tracking_rate_1_s: Positive = 4.0
     observer_rate_1_s: float = 4.0
-    """How fast the loop learns a force its model does not explain (the current's drag). Integrating the model's error
-    instead of the tracking error leaves nothing to wind up when the set point steps or a thruster saturates."""
+    """Rate at which the loop learns a force that its model does not explain, such as the current's drag. It integrates
+    the model's error, not the tracking error, so nothing winds up when the set point steps or a thruster saturates."""
     z_m: float = 1.0
-    """Depth hold set point above the seabed frame (six_dof only)."""
+    """Set point of the depth controller, z in the world frame (six_dof only)."""
 
 
 class Vehicle:
-    """Keeps the state and moves it tick by tick.
+    """The simulated vehicle: keeps the state and advances it tick by tick.
 
-    The velocity loop sees ground-relative velocity, as a Doppler log gives it, and does not know the current. The
-    force it learns is kept in the world frame, because that is where a current stays put while the vehicle turns.
+    The velocity loop measures ground-relative velocity, as a Doppler log does, and does not know the current. The force
+    that it learns is kept in the world frame, where a current stays constant while the vehicle turns.
     """
 
     def __init__(self, cfg: VehicleCfg | None = None, state: VehicleState | Pose | None = None) -> None:
@@ -83,7 +83,7 @@ class Vehicle:
         self.reset(state or VehicleState(0.0, 0.0, 0.0))
 
     def reset(self, state: VehicleState | Pose) -> None:
-        """Put the vehicle somewhere, thrusters at rest; a bare pose means at rest too."""
+        """Set the state, with thrusters at rest. A pose alone means zero velocity."""
         self._s = np.array([*state[:3], *(state[3:] or (0.0, 0.0, 0.0)), 0.0, 0.0, 0.0], dtype=np.float64)
         self._memory = np.array([0.0] * 3 + [math.nan] * 6)
         self._depth_integral = 0.0
@@ -92,12 +92,12 @@ class Vehicle:
 
     @property
     def state(self) -> VehicleState:
-        """Pose and ground-relative body velocity now."""
+        """Present pose and ground-relative body velocity."""
         return VehicleState(*self._s[:6].tolist())
 
     @property
     def wrench(self) -> NDArray[np.float64]:
-        """Shape=(3,) wrench the thrusters produce now (N, N, N m)."""
+        """Wrench that the thrusters produce now (N, N, N m). Shape=(3,)."""
         return self._s[6:].copy()
 
     @property
@@ -117,13 +117,13 @@ class Vehicle:
         Args:
             command: Surge and yaw-rate set points; sway is held at zero.
             dt: Duration (s).
-            current: Water velocity in the world frame (m/s), steady over the tick.
-            contact: Signed distance (m) from a point to the nearest obstacle. When given, the hull cannot enter
+            current: Water velocity in the world frame (m/s), constant over the tick.
+            contact: Signed distance (m) from a point to the nearest obstacle. If given, the hull cannot enter
                 obstacles: it is put back on their surface and loses its velocity into them (inelastic, frictionless).
 
         Returns:
-            Shape=(n_sub, 2) position after every integration step, before contact was resolved: what a collision
-            counter must look at.
+            Positions after every integration step, before contacts are resolved, for a collision counter (m).
+            Shape=(n_sub, 2).
         """
         cfg = self.cfg
         v_cmd = min(max(command[0], -cfg.max_speed_m_s), cfg.max_speed_m_s)
@@ -158,7 +158,7 @@ class Vehicle:
         return trace.reshape(-1, 2)
 
     def _glide(self, v: float, omega: float, count: int, h: float, contact: Clearance | None) -> NDArray[np.float64]:
-        """Move exactly as commanded, in `count` steps of `h` seconds; return the positions, Shape=(count, 2)."""
+        """Move exactly as commanded, in `count` steps of `h` seconds. Return the positions (m), Shape=(count, 2)."""
         trace = np.empty((count, 2))
         for k in range(count):
             x, y, theta = advance(float(self._s[0]), float(self._s[1]), float(self._s[2]), v, omega, h)
@@ -169,7 +169,7 @@ class Vehicle:
         return trace
 
     def _stays_clear(self, clearance: Clearance, before: NDArray[np.float64], trace: NDArray[np.float64]) -> bool:
-        """Check that no obstacle could have been met: a clearance shrinks by no more than the distance moved."""
+        """Check that no contact was possible: a clearance shrinks by no more than the distance moved."""
         x, y = before[:2].tolist()
         moved = math.sqrt(float(((trace - before[:2]) ** 2).sum(axis=-1).max()))
         return clearance(x, y) > self.cfg.hull_radius_m + moved + 1e-6
@@ -186,7 +186,7 @@ class Vehicle:
     def _integrate_six(
         self, asked: NDArray[np.float64], relative: NDArray[np.float64], water: NDArray[np.float64], h: float
     ) -> NDArray[np.float64]:
-        """Run the same planar request on the full model, with depth held and roll and pitch levelled."""
+        """Apply the planar wrench to the full model, with control of depth, roll and pitch."""
         s, six = self._full, self._six
         assert six is not None
         s[[0, 1, 5]] = self._s[:3]
@@ -202,7 +202,7 @@ class Vehicle:
         return s[[6, 7, 11]]
 
     def _resolve(self, clearance: Clearance) -> None:
-        """Put a hull that entered an obstacle back on its surface."""
+        """Put a hull that has entered an obstacle back on its surface."""
         x, y = self._s[:2]
         depth = self.cfg.hull_radius_m - clearance(x, y)
         if depth <= 0.0:

@@ -37,7 +37,7 @@ __all__ = [
 WORLDS_DIR = Path(__file__).parent / "worlds"
 FORMAT: Literal["coral-reef/1"] = "coral-reef/1"
 
-# Strict: neither "true" nor text passes for a number.
+# Strict: neither "true" nor text is accepted as a number.
 Metres = Annotated[float, Field(gt=0, le=1000, strict=True)]
 Extent = Annotated[float, Field(ge=0.001, le=100, strict=True)]
 Coordinate = Annotated[float, Field(ge=-1000, le=1000, strict=True)]
@@ -128,17 +128,17 @@ class ReefWorld(_Part):
 
 
 def shipped_worlds() -> list[str]:
-    """Names of the reefs that come with the package, topology by topology."""
+    """Return the names of the shipped reefs, topology by topology."""
     order = {letter: k for k, letter in enumerate("lskeo")}
     names = [path.stem for path in WORLDS_DIR.glob("*.yaml")]
     return sorted(names, key=lambda name: (order.get(name[0], 9), name))
 
 
 def load_world(name: str | Path) -> ReefWorld:
-    """Read a shipped reef by name, or any world file by path, and check it.
+    """Read a shipped reef by name, or a world file by path, and check it.
 
     Raises:
-        InputError: There is no such world, or the file is broken or describes an impossible mission.
+        InputError: There is no such world, or the file is broken, or no mission is possible in it.
     """
     text, known = str(name), shipped_worlds()
     path = WORLDS_DIR / f"{text}.yaml" if text in known else Path(text)
@@ -156,12 +156,12 @@ def load_world(name: str | Path) -> ReefWorld:
 
 
 def save_world(world: ReefWorld, path: Path, comment: str = "") -> None:
-    """Write a world as YAML: one oyster or obstacle a line, millimetres and milliradians kept.
+    """Write a world as YAML: one oyster or obstacle per line, rounded to millimetres and milliradians.
 
     Args:
-        world: To write.
-        path: Of the file; replaced as a whole, so that no reader finds half of it.
-        comment: Lines for the head of the file.
+        world: World to write.
+        path: File to write. It is replaced as a whole, so no reader finds half a file.
+        comment: Lines of the comment at the head of the file.
 
     Raises:
         InputError: The file cannot be written.
@@ -178,5 +178,5 @@ def save_world(world: ReefWorld, path: Path, comment: str = "") -> None:
 
 
 def world_schema() -> dict[str, Any]:
-    """JSON schema of a world file, for editors that complete and check while one types."""
+    """Return the JSON schema of a world file, for editors that complete and check as one types."""
     return ReefWorld.model_json_schema()

@@ -1,4 +1,4 @@
-"""Faults of a world that its types cannot express: objects outside it, a start in a rock, an unreachable cluster."""
+"""Checks of a world beyond its types: objects outside, a start inside a rock, an unreachable cluster."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ if TYPE_CHECKING:
     from coral.reef.world import ReefWorld
 
 MIN_EDGE_M, MAX_EDGE_M = 2.0, 100.0
-"""Of a world: a small pool; what a map of 5 cm cells still keeps up with."""
+"""Smallest and largest edge of a world: a small pool, and the limit of a map with 5 cm cells."""
 MAX_OBJECTS = 20_000
 HIGHEST_OYSTER_M = 2.0
-"""Above the seabed: oysters also settle on rocks and posts."""
+"""Largest height of an oyster above the seabed: oysters also settle on rocks and posts."""
 
 
 def check_world(world: ReefWorld, where: str) -> None:
-    """Find the first fault of a world.
+    """Check a world and report its first fault.
 
     Args:
-        world: To check.
-        where: Its file, for the message.
+        world: World to check.
+        where: File of the world, for the message.
 
     Raises:
-        InputError: Its size or number of objects is absurd; an object or the start lies outside; the start is closer
-            to an obstacle than the hull's radius; two clusters share a name; a hull of 0.3 m radius cannot get within
-            2 m, in line of sight, of some cluster. Obstacles count whatever their height.
+        InputError: The size or the number of objects is out of range; an object or the start lies outside; the start
+            is closer to an obstacle than the hull's radius; two clusters share a name; a hull of 0.3 m radius cannot
+            get within 2 m of some cluster, in line of sight. An obstacle of any height counts.
     """
     _check_size(world, where)
     _check_places(world, where)

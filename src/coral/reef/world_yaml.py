@@ -1,4 +1,4 @@
-"""World files as text: YAML read with a limit on its size, written with one object to a line."""
+"""World files as text: YAML, read with a limit on its size, written with one object per line."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from coral.errors import InputError
 from coral.yaml_file import load_mapping, read_regular
 
 MAX_VALUES = 500_000
-"""A file that unfolds (by YAML aliases) to more than this is refused before anything walks through it."""
+"""Largest number of values in a file, YAML aliases expanded. A larger file is refused before anything iterates it."""
 
 
 _LONG = ("spine", "clusters", "obstacles")
-"""Keys whose entries get lines of their own, in this order at the end of the file."""
+"""Keys whose entries are written line by line, in this order at the end of the file."""
 _DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 
 
 def read_mapping(path: Path) -> dict[str, Any]:
-    """Content of a world file, still unchecked.
+    """Read the content of a world file, without checking it.
 
     Raises:
-        InputError: The file is missing, a folder, unreadable, too large, not YAML or not a mapping.
+        InputError: The file is missing, is a folder, cannot be read, is too large, is not YAML or is no mapping.
     """
     text = read_regular(path, "a readable world file (YAML)")
     keys = "a mapping with the keys name, size_m, start, clusters, ..."
@@ -34,11 +34,11 @@ def read_mapping(path: Path) -> dict[str, Any]:
 
 
 def to_text(world: Mapping[str, Any], header: Sequence[str] = ()) -> str:
-    """YAML text: comment lines, then one line for every oyster and every obstacle.
+    """Write a world as YAML text: a comment, then one line per oyster and per obstacle.
 
     Args:
-        world: Plain values as `ReefWorld.model_dump(mode="json")` gives them.
-        header: Lines of the comment on top.
+        world: Plain values, as from `ReefWorld.model_dump(mode="json")`.
+        header: Lines of the comment at the head.
     """
     lines = [f"# {line}".rstrip() for line in header]
     lines += [f"{key}: {_flow(value)}" for key, value in world.items() if key not in _LONG]
@@ -54,7 +54,7 @@ def to_text(world: Mapping[str, Any], header: Sequence[str] = ()) -> str:
 
 
 def _flow(value: Any) -> str:
-    """YAML flow style on one line, floats to a thousandth."""
+    """Write a value in YAML flow style on one line, with floats rounded to a thousandth."""
     return (
         yaml.dump(
             _rounded(value),

@@ -1,0 +1,50 @@
+"""The pictures that a run folder keeps."""
+
+import cv2
+import numpy as np
+import pytest
+
+from coral.reef.geometry import Frame, Label
+from coral.reef.record import COLUMNS, FrameRecorder, RecordCfg
+from coral.runs import RunWriter
+
+DEPTH = np.array([[0.25, 1.5], [100.0, np.inf]], np.float32)
+LABELS = np.array([[Label.OYSTER, Label.SEABED], [Label.OBSTACLE, Label.WATER]], np.uint8)
+FRAME = Frame(depth=DEPTH, labels=LABELS, instances=np.full((2, 2), -1, np.int32))
+CELLS = np.array([[0, 1, 2, 3]], np.uint8)
+
+
+@pytest.fixture
+def writer(tmp_path):
+    made = RunWriter(tmp_path / "run", COLUMNS)
+    yield made
+    made.close()
+
+
+def kept(writer):
+    return sorted(path.name for path in (writer.folder / "frames").glob("*.png"))
+
+
+def test_pictures_are_read_as_they_were(writer):
+    FrameRecorder(writer, RecordCfg()).offer(7, 0.7, lambda: CELLS, FRAME)
+    read = {
+        name: cv2.imread(str(writer.folder / "frames" / f"000007_{name}.png"), cv2.IMREAD_UNCHANGED)
+        for name in ("map", "depth", "labels")
+    }
+    np.testing.assert_array_equal(read["map"], CELLS)
+    np.testing.assert_array_equal(read["labels"], LABELS)
+    # Millimetres; what is too far for 16 bits is as far as they reach, and nothing seen is 0.
+    np.testing.assert_array_equal(read["depth"], [[250, 1500], [65535, 0]])
+    assert read["depth"].dtype == np.uint16
+
+
+def test_a_set_is_kept_once_a_period(writer):
+    recorder = FrameRecorder(writer, RecordCfg(frame_period_s=0.3))
+    for step in range(11):
+        recorder.offer(step, step * 0.1, lambda: CELLS, FRAME)
+    assert kept(writer) == [f"{step:06d}_{n}.png" for step in (0, 3, 6, 9) for n in ("depth", "labels", "map")]
+
+
+def test_without_frames_nothing_is_kept(writer):
+    FrameRecorder(writer, RecordCfg(frames=False)).offer(0, 0.0, lambda: CELLS, FRAME)
+    assert kept(writer) == []

@@ -1,0 +1,96 @@
+"""The simulated reef: what the vehicle touches, what it senses, and what is judged."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from coral.reef.geometry import Pose
+from coral.reef.noise import SensorNoiseCfg
+from coral.reef.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.vehicle import VehicleCfg
+from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
+
+POST = Obstacle(shape="cylinder", x=6.0, y=5.0, z=0.8, size=(0.2, 0.2, 0.8))
+
+
+def disc(x, y, r=0.15, name="c"):
+    return Cluster(name=name, oysters=(Oyster(x=x, y=y, z=0.05, radii=(r, r, 0.05)),))
+
+
+def world(*clusters, start=(5.0, 5.0, 0.0), obstacles=()):
+    x, y, theta = start
+    return ReefWorld(
+        name="w", size_m=(20, 20), start=Start(x=x, y=y, theta=theta), clusters=clusters, obstacles=obstacles
+    )
+
+
+def simulator(there, **keys):
+    return ReefSimulator(there, SimulatorCfg(**keys), np.random.default_rng(0))
+
+
+def drive(sim, seconds, others=()):
+    """Full speed ahead; return every new contact."""
+    return [contact for _ in range(round(seconds / 0.1)) for contact in sim.act((0.6, 0.0), 0.1, others)]
+
+
+def test_the_vehicle_begins_at_the_start_and_its_way_is_measured():
+    sim = simulator(world(disc(15.0, 15.0), start=(2.0, 3.0, 0.5)))
+    assert sim.pose == (2.0, 3.0, 0.5)
+    drive(sim, 3.0)
+    assert sim.distance_m == pytest.approx(math.dist(sim.pose[:2], (2.0, 3.0)), rel=1e-3)
+    assert sim.distance_m > 1.0
+
+
+def test_a_post_stops_the_hull_and_is_touched_once():
+    sim = simulator(world(disc(15.0, 15.0), obstacles=(POST,)))
+    ((x, y, obstacle),) = drive(sim, 5.0)
+    assert obstacle == 0
+    assert math.dist((x, y), (6.0, 5.0)) == pytest.approx(0.5, abs=0.02)
+    assert sim.pose.x == pytest.approx(5.5, abs=0.02)
+    assert sim.clearance_m == pytest.approx(0.0, abs=0.02)
+
+
+def test_a_ghost_goes_through_and_is_counted_all_the_same():
+    sim = simulator(world(disc(15.0, 15.0), obstacles=(POST,)), contact="ghost")
+    assert [obstacle for *_, obstacle in drive(sim, 5.0)] == [0]
+    assert sim.pose.x > 6.5
+    assert sim.clearance_m > 0.0
+
+
+def test_another_robot_stops_the_hull_and_is_no_obstacle():
+    sim = simulator(world(disc(15.0, 15.0)))
+    assert drive(sim, 5.0, others=((6.6, 5.0),)) == []
+    assert sim.pose.x == pytest.approx(6.0, abs=0.02)
+
+
+def test_without_drift_the_robot_knows_where_it_is_and_how_fast():
+    sim = simulator(world(disc(15.0, 15.0)))
+    drive(sim, 4.0)
+    sensed = sim.sense(0.1)
+    assert sensed.pose == sim.pose
+    assert sensed.velocity == pytest.approx((0.6, 0.0, 0.0), abs=0.02)
+
+
+def test_in_murky_water_a_mission_is_not_covered_by_what_it_could_not_see():
+    """At 3 m visibility a cluster 5 m ahead counted as covered before anything could be seen of it."""
+    there, shares = world(disc(6.0, 5.0, r=0.3), start=(1.0, 5.0, 0.0)), {}
+    for visibility in (None, 3.0):
+        sim = simulator(there, noise=SensorNoiseCfg(visibility_m=visibility))
+        shares[visibility] = (sim.coverage.coverage, sim.imaging.imaged)
+    assert shares == {None: (1.0, 1.0), 3.0: (0.0, 0.0)}
+
+
+def test_the_judge_watches_every_robot_of_a_fleet():
+    there = world(disc(6.5, 5.0, name="a"), disc(6.5, 15.0, name="b"))
+    first = simulator(there)
+    assert first.imaging.inspected == 0.5
+    second = ReefSimulator(there, SimulatorCfg(), np.random.default_rng(0), start=Pose(5, 15, 0), first=first)
+    assert second.imaging is first.imaging
+    assert first.imaging.inspected == 1.0
+
+
+def test_a_vehicle_that_tips_sees_where_it_looks():
+    six = dataclasses.replace(VehicleCfg(), model="six_dof")
+    assert simulator(world(disc(2.5, 1.0), start=(1.0, 1.0, 0.0)), vehicle=six).imaging.inspected == 1.0
