@@ -97,7 +97,7 @@ class Belief:
         if self.cfg.centroids:
             return np.array([(t.x, t.y) for t in self.tracks]).reshape(-1, 2)
         rows, columns = np.nonzero(self.map.target)
-        return (np.stack([columns, rows], axis=1) + 0.5) * self.map.cfg.cell_m
+        return np.asarray((np.stack([columns, rows], axis=1) + 0.5) * self.map.cfg.cell_m, np.float64)
 
     def unvisited(self) -> list[Track]:
         """Return the clusters still to be visited, without those whose goals failed too often or that others go to."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from coral.errors import InputError
 from coral.reef.clutter import Clutter, Room, mm
-from coral.reef.spines import TOPOLOGIES, Line, Topology, samples, spread, topology_lines
+from coral.reef.spines import EVERY_TOPOLOGY, Line, Topology, samples, spread, topology_lines
 from coral.reef.wild_spines import WILD, scatter
 from coral.reef.world import Cluster, Current, Oyster, ReefWorld, Start, check_world
 from coral.validation_errors import shown
@@ -117,7 +117,7 @@ def _check(cfg: GeneratorCfg) -> None:
         if not good:
             raise InputError("generator", field, found, expected)
 
-    demand("topology", cfg.topology in TOPOLOGIES, repr(cfg.topology), f"one of {', '.join(TOPOLOGIES)}")
+    demand("topology", cfg.topology in EVERY_TOPOLOGY, repr(cfg.topology), f"one of {', '.join(EVERY_TOPOLOGY)}")
     demand("size_m", all(8.0 <= s <= 100.0 for s in cfg.size_m), cfg.size_m, "edges from 8 to 100 m")
     least = len(cfg.spine or ((),) if cfg.topology in WILD else topology_lines(cfg.topology, cfg.size_m))
     demand(

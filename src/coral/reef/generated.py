@@ -9,11 +9,21 @@ from pathlib import Path
 
 from coral.errors import InputError
 from coral.reef.generate import GeneratorCfg, generate
+from coral.reef.spines import Topology
 from coral.reef.world import ReefWorld, load_world, shipped_worlds
 
 PREFIX = "gen:"
 COUNT = 40
-_KINDS = ("branching", "looping", "patchy", "branching", "looping", "patchy", "branching", "looping")
+_KINDS: tuple[Topology, ...] = (
+    "branching",
+    "looping",
+    "patchy",
+    "branching",
+    "looping",
+    "patchy",
+    "branching",
+    "looping",
+)
 """In turn: three of eight branch, three loop, two are broken into patches."""
 _EDGES_M = (30.0, 36.0, 42.0, 48.0, 54.0, 60.0, 33.0, 40.0, 51.0, 45.0)
 """In turn. The shipped reefs have 20 to 30 m."""

@@ -75,7 +75,9 @@ def topology_lines(
     return [_cut_corners(np.array(line), _ROUNDED.get(topology, 0)) * scale for line in _SPINES[topology]]
 
 
-TOPOLOGIES = (*_SPINES, *WILD)
+TOPOLOGIES = tuple(_SPINES)
+"""The paper's."""
+EVERY_TOPOLOGY: tuple[Topology, ...] = (*TOPOLOGIES, "branching", "looping", "patchy")
 
 
 def spread(lines: Sequence[Line], count: int, lead_m: float) -> list[tuple[float, float, float]]:

@@ -188,7 +188,8 @@ def _walk(
 def _ring(middle: NDArray[np.float64], radius_m: float, rng: np.random.Generator) -> Line:
     """A closed wobbly curve, open by one piece. Shape=(K, 2)."""
     angles = np.linspace(-math.pi, math.pi, max(12, round(2.0 * math.pi * radius_m / STEP_M)), endpoint=False)
-    wobble = sum(rng.uniform(0.0, 0.16 / n) * np.cos(n * angles + rng.uniform(-math.pi, math.pi)) for n in (2, 3, 5))
+    waves = [rng.uniform(0.0, 0.16 / n) * np.cos(n * angles + rng.uniform(-math.pi, math.pi)) for n in (2, 3, 5)]
+    wobble = np.sum(waves, axis=0)
     radii = radius_m * (1.0 + wobble)
     return np.asarray(middle + radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1), np.float64)
 
