@@ -39,11 +39,11 @@ def given_keys(words: Sequence[str], prefix: str = "cfg") -> tuple[str, ...]:
         InputError: The file cannot be read.
     """
     start = f"--{prefix}."
-    flags = [
-        word[len(start) :].partition("=")[0].replace("-", "_").replace(".no_", ".")
-        for word in words
-        if word.startswith(start)
-    ]
+    flags = []
+    for word in words:
+        if word.startswith(start):
+            group, _, last = word[len(start) :].partition("=")[0].replace("-", "_").rpartition(".")
+            flags.append(f"{group}.{last.removeprefix('no_')}".removeprefix("."))
     file = flag_value(words, "--config")
     return tuple(dict.fromkeys([*flags, *(_leaves(read_yaml(Path(file))) if file else ())]))
 

@@ -61,7 +61,7 @@ def looping(size_m: tuple[float, float], rng: np.random.Generator) -> list[Line]
         away = _reach(ring, middle, bearing) + radius + 0.5 * APART_M
         place = middle + away * np.array([math.cos(bearing), math.sin(bearing)])
         small = _ring(place, radius, rng)
-        if _inside(small, size_m) and _clear(small, lines, 0.45 * APART_M):
+        if _inside(small, size_m) and _clear(small, _sampled(lines, 0.5)[0], 0.45 * APART_M):
             lines.append(np.concatenate([small, small[:1]]))
     return lines
 
@@ -72,18 +72,19 @@ def patchy(size_m: tuple[float, float], rng: np.random.Generator) -> list[Line]:
     start = np.array([BORDER_M, rng.uniform(0.25, 0.75) * size_m[1]])
     lines = [_must_grow(start, 0.0, 10.0, size_m, rng)]
     low, high = min(GAP_M[0], GAP * edge), GAP_M[1]
-    wanted = round(edge / 5.0)
-    for _ in range(20 * TRIES):
+    wanted, others = round(edge / 5.0), _sampled(lines, 0.5)[0]
+    for _ in range(10 * TRIES):
         if len(lines) > wanted:
             break
-        parent = lines[int(rng.integers(len(lines)))]
         bearing = rng.uniform(-math.pi, math.pi)
-        begin = parent[int(rng.integers(len(parent)))] + rng.uniform(low, high) * np.array(
-            [math.cos(bearing), math.sin(bearing)]
-        )
+        away = rng.uniform(low, high) * np.array([math.cos(bearing), math.sin(bearing)])
+        begin = others[int(rng.integers(len(others)))] + away
+        if not _inside(begin[None], size_m) or not _clear(begin[None], others, low):
+            continue
         line = _grow(begin, rng.uniform(-math.pi, math.pi), rng.uniform(4.0, 11.0), size_m, [], rng)
-        if line is not None and _inside(line, size_m) and _clear(line, lines, low):
+        if line is not None and _inside(line, size_m) and _clear(line, others, low):
             lines.append(line)
+            others = _sampled(lines, 0.5)[0]
     return lines
 
 
@@ -222,7 +223,6 @@ def _inside(points: Line, size_m: tuple[float, float]) -> bool:
     return bool(((points >= BORDER_M - 1e-9) & (points <= np.array(size_m) - BORDER_M + 1e-9)).all())
 
 
-def _clear(line: Line, lines: Sequence[Line], apart_m: float) -> bool:
-    """Whether a line keeps its distance from all others."""
-    points, others = _sampled([line], 0.5)[0], _sampled(lines, 0.5)[0]
+def _clear(points: Line, others: Line, apart_m: float) -> bool:
+    """Whether points keep their distance from all others."""
     return bool(np.hypot(*(points[:, None] - others[None]).transpose(2, 0, 1)).min() >= apart_m)
