@@ -8,6 +8,7 @@ POSE = [0.5, 0.0, 0.02, 1, 0, 0, 0]
 CONTEXT = {
     "reef-centroid": {"step_m": 6},
     "reef-waypoint": {"step_m": 6},
+    "reef-waypoint-without-chain": {"step_m": 6},
     "physical-parameters": {"task": "push it", "objects": {"board": {"pose_estimated": POSE, "mass_kg": None}}},
     "cost-function": {
         "task": "push it",
@@ -68,6 +69,7 @@ MUST_SAY = {
         "left_m",
         "Example",
     ],
+    "reef-waypoint-without-chain": ["+X forward", "+Y left", "Green", "0 to 6", "forward_m", "left_m", "Example"],
     "physical-parameters": ["push it", "mass_kg", "friction_coeff", '"board"', "picture", "Example"],
     "cost-function": [
         "push it",
@@ -107,6 +109,11 @@ MUST_SAY = {
 
 def test_there_is_one_template_per_kind():
     assert set(kinds()) == set(CONTEXT)
+
+
+def test_without_a_chain_the_prompt_does_not_speak_of_one():
+    text = render("reef-waypoint-without-chain", {"step_m": 6, "others": 1})[0].lower()
+    assert not [word for word in ("chain", "centroid", "orange", "dots joined", "trend", "cluster") if word in text]
 
 
 @pytest.mark.parametrize("kind", CONTEXT)

@@ -3,7 +3,7 @@ from dataclasses import dataclass, field
 import pytest
 import tyro
 
-from coral.commands.config_flag import config_words, configured
+from coral.commands.config_flag import config_words, configured, given_keys, set_keys
 from coral.commands.contact_bench import ContactBench
 from coral.commands.reef_bench import ReefBench
 from coral.errors import InputError
@@ -64,3 +64,22 @@ def test_campaigns_read_it_too(tmp_path, command, text, key):
     path.write_text(text)
     made = command.from_file([f"--config={path}"])
     assert f"{key}: {getattr(made.cfg, key)}\n" == text
+
+
+def test_keys_are_given_by_flags_and_by_the_file_be_it_to_the_default(file):
+    words = [
+        "run",
+        "--config",
+        str(file),
+        "--cfg.no-noisy-picture",
+        "--cfg.a.depth-sigma=0",
+        "--cfg.a.no-b",
+        "--x",
+        "2",
+    ]
+    assert given_keys(words) == ("noisy_picture", "a.depth_sigma", "a.b", "speed")
+    assert given_keys(["run", "--seed", "1"]) == ()
+
+
+def test_keys_that_differ_from_the_default_count_as_set():
+    assert set_keys(Cfg(speed=3.0), Cfg(), ["count"]) == {"speed", "count"}

@@ -136,6 +136,8 @@ def test_the_advisor_stands_alone_unless_a_fallback_is_asked_for(finished, puddl
         ({"sweep": ("current=2",)}, "between 0 and 1 m/s"),
         ({"sweep": ("time_limit_s=-1",)}, "time_limit_s"),
         ({"sweep": ("time_limit_s",)}, "KEY=V1"),
+        ({"presets": "clear,hart"}, "--preset.*did you mean 'hard'"),
+        ({"worlds": "gen:0-40"}, "within gen:0-39"),
         ({"executor": "ray", "address": "here"}, "--address|not installed"),
     ],
 )
@@ -233,3 +235,62 @@ def test_what_workers_get_can_be_sent(puddle):
     command = ReefBench()
     episode = ReefEpisode(command.cfg, command.model, {"p": load_world(puddle)})
     assert pickle.loads(pickle.dumps(episode)) == episode
+
+
+@pytest.fixture(scope="module")
+def study(puddle, tmp_path_factory):
+    """The study on one small world, with two of its variants and of its advisors, cut short."""
+    out = tmp_path_factory.mktemp("study") / "out"
+    words = ["reef", "bench", "--study", "--worlds", str(puddle), "--variants", "full,blind-sweep", "--out", str(out)]
+    words += ["--advisors", "heuristic,sloppy:0.6:heuristic", "--cfg.time-limit-s", "2", "--quiet", "--json", "--mix"]
+    words += ["--cfg.simulator.noise.depth-sigma", "0"]
+    with contextlib.redirect_stdout(io.StringIO()) as told:
+        assert main(words) == 0
+    return words, out, json.loads(told.getvalue())
+
+
+def test_a_study_runs_in_two_waters_and_writes_its_own_tables(study):
+    _, out, result = study
+    assert (result["done"], result["failed"]) == (6, 0)
+    assert "**Effects.**" in (out / "study.md").read_text()
+    assert (out / "study.csv").read_text().startswith("preset,advisor,topology,variant,measure,mean,low,high")
+    rows = read_parquet(out / "results.parquet")
+    assert [(row["variant"], row["preset"], row["setting"]) for row in rows if row["advisor"] == "none"] == [
+        ("blind-sweep", "clear", "nominal"),
+        ("blind-sweep", "hard", "preset=hard"),
+    ]
+
+
+def test_a_study_lets_missions_end_by_themselves_and_flags_win_over_its_waters(study):
+    _, out, _ = study
+    configs = [yaml.safe_load((folder / "config.yaml").read_text()) for folder in (out / "runs").iterdir()]
+    assert {config["preset"] for config in configs} == {"clear", "hard"}
+    for config in configs:
+        noise = config["mission"]["simulator"]["noise"]
+        assert config["mission"]["stop_when_covered"] is False
+        assert noise["depth_sigma"] == 0.0
+        assert noise["visibility_m"] == (3.0 if config["preset"] == "hard" else None)
+    (command,) = json.loads((out / "manifest.json").read_text())["commands"]
+    assert "--presets clear,hard" in command
+    assert "--cfg.simulator.noise.depth-sigma 0" in command
+
+
+def test_a_study_goes_on_where_it_stopped(study):
+    words, out, _ = study
+    victim = next((out / "episodes").glob("*full*"))
+    victim.unlink()
+    with contextlib.redirect_stdout(io.StringIO()) as told:
+        assert main(words) == 0
+    again = json.loads(told.getvalue())
+    assert (again["ran"], again["found"], again["done"]) == (1, 5, 6)
+
+
+def test_a_study_has_its_own_defaults_and_flags_change_them():
+    made = ReefBench.from_file(["--study"])
+    assert made.presets == "clear,hard"
+    assert made.advisors == "heuristic,sloppy:0.3:heuristic,sloppy:0.6:heuristic"
+    assert {"dream", "pd", "full", "no-verification", "random", "blind-sweep", "oracle"} <= set(
+        made.variants.split(",")
+    )
+    assert made.cfg.stop_when_covered is False
+    assert ReefBench.from_file(["--study", "--cfg.stop-when-covered"]).cfg.stop_when_covered is True

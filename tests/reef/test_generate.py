@@ -11,7 +11,7 @@ from coral.reef.coverage import rasterise
 from coral.reef.generate import SHIPPED, GeneratorCfg, generate, shipped
 from coral.reef.reachability import distance_to, obstacle_outline
 from coral.reef.scene import Scene
-from coral.reef.spines import TOPOLOGIES
+from coral.reef.spines import EVERY_TOPOLOGY
 from coral.reef.world import WORLDS_DIR, ReefWorld, load_world, save_world
 
 CELL_M = 0.05
@@ -117,14 +117,14 @@ def test_prongs_of_the_e_are_dead_ends_far_apart():
         assert min(np.diff(prongs)) >= 5.0
 
 
-@pytest.mark.parametrize("topology", TOPOLOGIES)
+@pytest.mark.parametrize("topology", EVERY_TOPOLOGY)
 def test_same_seed_same_reef_other_seed_another(topology):
     first = generate(GeneratorCfg(topology=topology, seed=3))
     assert generate(GeneratorCfg(topology=topology, seed=3)) == first
     assert generate(GeneratorCfg(topology=topology, seed=4)).clusters != first.clusters
 
 
-@pytest.mark.parametrize("topology", TOPOLOGIES)
+@pytest.mark.parametrize("topology", EVERY_TOPOLOGY)
 def test_defaults_fit_for_any_seed(topology):
     for seed in range(100, 105):
         world = generate(GeneratorCfg(topology=topology, seed=seed))

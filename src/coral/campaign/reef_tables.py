@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from coral.campaign.measures import (
     select,
     time_to_count,
 )
+from coral.campaign.presets import CLEAR, by_preset
 from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.sweep import setting_text
 from coral.campaign.sweep_tables import sweep_tables
@@ -51,7 +53,7 @@ def paper() -> dict[str, Any]:
 
 
 def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
-    """Make all tables, one set for each advisor: the paper's tables at the nominal setting, then those of the sweep.
+    """Make all tables, one set for each preset and advisor: the paper's at the nominal setting, then the sweep's.
 
     Without the nominal setting, the paper's tables are made once for each setting.
 
@@ -60,6 +62,17 @@ def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> 
         about: Conditions of the campaign: commit, machine.
         command: The command that makes the tables.
     """
+    presets = by_preset(rows)
+    if list(presets) == [CLEAR]:
+        return _of_preset(rows, about, command)
+    return [
+        replace(table, caption=f"{table.caption} Preset: {preset}.")
+        for preset, own in presets.items()
+        for table in _of_preset(own, about, command)
+    ]
+
+
+def _of_preset(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
     advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
     tables = []
     settings = list(dict.fromkeys(row["overrides"] for row in rows))

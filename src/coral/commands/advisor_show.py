@@ -90,14 +90,18 @@ class _UntilAsked:
 def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str, Path]]:
     """Return prompt and pictures of the first question of a kind in a simulated mission."""
     from coral.advisor.rules import RuleAdvisor
+    from coral.reef.generated import find_world
     from coral.reef.heuristic import REEF_RULES
     from coral.reef.mission import Mission, MissionCfg
-    from coral.reef.world import load_world
+    from coral.reef.planner import KIND, WITHOUT_CHAIN
+    from coral.reef.variants import apply_variant
     from coral.view.questions import question_pictures
 
     cfg = MissionCfg(latency="0")
+    if kind == WITHOUT_CHAIN:
+        cfg, kind = apply_variant("dream", cfg), KIND["waypoint"]
     cfg = replace(cfg, record=replace(cfg.record, frames=False))
-    mission = Mission(load_world(world), cfg, RuleAdvisor(REEF_RULES), folder, draw=question_pictures)
+    mission = Mission(find_world(world), cfg, RuleAdvisor(REEF_RULES), folder, draw=question_pictures)
     mission.run([_UntilAsked(folder / "attempts.jsonl", kind)])
     attempts = [json.loads(line) for line in (folder / "attempts.jsonl").read_text(encoding="utf-8").splitlines()]
     asked = [attempt for attempt in attempts if attempt["kind"] == kind]

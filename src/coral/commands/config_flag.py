@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 from coral.campaign.bench import changes
-from coral.config import read_config, to_mapping
+from coral.config import read_config, read_yaml, to_mapping
 
 C = TypeVar("C")
 
@@ -19,12 +19,47 @@ def configured(words: Sequence[str], default: C) -> C | None:
     Raises:
         InputError: The file cannot be read, or is invalid.
     """
+    file = flag_value(words, "--config")
+    return read_config(Path(file), default) if file else None
+
+
+def flag_value(words: Sequence[str], name: str) -> str:
+    """Return the value of a flag, as in `--config FILE` or `--config=FILE`; "" without it."""
     for word, following in itertools.pairwise([*words, ""]):
         flag, joined, value = word.partition("=")
-        file = value if joined else following
-        if flag == "--config" and file:
-            return read_config(Path(file), default)
-    return None
+        if flag == name and (found := value if joined else following):
+            return found
+    return ""
+
+
+def given_keys(words: Sequence[str], prefix: str = "cfg") -> tuple[str, ...]:
+    """Return the dotted keys of a configuration that flags or the file of `--config` set, be it to the default.
+
+    Raises:
+        InputError: The file cannot be read.
+    """
+    start = f"--{prefix}."
+    flags = []
+    for word in words:
+        if word.startswith(start):
+            group, _, last = word[len(start) :].partition("=")[0].replace("-", "_").rpartition(".")
+            flags.append(f"{group}.{last.removeprefix('no_')}".removeprefix("."))
+    file = flag_value(words, "--config")
+    return tuple(dict.fromkeys([*flags, *(_leaves(read_yaml(Path(file))) if file else ())]))
+
+
+def set_keys(cfg: C, default: C, given: Sequence[str] = ()) -> frozenset[str]:
+    """Return the dotted keys that a user has set: those given by name, and those that differ from the default."""
+    differing = (key.removeprefix("cfg.") for key, _ in changes(to_mapping(cfg), to_mapping(default), "cfg"))
+    return frozenset([*given, *differing])
+
+
+def _leaves(content: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    for key, value in content.items():
+        if isinstance(value, Mapping):
+            yield from _leaves(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}"
 
 
 def config_words(cfg: C, default: C, file: Path | None, prefix: str = "cfg") -> list[str]:

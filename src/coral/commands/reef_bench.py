@@ -16,10 +16,15 @@ from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor, rules_alone
 from coral.campaign.bench import digest
 from coral.campaign.campaign import Summary
-from coral.campaign.reef_tables import DRAWN, REFERENCE, TABLE_I, reef_tables
+from coral.campaign.inspection_table import BASELINES
+from coral.campaign.presets import KEY as PRESET
+from coral.campaign.presets import by_preset, with_presets
+from coral.campaign.reef_tables import DRAWN, REFERENCE, TABLE_I, TABLE_II, reef_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, called, grid, parse_names, parse_seeds
-from coral.campaign.store import Store
+from coral.campaign.store import Store, write_whole
+from coral.campaign.study_tables import study_csv, study_tables
 from coral.campaign.sweep import parse_sweeps
+from coral.campaign.table import document
 from coral.campaign.version import code_version
 from coral.commands.campaigns import (
     CampaignFlags,
@@ -30,18 +35,20 @@ from coral.commands.campaigns import (
     run_specs,
     write_tables,
 )
-from coral.commands.config_flag import config_words, configured
+from coral.commands.config_flag import config_words, configured, given_keys, set_keys
 from coral.commands.preflight import preflight_campaign
 from coral.commands.reef_run import with_fallback
 from coral.config import checked, to_mapping
 from coral.errors import InputError
 from coral.reef.campaign_episode import run_episode
+from coral.reef.generated import expand_names, find_world
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
+from coral.reef.presets import CLEAR, apply_preset, named, preset_help
 from coral.reef.sweep import apply_setting
 from coral.reef.variants import apply_variant
-from coral.reef.world import ReefWorld, load_world, shipped_worlds
+from coral.reef.world import ReefWorld
 from coral.runs import provenance
 from coral.view.questions import question_pictures
 
@@ -53,10 +60,12 @@ class ReefEpisode:
     cfg: MissionCfg
     model: ModelCfg
     worlds: Mapping[str, ReefWorld]
+    keep: frozenset[str] = frozenset()
+    """Keys of the configuration that win over a preset."""
 
     def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
         """Run the mission."""
-        cfg, world = mission_of(spec, self.cfg, self.worlds[spec.world])
+        cfg, world = mission_of(spec, self.cfg, self.worlds[spec.world], self.keep)
         advisor = "heuristic" if spec.advisor == NO_ADVISOR else spec.advisor
         sees = not rules_alone(advisor)
         return run_episode(
@@ -64,6 +73,7 @@ class ReefEpisode:
             cfg,
             folder,
             variant=spec.variant,
+            preset=preset_of(spec),
             advisor=advisor,
             seed=spec.seed,
             model=self.model,
@@ -86,10 +96,15 @@ class ReefBench(CampaignFlags):
     variants: str = "dream,pd,full,blind-sweep,random,oracle"
     """Variants, separated by commas."""
     worlds: str = "all"
-    """Shipped reefs or world files, separated by commas; all: the ten shipped ones."""
+    """Shipped reefs, generated ones or world files, separated by commas; all: the ten shipped ones; generated: the
+    forty generated ones; gen:0-9: ten of them."""
     seeds: str = "0"
     """Numbers and ranges, such as 0-4 or 0,3,7-9."""
     advisors: Annotated[str, tyro.conf.arg(help=advisor_help("Separated by commas"))] = "heuristic"
+    presets: Annotated[str, tyro.conf.arg(help=preset_help("Water and sensors, separated by commas"))] = CLEAR
+    study: bool = False
+    """The study: all variants of Tables I and II and the references, with the rules and two sloppy advisors, in clear
+    and hard water, each mission to its own end; writes study.md and study.csv too. Flags change these defaults."""
     sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
     """KEY=V1,V2,...: repeat the whole grid for each value. KEY: current, visibility, mask_errors, depth_noise,
     pose_drift, or a key of the configuration. If given several times, each key is swept separately."""
@@ -103,13 +118,19 @@ class ReefBench(CampaignFlags):
     model: ModelCfg = field(default_factory=ModelCfg)
     """Calls of a real model, and the spending limit of each mission."""
     cfg: MissionCfg = field(default_factory=mission_alone)
-    """Configuration of the missions."""
+    """The mission."""
+    given: tyro.conf.Suppress[tyro.conf.Fixed[tuple[str, ...]]] = ()
+    """Keys of the mission that flags or the file set: they win over a preset."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefBench | None:
-        """Read the defaults of the flags from the file of `--config`, before the flags themselves."""
-        cfg = configured(words, mission_alone())
-        return None if cfg is None else cls(cfg=cfg)
+        """Read the defaults of the flags from the file that `--config` names, and the study's, before the flags."""
+        cfg, given = configured(words, mission_alone()), given_keys(words)
+        if "--study" in words:
+            cfg = cfg or mission_alone()
+            own_end = cfg if "stop_when_covered" in given else replace(cfg, stop_when_covered=False)
+            return cls(**STUDY, cfg=own_end, given=given)
+        return cls(cfg=cfg or mission_alone(), given=given) if given or cfg is not None else None
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the missing missions, then make the tables."""
@@ -129,18 +150,26 @@ class ReefBench(CampaignFlags):
             )
         with store.lock():
             store.open(specs, self._conditions(worlds), command=self._command(), mix=self.mix, about=provenance())
-            summary = run_specs(self, store, specs, ReefEpisode(self.cfg, self.model, worlds))
+            summary = run_specs(self, store, specs, ReefEpisode(self.cfg, self.model, worlds, self._keep))
             result = self._collect(store, summary)
         check_finished(result, summary, self.out, "mission")
         return result
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Describe the tables and list the files."""
-        return describe_campaign(self.out, result, "mission", ("data", "tables", "figure", "sweep"))
+        """Describe the tables and where everything is."""
+        files = ("data", "tables", "figure", "sweep", *(("study", "numbers") if self.study else ()))
+        return describe_campaign(self.out, result, "mission", files)
 
     def _worlds(self) -> dict[str, ReefWorld]:
-        names = shipped_worlds() if self.worlds == "all" else parse_names(self.worlds, "--worlds")
-        return {name: load_world(name) for name in names}
+        return {name: find_world(name) for name in expand_names(parse_names(self.worlds, "--worlds"))}
+
+    @property
+    def _keep(self) -> frozenset[str]:
+        return set_keys(self.cfg, mission_alone(), self.given)
+
+    @property
+    def _presets(self) -> tuple[str, ...]:
+        return tuple(named(name).name for name in parse_names(self.presets, "--presets"))
 
     def _advisor(self, name: str) -> Advisor:
         """Make the advisor of a row, as far as it can be checked here."""
@@ -163,10 +192,10 @@ class ReefBench(CampaignFlags):
             seeds=parse_seeds(self.seeds),
             advisors=advisors,
             alone=alone,
-            overrides=parse_sweeps(self.sweep),
+            overrides=with_presets(self._presets, parse_sweeps(self.sweep)),
         )
         for spec in {(spec.variant, spec.overrides): spec for spec in specs}.values():
-            mission_of(spec, self.cfg, worlds[spec.world])  # reject a bad value here, not in every worker
+            mission_of(spec, self.cfg, worlds[spec.world], self._keep)  # reject a bad value here, not in every worker
         return specs
 
     def _conditions(self, worlds: Mapping[str, ReefWorld]) -> dict[str, str]:
@@ -176,14 +205,25 @@ class ReefBench(CampaignFlags):
         return {
             "code version": f"{code_version()}",
             "configuration": digest(cfg),
+            **{
+                f"preset {name}": digest({key: v for key, v in named(name).values.items() if key not in self._keep})
+                for name in self._presets
+            },
             **{f"world {name}": digest(world.model_dump(mode="json")) for name, world in worlds.items()},
         }
 
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
         results = read_results(store, "mission", "coral reef bench")
         tables = reef_tables(results.rows, results.about, results.command)
+        study = {}
+        if self.study:
+            made = study_tables(results.rows, results.about, results.command)
+            study = {"study": str(self.out / "study.md"), "numbers": str(self.out / "study.csv")}
+            write_whole(self.out / "study.md", document(made, "md", "Study of the reef survey").encode())
+            write_whole(self.out / "study.csv", study_csv(results.rows).encode())
         return {
             **write_tables(store, results, tables, "Reef survey", summary),
+            **study,
             "figure": self._draw(store, results.done),
             "sweep": self._draw_sweep(results.rows),
         }
@@ -222,6 +262,7 @@ class ReefBench(CampaignFlags):
         from coral.campaign.sweep_figure import draw_sweep
 
         done = [row for row in rows if row["status"] == "done"]
+        done = list(next(iter(by_preset(done).values()), []))
         advisor = next((row["advisor"] for row in done if row["advisor"] != NO_ADVISOR), NO_ADVISOR)
         variants: dict[str, list[Mapping[str, Any]]] = {}
         for row in done:
@@ -246,19 +287,51 @@ class ReefBench(CampaignFlags):
             "--advisors",
             self.advisors,
         ]
+        words += ["--study"] if self.study else []
+        words += ["--presets", self.presets] if self.presets != CLEAR else []
         words += [word for text in self.sweep for word in ("--sweep", text)]
         words += config_words(self.cfg, mission_alone(), self.config)
+        words += self._kept_words()
         words += config_words(self.model, ModelCfg(), None, "model")
         return shlex.join(words)
 
+    def _kept_words(self) -> list[str]:
+        """Return flags for what a preset must leave at its default."""
+        mission: dict[str, Any] = to_mapping(self.cfg)
+        words = []
+        for key in dict.fromkeys(key for name in self._presets for key in named(name).values if key in self.given):
+            value: Any = mission
+            for part in key.split("."):
+                value = value[part]
+            if (flag := f"--cfg.{key.replace('_', '-')}") not in config_words(self.cfg, mission_alone(), self.config):
+                words += [flag, str(value)]
+        return words
 
-def mission_of(spec: Spec, cfg: MissionCfg, world: ReefWorld) -> tuple[MissionCfg, ReefWorld]:
-    """Return configuration and world of a mission: the campaign's, then the spec's setting, then its variant.
+
+STUDY: dict[str, Any] = {
+    "variants": ",".join(dict.fromkeys((*TABLE_I, *TABLE_II, *BASELINES))),
+    "advisors": "heuristic,sloppy:0.3:heuristic,sloppy:0.6:heuristic",
+    "presets": "clear,hard",
+    "out": Path("runs/study"),
+}
+"""Defaults of the flags with `--study`."""
+
+
+def preset_of(spec: Spec) -> str:
+    """Return the name of the water that a mission runs in."""
+    return str(dict(spec.overrides).get(PRESET, CLEAR))
+
+
+def mission_of(
+    spec: Spec, cfg: MissionCfg, world: ReefWorld, keep: frozenset[str] = frozenset()
+) -> tuple[MissionCfg, ReefWorld]:
+    """Return configuration and world of a mission: the campaign's, then its preset, its setting and its variant.
 
     Raises:
         InputError: A key is unknown, or a value is invalid.
     """
-    cfg, world = apply_setting(spec.overrides, cfg, world)
+    cfg, world = apply_preset(preset_of(spec), cfg, world, keep)
+    cfg, world = apply_setting([(key, value) for key, value in spec.overrides if key != PRESET], cfg, world)
     return checked(apply_variant(spec.variant, cfg), "--cfg"), world
 
 

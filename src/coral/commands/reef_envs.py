@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import tyro
 
 from coral.errors import InputError
-from coral.reef.world import load_world, shipped_worlds
+from coral.reef.generated import expand_names, find_world
 from coral.runs import file_stem
 
 
@@ -19,7 +19,7 @@ class ReefEnvs:
     """List the shipped reefs, or check and describe the given world files; draw previews on request."""
 
     worlds: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[WORLD ...]")] = ()
-    """Names or world files; all shipped reefs by default."""
+    """Names or world files; all shipped reefs by default. generated: the forty generated ones, or gen:0-9 some."""
     preview: Path | None = None
     """Draw one PNG for each world into this folder, and sheet.png with all of them."""
     json: bool = False
@@ -27,7 +27,7 @@ class ReefEnvs:
 
     def __call__(self) -> Mapping[str, Any]:
         """Describe and draw the reefs."""
-        worlds = [load_world(name) for name in self.worlds or shipped_worlds()]
+        worlds = [find_world(name) for name in expand_names(self.worlds or ("all",))]
         described = [
             {
                 "name": w.name,
@@ -48,7 +48,11 @@ class ReefEnvs:
             try:
                 self.preview.mkdir(parents=True, exist_ok=True)
                 result["previews"] = [str(preview(w, self.preview / f"{file_stem(w.name)}.png")) for w in worlds]
-                result["sheet"] = str(preview_sheet(worlds, self.preview / "sheet.png", columns=min(5, len(worlds))))
+                result["sheet"] = str(
+                    preview_sheet(
+                        worlds, self.preview / "sheet.png", columns=min(8 if len(worlds) > 20 else 5, len(worlds))
+                    )
+                )
             except OSError as error:
                 reason = error.strerror or error
                 raise InputError("--preview", str(self.preview), reason, "a folder that can be written") from None
@@ -56,11 +60,11 @@ class ReefEnvs:
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Return a table."""
-        lines = ["name  topology  size (m)   clusters  oysters  obstacles  current (m/s)"]
+        lines = ["name   topology  size (m)   clusters  oysters  obstacles  current (m/s)"]
         for w in result["worlds"]:
             size = f"{w['size_m'][0]:g} x {w['size_m'][1]:g}"
             lines.append(
-                f"{w['name']:<5} {w['topology']:<9} {size:<10} {w['clusters']:>8}  {w['oysters']:>7}  "
+                f"{w['name']:<6} {w['topology']:<9} {size:<10} {w['clusters']:>8}  {w['oysters']:>7}  "
                 f"{w['obstacles']:>9}  {w['current_m_s']:>13.2f}"
             )
         if "sheet" in result:

@@ -19,17 +19,18 @@ from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
-from coral.commands.config_flag import configured
+from coral.commands.config_flag import configured, given_keys, set_keys
 from coral.commands.progress import MissionProgress
 from coral.config import checked
 from coral.desk.notice import mission_notice
 from coral.errors import InputError
 from coral.reef.fleet import MOST_ROBOTS
+from coral.reef.generated import find_world
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
+from coral.reef.presets import CLEAR, apply_preset, preset_help
 from coral.reef.variants import apply_variant
-from coral.reef.world import load_world
 from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
@@ -44,10 +45,11 @@ class ReefRun:
     """Survey a reef with CORAL and write a run folder with logs, metrics, map and report."""
 
     world: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="WORLD")]
-    """A shipped reef (l1 l2 s1 s2 k1 k2 e1 e2 o1 o2) or a world file."""
+    """A shipped reef (l1 l2 s1 s2 k1 k2 e1 e2 o1 o2), a generated one (gen:0 to gen:39) or a world file."""
     advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who decides"))] = "heuristic"
     variant: str = "full"
     """Configuration of the pipeline: full, or an ablation or baseline."""
+    preset: Annotated[str, tyro.conf.arg(help=preset_help("Water and sensors"))] = CLEAR
     robots: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Number of robots that survey the reef together, 1 to 4; by default as configured, which is 1."""
     fallback: Fallback | None = None
@@ -80,13 +82,15 @@ class ReefRun:
     model: ModelCfg = field(default_factory=ModelCfg)
     """Calls of a real model, and the spending limit of the run."""
     cfg: MissionCfg = field(default_factory=MissionCfg)
-    """Configuration of the mission."""
+    """The mission."""
+    given: tyro.conf.Suppress[tyro.conf.Fixed[tuple[str, ...]]] = ()
+    """Keys of the mission that flags or the file set: they win over the preset."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefRun | None:
-        """Read the defaults of the flags from the file of `--config`, before the flags themselves."""
-        cfg = configured(words, MissionCfg())
-        return None if cfg is None else cls(world=tyro.MISSING, cfg=cfg)
+        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
+        cfg, given = configured(words, MissionCfg()), given_keys(words)
+        return cls(world=tyro.MISSING, cfg=cfg or MissionCfg(), given=given) if given or cfg is not None else None
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the mission."""
@@ -94,10 +98,12 @@ class ReefRun:
             return self._survey(watching)
 
     def _survey(self, watching: Callable[[Mission], list[Observer[Mission]]]) -> Mapping[str, Any]:
-        world = load_world(self.world)
+        world = find_world(self.world)
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
-        cfg = self.cfg if self.robots is None else dataclasses.replace(self.cfg, robots=self.robots)
+        keep = set_keys(self.cfg, MissionCfg(), self.given)
+        cfg, world = apply_preset(self.preset, self.cfg, world, keep)
+        cfg = cfg if self.robots is None else dataclasses.replace(cfg, robots=self.robots)
         cfg = with_fallback(cfg, self.fallback)
         if not 1 <= cfg.robots <= MOST_ROBOTS:
             raise InputError("--robots", "", cfg.robots, f"a number from 1 to {MOST_ROBOTS}")
@@ -126,6 +132,7 @@ class ReefRun:
             folder,
             seed=self.seed,
             variant=self.variant,
+            preset=self.preset,
             draw=question_pictures if cfg.record.pictures else None,
         )
         progress = MissionProgress(quiet=self.quiet)

@@ -20,6 +20,8 @@ class BeliefCfg:
     """How the robot keeps its memory."""
 
     chain: ChainCfg = field(default_factory=ChainCfg)
+    centroids: bool = True
+    """Whether clusters are extracted at all. False is DREAM: no chain in its picture, its prompt and its facts."""
     chain_period: Count = 5
     """Ticks between updates of the centroid chain."""
     visit_radius_m: float = 3.0
@@ -68,7 +70,7 @@ class Belief:
         if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:
             self._trail.append((pose.x, pose.y))
         if self._ticks % self.cfg.chain_period == 0:
-            if self._keeps_chain:
+            if self._keeps_chain and self.cfg.centroids:
                 self.tracker.update(self._components())
             self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
         self._ticks += 1
@@ -89,6 +91,13 @@ class Belief:
     def tracks(self) -> list[Track]:
         """All known clusters."""
         return self.tracker.tracks
+
+    def reef(self) -> NDArray[np.float64]:
+        """Places of the known reef: the clusters or, where none are extracted, the oyster cells. Shape=(N, 2), m."""
+        if self.cfg.centroids:
+            return np.array([(t.x, t.y) for t in self.tracks]).reshape(-1, 2)
+        rows, columns = np.nonzero(self.map.target)
+        return np.asarray((np.stack([columns, rows], axis=1) + 0.5) * self.map.cfg.cell_m, np.float64)
 
     def unvisited(self) -> list[Track]:
         """Return the clusters still to be visited, without those whose goals failed too often or that others go to."""

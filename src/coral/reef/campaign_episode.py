@@ -32,6 +32,7 @@ def run_episode(
     variant: str,
     advisor: str,
     seed: int,
+    preset: str = "clear",
     model: ModelCfg | None = None,
     draw: Draw | None = None,
 ) -> dict[str, Any]:
@@ -44,6 +45,7 @@ def run_episode(
         variant: Name of the variant, for the record.
         advisor: As on the command line.
         seed: Of everything random.
+        preset: Name of the water and sensors, for the record; `cfg` and `world` have its values.
         model: How a real model is called.
         draw: Draws the pictures for an advisor with eyes.
 
@@ -57,7 +59,7 @@ def run_episode(
     cfg = dataclasses.replace(cfg, record=RecordCfg(pictures=draw is not None, frames=False, report=False, video=False))
     rng = np.random.default_rng([seed, 7])
     asked = make_advisor(advisor, rules=REEF_RULES, rng=rng, cfg=model, mistakes=REEF_MISTAKES)
-    result = Mission(world, cfg, asked, folder, seed=seed, variant=variant, draw=draw).run()
+    result = Mission(world, cfg, asked, folder, seed=seed, variant=variant, preset=preset, draw=draw).run()
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])
     return {

@@ -19,6 +19,8 @@ _TRIES, _MOST_TRIES = 400, 12_000
 """Draws per obstacle, and in all, after which the area counts as full."""
 _RESTARTS = 4
 """Times that the dense field is begun when some of it finds no room."""
+_ROW_M = 3.5
+"""Half the length of a row of posts across the reef."""
 _EDGE_M, _BESIDE_OYSTERS_M, _BEHIND_START_M, _AHEAD_OF_START_M = 0.3, 0.3, 0.9, 1.2
 """Least distance of an obstacle's circle from the world's edge, from an oyster, behind the start and ahead of it."""
 
@@ -46,6 +48,43 @@ class Clutter:
         self.room, self.passage_m, self._rng = room, passage_m, rng
         self.placed: list[Obstacle] = []
         self._circles: list[tuple[float, float, float]] = []
+        self._kept = 0
+        """Obstacles that stay when the dense field is begun again."""
+
+    def rows(self, crossings: NDArray[np.float64], name: str) -> None:
+        """Place rows of posts across the reef; the gap between two neighbours is the passage and up to 0.1 m more.
+
+        Args:
+            crossings: Shape=(N, 3), x, y (m) and direction (rad) of the spine at the middle of each row.
+            name: Of the setting, for the message.
+
+        Raises:
+            InputError: None of them finds room.
+        """
+        before = len(self.placed)
+        for x, y, heading in crossings.tolist():
+            along = np.array([-math.sin(heading), math.cos(heading)])
+            # A gap lies on the spine itself, so that the reef leads through the row.
+            gap = self.passage_m + self._rng.uniform(0.01, 0.1)
+            for side in (-1.0, 1.0):
+                at = 0.5 * gap
+                while at < _ROW_M:
+                    radius = mm(self._rng.uniform(0.2, 0.4))
+                    px, py = (mm(v) for v in np.array([x, y]) + side * (at + radius) * along)
+                    self._post(px, py, radius)
+                    at += 2.0 * radius + self.passage_m + self._rng.uniform(0.01, 0.1)
+        if len(crossings) and len(self.placed) == before:
+            raise InputError("generator", name, len(crossings), "0 here")
+        self._kept = len(self.placed)
+
+    def _post(self, x: float, y: float, radius: float) -> None:
+        """Place a post unless something is in the way."""
+        near = any(math.hypot(x - a, y - b) - radius - r < self.passage_m for a, b, r in self._circles)
+        if near or not self._fits(x, y, radius):
+            return
+        height = mm(self._rng.uniform(0.7, 1.3))
+        self._circles.append((x, y, radius))
+        self.placed.append(Obstacle(shape="cylinder", x=x, y=y, z=height, size=(radius, radius, height)))
 
     def field(self, count: int, radius_m: float, name: str) -> None:
         """Place the dense field ahead of the start, most obstacles as close to a neighbour as the passage allows.
@@ -66,11 +105,10 @@ class Clutter:
             return x0 + radius * math.cos(angle), y0 + radius * math.sin(angle)
 
         for _ in range(_RESTARTS):
-            self.placed.clear()
-            self._circles.clear()
+            del self.placed[self._kept :], self._circles[self._kept :]
             if self._place(count, draw, crowd=True, beyond_m=0.0):
                 break
-        self._demand_half(count, len(self.placed), name)
+        self._demand_half(count, len(self.placed) - self._kept, name)
 
     def along(self, count: int, beyond_m: float, name: str) -> None:
         """Place obstacles beyond `beyond_m` from the start: four in five near the spine, the others anywhere.

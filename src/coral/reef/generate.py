@@ -11,13 +11,17 @@ import numpy as np
 
 from coral.errors import InputError
 from coral.reef.clutter import Clutter, Room, mm
-from coral.reef.spines import TOPOLOGIES, Line, Topology, samples, spread, topology_lines
+from coral.reef.spines import EVERY_TOPOLOGY, Line, Topology, samples, spread, topology_lines
+from coral.reef.wild_spines import WILD, scatter
 from coral.reef.world import Cluster, Current, Oyster, ReefWorld, Start, check_world
 from coral.validation_errors import shown
 
 _APART_M = 3.0
 """Between the middles of two clusters at least, so that a gap of 1.2 m or more stays between their outlines."""
-_LONGEST_NAME = 60
+_EVERY_M, _EVERY_IN_PATCHES_M = 6.0, 4.0
+"""Of the spine for each cluster where their number is left open; a patch of 8 m has two."""
+_LONGEST_NAME, _MOST = 60, 60
+"""Letters of a world's name; clusters."""
 _SETTLE_M = 0.2
 """Largest gap between an oyster and its nearest neighbour, so that a cluster is one patch on the robot's map."""
 _BORDER_M = 1.9
@@ -34,7 +38,8 @@ class GeneratorCfg:
     size_m: tuple[float, float] = (22.0, 22.0)
     """Width and height. The paper's range is 20 to 30."""
     clusters: int = 7
-    """The paper's percentages are those of 70 clusters in 10 environments."""
+    """The paper's percentages are those of 70 clusters in 10 environments.
+    0: one for every 6 m of the spine, 4 m in patches."""
     oysters: tuple[int, int] = (48, 88)
     """Range of the number of oysters in a cluster."""
     dense_obstacles: int = 20
@@ -42,8 +47,10 @@ class GeneratorCfg:
     dense_radius_m: float = 6.5
     obstacles: int = 34
     """Obstacles beyond it, most of them along the spine; the same holds."""
+    barriers: int = 0
+    """Rows of posts across the reef, with gaps of `passage_m` to 0.1 m more. The paper has none."""
     passage_m: float = 1.0
-    """Narrowest gap between two obstacles: the robot's diameter and 0.2 m on either side."""
+    """Narrowest gap between two obstacles: the robot's diameter and 0.2 m on either side. 0.8 is the least."""
     current_max_m_s: float = 0.08
     seed: int = 0
 
@@ -59,7 +66,7 @@ def generate(cfg: GeneratorCfg, name: str = "") -> ReefWorld:
     if len(name) > _LONGEST_NAME:
         raise InputError("generator", "name", shown(name), f"at most {_LONGEST_NAME} letters")
     rng = np.random.default_rng([cfg.seed, *map(ord, cfg.topology)])
-    lines = [np.array(line, float) for line in cfg.spine] or topology_lines(cfg.topology, cfg.size_m)
+    lines = [np.array(line, float) for line in cfg.spine] or topology_lines(cfg.topology, cfg.size_m, rng)
     start = lines[0][0]
     heading = math.atan2(*(lines[0][1] - start)[::-1])
     clusters = tuple(_cluster(f"c{k}", bed, cfg, rng) for k, bed in enumerate(_beds(cfg, lines, rng)))
@@ -73,6 +80,8 @@ def generate(cfg: GeneratorCfg, name: str = "") -> ReefWorld:
         cfg.passage_m,
         rng,
     )
+    if cfg.barriers:
+        clutter.rows(_crossings(clusters, lines, cfg.barriers, cfg.dense_radius_m), "barriers")
     clutter.field(cfg.dense_obstacles, cfg.dense_radius_m, "dense_obstacles")
     clutter.along(cfg.obstacles, cfg.dense_radius_m, "obstacles")
     direction, speed = rng.uniform(-math.pi, math.pi), rng.uniform(0.0, cfg.current_max_m_s)
@@ -108,14 +117,20 @@ def _check(cfg: GeneratorCfg) -> None:
         if not good:
             raise InputError("generator", field, found, expected)
 
-    demand("topology", cfg.topology in TOPOLOGIES, repr(cfg.topology), f"one of {', '.join(TOPOLOGIES)}")
+    demand("topology", cfg.topology in EVERY_TOPOLOGY, repr(cfg.topology), f"one of {', '.join(EVERY_TOPOLOGY)}")
     demand("size_m", all(8.0 <= s <= 100.0 for s in cfg.size_m), cfg.size_m, "edges from 8 to 100 m")
-    least = len(cfg.spine or topology_lines(cfg.topology, cfg.size_m))
-    demand("clusters", least <= cfg.clusters <= 60, cfg.clusters, f"{least} (one for each line of the spine) to 60")
+    least = len(cfg.spine or ((),) if cfg.topology in WILD else topology_lines(cfg.topology, cfg.size_m))
+    demand(
+        "clusters",
+        cfg.clusters == 0 or least <= cfg.clusters <= _MOST,
+        cfg.clusters,
+        f"{least} (one for each line of the spine) to 60",
+    )
     demand("oysters", 1 <= cfg.oysters[0] <= cfg.oysters[1] <= 500, cfg.oysters, "a range within 1 to 500")
     demand("dense_obstacles", 0 <= cfg.dense_obstacles <= 500, cfg.dense_obstacles, "0 to 500")
     demand("dense_radius_m", 2.0 <= cfg.dense_radius_m <= 50.0, cfg.dense_radius_m, "2 to 50 m")
     demand("obstacles", 0 <= cfg.obstacles <= 500, cfg.obstacles, "0 to 500")
+    demand("barriers", 0 <= cfg.barriers <= 50, cfg.barriers, "0 to 50")
     demand("passage_m", 0.8 <= cfg.passage_m <= 5.0, cfg.passage_m, "0.8 to 5 m")
     demand("current_max_m_s", 0.0 <= cfg.current_max_m_s <= 0.5, cfg.current_max_m_s, "0 to 0.5 m/s")
     demand("seed", 0 <= cfg.seed < 2**63, cfg.seed, "a number from 0 on")
@@ -131,18 +146,15 @@ def _beds(cfg: GeneratorCfg, lines: Sequence[Line], rng: np.random.Generator) ->
     lead = float(np.clip(0.14 * min(cfg.size_m), 2.0, 4.0))
     if np.hypot(*np.diff(lines[0], axis=0).T).sum() <= lead:
         raise InputError("generator", "spine", "no room for a cluster", f"a first line longer than {lead:.1f} m")
-    places, away = _places(cfg, lines, cfg.clusters, lead)
+    count = cfg.clusters or _count(cfg, lines, lead)
+    places, away = _places(cfg, lines, count, lead)
     if away.min() < _APART_M:
         fit = next(
-            (
-                n
-                for n in range(cfg.clusters - 1, len(lines) - 1, -1)
-                if _places(cfg, lines, n, lead)[1].min() >= _APART_M
-            ),
+            (n for n in range(count - 1, len(lines) - 1, -1) if _places(cfg, lines, n, lead)[1].min() >= _APART_M),
             0,
         )
         raise InputError(
-            "generator", "clusters", cfg.clusters, f"at most {fit} on this spine, {_APART_M:g} m between neighbours"
+            "generator", "clusters", count, f"at most {fit} on this spine, {_APART_M:g} m between neighbours"
         )
     beds = []
     for (x, y, yaw), nearest in zip(places, away, strict=True):
@@ -159,13 +171,44 @@ def _beds(cfg: GeneratorCfg, lines: Sequence[Line], rng: np.random.Generator) ->
     return beds
 
 
+def _count(cfg: GeneratorCfg, lines: Sequence[Line], lead_m: float) -> int:
+    """Choose the number of clusters from the spine's length; every line gets one, and none lies too near another."""
+    length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
+    every = _EVERY_IN_PATCHES_M if cfg.topology == "patchy" and not cfg.spine else _EVERY_M
+    count = min(max(len(lines), round(length / every)), _MOST)
+    while count > len(lines) and _places(cfg, lines, count, lead_m)[1].min() < _APART_M:
+        count -= 1
+    return count
+
+
 def _places(cfg: GeneratorCfg, lines: Sequence[Line], count: int, lead_m: float) -> tuple[Line, Line]:
     """Choose middles and directions of `count` clusters, Shape=(N, 3), and the distance to the nearest, Shape=(N,)."""
-    places = np.array(spread(lines, count, lead_m))
+    wild = cfg.topology in WILD and not cfg.spine
+    places = np.array(scatter(lines, count, lead_m) if wild else spread(lines, count, lead_m))
     places[:, :2] = np.clip(places[:, :2], _BORDER_M, np.array(cfg.size_m) - _BORDER_M)
     away = np.hypot(*(places[:, None, :2] - places[None, :, :2]).transpose(2, 0, 1))
     np.fill_diagonal(away, 9.0)
     return places, away.min(axis=1)
+
+
+def _crossings(clusters: Sequence[Cluster], lines: Sequence[Line], count: int, from_m: float) -> Line:
+    """Choose where rows cross the reef: midway between neighbours on the spine, the farthest apart of them first.
+
+    Returns:
+        x, y and the spine's direction of each, Shape=(N, 3); N is less than `count` where the reef has fewer gaps.
+    """
+    middles = np.array([np.mean([(o.x, o.y) for o in cluster.oysters], axis=0) for cluster in clusters])
+    points = samples(lines)
+    ahead = np.roll(points, -1, axis=0) - points
+    away = np.hypot(*(points[:, None] - middles[None]).transpose(2, 0, 1)).min(axis=1)
+    inside = np.hypot(*ahead.T) < 0.5  # not where one line ends and the next one begins
+    open_ = inside & (away > 2.0) & (np.hypot(*(points - lines[0][0]).T) > from_m + 1.5)
+    chosen: list[int] = []
+    while len(chosen) < count and open_.any():
+        best = int(np.argmax(np.where(open_, away, -1.0)))
+        chosen.append(best)
+        open_ &= np.hypot(*(points - points[best]).T) > 5.0
+    return np.array([(*points[k], math.atan2(ahead[k, 1], ahead[k, 0])) for k in chosen]).reshape(-1, 3)
 
 
 def _cluster(name: str, bed: _Bed, cfg: GeneratorCfg, rng: np.random.Generator) -> Cluster:

@@ -37,6 +37,7 @@ DEFINITIONS = {
     "planner_failures": "Control ticks at which no rollout was feasible and the vehicle braked.",
     "path_replans": "Reference paths planned anew because the vehicle had left the old one.",
     "end_reason": "Why the mission ended.",
+    "preset": "Name of the water and sensors (`--preset`); none where it was not recorded.",
     "robots": "The number of robots; every count and the distance are sums over them, coverage is of what any of "
     "them has seen.",
     "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
@@ -89,13 +90,13 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     events = list(events)
     counts = dict.fromkeys(("collision", "robot_collision", "question", "fallback", "planner_failure"), 0)
     requeries = rejections = deviations = replans = 0
-    clusters_total, covered_at, end = 0, 0.0, "killed"
+    clusters_total, covered_at, end, preset = 0, 0.0, "killed", None
     for event in events:
         kind = event["event"]
         if kind in counts:
             counts[kind] += 1
         if kind == "start":
-            clusters_total = int(event["clusters_total"])
+            clusters_total, preset = int(event["clusters_total"]), event.get("preset")
         elif kind == "question":
             requeries += event["attempt"] > 0
         elif kind == "verdict":
@@ -136,6 +137,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "planner_failures": counts["planner_failure"],
         "path_replans": replans,
         "end_reason": end,
+        "preset": preset,
     }
 
 

@@ -92,6 +92,7 @@ class Mission:
         *,
         seed: int = 0,
         variant: str = "full",
+        preset: str = "clear",
         draw: Callable[[Belief], tuple[Picture, ...]] | None = None,
     ) -> None:
         budget = cfg.pilot.budget.within(DEADLINE_S)
@@ -101,6 +102,8 @@ class Mission:
         if cfg.decider != "advisor":
             advisor = RuleAdvisor(baseline_rules(cfg.decider, np.random.default_rng([seed, 11])), name=cfg.decider)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
+        self.preset = preset
+        """Name of the water and sensors, for the record; `cfg` and `world` have their values."""
         self.step, self.t = 0, 0.0
         self.control_ms: list[float] = []
         """Wall time of each robot's computation at each tick (ms)."""
@@ -296,6 +299,7 @@ class Mission:
                 "world": self.world.name,
                 "advisor": self.advisor.name,
                 "variant": self.variant,
+                "preset": self.preset,
                 "seed": self.seed,
                 "mission": to_mapping(self.cfg),
                 "provenance": provenance(),
@@ -306,6 +310,7 @@ class Mission:
             world=self.world.name,
             advisor=self.advisor.name,
             variant=self.variant,
+            preset=self.preset,
             seed=self.seed,
             clusters_total=len(self.world.clusters),
             **self._fleet(),

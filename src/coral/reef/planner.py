@@ -25,6 +25,8 @@ Prompts = Callable[[str, Mapping[str, Any]], tuple[str, str]]
 Draw = Callable[[Belief], tuple[Picture, ...]]
 
 KIND: dict[Mode, str] = {"centroid": "reef-centroid", "waypoint": "reef-waypoint"}
+WITHOUT_CHAIN = "reef-waypoint-without-chain"
+"""Prompt of a robot that extracts no clusters; it asks for the same as "reef-waypoint"."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +39,9 @@ class PlannerCfg:
     """Longest waypoint step per axis (paper III-C.2: whole metres, 0 to 6)."""
     separation_m: float = 1.0
     """Delta d_min (paper IV-F, there from the previous goal): a new goal lies at least this far from the robot."""
+    checks: bool = True
+    """Whether a goal must be in open water within reach, 1 m away, and no other robot's. False is for the ablation
+    "w/o self-verification" and for DREAM: only points outside the survey area are refused, which no map covers."""
     centroid_selection: bool = True
     """False is the ablation "w/o centroid selection": the chain is shown, but only waypoints are asked for."""
     survey: SurveyCfg = field(default_factory=SurveyCfg)
@@ -83,7 +88,7 @@ class HighLevelPlanner:
             "step_m": cfg.step_m,
             "others": len(self.belief.others),
         }
-        prompt, version = self.prompts(KIND[self.mode], context)
+        prompt, version = self.prompts(KIND[self.mode] if self.belief.cfg.centroids else WITHOUT_CHAIN, context)
         return Question(
             kind=KIND[self.mode],
             prompt=prompt,
@@ -136,9 +141,11 @@ class HighLevelPlanner:
 
     def _refuse(self, goal: Goal) -> Rejection | None:
         belief, cfg = self.belief, self.cfg
-        left = survey(belief, self.fields, cfg.forward_m, cfg.survey)
         if not belief.map.contains(goal.x, goal.y):
             return Rejection(code="outside", reason="The chosen point lies outside the survey area.")
+        if not cfg.checks:
+            return None
+        left = survey(belief, self.fields, cfg.forward_m, cfg.survey)
         if not math.isfinite(left.path_m(goal.x, goal.y)):
             return Rejection(
                 code="blocked",
@@ -152,7 +159,6 @@ class HighLevelPlanner:
                 "robot. Choose one that makes progress.",
             )
         if belief.taken(goal.x, goal.y, goal.index):
-            # No matter of Eqs. 4-8: robots do not go to one place in the ablation without verification either.
             return Rejection(
                 code="taken",
                 reason="Another robot is going there already. Choose a point that no other robot is going to.",

@@ -1,4 +1,4 @@
-"""The lines along which a reef grows: five topologies (paper IV-A), and even places along a branching line."""
+"""The lines along which a reef grows: the paper's five topologies (IV-A) and even places on them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.reef.wild_spines import WILD
+
 Line = NDArray[np.float64]
-Topology = Literal["L", "S", "K", "E", "O"]
+Topology = Literal["L", "S", "K", "E", "O", "branching", "looping", "patchy"]
+"""The paper's five, which only their size changes, and three that are drawn at random (`wild_spines`)."""
 
 _STEP_M = 0.1
 _LOOP_M = 1.5
@@ -49,21 +52,32 @@ _SPINES: dict[Topology, list[list[tuple[float, float]]]] = {
 """Polylines in units of the world's size, start first. At 20 m the prongs of the E are 5.2 m apart. The arms of the K
 branch off at 54° and 115°."""
 
-_ROUNDED = {"L": 1, "S": 3}
+_ROUNDED: dict[str, int] = {"L": 1, "S": 3}
 """Rounds of corner cutting."""
 
 
-def topology_lines(topology: Topology, size_m: tuple[float, float]) -> list[Line]:
+def topology_lines(
+    topology: Topology, size_m: tuple[float, float], rng: np.random.Generator | None = None
+) -> list[Line]:
     """Spine of a topology in a world of some size: the line from the start first, then those that branch off it.
+
+    Args:
+        topology: Its name.
+        size_m: Of the world.
+        rng: Draws the lines of those topologies that have no fixed ones.
 
     Returns:
         Polylines, each Shape=(K, 2), metres.
     """
+    if topology in WILD:
+        return WILD[topology](size_m, rng or np.random.default_rng(0))
     scale = np.array(size_m)
     return [_cut_corners(np.array(line), _ROUNDED.get(topology, 0)) * scale for line in _SPINES[topology]]
 
 
 TOPOLOGIES = tuple(_SPINES)
+"""The paper's."""
+EVERY_TOPOLOGY: tuple[Topology, ...] = (*TOPOLOGIES, "branching", "looping", "patchy")
 
 
 def spread(lines: Sequence[Line], count: int, lead_m: float) -> list[tuple[float, float, float]]:

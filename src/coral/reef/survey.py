@@ -120,7 +120,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
     _, pieces = cv2.connectedComponents(edge_mask, connectivity=8)
     tile = max(1, round(cfg.tile_m / cell_m))
     key = (pieces[ys, xs].astype(np.int64) * 4096 + ys // tile) * 4096 + xs // tile
-    reef = np.array([[t.x, t.y] for t in belief.tracks]).reshape(-1, 2)
+    reef = belief.reef()
     found = []
     for group in np.unique(key):
         members = np.flatnonzero(key == group)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from coral.advisor.fallback import Fallback
 from coral.errors import InputError, nearest
 from coral.reef.mission import MissionCfg
 
@@ -12,9 +13,20 @@ Change = Callable[[MissionCfg], MissionCfg]
 
 
 def _no_verification(cfg: MissionCfg) -> MissionCfg:
-    """Chosen points go to the controller unchecked; violations are counted."""
+    """Chosen points go to the controller unchecked, but for those outside the survey area; violations are counted."""
+    return replace(_no_equations(cfg), planner=replace(_no_equations(cfg).planner, checks=False))
+
+
+def _no_equations(cfg: MissionCfg) -> MissionCfg:
+    """Chosen points need not satisfy Eqs. 4-8, only lie in open water within reach."""
     planner = replace(cfg.planner, verify=replace(cfg.planner.verify, enabled=False))
     return replace(cfg, planner=planner)
+
+
+def _alone(cfg: MissionCfg) -> MissionCfg:
+    """Whoever decides stands alone: no rules step in where its answers fail."""
+    fallback: Fallback = "hold" if cfg.pilot.fallback == "rules" else cfg.pilot.fallback
+    return replace(cfg, pilot=replace(cfg.pilot, fallback=fallback))
 
 
 def _no_centroid_selection(cfg: MissionCfg) -> MissionCfg:
@@ -49,31 +61,35 @@ def _pd(cfg: MissionCfg) -> MissionCfg:
 def _dream(cfg: MissionCfg) -> MissionCfg:
     """DREAM (paper IV-C, IV-E): one action of 1 s for each answer, standing still meanwhile; PD, no chain, no checks.
 
-    Its own action set and gains are not public: an action here is a second's drive towards the chosen waypoint.
+    No clusters are extracted, so that its pictures, prompt and facts hold none; only the map's green cells show where
+    oysters are. Its own action set and gains are not public: an action here is a second's drive towards the chosen
+    waypoint.
     """
     trigger = replace(cfg.pilot.trigger, always=True, cooldown_s=0.0)
     pilot = replace(cfg.pilot, trigger=trigger, synchronous=True)
-    return replace(_no_verification(_no_centroid_selection(_pd(cfg))), pilot=pilot, latency="fixed:5")
+    belief = replace(cfg.belief, centroids=False)
+    cfg = _no_topology(_no_verification(_no_centroid_selection(_pd(cfg))))
+    return _alone(replace(cfg, belief=belief, pilot=pilot, latency="fixed:5"))
 
 
 def _rule_based(cfg: MissionCfg) -> MissionCfg:
     """The nearest unvisited centroid in place of the advisor; where none is known, the nearest frontier."""
-    return replace(cfg, decider="nearest", latency="0")
+    return _alone(replace(cfg, decider="nearest", latency="0"))
 
 
 def _frontier(cfg: MissionCfg) -> MissionCfg:
     """Frontier exploration (Yamauchi 1997), blind to oysters."""
-    return replace(_no_verification(_no_centroid_selection(cfg)), decider="frontier", latency="0")
+    return _alone(replace(_no_equations(_no_centroid_selection(cfg)), decider="frontier", latency="0"))
 
 
 def _lawnmower(cfg: MissionCfg) -> MissionCfg:
     """Lanes over the whole area, planned before the dive."""
-    return replace(_no_verification(_no_centroid_selection(cfg)), decider="lawnmower", latency="0")
+    return _alone(replace(_no_equations(_no_centroid_selection(cfg)), decider="lawnmower", latency="0"))
 
 
 def _random(cfg: MissionCfg) -> MissionCfg:
     """The whole system, but its advisor draws lots among the candidates; it takes as long to answer as the rules."""
-    return replace(cfg, decider="random")
+    return _alone(replace(cfg, decider="random"))
 
 
 def _glided(cfg: MissionCfg) -> MissionCfg:

@@ -115,7 +115,7 @@ class ReefWorld(_Part):
 
     format: Literal["coral-reef/1"] = FORMAT
     name: str = Field(min_length=1, max_length=60)
-    topology: Literal["L", "S", "K", "E", "O", "custom"] = "custom"
+    topology: Literal["L", "S", "K", "E", "O", "branching", "looping", "patchy", "custom"] = "custom"
     size_m: tuple[Metres, Metres]
     seabed: Seabed = Seabed()
     start: Start

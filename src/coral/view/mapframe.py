@@ -93,8 +93,16 @@ LEGEND_PX = 620
 """Width of the legend (px)."""
 
 
-def draw_legend(rgb: Image, left: int, top: int, goal: bool) -> None:
-    """Draw two lines that explain the colours, in place, from (left, top) px; `goal`: whether a goal is drawn."""
+def draw_legend(rgb: Image, left: int, top: int, goal: bool, clusters: bool = True) -> None:
+    """Draw two lines that explain the colours, in place, from (left, top) px.
+
+    Args:
+        rgb: The picture.
+        left: Column of the first word.
+        top: Row of the first line.
+        goal: Whether one is drawn.
+        clusters: Whether the centroid chain is drawn.
+    """
     squares = [
         (CELL_COLORS[0], "unexplored"),
         (CELL_COLORS[1], "explored"),
@@ -111,12 +119,13 @@ def draw_legend(rgb: Image, left: int, top: int, goal: bool) -> None:
     draw_line(rgb, np.array([(x, y), (x + 22, y)]), YELLOW, 3, edge=YELLOW_EDGE)
     draw_text(rgb, "path travelled", x + 30, y, size=13)
     x, y = float(left), y + 24
-    draw_line(rgb, np.array([(x, y), (x + 26, y)]), BLUE, 2)
-    draw_dot(rgb, np.array([x + 7, y]), 5, ORANGE, edge_width=1)
-    draw_dot(rgb, np.array([x + 21, y]), 5, ORANGE, edge_width=1)
-    draw_dot(rgb, np.array([x + 21, y]), 2.8, PALE_ORANGE, edge=PALE_ORANGE, edge_width=0)
-    draw_text(rgb, "centroid chain (hollow: visited)", x + 34, y, size=13)
-    x += 34 + text_size("centroid chain (hollow: visited)", 13)[0] + 18
+    if clusters:
+        draw_line(rgb, np.array([(x, y), (x + 26, y)]), BLUE, 2)
+        draw_dot(rgb, np.array([x + 7, y]), 5, ORANGE, edge_width=1)
+        draw_dot(rgb, np.array([x + 21, y]), 5, ORANGE, edge_width=1)
+        draw_dot(rgb, np.array([x + 21, y]), 2.8, PALE_ORANGE, edge=PALE_ORANGE, edge_width=0)
+        draw_text(rgb, "centroid chain (hollow: visited)", x + 34, y, size=13)
+        x += 34 + text_size("centroid chain (hollow: visited)", 13)[0] + 18
     draw_dot(rgb, np.array([x + 6, y]), 5, RED, edge_width=0)
     draw_text(rgb, "robot", x + 16, y, size=13)
     x += 16 + text_size("robot", 13)[0] + 18

@@ -60,7 +60,9 @@ class MapScene:
     visited: Sequence[bool] | None = None
     """Whether the robot has been at each centroid; None means none has been visited."""
     chain: Sequence[int] | None = None
-    """Rows of `centroids` in chain order, joined by blue lines; None joins them in order, () draws no line."""
+    """Rows of `centroids` in chain order, joined by blue lines; None joins them as they stand, () draws no line."""
+    clusters: bool = True
+    """Whether the robot extracts clusters at all; without them the legend does not name them."""
     goal: tuple[float, float] | None = None
     rollouts: NDArray[np.float64] | None = None
     """Sampled rollouts of the controller, Shape=(R, T, 2)."""
@@ -126,7 +128,7 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     if cfg.axes:
         draw_axes(view, left, top, inner_w, inner_h)
     if cfg.legend:
-        draw_legend(rgb, left, top + inner_h + bottom, goal=scene.goal is not None)
+        draw_legend(rgb, left, top + inner_h + bottom, goal=scene.goal is not None, clusters=scene.clusters)
     return view
 
 

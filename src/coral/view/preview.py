@@ -22,6 +22,9 @@ SEABED, OYSTER, ROCK, SPINE, START, FLOW, INK = (
     "#26302a",
 )
 
+_NUMBERED_M = 40.0
+"""Larger worlds have no numbers on a sheet: there they would hide the clusters."""
+
 
 def preview(world: ReefWorld, path: Path) -> Path:
     """Draw one world as a PNG."""
@@ -75,7 +78,7 @@ def preview_sheet(worlds: Sequence[ReefWorld], path: Path, columns: int = 5) -> 
         if k >= len(worlds):
             continue
         width, height = worlds[k].size_m
-        _draw(axes, worlds[k], size=8.5)
+        _draw(axes, worlds[k], size=8.5, numbers=widest <= _NUMBERED_M)
         axes.set_title(f"{printable(worlds[k].name)}   {width:g} × {height:g} m", fontsize=12, parse_math=False)
         axes.set_xlim(width / 2 - widest / 2 - 0.3, width / 2 + widest / 2 + 0.3)
         axes.set_ylim(height - highest - 0.3, height + 0.3)  # titles are on top of the worlds
@@ -84,7 +87,7 @@ def preview_sheet(worlds: Sequence[ReefWorld], path: Path, columns: int = 5) -> 
     return path
 
 
-def _draw(axes: Any, world: ReefWorld, *, size: float) -> None:
+def _draw(axes: Any, world: ReefWorld, *, size: float, numbers: bool = True) -> None:
     from matplotlib.collections import PatchCollection
     from matplotlib.patches import Ellipse, Rectangle
     from matplotlib.patheffects import withStroke
@@ -103,7 +106,7 @@ def _draw(axes: Any, world: ReefWorld, *, size: float) -> None:
     axes.add_collection(
         PatchCollection([_outline(o) for o in world.obstacles], facecolor=ROCK, edgecolor="none", zorder=3)
     )
-    for k, cluster in enumerate(world.clusters):
+    for k, cluster in enumerate(world.clusters if numbers else ()):
         x = float(np.mean([o.x for o in cluster.oysters]))
         y = float(np.mean([o.y for o in cluster.oysters]))
         axes.text(

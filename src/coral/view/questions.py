@@ -22,6 +22,7 @@ def map_scene(belief: Belief) -> MapScene:
         centroids=np.array([[t.x, t.y] for t in chain]).reshape(-1, 2),
         indices=[t.index for t in chain],
         visited=[t.visited for t in chain],
+        clusters=belief.cfg.centroids,
         goal=belief.goal,
         others=tuple(Companion(pose=other.pose, goal=other.goal) for other in belief.others),
     )

@@ -1,0 +1,156 @@
+import csv
+import io
+import json
+
+import pytest
+
+from coral.campaign.measures import difference, mean
+from coral.campaign.presets import by_preset, with_presets
+from coral.campaign.reef_tables import reef_tables
+from coral.campaign.study_tables import COLUMNS, MEASURES, RESTRICTED, groups, study_csv, study_tables
+
+ABOUT = {"commit": "abc1234", "machine": "x86_64, 2 cores, Linux"}
+
+
+def mission(variant, world, preset="clear", advisor="heuristic", soon=200.0, **more):
+    return {
+        "system": "reef",
+        "variant": variant,
+        "world": world,
+        "seed": 0,
+        "advisor": advisor,
+        "overrides": json.dumps({} if preset == "clear" else {"preset": preset}),
+        "setting": "",
+        "status": "done",
+        "failure": "",
+        "code": "c0de",
+        "topology": world[0].upper(),
+        "inspected": 0.95 if soon is not None else 0.5,
+        "time_to_90_s": soon,
+        "oracle_ratio_90": soon / 50.0 if soon is not None else None,
+        "coverage": 1.0,
+        "clusters_covered": 4,
+        "idle_fraction": 0.25,
+        "collisions": 1,
+        "path_deviations": 2,
+        "advisor_calls": 8,
+        "requeries": 0,
+        "deviations": 0,
+        "sim_time_s": 300.0,
+        "steps_per_percent": 30.0,
+        "distance_m": 90.0,
+        "covered_at_s": [1.0, 2.0, 3.0, 4.0],
+        "answers": json.dumps({"accepted": 6, "refused": 2, "malformed": 0, "missing": 0}),
+        "decided_by": json.dumps({"advisor": 6, "fallback": 0}),
+        "fallback": "hold",
+        **more,
+    }
+
+
+ROWS = [
+    row
+    for preset, factor in (("clear", 1.0), ("hard", 2.0))
+    for world in ("l1", "s1", "k1")
+    for row in (
+        mission("full", world, preset, soon=100.0 * factor),
+        mission("full", world, preset, advisor="sloppy:0.6:heuristic", soon=150.0 * factor),
+        mission("no-verification", world, preset, soon=None if preset == "hard" else 140.0),
+        mission("no-verification", world, preset, advisor="sloppy:0.6:heuristic", soon=None),
+        mission("dream", world, preset, soon=None),
+        mission("blind-sweep", world, preset, advisor="none", soon=None, answers="{}", decided_by="{}"),
+        mission("oracle", world, preset, advisor="none", soon=50.0, answers="{}", decided_by="{}"),
+    )
+]
+
+
+def tables():
+    return study_tables(ROWS, ABOUT, "coral reef bench --study")
+
+
+def test_every_preset_and_advisor_has_tables_one_to_three():
+    found = [(t.name, p, a) for t in tables() for p in ("clear", "hard") for a in ("heuristic (", "sloppy:0.6") if
+             f"Preset: {p}. Advisor: {a}" in t.caption and "differences" not in t.name]  # fmt: skip
+    assert len(found) == len(set(found)) == 12
+    assert {name for name, _, _ in found} == {"Table I", "Table II", "Table III"}
+
+
+def test_the_references_are_rows_of_every_table():
+    for table in tables():
+        if table.name in ("Table I", "Table II"):
+            assert [row[0] for row in table.rows][-2:] == ["blind sweep", "oracle tour (bound)"]
+        if table.name == "Table III":
+            assert "L-shape: oracle tour (bound)" in [row[0] for row in table.rows]
+
+
+def test_means_stand_with_their_intervals():
+    first = tables()[0]
+    row = dict(zip(first.header, next(r for r in first.rows if r[0] == "CORAL (full)"), strict=True))
+    assert row["inspected (%)"] == "95.0 [95.0, 95.0]"
+    assert row["× oracle, to 90 %"] == "2.00 [2.00, 2.00]"
+    assert row["answers refused (%)"] == "25.0 [25.0, 25.0]"
+    assert row["by advisor (%)"] == "100.0 [100.0, 100.0]"
+    assert row["missions"] == "3"
+
+
+def test_a_mission_that_never_gets_there_counts_with_the_horizon():
+    never, late, soon = (mission("full", "l1", soon=value) for value in (None, 700.0, 90.0))
+    assert [RESTRICTED.of(row) for row in (never, late, soon)] == [600.0, 600.0, 90.0]
+    assert RESTRICTED.of({}) is None
+    own = [row for row in ROWS if row["variant"] == "no-verification" and row["overrides"] != "{}"]
+    assert mean(own[:3], RESTRICTED).mean == 600.0
+
+
+def test_effects_put_all_conditions_side_by_side():
+    effects = tables()[-1]
+    assert effects.name == "Effects"
+    assert effects.header[1:] == (
+        "clear, heuristic",
+        "clear, sloppy:0.6:heuristic",
+        "hard, heuristic",
+        "hard, sloppy:0.6:heuristic",
+    )
+    row = next(row for row in effects.rows if row[0] == "w/o self-verification")
+    assert [cell.split(" [")[0] for cell in row[1:]] == ["+40", "+450", "+400", "+300"]
+
+
+def test_the_csv_has_every_number_of_the_tables():
+    rows = list(csv.DictReader(io.StringIO(study_csv(ROWS))))
+    assert tuple(rows[0]) == COLUMNS
+    assert {row["topology"] for row in rows} == {"all", "L", "S", "K"}
+    (cell,) = [
+        row
+        for row in rows
+        if (row["preset"], row["advisor"], row["topology"], row["variant"], row["measure"])
+        == ("hard", "heuristic", "all", "no-verification", RESTRICTED.key)
+    ]
+    group = next(g for g in groups(ROWS) if (g.preset, g.advisor) == ("hard", "heuristic"))
+    apart = difference(group.by_variant["no-verification"], group.by_variant["full"], RESTRICTED)
+    assert float(cell["difference"]) == apart.mean == 400.0
+    assert (cell["mean"], cell["missions"], cell["defined"], cell["pairs"]) == ("600", "3", "3", "3")
+    per_group = [
+        row for row in rows if (row["preset"], row["advisor"], row["topology"]) == ("hard", "heuristic", "all")
+    ]
+    assert len(per_group) == 3 * len(MEASURES)
+
+
+def test_presets_multiply_the_settings_and_clear_water_needs_no_key():
+    assert with_presets(("clear", "hard"), ({}, {"current": 0.2})) == (
+        {},
+        {"current": 0.2},
+        {"preset": "hard"},
+        {"preset": "hard", "current": 0.2},
+    )
+
+
+def test_rows_are_grouped_by_preset_and_lose_its_key():
+    found = by_preset([{"overrides": "{}"}, {"overrides": '{"current": 0.2, "preset": "hard"}'}])
+    assert found == {
+        "clear": [{"overrides": "{}", "setting": "nominal"}],
+        "hard": [{"overrides": '{"current": 0.2}', "setting": "current=0.2"}],
+    }
+
+
+@pytest.mark.parametrize("name", ["Table I", "Table III", "All variants", "Inspection"])
+def test_a_campaign_in_two_waters_has_each_table_twice(name):
+    captions = [t.caption for t in reef_tables(ROWS, ABOUT, "") if t.name == name and "sloppy" not in t.caption]
+    assert [caption.rsplit("Preset: ")[1] for caption in captions] == ["clear.", "hard."]
