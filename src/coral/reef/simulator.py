@@ -40,7 +40,7 @@ class Sensed:
 
     frame: Frame
     pose: Pose
-    """The robot's estimate; equals the truth unless drift is on."""
+    """By odometry alone; equals the truth unless drift is on."""
     velocity: tuple[float, float, float]
     """Surge, sway (m/s) and yaw rate (rad/s), ground-relative, body frame."""
 

@@ -48,6 +48,8 @@ PICTURE_SIZES = ((768, 80), (560, 75), (400, 65), (280, 55))
 """(Width px, quality) tried in turn until the pictures fit."""
 
 
+EXACT_M = 0.005
+"""Position errors below this are rounding."""
 IMAGING = "Imaged and inspected"
 IMAGING_NOTE = (
     "Share of the true oyster area that came into the camera's picture within 6 m (faint), and near enough to count "
@@ -222,6 +224,7 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
             "bad" if metrics.get("deviations") else "",
         ),
         *_inspected(metrics),
+        *_located(metrics),
     ]
 
 
@@ -237,6 +240,14 @@ def _inspected(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     if isinstance(idle, int | float):
         tiles.append((f"{idle:.0%}", "of the time, below 0.05 m/s", "standing still", ""))
     return tiles
+
+
+def _located(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Return the tile of the position error; none where the odometry is exact."""
+    error, odometry = metrics.get("position_error_m"), metrics.get("odometry_error_m")
+    if not isinstance(error, int | float) or not isinstance(odometry, int | float) or odometry < EXACT_M:
+        return []
+    return [(f"{error:.2f} m", f"odometry alone {odometry:.2f} m", "position error at the end", "")]
 
 
 def _each(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
