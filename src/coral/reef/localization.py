@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import NonNegative, Positive
+from coral.config import Fraction, NonNegative, Positive
 from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Frame, Pose, wrap
 from coral.reef.landmarks import LandmarkCfg, LandmarkDetector, Sighting
@@ -43,8 +43,11 @@ class LocalizationCfg:
     """... and what is added for each metre of radius."""
     gate: Positive = 9.2
     """Largest squared Mahalanobis distance between a sighting and its landmark: 99 % of two normal variables."""
-    ambiguity: NonNegative = 4.0
-    """A second landmark that is farther by less than this makes the sighting ambiguous, and it is not used."""
+    unknown_per_m2: Positive = 0.1
+    """Density of obstacles that may stand there without being landmarks yet (1/m²); generated reefs have 0.12 in all."""
+    certainty: Fraction = 0.7
+    """Probability from which a sighting is taken for a landmark and not for another or for an unknown obstacle. The less
+    the robot knows where it is, the nearer and lonelier a landmark has to be."""
     new_gate: Positive = 16.0
     """A sighting farther than this from every landmark is a new one; in between it is not used."""
     new_m: Positive = 0.8
@@ -60,6 +63,8 @@ class Match:
 
     distance: float
     """Squared Mahalanobis distance of the positions and radii."""
+    likelihood: float
+    """Probability density of the sighting if it is this landmark (1/m²)."""
     landmark: int
     residual: NDArray[np.float64]
     """Measured minus mapped position in the world (m). Shape=(2,)."""
@@ -74,9 +79,11 @@ class Localizer:
 
     The state is the error of the odometry (x, y, theta: odometry minus pose) and the centres of the landmarks in the
     world. The error is a random walk whose position and heading drift independently. A sighting at z in the body frame
-    gives the residual r = p + R(theta) z - l of a landmark l. The full covariance knows how uncertain an old landmark is
-    relative to the robot, so that one that is seen again after a long way corrects the pose by as much as it should.
-    Without a landmark in sight the pose is the odometry less the error known last.
+    gives the residual r = p + R(theta) z - l of a landmark l. The full covariance holds how uncertain an old landmark
+    is relative to the robot, so one that is seen again after a long way corrects the pose by as much as it should.
+    Without a landmark in sight the pose is the odometry less the last known error.
+
+    The measured velocity is not used: the simulator's is exact, and its integral would be the true pose.
     """
 
     def __init__(self, camera: CameraCfg, cfg: LocalizationCfg | None = None) -> None:
@@ -138,7 +145,8 @@ class Localizer:
         near = np.flatnonzero(away < cfg.candidate_m).tolist()
         matches = sorted((self._compare(sighting, pose, k) for k in near), key=lambda match: match.distance)
         if matches and matches[0].distance < cfg.gate:
-            if len(matches) == 1 or matches[1].distance > matches[0].distance + cfg.ambiguity:
+            all_of_them = sum(match.likelihood for match in matches) + cfg.unknown_per_m2
+            if matches[0].likelihood > cfg.certainty * all_of_them:
                 self._correct(matches[0], sighting)
         elif sighting.whole and (not matches or (matches[0].distance > cfg.new_gate and away.min() > cfg.new_m)):
             self._start(here, jacobian, noise, sighting.radius_m)
@@ -172,7 +180,8 @@ class Localizer:
         residual = here - self._state[index[3:]]
         unlike = (radius - known) / (cfg.radius_sigma_m + cfg.radius_sigma_radius * known)
         distance = float(residual @ np.linalg.solve(covariance, residual)) + unlike**2
-        return Match(distance, landmark, residual, jacobian, covariance)
+        likelihood = math.exp(-0.5 * distance) / (2.0 * math.pi * math.sqrt(np.linalg.det(covariance)))
+        return Match(distance, likelihood, landmark, residual, jacobian, covariance)
 
     @staticmethod
     def _index(landmark: int) -> list[int]:

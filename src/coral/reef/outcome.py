@@ -50,8 +50,8 @@ DEFINITIONS = {
     "phantom_clusters": "Clusters on the robot's map at the end that match no true one (no oyster within 1 m).",
     "position_error_m": "Distance between the position that the robot believed at the end and the true one (m).",
     "position_error_max_m": "The largest such distance of the mission (m).",
-    "odometry_error_m": "The same distance at the end for the odometry alone: what position_error_m was without correction.",
-    "odometry_error_max_m": "The largest such distance of the mission (m).",
+    "odometry_error_m": "The same distance for the odometry alone, before correction (m).",
+    "odometry_error_max_m": "The largest distance of the odometry alone (m).",
     "all_covered_s": "Simulated time (s) at which every cluster counted as covered, where the experimenter stops a "
     "mission by default; none where it never came to that.",
     "all_covered_calls": "Advisor calls until then.",
