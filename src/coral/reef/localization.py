@@ -52,6 +52,10 @@ class LocalizationCfg:
     """A sighting farther than this from every landmark is a new one; in between it is not used."""
     new_m: Positive = 0.8
     """... if it is also so far away (m): generated reefs keep passages of 0.8 m or more between obstacles."""
+    fresh_s: Positive = 60.0
+    """Landmarks found within this time are compared with older ones that they may be."""
+    agree_m: Positive = 0.45
+    """If one fresh landmark is an old one, others are within this distance of old ones too (m): half a passage."""
     candidate_m: Positive = 3.0
     """Landmarks farther away than this are not compared (m)."""
     landmarks: LandmarkCfg = field(default_factory=LandmarkCfg)
@@ -94,6 +98,9 @@ class Localizer:
         self._covariance = np.zeros((3, 3))
         self._radii: list[float] = []
         self._seen: list[int] = []
+        self._born_s: list[float] = []
+        self._last_s: list[float] = []
+        self._now_s = 0.0
         self._waited_s = math.inf
 
     @property
@@ -127,10 +134,12 @@ class Localizer:
             return odometry
         self._covariance[range(3), range(3)] += self._walk * dt
         self._waited_s += dt
+        self._now_s += dt
         if self._waited_s >= self.cfg.period_s - 1e-9:
             self._waited_s = 0.0
             for sighting in self._detector.detect(frame):
                 self._measure(sighting, self._corrected(odometry))
+            self._close_loop()
         return self._corrected(odometry)
 
     def _corrected(self, odometry: Pose) -> Pose:
@@ -148,7 +157,11 @@ class Localizer:
             all_of_them = sum(match.likelihood for match in matches) + cfg.unknown_per_m2
             if matches[0].likelihood > cfg.certainty * all_of_them:
                 self._correct(matches[0], sighting)
-        elif sighting.whole and (not matches or (matches[0].distance > cfg.new_gate and away.min() > cfg.new_m)):
+                return
+        # One that is not known for sure is a new one, until the loop is closed; unless it was seen a moment ago.
+        recent = [match for match in matches if self._now_s - self._last_s[match.landmark] < cfg.fresh_s]
+        apart = all(m.distance > cfg.new_gate and away[m.landmark] > cfg.new_m for m in recent)
+        if sighting.whole and apart:
             self._start(here, jacobian, noise, sighting.radius_m)
 
     def _place(
@@ -196,6 +209,7 @@ class Localizer:
         self._state -= gain @ match.residual
         self._covariance -= gain @ cross.T
         self._covariance = 0.5 * (self._covariance + self._covariance.T)
+        self._last_s[k] = self._now_s
         if sighting.whole:
             self._seen[k] += 1
             self._radii[k] += (sighting.radius_m - self._radii[k]) / self._seen[k]
@@ -213,3 +227,68 @@ class Localizer:
         self._state, self._covariance = np.concatenate([self._state, here]), covariance
         self._radii.append(radius_m)
         self._seen.append(1)
+        self._born_s.append(self._now_s)
+        self._last_s.append(self._now_s)
+
+    def _close_loop(self) -> None:
+        """Find out whether fresh landmarks are old ones: at least two of them, shifted alike."""
+        cfg = self.cfg
+        fresh = [k for k, born in enumerate(self._born_s) if self._now_s - born < cfg.fresh_s and self._seen[k] > 1]
+        if len(fresh) < 2:
+            return
+        found: list[list[tuple[int, int]]] = []
+        for k in fresh:
+            for old in range(k):
+                if self._may_be(k, old):
+                    offset, distance, covariance, cross = self._apart(k, old)
+                    if distance < cfg.gate:
+                        centres = (self._state - cross @ np.linalg.solve(covariance, offset))[3:].reshape(-1, 2)
+                        others = (self._twin(other, old, centres) for other in fresh if other != k)
+                        found.append(sorted([(k, old), *(pair for pair in others if pair is not None)]))
+        best = max(found, key=len, default=[])
+        if len(best) < 2 or any(len(pairs) == len(best) and not set(pairs) & set(best) for pairs in found):
+            return
+        for k, old in best:
+            self._state, self._covariance = self._merged(k, old)
+        for k, _ in sorted(best, reverse=True):
+            self._drop(k)
+
+    def _twin(self, k: int, taken: int, centres: NDArray[np.float64]) -> tuple[int, int] | None:
+        """Pair a fresh landmark with the nearest old one but `taken`, if the centres agree. centres: Shape=(N, 2)."""
+        away = np.hypot(*(centres[:k] - centres[k]).T)
+        near = [(float(away[j]), j) for j in np.flatnonzero(away < self.cfg.agree_m).tolist() if j != taken]
+        near = [pair for pair in near if self._may_be(k, pair[1])]
+        return (k, min(near)[1]) if near else None
+
+    def _may_be(self, k: int, old: int) -> bool:
+        """Check whether two landmarks may be one: alike in size, the old one out of sight since the other appeared."""
+        unlike = abs(self._radii[k] - self._radii[old])
+        return (
+            self._last_s[old] < self._born_s[k]
+            and self._born_s[old] < self._born_s[k]
+            and unlike < 2.0 * (self.cfg.radius_sigma_m + self.cfg.radius_sigma_radius * self._radii[old])
+        )
+
+    def _apart(self, k: int, old: int) -> tuple[NDArray[np.float64], float, NDArray[np.float64], NDArray[np.float64]]:
+        """Return the offset of two landmarks, its squared Mahalanobis distance, covariance, and that with the state."""
+        cfg = self.cfg
+        a, b = slice(3 + 2 * k, 5 + 2 * k), slice(3 + 2 * old, 5 + 2 * old)
+        cross = self._covariance[:, a] - self._covariance[:, b]
+        shape = (cfg.range_sigma_m + cfg.range_sigma_radius * self._radii[old]) ** 2
+        covariance = cross[a] - cross[b] + shape * np.eye(2)
+        offset = self._state[a] - self._state[b]
+        return offset, float(offset @ np.linalg.solve(covariance, offset)), covariance, cross
+
+    def _merged(self, k: int, old: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return state and covariance if two landmarks are one."""
+        offset, _, covariance, cross = self._apart(k, old)
+        gain = cross @ np.linalg.inv(covariance)
+        after = self._covariance - gain @ cross.T
+        return self._state - gain @ offset, 0.5 * (after + after.T)
+
+    def _drop(self, k: int) -> None:
+        """Remove a landmark that has been merged into an older one."""
+        keep = np.delete(np.arange(len(self._state)), [3 + 2 * k, 4 + 2 * k])
+        self._state, self._covariance = self._state[keep], self._covariance[np.ix_(keep, keep)]
+        for values in (self._radii, self._seen, self._born_s, self._last_s):
+            del values[k]
