@@ -44,10 +44,10 @@ class LocalizationCfg:
     gate: Positive = 9.2
     """Largest squared Mahalanobis distance between a sighting and its landmark: 99 % of two normal variables."""
     unknown_per_m2: Positive = 0.1
-    """Density of obstacles that may stand there without being landmarks yet (1/m²); generated reefs have 0.12 in all."""
+    """Density of obstacles that are not landmarks yet (1/m²); generated reefs have 0.12 in all."""
     certainty: Fraction = 0.7
-    """Probability from which a sighting is taken for a landmark and not for another or for an unknown obstacle. The less
-    the robot knows where it is, the nearer and lonelier a landmark has to be."""
+    """Probability from which a sighting is taken for a landmark and not for another or for an unknown obstacle. The
+    less the robot knows where it is, the nearer and lonelier a landmark has to be."""
     new_gate: Positive = 16.0
     """A sighting farther than this from every landmark is a new one; in between it is not used."""
     new_m: Positive = 0.8
@@ -86,6 +86,9 @@ class Localizer:
     gives the residual r = p + R(theta) z - l of a landmark l. The full covariance holds how uncertain an old landmark
     is relative to the robot, so one that is seen again after a long way corrects the pose by as much as it should.
     Without a landmark in sight the pose is the odometry less the last known error.
+
+    A sighting that may be an old landmark, but not for sure, starts a fresh one. Once two or more fresh landmarks
+    become old ones by the same shift, they are merged, which corrects the pose and everything in between.
 
     The measured velocity is not used: the simulator's is exact, and its integral would be the true pose.
     """
