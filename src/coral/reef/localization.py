@@ -29,7 +29,7 @@ class LocalizationCfg:
     range_sigma_m: Positive = 0.1
     """Standard deviation of the distance to a body's centre, for a thin post (m), ..."""
     range_sigma_radius: NonNegative = 0.3
-    """... and what is added for each metre of radius: the bodies are not round. Measured over three reefs, 0.04 m for
+    """... and what is added for each metre of radius: the bodies are not round. Measured along one mission on s1, 0.04 m for
     round bodies and 0.2 m for those twice as long as wide."""
     across_sigma_m: Positive = 0.05
     """The same across the line of sight (m)."""
