@@ -51,7 +51,7 @@ class LocalizationCfg:
     new_gate: Positive = 16.0
     """A sighting farther than this from every landmark is a new one; in between it is not used."""
     new_m: Positive = 0.8
-    """... if it is also so far away (m): generated reefs keep passages of 0.8 m or more between obstacles."""
+    """... if it is also so far away (m): generated reefs keep 1 m between obstacles by default."""
     fresh_s: Positive = 60.0
     """Landmarks found within this time are compared with older ones that they may be."""
     agree_m: Positive = 0.45
