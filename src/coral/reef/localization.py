@@ -29,8 +29,8 @@ class LocalizationCfg:
     range_sigma_m: Positive = 0.1
     """Standard deviation of the distance to a body's centre, for a thin post (m), ..."""
     range_sigma_radius: NonNegative = 0.3
-    """... and what is added for each metre of radius: the bodies are not round. Measured along one mission on s1, 0.04 m for
-    round bodies and 0.2 m for those twice as long as wide."""
+    """... and what is added for each metre of radius: the bodies are not round. Along one mission on s1 it was 0.04 m
+    for round bodies and 0.18 m for those 1.6 times as long as wide, or longer."""
     across_sigma_m: Positive = 0.05
     """The same across the line of sight (m)."""
     across_sigma_radius: NonNegative = 0.15
