@@ -32,6 +32,7 @@ KEYS = {
     "idle_fraction",
     "phantom_clusters",
     "position_error_m",
+    "odometry_error_m",
     "wall_time_s",
     "control_ms_median",
     "control_ms_p99",

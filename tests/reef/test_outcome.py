@@ -49,9 +49,10 @@ def test_other_paths_are_not_driven_back(path):
 
 
 def rows(true, believed, speeds):
-    names = ("x", "y", "est_x", "est_y", "u", "v")
+    """Make rows in which the odometry alone is 1 m farther off along y."""
+    names = ("x", "y", "est_x", "est_y", "odo_x", "odo_y", "u", "v")
     return [
-        dict(zip(names, map(str, (*a, *b, s, 0.0)), strict=True))
+        dict(zip(names, map(str, (*a, *b, b[0], b[1] + 1.0, s, 0.0)), strict=True))
         for a, b, s in zip(true, believed, speeds, strict=True)
     ]
 
@@ -99,6 +100,8 @@ def test_figures_of_a_small_run_by_hand(tmp_path):
         "phantom_clusters": 3,
         "position_error_m": 0.1,
         "position_error_max_m": 0.3,
+        "odometry_error_m": 1.1,
+        "odometry_error_max_m": 1.3,
         "all_covered_s": 0.2,
         "all_covered_calls": 2,
     }

@@ -39,9 +39,11 @@ def test_every_word_makes_the_sensors_worse():
 
 
 def test_what_the_words_stand_for():
-    noise = apply_setting(
+    cfg, _ = apply_setting(
         (("mask_errors", 0.2), ("pose_drift", 0.05), ("visibility", 3), ("depth_noise", 0.1)), CFG, WORLD
-    )[0].simulator.noise
+    )
+    noise, known = cfg.simulator.noise, cfg.localization
+    assert (known.drift_xy, known.drift_theta) == (noise.drift_xy, noise.drift_theta)
     assert (noise.oyster_missed, noise.obstacle_missed) == (0.2, 0.2)
     assert (noise.oyster_false, noise.obstacle_false) == pytest.approx((0.02, 0.02))
     assert (noise.drift_xy, noise.drift_theta) == pytest.approx((0.05, 0.005))

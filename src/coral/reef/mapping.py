@@ -69,7 +69,7 @@ class OccupancyMap:
         self._whole: tuple[NDArray[np.bool_], NDArray[np.float32]] | None = None
         self._near = np.full(shape, np.inf, np.float32)
         self._near_key: tuple[int, float, float] | None = None
-        self._rays, self._lever = _pixel_rays(camera)
+        self._rays, self._lever = pixel_rays(camera)
         self._hfov = math.radians(camera.hfov_deg)
         self._reach = np.zeros(camera.width)
 
@@ -177,7 +177,7 @@ def distance_to(mask: NDArray[np.bool_], cell_m: float) -> NDArray[np.float32]:
     return np.asarray(distances * cell_m, dtype=np.float32)
 
 
-def _pixel_rays(camera: CameraCfg) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def pixel_rays(camera: CameraCfg) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Forward and left components of each pixel's ray at unit depth, and the camera's place in the body frame."""
     from coral.reef.camera import T_world_camera
 

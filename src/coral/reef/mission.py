@@ -30,6 +30,7 @@ from coral.reef.encounter import Encounters
 from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.judge import MissionJudge
+from coral.reef.localization import LocalizationCfg, Localizer
 from coral.reef.mapping import MapCfg, OccupancyMap
 from coral.reef.metrics import compute_metrics
 from coral.reef.pd import PdController
@@ -72,6 +73,7 @@ class MissionCfg:
     robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 1
     """Number of robots that survey the reef together with one shared map (not in the paper)."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
+    localization: LocalizationCfg = field(default_factory=LocalizationCfg)
     map: MapCfg = field(default_factory=MapCfg)
     belief: BeliefCfg = field(default_factory=BeliefCfg)
     planner: PlannerCfg = field(default_factory=PlannerCfg)
@@ -125,6 +127,7 @@ class Mission:
         ]
         belief = Belief(OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map), cfg.belief)
         beliefs = [belief, *(belief.companion() for _ in starts[1:])]
+        localizers = [Localizer(cfg.simulator.camera, cfg.localization) for _ in starts]
         latency = _latency(advisor, cfg.latency)
         drivers: list[LocalPlanner] = [
             PdController(vehicle=cfg.simulator.vehicle)
@@ -171,7 +174,7 @@ class Mission:
 
         self.robots = [
             Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1)
-            for k, parts in enumerate(zip(simulators, beliefs, drivers, clocks, strict=True))
+            for k, parts in enumerate(zip(simulators, beliefs, localizers, drivers, clocks, strict=True))
         ]
         lead = self.robots[0]
         self.simulator, self.belief, self.driver, self.pilot = lead.simulator, lead.belief, lead.driver, lead.pilot
@@ -228,12 +231,17 @@ class Mission:
             robot.sense(dt if self.step else 0.0)
         assert robots[0].sensed is not None
         self.frames.offer(self.step, self.t, self.belief.map.cells, robots[0].sensed.frame)
-        for robot in robots:
+        located_ms = []
+        for robot in robots:  # all of them first: each tells the others where it is
+            thinking = time.perf_counter()
+            robot.localize(dt if self.step else 0.0)
+            located_ms.append(1e3 * (time.perf_counter() - thinking))
+        for robot, already_ms in zip(robots, located_ms, strict=True):
             thinking = time.perf_counter()
             # The wait for a due reply, while simulated time stands still, is no part of the control period.
             idle = robot.think(self.t, (other.says() for other in robots if other is not robot))
             waited += idle
-            self.control_ms.append(1e3 * (time.perf_counter() - thinking - idle))
+            self.control_ms.append(already_ms + 1e3 * (time.perf_counter() - thinking - idle))
         self.step += 1
         self.t = round(self.step * dt, 9)
         for robot in robots:
@@ -274,7 +282,7 @@ class Mission:
             self.step,
             self.t,
             *(float(v) for v in simulator.vehicle.state[:6]),
-            *sensed.pose,
+            *robot.pose,
             *robot.command,
             goal[0] if goal else "",
             goal[1] if goal else "",
@@ -282,6 +290,7 @@ class Mission:
             int(plan.ok) if plan else 1,
             self.coverage,
             len(self._covered),
+            *sensed.pose,
             robot=robot.number,
         )
 

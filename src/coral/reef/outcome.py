@@ -50,6 +50,8 @@ DEFINITIONS = {
     "phantom_clusters": "Clusters on the robot's map at the end that match no true one (no oyster within 1 m).",
     "position_error_m": "Distance between the position that the robot believed at the end and the true one (m).",
     "position_error_max_m": "The largest such distance of the mission (m).",
+    "odometry_error_m": "The same distance for the odometry alone, before correction (m).",
+    "odometry_error_max_m": "The largest distance of the odometry alone (m).",
     "all_covered_s": "Simulated time (s) at which every cluster counted as covered, where the experimenter stops a "
     "mission by default; none where it never came to that.",
     "all_covered_calls": "Advisor calls until then.",
@@ -74,7 +76,7 @@ def outcome_metrics(
     soon = times["time_to_90_s"]
     paths = [np.array([(float(row["x"]), float(row["y"])) for row in rows]).reshape(-1, 2) for rows in tables]
     backtracked = [driven_back(path) for path in paths]
-    errors = [_position_errors(rows) for rows in tables]
+    errors, drifts = ([_position_errors(rows, of) for rows in tables] for of in ("est", "odo"))
     steps = np.hypot(*np.diff(paths[0], axis=0).T) if len(paths[0]) > 1 else np.zeros(0)
     away = (
         reef_m[-len(steps) :] > OFF_ROUTE_M if len(steps) and len(reef_m) >= len(steps) else np.zeros(len(steps), bool)
@@ -95,6 +97,8 @@ def outcome_metrics(
         "phantom_clusters": judged.get("phantoms"),
         "position_error_m": max((round(e[-1], 4) for e in errors if e), default=None),
         "position_error_max_m": max((round(max(e), 4) for e in errors if e), default=None),
+        "odometry_error_m": max((round(e[-1], 4) for e in drifts if e), default=None),
+        "odometry_error_max_m": max((round(max(e), 4) for e in drifts if e), default=None),
         **_all_covered(events),
     }
 
@@ -146,12 +150,15 @@ def driven_back(path: NDArray[np.float64]) -> tuple[float, int]:
     return float(lengths.sum()), int((lengths >= STRETCH_M).sum())
 
 
-def _position_errors(rows: Sequence[Row]) -> list[float]:
-    """Distances (m) between the believed and the true position; a tick's estimate is of where the last one ended."""
-    if not rows or "est_x" not in rows[0]:
+def _position_errors(rows: Sequence[Row], of: str) -> list[float]:
+    """Distances (m) of an estimate (est, odo) from the true position; a tick's estimate is of where the last one ended.
+
+    Empty if it was not recorded.
+    """
+    if not rows or f"{of}_x" not in rows[0]:
         return []
     true = [(float(row["x"]), float(row["y"])) for row in rows]
-    believed = [(float(row["est_x"]), float(row["est_y"])) for row in rows]
+    believed = [(float(row[f"{of}_x"]), float(row[f"{of}_y"])) for row in rows]
     return [math.dist(a, b) for a, b in zip(true, believed[1:], strict=False)]
 
 

@@ -33,8 +33,12 @@ COLUMNS = (
     "planner_ok",
     "coverage",
     "clusters_covered",
+    "odo_x",
+    "odo_y",
+    "odo_theta",
 )
-"""trajectory.csv: SI units, world frame for poses, body frame for velocities; goal empty when there is none."""
+"""trajectory.csv: SI units, world frame for poses, body frame for velocities; goal empty when there is none.
+est: where the robot believed it was; odo: where its odometry alone put it."""
 
 
 @dataclass(frozen=True, kw_only=True)

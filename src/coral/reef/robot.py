@@ -10,6 +10,8 @@ import numpy as np
 from coral.advisor.clock import SimulatedClock
 from coral.reef.belief import Belief
 from coral.reef.fleet import Neighbour
+from coral.reef.geometry import Pose
+from coral.reef.localization import Localizer
 from coral.reef.pilot import Command, LocalPlanner, Pilot
 from coral.reef.simulator import ReefSimulator, Sensed
 
@@ -25,6 +27,7 @@ class Robot:
         number: int,
         simulator: ReefSimulator,
         belief: Belief,
+        localizer: Localizer,
         driver: LocalPlanner,
         clock: SimulatedClock,
         emit: Callable[..., None],
@@ -32,6 +35,8 @@ class Robot:
         alone: bool,
     ) -> None:
         self.number, self.simulator, self.belief, self.driver, self.clock = number, simulator, belief, driver, clock
+        self.localizer, self.pose = localizer, simulator.pose
+        """Where the robot believes it is: the odometry, corrected. It knows its start."""
         self._emit, self._alone = emit, alone
         self.sensed: Sensed | None = None
         self.command: Command = (0.0, 0.0)
@@ -46,11 +51,17 @@ class Robot:
         self.sensed = self.simulator.sense(dt)
         return self.sensed
 
+    def localize(self, dt: float) -> Pose:
+        """Correct the odometry of the last picture, `dt` seconds after the one before."""
+        assert self.sensed is not None
+        self.pose = self.localizer.update(self.sensed.frame, self.sensed.pose, dt)
+        return self.pose
+
     def think(self, t: float, others: Iterable[Neighbour]) -> float:
         """Choose the next command at time `t` (s). Return the wall time spent waiting for a reply (s)."""
         assert self.sensed is not None
         waited, self.belief.others = self.clock.waited_s, tuple(others)
-        self.command = self.pilot.tick(t, self.sensed.frame, self.sensed.pose, self.sensed.velocity)
+        self.command = self.pilot.tick(t, self.sensed.frame, self.pose, self.sensed.velocity)
         return self.clock.waited_s - waited
 
     def act(self, dt: float, others: Iterable[tuple[float, float]]) -> None:
@@ -60,12 +71,11 @@ class Robot:
 
     def says(self) -> Neighbour:
         """Return what it tells the other robots."""
-        assert self.sensed is not None
         about, plan, belief = self.pilot, self.pilot.plan, self.belief
         busy = not about.end_reason
         path, times = (np.empty((0, 2)), np.empty(0)) if plan is None else (plan.path[:, :2], plan.times)
         return Neighbour(
-            pose=self.sensed.pose,
+            pose=self.pose,
             radius_m=self.simulator.cfg.vehicle.hull_radius_m,
             goal=belief.goal if busy else None,
             index=belief.goal_index if busy else None,

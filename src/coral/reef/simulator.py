@@ -40,7 +40,7 @@ class Sensed:
 
     frame: Frame
     pose: Pose
-    """The robot's estimate; equals the truth unless drift is on."""
+    """By odometry alone; equals the truth unless drift is on."""
     velocity: tuple[float, float, float]
     """Ground-relative surge, sway (m/s) and yaw rate (rad/s) in the body frame."""
 

@@ -26,12 +26,18 @@ SHORT: dict[str, Mapping[str, float]] = {
         f"{_NOISE}obstacle_false": 0.1,
     },
     "depth_noise": {f"{_NOISE}depth_sigma": 1.0},
-    "pose_drift": {f"{_NOISE}drift_xy": 1.0, f"{_NOISE}drift_theta": 0.1},
+    "pose_drift": {
+        f"{_NOISE}drift_xy": 1.0,
+        f"{_NOISE}drift_theta": 0.1,
+        "localization.drift_xy": 1.0,
+        "localization.drift_theta": 0.1,
+    },
 }
 """Short words for configuration keys, each with the factor by which the word's value is multiplied.
 
 Mask errors: of ten pixels of sea floor there is hardly one of an oyster, so false ones are ten times rarer than missed
 ones. Drift: 0.1 rad for each metre, about what a heading error of that size adds over the 10 m between two places.
+The robot knows how far its odometry drifts, as a data sheet says, not where to.
 """
 Overrides = Sequence[tuple[str, Any]]
 

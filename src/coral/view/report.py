@@ -36,6 +36,8 @@ from coral.view.time_slider import script_data, shown_pictures
 from coral.words import many
 
 TEMPLATES = Path(__file__).parent / "templates"
+EXACT_M = 0.005
+"""Position errors below this are rounding."""
 IMAGING = "Imaged and inspected"
 IMAGING_NOTE = (
     "Share of the true oyster area that came into the camera's picture within 6 m (faint), and near enough to count "
@@ -209,6 +211,7 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
             "bad" if metrics.get("deviations") else "",
         ),
         *_inspection_tiles(metrics),
+        *_position_tiles(metrics),
     ]
 
 
@@ -224,6 +227,14 @@ def _inspection_tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, s
     if isinstance(idle, int | float):
         tiles.append((f"{idle:.0%}", "of the time, below 0.05 m/s", "standing still", ""))
     return tiles
+
+
+def _position_tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Return the tile of the position error; none where the odometry is exact."""
+    error, odometry = metrics.get("position_error_m"), metrics.get("odometry_error_m")
+    if not isinstance(error, int | float) or not isinstance(odometry, int | float) or odometry < EXACT_M:
+        return []
+    return [(f"{error:.2f} m", f"odometry alone {odometry:.2f} m", "position error at the end", "")]
 
 
 def _robot_table(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
