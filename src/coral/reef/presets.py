@@ -49,8 +49,11 @@ def _masks(missed: float, reason: str) -> tuple[Condition, ...]:
 
 
 def _drift(xy: float, reason: str) -> tuple[Condition, ...]:
-    """Random walk of position and heading, in the proportion of a sweep of `pose_drift`."""
+    """Random walk of position and heading, in the proportion of a sweep of `pose_drift`; the robot is told how much."""
+    told = "the robot's odometry is calibrated: it knows how much it drifts, not where to"
     return (
+        Condition(key="localization.drift_xy", value=xy, reason=told),
+        Condition(key="localization.drift_theta", value=round(xy / 10, 6), reason=told),
         Condition(key=f"{NOISE}drift_xy", value=xy, reason=reason),
         Condition(key=f"{NOISE}drift_theta", value=round(xy / 10, 6), reason=reason),
     )
