@@ -44,6 +44,9 @@ class CentroidChoice(BaseModel):
     model_config = ConfigDict(frozen=True)
 
     selected_centroid_index: Index | None = Field(description="label of the chosen orange dot; null when there is none")
+    then: tuple[Index, ...] = Field(
+        default=(), max_length=3, description="labels of the dots to go to after it, in order; may be empty"
+    )
     reason: Reason = ""
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count
-from coral.reef.chain import CentroidTracker, ChainCfg, Component, Track, components
+from coral.reef.chain import CentroidTracker, ChainCfg, Component, InspectCfg, Track, components
 from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Pose, to_robot
 from coral.reef.mapping import OccupancyMap
@@ -20,11 +20,12 @@ class BeliefCfg:
     """How the robot keeps its memory."""
 
     chain: ChainCfg = field(default_factory=ChainCfg)
+    inspect: InspectCfg = field(default_factory=InspectCfg)
     chain_period: Count = 5
     """Ticks between updates of the centroid chain."""
     visit_radius_m: float = 3.0
-    """A centroid counts as visited once the robot has been this close: D_trig, where its next goal is asked for, and
-    0.5 m for what its centroid may still move."""
+    """Without `inspect`, a centroid counts as visited once the robot has been this close: D_trig, where its next goal
+    is asked for, and 0.5 m for what its centroid may still move."""
     max_attempts: int = 2
     """Goals towards one centroid that may fail before it is given up."""
     trail_step_m: float = 0.1
@@ -43,6 +44,10 @@ class Belief:
         self.goal: tuple[float, float] | None = None
         self.goal_index: int | None = None
         """Label of the cluster that the goal stands for."""
+        self.arrival: Pose | None = None
+        """Where the robot will be when the answer to the open question is needed; None while none is open."""
+        self.closed: frozenset[int] = frozenset()
+        """Labels of the clusters that will be done by then, in the open question."""
         self.others: tuple[Neighbour, ...] = ()
         """The other robots of the mission, as they describe themselves."""
         self._keeps_chain = True
@@ -70,8 +75,32 @@ class Belief:
         if self._ticks % self.cfg.chain_period == 0:
             if self._keeps_chain:
                 self.tracker.update(self._components())
-            self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
+            if self.cfg.inspect.enabled:
+                self._inspect()
+            else:
+                self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
         self._ticks += 1
+
+    def _inspect(self) -> None:
+        cells = self.map
+        self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect)
+
+    @property
+    def inspect_m(self) -> float:
+        """Distance from which oysters can be counted (m)."""
+        return self.cfg.inspect.pixel_m * self.map.focal_px
+
+    def write_off(self, index: int) -> None:
+        """Give up what is left to see of a cluster: it could not be seen from near."""
+        for track in self.tracks:
+            if track.index == index:
+                at = np.floor(track.left / self.map.cfg.cell_m).astype(np.intp)
+                self.map.unseeable[at[:, 1], at[:, 0]] = True
+        self._inspect()
+
+    def track(self, index: int | None) -> Track | None:
+        """Return the cluster with this label, if there still is one."""
+        return next((t for t in self.tracks if t.index == index), None)
 
     def _components(self) -> list[Component]:
         """Find the oyster regions of the map; repeated only when an oyster cell has changed."""
@@ -90,17 +119,22 @@ class Belief:
         """All known clusters."""
         return self.tracker.tracks
 
+    def done(self, track: Track) -> bool:
+        """Check whether nothing is left to see of a cluster, now or on arrival."""
+        return track.visited or track.index in self.closed
+
     def unvisited(self) -> list[Track]:
         """Return the clusters still to be visited, without those whose goals failed too often or that others go to."""
         return [
             t
             for t in self.tracks
-            if not t.visited and self.failures(t.x, t.y) < self.cfg.max_attempts and not self.taken(t.x, t.y, t.index)
+            if not (self.done(t) or self.taken(t.x, t.y, t.index)) and self.failures(t.x, t.y) < self.cfg.max_attempts
         ]
 
     def ahead(self, forward_m: float) -> list[Track]:
         """Return unvisited clusters with a forward projection of at least `forward_m`."""
-        return [t for t in self.unvisited() if to_robot(self.pose, t.x, t.y)[0] >= forward_m]
+        pose = self.arrival or self.pose
+        return [t for t in self.unvisited() if to_robot(pose, t.x, t.y)[0] >= forward_m]
 
     def taken(self, x: float, y: float, index: int | None = None) -> bool:
         """Check whether another robot is going to a point (within d_merge of it) or to the cluster with this label."""

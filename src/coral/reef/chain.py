@@ -2,12 +2,29 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from coral.config import Fraction, Positive
+
+
+@dataclass(frozen=True, kw_only=True)
+class InspectCfg:
+    """When a cluster counts as done: by what was seen of it from near, not by where the robot has been."""
+
+    enabled: bool = True
+    """False is the paper's rule: a cluster is visited once the robot has been near its centroid, whatever it saw."""
+    pixel_m: Positive = 0.05
+    """Largest pixel at which oysters can be counted (see `ImagingCfg.pixel_m`); with the default camera 2.3 m away."""
+    share: Fraction = 0.95
+    """Share of a cluster's cells that must have been seen from there; the rest is edges that no pixel hit."""
+    least_m2: float = 0.04
+    """Less than this is not worth a visit: a few oysters."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,6 +44,14 @@ class ChainCfg:
     """Consecutive unmatched updates after which a track is removed; not given in the paper."""
 
 
+def _no_cells() -> NDArray[np.intp]:
+    return np.empty((0, 2), np.intp)
+
+
+def _no_points() -> NDArray[np.float64]:
+    return np.empty((0, 2))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Component:
     """One connected oyster region."""
@@ -37,6 +62,8 @@ class Component:
     area_px: int
     length_m: float
     """Longer edge of its bounding box (m); tells strips from compact clusters."""
+    cells: NDArray[np.intp] = field(default_factory=_no_cells, repr=False, compare=False)
+    """Its oyster cells (iy, ix). Shape=(M, 2)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +77,12 @@ class Track:
     length_m: float
     unmatched: int = 0
     visited: bool = False
+    inspected: float = 0.0
+    """Share of its cells that were seen from near enough to count oysters."""
+    cells: NDArray[np.intp] = field(default_factory=_no_cells, repr=False, compare=False)
+    """Its oyster cells (iy, ix). Shape=(M, 2)."""
+    left: NDArray[np.float64] = field(default_factory=_no_points, repr=False, compare=False)
+    """Centres of its cells that are still to be seen from near. Shape=(L, 2), metres."""
 
 
 def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[Component]:
@@ -68,13 +101,19 @@ def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[
     patch = target[y0 : ys[-1] + width + 1, x0 : xs[-1] + width + 1].astype(np.uint8)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
     closed = cv2.morphologyEx(patch, cv2.MORPH_CLOSE, kernel)
-    count, _, stats, centroids = cv2.connectedComponentsWithStats(closed, connectivity=8)
+    count, labels, stats, centroids = cv2.connectedComponentsWithStats(closed, connectivity=8)
+    iy, ix = np.nonzero(patch)
+    of = labels[iy, ix]
+    order = np.argsort(of, kind="stable")
+    cells = np.stack([iy + y0, ix + x0], axis=1)[order]
+    ends = np.searchsorted(of[order], np.arange(count + 1))
     return [
         Component(
             x=float((centroids[k, 0] + x0 + 0.5) * cell_m),
             y=float((centroids[k, 1] + y0 + 0.5) * cell_m),
             area_px=int(stats[k, cv2.CC_STAT_AREA]),
             length_m=float(max(stats[k, cv2.CC_STAT_WIDTH], stats[k, cv2.CC_STAT_HEIGHT]) * cell_m),
+            cells=cells[ends[k] : ends[k + 1]],
         )
         for k in range(1, count)
         if stats[k, cv2.CC_STAT_AREA] >= cfg.min_area_px
@@ -125,6 +164,8 @@ class CentroidTracker:
     def __init__(self, cfg: ChainCfg | None = None) -> None:
         self.cfg = cfg or ChainCfg()
         self.tracks: list[Track] = []
+        self._labels = itertools.count()
+        """A label means one cluster throughout a mission."""
 
     def update(self, found: Sequence[Component]) -> list[Track]:
         """Match components to tracks, closest pairs first, each at most once; start and drop tracks."""
@@ -145,20 +186,43 @@ class CentroidTracker:
                 y=(1 - a) * t.y + a * c.y,
                 area_px=c.area_px,
                 length_m=c.length_m,
+                cells=c.cells,
                 unmatched=0,
             )
         for j, t in enumerate(tracks):
             if j not in kept and t.unmatched + 1 < cfg.drop_after:
-                kept[j] = replace(t, unmatched=t.unmatched + 1)
+                kept[j] = replace(t, unmatched=t.unmatched + 1, cells=_no_cells(), left=_no_points())
         survivors = [kept[j] for j in sorted(kept)]
-        free = (n for n in range(len(survivors) + len(found) + 1) if n not in {t.index for t in survivors})
         survivors += [
-            Track(index=next(free), x=c.x, y=c.y, area_px=c.area_px, length_m=c.length_m)
+            Track(index=next(self._labels), x=c.x, y=c.y, area_px=c.area_px, length_m=c.length_m, cells=c.cells)
             for i, c in enumerate(found)
             if i not in match
         ]
         self.tracks = survivors
         return survivors
+
+    def inspect(
+        self, nearest: NDArray[np.float32], unseeable: NDArray[np.bool_], near_m: float, cell_m: float, cfg: InspectCfg
+    ) -> None:
+        """Update how much of each cluster has been seen from near, and mark as visited where next to nothing is left.
+
+        Args:
+            nearest: Shape=(NY, NX), smallest distance (m) from which each cell has been seen.
+            unseeable: Shape=(NY, NX), cells that are not worth another try.
+            near_m: Distance (m) from which oysters can be counted.
+            cell_m: Edge of a cell (m).
+            cfg: What is left over.
+        """
+        tracks = []
+        for track in self.tracks:
+            iy, ix = track.cells[:, 0], track.cells[:, 1]
+            far = nearest[iy, ix] > near_m
+            left = track.cells[far & ~unseeable[iy, ix]]
+            share = 1.0 - float(far.mean()) if len(far) else track.inspected
+            least = max(cfg.least_m2 / cell_m**2, (1.0 - cfg.share) * len(far))
+            points = np.asarray((left[:, ::-1] + 0.5) * cell_m, np.float64)
+            tracks.append(replace(track, inspected=share, left=points, visited=len(left) <= least))
+        self.tracks = tracks
 
     def mark_visited(self, x: float, y: float, radius_m: float) -> None:
         """Mark the tracks that the vehicle has come within `radius_m` of as visited."""

@@ -151,7 +151,7 @@ def _distance(dot: Mapping[str, Any], forward: float, left: float) -> float:
 
 
 def _dot(right: Answer, dot: Mapping[str, Any]) -> Answer:
-    return {**right, "selected_centroid_index": dot["index"], "reason": ""}
+    return {**right, "selected_centroid_index": dot["index"], "then": [], "reason": ""}
 
 
 def _step(right: Answer, forward: float, left: float) -> Answer:
@@ -161,5 +161,5 @@ def _step(right: Answer, forward: float, left: float) -> Answer:
 
 
 def _same(a: Answer, b: Answer) -> bool:
-    """Whether two answers say the same, whatever their reasons."""
-    return {**a, "reason": ""} == {**b, "reason": ""}
+    """Whether two answers say the same, whatever their reasons and what they would do next."""
+    return {**a, "then": [], "reason": ""} == {**b, "then": [], "reason": ""}

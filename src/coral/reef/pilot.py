@@ -24,7 +24,8 @@ from coral.reef.controller import Plan
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import Frame, Pose, to_world
 from coral.reef.monitor import MonitorCfg, PathMonitor
-from coral.reef.planner import Goal, HighLevelPlanner
+from coral.reef.planner import HighLevelPlanner
+from coral.reef.route import Goal
 from coral.reef.traffic import Traffic, TrafficCfg
 from coral.reef.trigger import Firing, SmartTrigger, TriggerCfg
 from coral.reef.vehicle import VehicleState
@@ -67,6 +68,10 @@ class PilotCfg:
     action_s: float = 1.0
     initial_m: float = 2.0
     """The initial waypoint lies this far ahead of the start (Alg. 1)."""
+    blind_m: float = 6.0
+    """It may lie up to this far, so that the robot need not stand still until the first answer comes."""
+    first_s: float = 1.0
+    """The first question is asked so long after the start: a map of one picture shows too little."""
     local_m: float = 5.0
     """How far about itself the robot keeps its distances to obstacles up to date; beyond the sensing range."""
     field_period_s: float = 1.0
@@ -93,6 +98,7 @@ class Pilot:
         self.cfg = cfg or PilotCfg()
         self.belief, self.planner, self.driver = belief, planner, driver
         self.advisor, self.fallback, self.clock = advisor, fallback, clock
+        self.route = planner.route
         self.trigger = SmartTrigger(self.cfg.trigger)
         self.monitor = PathMonitor(self.cfg.monitor)
         self.traffic = Traffic(self.cfg.traffic)
@@ -112,17 +118,19 @@ class Pilot:
         self._mode = ""
         self._field_key: tuple[Any, ...] = ()
         self._field_at = -math.inf
-        self._acting_until = -math.inf
+        self._acting_until = self._began = -math.inf
 
     def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
         """Run one control period: take in the data sensed at time `t` (s), return the command until the next."""
         self.belief.update(frame, pose)
         if self.belief.goal is None:
-            self.belief.goal = to_world(pose, self.cfg.initial_m, 0.0)
+            self._began = t
+            x, y = self._initial(pose)
+            self.route.follow([Goal(x=x, y=y)], t)
             self._emit(
                 "goal",
-                x=self.belief.goal[0],
-                y=self.belief.goal[1],
+                x=x,
+                y=y,
                 source="initial",
                 decision=None,
                 index=None,
@@ -131,6 +139,9 @@ class Pilot:
             )
         self.clock.advance(t) if isinstance(self.clock, SimulatedClock) else self.clock.advance()
         self._collect()
+        if self.planner.cfg.route.ahead and self.route.update(t):
+            self.trigger.new_goal()
+        self._route(t)
         self._watch(t, math.hypot(velocity[0], velocity[1]))
         self._route(t)
         assert self.field is not None
@@ -146,6 +157,15 @@ class Pilot:
             return 0.0, 0.0
         return self.traffic.held(self.plan.command, pose, self.belief.others)
 
+    def _initial(self, pose: Pose) -> tuple[float, float]:
+        """Return the initial waypoint: far enough ahead to drive while the first answer is awaited."""
+        way_m = self.cfg.initial_m
+        if self.planner.cfg.route.ahead:
+            way_m = max(way_m, min(self.route.lead_s * self.planner.cfg.route.cruise_m_s, self.cfg.blind_m))
+        while way_m > self.cfg.initial_m and not self.belief.map.contains(*to_world(pose, way_m, 0.0), margin_m=1.0):
+            way_m -= 0.5
+        return to_world(pose, way_m, 0.0)
+
     @property
     def pending(self) -> bool:
         """Whether a decision is under way."""
@@ -155,8 +175,12 @@ class Pilot:
         """Ask the advisor when Eq. 12 says so; log every change of its verdict."""
         if self.cfg.synchronous and t < self._acting_until - 1e-9:
             return
+        if self.planner.cfg.route.ahead and not self._decided and t < self._began + self.cfg.first_s - 1e-9:
+            return
+        pose = self.belief.pose
         target = self.belief.goal if self._decided else None
-        firing = self.trigger.update(t, self.belief.pose.x, self.belief.pose.y, speed, target, self.pending)
+        soon = self.route.to_go_s(self.field) <= self.route.lead_s if self.planner.cfg.route.ahead else None
+        firing = self.trigger.update(t, pose.x, pose.y, speed, target, self.pending, soon)
         if firing is not None and firing != self._last_firing:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
         self._last_firing = firing
@@ -167,6 +191,7 @@ class Pilot:
             return
         if firing.cause in ("stuck", "failure", "deviation") and not self.end_reason:
             self.belief.goal_failed()
+            self.route.drop(t)
         self.end_reason = ""
         self.trigger.asked(t)
         self._attempts, self._decision = 0, next(self._numbers)
@@ -184,7 +209,7 @@ class Pilot:
         self._collect()
 
     def _observe(self, rejections: Any) -> Question[Any] | None:
-        question = self.open_question = self.planner.observe(rejections)
+        question = self.open_question = self.planner.observe(rejections, self.field)
         if question is None:
             return None
         if self.planner.mode != self._mode:
@@ -197,7 +222,13 @@ class Pilot:
             mode=self._mode,
             pictures=[p.digest for p in question.pictures],
             centroids=[
-                {"index": k.index, "x": round(k.x, 3), "y": round(k.y, 3), "visited": k.visited}
+                {
+                    "index": k.index,
+                    "x": round(k.x, 3),
+                    "y": round(k.y, 3),
+                    "visited": self.belief.done(k),
+                    "inspected": round(k.inspected, 3),
+                }
                 for k in self.belief.tracker.chain()
             ],
         )
@@ -219,6 +250,8 @@ class Pilot:
             **({"faults": list(attempt.usage.faults)} if attempt.usage.faults else {}),
         )
         self.last_attempt = attempt
+        if attempt.verdict in ("accepted", "rejected", "malformed"):
+            self.route.answered(attempt.answered_at_s - attempt.asked_at_s)
         self._log(attempt)
 
     def _collect(self) -> None:
@@ -231,9 +264,9 @@ class Pilot:
         elif outcome.failure and outcome.failure != "withdrawn":
             self._fall_back(outcome)
         elif outcome.answer is not None and outcome.question is not None:
-            goal = self.planner.locate(outcome.question, outcome.answer)
-            self._adopt(goal, source_of(self.advisor), getattr(outcome.answer, "reason", ""))
+            self._adopt(outcome.question, outcome.answer, source_of(self.advisor))
         self._decided = True
+        self.belief.arrival, self.belief.closed = None, frozenset()
         self._acting_until = self.clock.now() + self.cfg.action_s
 
     def _fall_back(self, outcome: Outcome[Any]) -> None:
@@ -247,13 +280,13 @@ class Pilot:
             return
         rejections: list[Rejection] = []
         for _ in range(FALLBACK_TRIES):
-            question = self.planner.observe(rejections)
+            question = self.planner.observe(rejections, self.field)
             if question is None:
                 return
             answer = run_alone(self.fallback.answer(question, rejections)).value
             refusal = self.planner.verify(question, answer)
             if refusal is None:
-                self._adopt(self.planner.locate(question, answer), "fallback", getattr(answer, "reason", ""))
+                self._adopt(question, answer, "fallback")
                 return
             rejections.append(refusal)
         self._hold("the rules found no goal that passes")
@@ -262,10 +295,16 @@ class Pilot:
         """Keep the present goal, which also is a decision, and not the advisor's."""
         self._emit("held", source="fallback", decision=self._decision, reason=reason)
 
-    def _adopt(self, goal: Goal | Rejection, source: Source, reason: str) -> None:
+    def _adopt(self, question: Question[Any], answer: Any, source: Source) -> None:
+        """Put a decision behind the goals that were under way when it was asked for; without `ahead` there are none."""
+        goal = self.planner.locate(question, answer)
         if isinstance(goal, Rejection):
             return  # the cluster merged into another between two ticks; the trigger asks again
         violates = self.planner.adopt(goal)
+        onward = self.planner.onward(answer)
+        assert self.planner.asked is not None
+        before = [g for g in self.route.goals if g in self.planner.asked.arrival.goals]
+        self.route.follow([*before, goal, *onward], self.clock.now())
         self.trigger.new_goal()
         self._emit(
             "goal",
@@ -274,8 +313,10 @@ class Pilot:
             source=source,
             decision=self._decision,
             index=goal.index,
-            reason=reason,
+            reason=getattr(answer, "reason", ""),
             violates=violates,
+            **({"waits": len(before)} if before else {}),
+            **({"then": [g.index for g in onward]} if onward else {}),
         )
 
     def _route(self, t: float) -> None:

@@ -13,6 +13,8 @@ from coral.config import CellSize, Positive
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import to_robot
+from coral.reef.mapping import Hint
+from coral.reef.route import Arrival, here
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +38,11 @@ class SurveyCfg:
     """... that lies this near to a known cluster: water farther off is no longer the reef."""
     border_m: float = 0.5
     """The outermost strip of the survey area is not worth a visit."""
+    look_m: Positive = 5.0
+    """Water within this of the way there, and in front of it, will be explored on arrival; less than the map's 6 m,
+    since obstacles hide some of it."""
+    look_deg: float = 55.0
+    """The same to either side of the heading: a little less than the camera's half angle of view."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +71,8 @@ class Survey:
     """Geodesic distances from the robot."""
     dead_end: bool
     gain_radius_m: float
+    hints: tuple[Hint, ...] = ()
+    """Oysters seen beyond the map's range, nearest first."""
 
     def path_m(self, x: float, y: float, within_m: float = 0.7) -> float:
         """Length of the known way from the robot to within `within_m` of a point (m); inf when there is none."""
@@ -74,7 +83,9 @@ class Survey:
         return self.field.lengths(xs, ys)
 
 
-def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg) -> Survey:
+def survey(
+    belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg, arrival: Arrival | None = None
+) -> Survey:
     """Analyse the present map.
 
     Args:
@@ -82,11 +93,13 @@ def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: Surve
         field_cfg: How obstacles are inflated for the geodesic distances.
         forward_m: Forward projection from which a centroid counts as ahead (Alg. 2, d_min).
         cfg: Thresholds.
+        arrival: Where the robot will be; what it will have explored on the way is not left. None: where it is.
     """
-    pose = belief.pose
+    arrival = arrival or here(belief)
+    pose = arrival.pose
     field = CostField.compute(belief.map.distance(), (pose.x, pose.y), cell_m=belief.map.cfg.cell_m, cfg=field_cfg)
     left = Survey(frontiers=(), field=field, dead_end=False, gain_radius_m=cfg.gain_radius_m)
-    frontiers = _frontiers(belief, left, cfg)
+    frontiers, hints = _frontiers(belief, left, cfg, arrival)
     near_ahead = any(
         abs(f.bearing) <= math.radians(cfg.ahead_deg)
         and f.path_m <= cfg.ahead_m
@@ -94,14 +107,20 @@ def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: Surve
         for f in frontiers
     )
     dead_end = not near_ahead and not belief.ahead(forward_m)
-    return replace(left, frontiers=tuple(frontiers), dead_end=dead_end)
+    return replace(left, frontiers=tuple(frontiers), hints=tuple(hints), dead_end=dead_end)
 
 
-def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
+def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -> tuple[list[Frontier], list[Hint]]:
     cells, cell_m = belief.map, cfg.cell_m
+
+    def _cell(value: float, count: int) -> int:
+        return min(max(int(value / cell_m), 0), count - 1)
+
     k = max(1, round(cell_m / cells.cfg.cell_m))
     explored = _coarse(cells.explored, k).mean(axis=(1, 3)) > 0.5
     solid = _coarse(cells.obstacle, k).any(axis=(1, 3))
+    if arrival.in_s > 0.0:
+        _explore_ahead(explored, arrival, cell_m, cfg)
     edge = math.ceil(cfg.border_m / cell_m)
     unknown = (~explored & ~solid).astype(np.uint8)
     unknown[:edge], unknown[-edge:], unknown[:, :edge], unknown[:, -edge:] = 0, 0, 0, 0
@@ -120,7 +139,10 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
     _, pieces = cv2.connectedComponents(edge_mask, connectivity=8)
     tile = max(1, round(cfg.tile_m / cell_m))
     key = (pieces[ys, xs].astype(np.int64) * 4096 + ys // tile) * 4096 + xs // tile
-    reef = np.array([[t.x, t.y] for t in belief.tracks]).reshape(-1, 2)
+    hints = [h for h in cells.hints() if not explored[_cell(h.y, explored.shape[0]), _cell(h.x, explored.shape[1])]]
+    hints = [h for h in hints if math.isfinite(left.path_m(h.x, h.y)) and belief.failures(h.x, h.y) == 0]
+    hints.sort(key=lambda h: left.path_m(h.x, h.y))
+    reef = np.array([[t.x, t.y] for t in belief.tracks] + [[h.x, h.y] for h in hints]).reshape(-1, 2)
     found = []
     for group in np.unique(key):
         members = np.flatnonzero(key == group)
@@ -131,7 +153,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
         x, y = float(px[best]), float(py[best])
         if belief.failures(x, y) >= belief.cfg.max_attempts or belief.taken(x, y):
             continue
-        forward, to_left = to_robot(belief.pose, x, y)
+        forward, to_left = to_robot(arrival.pose, x, y)
         found.append(
             Frontier(
                 x=x,
@@ -143,7 +165,23 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
                 reef_m=float(np.min(np.hypot(reef[:, 0] - x, reef[:, 1] - y))) if len(reef) else math.inf,
             )
         )
-    return sorted(found, key=lambda f: f.path_m)
+    return sorted(found, key=lambda f: f.path_m), hints
+
+
+def _explore_ahead(explored: NDArray[np.bool_], arrival: Arrival, cell_m: float, cfg: SurveyCfg) -> None:
+    """Mark what the robot will have seen on the way, Shape=(NY, NX), in place."""
+    reach = math.ceil(cfg.look_m / cell_m)
+    for x, y, theta in arrival.path[::2][:-1].tolist() + arrival.path[-1:].tolist():
+        iy, ix = int(y / cell_m), int(x / cell_m)
+        y0, x0 = max(iy - reach, 0), max(ix - reach, 0)
+        window = explored[y0 : iy + reach + 1, x0 : ix + reach + 1]
+        if not window.size:
+            continue
+        dy = (np.arange(y0, y0 + window.shape[0]) + 0.5) * cell_m - y
+        dx = (np.arange(x0, x0 + window.shape[1]) + 0.5) * cell_m - x
+        bearing = np.arctan2(dy[:, None], dx[None, :]) - theta
+        turned = np.abs(np.arctan2(np.sin(bearing), np.cos(bearing)))
+        window |= (np.hypot(dx[None, :], dy[:, None]) <= cfg.look_m) & (turned <= math.radians(cfg.look_deg))
 
 
 def _coarse(mask: NDArray[np.bool_], k: int) -> NDArray[np.bool_]:

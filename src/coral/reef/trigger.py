@@ -76,7 +76,14 @@ class SmartTrigger:
         self._slow_since = None
 
     def update(
-        self, t: float, x: float, y: float, speed: float, target: tuple[float, float] | None, pending: bool
+        self,
+        t: float,
+        x: float,
+        y: float,
+        speed: float,
+        target: tuple[float, float] | None,
+        pending: bool,
+        soon: bool | None = None,
     ) -> Firing | None:
         """Evaluate Eq. 12 at time `t` (s) for the robot at (x, y) moving at `speed` (m/s).
 
@@ -87,6 +94,7 @@ class SmartTrigger:
             speed: Magnitude of its velocity (m/s).
             target: Active waypoint (m); None before the first.
             pending: A question is already open.
+            soon: Whether the goals will be done before an answer can come; None: ask by distance, as the paper does.
 
         Returns:
             The predicate that holds now, if any; stuck before failure before distance.
@@ -102,7 +110,7 @@ class SmartTrigger:
             cause = "failure"
         elif self._deviated:
             cause = "deviation"
-        elif cfg.always or math.hypot(target[0] - x, target[1] - y) < cfg.distance_m:
+        elif cfg.always or (soon if soon is not None else math.hypot(target[0] - x, target[1] - y) < cfg.distance_m):
             cause = "distance"
         if cause is None:
             return None
