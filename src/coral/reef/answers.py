@@ -50,6 +50,15 @@ class CentroidChoice(BaseModel):
     reason: Reason = ""
 
 
+class WaypointStep(BaseModel):
+    """A further waypoint, in the same frame as the first."""
+
+    model_config = ConfigDict(frozen=True)
+
+    forward_m: Step
+    left_m: Step
+
+
 class WaypointChoice(BaseModel):
     """Answer in free waypoint mode (paper III-C.2): whole metres in the robot frame."""
 
@@ -57,6 +66,9 @@ class WaypointChoice(BaseModel):
 
     forward_m: Step = Field(description="metres forward (negative: backward), -6 to 6")
     left_m: Step = Field(description="metres to the left (negative: right), -6 to 6")
+    then: tuple[WaypointStep, ...] = Field(
+        default=(), max_length=2, description="waypoints to go to after it, in the same frame; may be empty"
+    )
     reason: Reason = ""
 
     @model_validator(mode="before")

@@ -74,7 +74,7 @@ class Belief:
             self._trail.append((pose.x, pose.y))
         if self._ticks % self.cfg.chain_period == 0:
             if self._keeps_chain:
-                self.tracker.update(self._components())
+                self.tracker.update(self._components(), self.map.hints() if self.cfg.inspect.enabled else ())
             if self.cfg.inspect.enabled:
                 self._inspect()
             else:
@@ -93,7 +93,7 @@ class Belief:
     def write_off(self, index: int) -> None:
         """Give up what is left to see of a cluster: it could not be seen from near."""
         for track in self.tracks:
-            if track.index == index:
+            if track.index == index and not track.far:
                 at = np.floor(track.left / self.map.cfg.cell_m).astype(np.intp)
                 self.map.unseeable[at[:, 1], at[:, 0]] = True
         self._inspect()

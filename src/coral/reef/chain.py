@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Fraction, Positive
+from coral.reef.mapping import Hint
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +41,8 @@ class ChainCfg:
     """d_merge; not given in the paper. Equal to its minimum target separation."""
     alpha_new: float = 0.3
     """Weight of the new centroid in Eq. 3 (alpha_old = 1 - alpha_new); not given in the paper."""
+    far_merge_m: float = 2.5
+    """What is seen from afar may lie this far from where it turns out to be."""
     drop_after: int = 30
     """Consecutive unmatched updates after which a track is removed; not given in the paper."""
 
@@ -77,6 +80,8 @@ class Track:
     length_m: float
     unmatched: int = 0
     visited: bool = False
+    far: bool = False
+    """Seen from afar only, beyond the map's range; a cluster that the map then shows there keeps the label."""
     inspected: float = 0.0
     """Share of its cells that were seen from near enough to count oysters."""
     cells: NDArray[np.intp] = field(default_factory=_no_cells, repr=False, compare=False)
@@ -167,9 +172,16 @@ class CentroidTracker:
         self._labels = itertools.count()
         """A label means one cluster throughout a mission."""
 
-    def update(self, found: Sequence[Component]) -> list[Track]:
-        """Match components to tracks, closest pairs first, each at most once; start and drop tracks."""
-        cfg, tracks = self.cfg, self.tracks
+    def update(self, found: Sequence[Component], hints: Sequence[Hint] = ()) -> list[Track]:
+        """Match components to tracks, closest pairs first, each at most once; start and drop tracks.
+
+        Args:
+            found: The oyster regions of the map.
+            hints: Oysters seen beyond the map's range. They are tracks of their own until the map shows a region there.
+        """
+        cfg = self.cfg
+        tracks = [t for t in self.tracks if not t.far]
+        afar = [t for t in self.tracks if t.far]
         pairs = sorted(
             (float(np.hypot(c.x - t.x, c.y - t.y)), i, j) for i, c in enumerate(found) for j, t in enumerate(tracks)
         )
@@ -193,13 +205,30 @@ class CentroidTracker:
             if j not in kept and t.unmatched + 1 < cfg.drop_after:
                 kept[j] = replace(t, unmatched=t.unmatched + 1, cells=_no_cells(), left=_no_points())
         survivors = [kept[j] for j in sorted(kept)]
-        survivors += [
-            Track(index=next(self._labels), x=c.x, y=c.y, area_px=c.area_px, length_m=c.length_m, cells=c.cells)
-            for i, c in enumerate(found)
-            if i not in match
-        ]
+        for i, c in enumerate(found):
+            if i not in match:
+                old = _nearest(afar, c.x, c.y, cfg.far_merge_m)
+                afar = [t for t in afar if t is not old]
+                label = next(self._labels) if old is None else old.index
+                survivors.append(
+                    Track(index=label, x=c.x, y=c.y, area_px=c.area_px, length_m=c.length_m, cells=c.cells)
+                )
+        survivors += self._afar(afar, hints, survivors)
         self.tracks = survivors
         return survivors
+
+    def _afar(self, afar: Sequence[Track], hints: Sequence[Hint], near: Sequence[Track]) -> list[Track]:
+        """Update the tracks of what was seen from afar; one without a hint is dropped: the robot has looked there."""
+        tracks, rest = [], list(afar)
+        for hint in hints:
+            if _nearest(near, hint.x, hint.y, self.cfg.far_merge_m) is not None:
+                continue
+            old = _nearest(rest, hint.x, hint.y, self.cfg.far_merge_m)
+            rest = [t for t in rest if t is not old]
+            label = next(self._labels) if old is None else old.index
+            left = np.array([[hint.x, hint.y]])
+            tracks.append(Track(index=label, x=hint.x, y=hint.y, area_px=0, length_m=0.0, far=True, left=left))
+        return tracks
 
     def inspect(
         self, nearest: NDArray[np.float32], unseeable: NDArray[np.bool_], near_m: float, cell_m: float, cfg: InspectCfg
@@ -215,6 +244,9 @@ class CentroidTracker:
         """
         tracks = []
         for track in self.tracks:
+            if track.far:
+                tracks.append(track)
+                continue
             iy, ix = track.cells[:, 0], track.cells[:, 1]
             far = nearest[iy, ix] > near_m
             left = track.cells[far & ~unseeable[iy, ix]]
@@ -227,7 +259,8 @@ class CentroidTracker:
     def mark_visited(self, x: float, y: float, radius_m: float) -> None:
         """Mark the tracks that the vehicle has come within `radius_m` of as visited."""
         self.tracks = [
-            t if t.visited or np.hypot(t.x - x, t.y - y) > radius_m else replace(t, visited=True) for t in self.tracks
+            t if t.visited or t.far or np.hypot(t.x - x, t.y - y) > radius_m else replace(t, visited=True)
+            for t in self.tracks
         ]
 
     def chain(self) -> list[Track]:
@@ -237,3 +270,9 @@ class CentroidTracker:
         if order and tracks[order[-1]].index < tracks[order[0]].index:
             order.reverse()
         return [tracks[i] for i in order]
+
+
+def _nearest(tracks: Sequence[Track], x: float, y: float, within_m: float) -> Track | None:
+    """Return the nearest track within a distance (m) of a point."""
+    near = [(float(np.hypot(t.x - x, t.y - y)), t.index, t) for t in tracks]
+    return min((n for n in near if n[0] <= within_m), default=(0.0, 0, None), key=lambda n: n[:2])[2]

@@ -44,7 +44,6 @@ def describe(
         "dead_end": around.dead_end,
         "trend_deg": _trend(around, cfg),
         "centroids": _centroids(belief, left, pose),
-        "sightings": [_place(pose, h.x, h.y) | {"path_m": _finite(left.path_m(h.x, h.y))} for h in left.hints],
         "frontiers": _frontiers(left, pose),
     }
     if belief.others:
@@ -83,8 +82,9 @@ def _centroids(belief: Belief, left: Survey, pose: Pose) -> list[dict[str, Any]]
                 **_place(pose, t.x, t.y),
                 "path_m": _finite(left.path_m(t.x, t.y)),
                 "visited": belief.done(t),
+                **({"far": True} if t.far else {}),
                 "inspected": round(t.inspected, 2),
-                "left_m2": round(len(t.left) * cell_m**2, 2),
+                "left_m2": None if t.far else round(len(t.left) * cell_m**2, 2),
                 **({"taken": belief.taken(t.x, t.y, t.index)} if belief.others else {}),
                 "chain_position": position,
                 "failed_attempts": belief.failures(t.x, t.y),

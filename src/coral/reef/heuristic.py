@@ -7,7 +7,6 @@ between the places on the map as a reader of the picture would, straight. They a
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,23 +16,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.advisor.question import Rejection
-from coral.reef.answers import CentroidChoice, WaypointChoice
+from coral.reef.answers import CentroidChoice, WaypointChoice, WaypointStep
 from coral.reef.delays import delays_from, order_from
 
 SPEED_M_S, YAW_RATE_RAD_S = 0.5, 0.6
 """At which the robot drives and turns."""
-DOT, SIGHTING, FRONTIER, ELSEWHERE = 0.5, 1.0, 0.5, 0.05
-"""Worth of a cluster besides the area that is left of it (m²), of oysters seen from afar, of unexplored water beside
-the reef, and of unexplored water anywhere."""
+DOT, FAR_M2 = 0.5, 0.5
+"""Worth of a cluster besides the area that is left of it (m²), and that area where it is seen from afar only."""
+FRONTIER, ELSEWHERE = 0.1, 0.02
+"""Worth of unexplored water beside the reef, and anywhere. Little: most of it is seen on the way to clusters."""
 REEF_M = 3.0
 """Distance from the reef at which the worth of unexplored water has fallen to 1/e: oysters settle near oysters."""
 FAILED_S = 10.0
 """A goal that failed already is put off by so much."""
 MOST_PLACES = 9
+NEW_M = 2.0
+"""A further waypoint this near to the one before adds nothing."""
 GAP_M = 4.0
 """Frontiers nearer than this to a place already in the tour are part of it."""
-STRIDE_M = 8.0
-"""A dot farther than this from the one before it is left to the next question."""
+MOST_THEN = 2
+"""Goals that are named besides the first, to go on with until the next answer comes."""
 OTHERS_S = 2.0
 """Delay (s) for each metre by which another robot, or its goal, is nearer: what lies on its way is left to it."""
 
@@ -68,19 +70,14 @@ def choose_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCho
     between, worth = _between(places)
     total = _first_s(places) + delays_from(between, worth)
     best = min(open_, key=lambda k: total[k])
-    then: list[int] = []
-    order = order_from(best, between, worth)
-    for k, following in itertools.pairwise(order):
-        index = places[following].index
-        if index is None or between[k, following] * SPEED_M_S > STRIDE_M or len(then) == 3:
-            break
-        then.append(index)
+    after = [k for k in order_from(best, between, worth)[1:] if places[k].index is not None]
+    then = tuple(places[k].index for k in after[:MOST_THEN])
     place = places[best]
     why = (
         f"Cluster {place.index} has most to show for the way: it lies {place.forward_m:.1f} m ahead and "
         f"{place.left_m:+.1f} m to the left of where the robot will be."
     )
-    return CentroidChoice(selected_centroid_index=place.index, then=tuple(then), reason=why)
+    return CentroidChoice(selected_centroid_index=place.index, then=then, reason=why)
 
 
 def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
@@ -95,35 +92,48 @@ def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCho
         return WaypointChoice(
             forward_m=best["forward_m"], left_m=best["left_m"], reason="Most unexplored water in reach."
         )
-    total = _first_s(places) + delays_from(*_between(places))
-    aim = places[int(np.argmin(total))]
-
-    def detour(o: Fact) -> float:
-        rest = math.hypot(o["forward_m"] - aim.forward_m, o["left_m"] - aim.left_m)
-        return float(o["path_m"] + 1.5 * rest - 0.5 * o["unexplored"])
-
-    best = min(options, key=detour)
+    between, worth = _between(places)
+    total = _first_s(places) + delays_from(between, worth)
+    order = order_from(int(np.argmin(total)), between, worth)
+    aim = places[order[0]]
+    best = min(options, key=lambda o: _detour(o, aim))
+    steps = [best]
+    for k in order[1:]:
+        step = min(options, key=lambda o: _detour(o, places[k], steps[-1]))
+        if len(steps) <= MOST_THEN and math.dist(_at(step), _at(steps[-1])) >= NEW_M:
+            steps.append(step)
     return WaypointChoice(
         forward_m=best["forward_m"],
         left_m=best["left_m"],
+        then=tuple(WaypointStep(forward_m=o["forward_m"], left_m=o["left_m"]) for o in steps[1:]),
         reason=f"Towards {aim.name}, {aim.path_m:.1f} m away.",
     )
+
+
+def _detour(option: Fact, aim: _Place, start: Fact | None = None) -> float:
+    """Return the length of the way over a waypoint to a place, the second part weighed more."""
+    way = option["path_m"] if start is None else math.dist(_at(option), _at(start))
+    rest = math.hypot(option["forward_m"] - aim.forward_m, option["left_m"] - aim.left_m)
+    return float(way + 1.5 * rest - 0.5 * option["unexplored"])
+
+
+def _at(option: Fact) -> tuple[float, float]:
+    return option["forward_m"], option["left_m"]
 
 
 def _places(facts: Fact) -> list[_Place]:
     """Return what is left to see and within reach, nearest first, clusters before the rest."""
     dots = [
-        _place(facts, c, DOT + c["left_m2"], f"cluster {c['index']}", c["index"], c["failed_attempts"])
+        _place(facts, c, DOT + _left_m2(c), f"cluster {c['index']}", c["index"], c["failed_attempts"])
         for c in facts["centroids"]
         if not c["visited"] and not c.get("taken") and c["path_m"] is not None
     ]
     places = sorted(dots, key=lambda p: p.path_m)[:MOST_PLACES]
-    seen = [_place(facts, s, SIGHTING, "oysters seen from afar") for s in facts["sightings"] if s["path_m"] is not None]
     water = [
         _place(facts, f, _promise(f), "unexplored water beside the reef" if _beside(f) else "unexplored water")
         for f in facts["frontiers"]
     ]
-    for place in (*seen, *water):
+    for place in water:
         if len(places) == MOST_PLACES:
             break
         if all(_apart(place, p) >= GAP_M for p in places if p.index is None):
@@ -134,6 +144,11 @@ def _places(facts: Fact) -> list[_Place]:
 def _place(facts: Fact, at: Fact, worth: float, name: str, index: int | None = None, failed: int = 0) -> _Place:
     put_off_s = FAILED_S * failed + OTHERS_S * _nearer_to_others(facts, at)
     return _Place(at["forward_m"], at["left_m"], at["path_m"], worth, name, index, failed, put_off_s)
+
+
+def _left_m2(dot: Fact) -> float:
+    """Return the area that is left to see of a cluster (m²)."""
+    return FAR_M2 if dot["left_m2"] is None else float(dot["left_m2"])
 
 
 def _promise(frontier: Fact) -> float:

@@ -157,7 +157,7 @@ def _dot(right: Answer, dot: Mapping[str, Any]) -> Answer:
 def _step(right: Answer, forward: float, left: float) -> Answer:
     """A waypoint in whole metres within the longest step."""
     steps = [int(np.clip(round(value), -STEP_M, STEP_M)) for value in (forward, left)]
-    return {**right, "forward_m": steps[0], "left_m": steps[1], "reason": ""}
+    return {**right, "forward_m": steps[0], "left_m": steps[1], "then": [], "reason": ""}
 
 
 def _same(a: Answer, b: Answer) -> bool:

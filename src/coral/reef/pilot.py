@@ -116,6 +116,8 @@ class Pilot:
         self._task: asyncio.Task[Outcome[Any]] | None = None
         self._last_firing: Firing | None = None
         self._mode = ""
+        self._known: set[int] = set()
+        """Labels of the clusters that were on a map when a question was asked."""
         self._field_key: tuple[Any, ...] = ()
         self._field_at = -math.inf
         self._acting_until = self._began = -math.inf
@@ -179,7 +181,7 @@ class Pilot:
             return
         pose = self.belief.pose
         target = self.belief.goal if self._decided else None
-        soon = self.route.to_go_s(self.field) <= self.route.lead_s if self.planner.cfg.route.ahead else None
+        soon = self._asks_ahead() if self.planner.cfg.route.ahead else None
         firing = self.trigger.update(t, pose.x, pose.y, speed, target, self.pending, soon)
         if firing is not None and firing != self._last_firing:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
@@ -195,6 +197,7 @@ class Pilot:
         self.end_reason = ""
         self.trigger.asked(t)
         self._attempts, self._decision = 0, next(self._numbers)
+        self._known |= {track.index for track in self.belief.tracks}
         self._task = self.clock.start(
             consult(
                 self.advisor,
@@ -207,6 +210,11 @@ class Pilot:
             )
         )
         self._collect()
+
+    def _asks_ahead(self) -> bool:
+        """Check whether the goals will be done before an answer can come, or the map shows a new cluster."""
+        news = any(track.index not in self._known for track in self.belief.unvisited())
+        return news or self.route.to_go_s(self.field) <= self.route.lead_s
 
     def _observe(self, rejections: Any) -> Question[Any] | None:
         question = self.open_question = self.planner.observe(rejections, self.field)
@@ -301,7 +309,7 @@ class Pilot:
         if isinstance(goal, Rejection):
             return  # the cluster merged into another between two ticks; the trigger asks again
         violates = self.planner.adopt(goal)
-        onward = self.planner.onward(answer)
+        onward = self.planner.onward(question, answer)
         assert self.planner.asked is not None
         before = [g for g in self.route.goals if g in self.planner.asked.arrival.goals]
         self.route.follow([*before, goal, *onward], self.clock.now())
@@ -316,7 +324,11 @@ class Pilot:
             reason=getattr(answer, "reason", ""),
             violates=violates,
             **({"waits": len(before)} if before else {}),
-            **({"then": [g.index for g in onward]} if onward else {}),
+            **(
+                {"then": [g.index if g.index is not None else [round(g.x, 3), round(g.y, 3)] for g in onward]}
+                if onward
+                else {}
+            ),
         )
 
     def _route(self, t: float) -> None:

@@ -92,7 +92,7 @@ class HighLevelPlanner:
         asked = self.asked = self._look(way)
         left = asked.left
         reachable = [t for t in belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
-        nothing = not reachable and not left.frontiers and not left.hints
+        nothing = not reachable and not left.frontiers
         self.finished = nothing and not self.route.goals
         if nothing:
             return None
@@ -128,6 +128,9 @@ class HighLevelPlanner:
         dots = []
         for track in belief.unvisited():
             rest = len(track.left)
+            if track.far and track.index not in goals:
+                dots.append((track.x, track.y, track.index, cfg.topology.far_m2))
+                continue
             if belief.cfg.inspect.enabled and arrival.in_s > 0.0:
                 rest = 0 if track.index in goals else len(passed(track, arrival.path, 0.9 * belief.inspect_m))
             area = rest * belief.map.cfg.cell_m**2
@@ -175,12 +178,17 @@ class HighLevelPlanner:
         x, y = to_world(Pose(**question.facts["arrival"]["pose"]), answer.forward_m, answer.left_m)
         return Goal(x=x, y=y)
 
-    def onward(self, answer: CentroidChoice | WaypointChoice) -> list[Goal]:
-        """Return the goals that an answer names after the first one; those that no longer exist are left out."""
-        if not isinstance(answer, CentroidChoice) or not self.cfg.route.ahead:
+    def onward(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> list[Goal]:
+        """Return the goals that an answer names after the first one, as far as they still make sense."""
+        belief = self.belief
+        if not self.cfg.route.ahead:
             return []
-        tracks = [self.belief.track(index) for index in answer.then if index != answer.selected_centroid_index]
-        return [Goal(x=t.x, y=t.y, index=t.index) for t in tracks if t is not None and not self.belief.done(t)]
+        if isinstance(answer, CentroidChoice):
+            tracks = [belief.track(index) for index in answer.then if index != answer.selected_centroid_index]
+            return [Goal(x=t.x, y=t.y, index=t.index) for t in tracks if t is not None and not t.visited]
+        pose = Pose(**question.facts["arrival"]["pose"])
+        points = [to_world(pose, step.forward_m, step.left_m) for step in answer.then]
+        return [Goal(x=x, y=y) for x, y in points if belief.map.contains(x, y) and not belief.taken(x, y)]
 
     def verify(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> Rejection | None:
         """Check an answer in the state in which it was asked, and for what has become impossible since (III-D)."""

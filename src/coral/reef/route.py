@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Positive
+from coral.config import Fraction, Positive
 from coral.reef.belief import Belief
 from coral.reef.chain import Track
 from coral.reef.costfield import CostField
@@ -44,6 +44,10 @@ class RouteCfg:
     """The vehicle aims at the middle of what is left to see within this of the part that it comes to first."""
     hold_aim_m: Positive = 0.4
     """The aim stays where it is until it would move by more than this."""
+    look_m: Positive = 3.0
+    """A waypoint shows the water within this of it..."""
+    explored_share: Fraction = 0.03
+    """... and is done once no more than this share of it is unexplored, if there was more before."""
     short_m: Positive = 1.2
     """The vehicle is done with a cluster about this far before its end: it looks ahead."""
     patience_s: Positive = 6.0
@@ -84,6 +88,7 @@ class Route:
         """How long the next answer is expected to take (s): the median of the latest ones."""
         self._latencies: list[float] = []
         self._left, self._since = -1, -math.inf
+        self._unexplored = 0.0
 
     def answered(self, seconds: float) -> None:
         """Learn how long an answer took (s)."""
@@ -121,17 +126,20 @@ class Route:
         return sum(leg[1] for leg in self._legs(field))
 
     def arrival(self, field: CostField | None) -> Arrival:
-        """Predict where the robot will be, and when, with the goals that it will have begun before an answer comes."""
-        belief, legs = self.belief, self._legs(field)
+        """Predict where the robot will be when an answer comes, and which goals it will have done by then."""
+        belief, legs, cfg = self.belief, self._legs(field), self.cfg
         if not legs:
             return here(belief)
         points, seconds, goals = [np.array([belief.pose[:2]])], 0.0, []
         for goal, (path, duration) in zip(self.goals, legs, strict=True):
+            late_s = seconds + duration - self.lead_s
+            if late_s > 0.0:  # the answer comes on the way to this goal, and may change it
+                points.append(_shortened(path, late_s * cfg.cruise_m_s))
+                seconds += duration - late_s
+                break
             points.append(path)
             seconds += duration
             goals.append(goal)
-            if seconds >= self.latency_s:
-                break
         path = _spaced(np.concatenate(points), 0.5)
         headings = np.arctan2(np.diff(path[:, 1]), np.diff(path[:, 0])) if len(path) > 1 else np.empty(0)
         theta = np.concatenate([[belief.pose.theta], headings])
@@ -153,7 +161,7 @@ class Route:
         return legs
 
     def _begin(self, t: float) -> None:
-        self._left, self._since = -1, t
+        self._left, self._since, self._unexplored = -1, t, 0.0
         if not self.goals:
             return
         goal = self.goals[0]
@@ -166,7 +174,7 @@ class Route:
         goal, cfg, belief = self.goals[0], self.cfg, self.belief
         if goal.index is None or not belief.cfg.inspect.enabled:
             near = cfg.reach_m if len(self.goals) == 1 else cfg.pass_m
-            return math.dist((goal.x, goal.y), belief.pose[:2]) < near
+            return math.dist((goal.x, goal.y), belief.pose[:2]) < near or self._explored(goal)
         track = belief.track(goal.index)
         if track is None or track.visited or not len(track.left):
             return True
@@ -180,8 +188,15 @@ class Route:
             self._since = t
         if t - self._since > cfg.patience_s:
             belief.write_off(track.index)
+            belief.goal_failed()
             return True
         return False
+
+    def _explored(self, goal: Goal) -> bool:
+        """Check whether a waypoint that was to explore water has nothing more to show: all of it has been seen."""
+        share = self.belief.map.unexplored_share(goal.x, goal.y, self.cfg.look_m)
+        self._unexplored = max(self._unexplored, share)
+        return self.cfg.ahead and self._unexplored > self.cfg.explored_share >= share
 
 
 def aim(left: NDArray[np.float64], pose: Pose, within_m: float) -> tuple[float, float]:

@@ -13,7 +13,6 @@ from coral.config import CellSize, Positive
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import to_robot
-from coral.reef.mapping import Hint
 from coral.reef.route import Arrival, here
 
 
@@ -71,8 +70,6 @@ class Survey:
     """Geodesic distances from the robot."""
     dead_end: bool
     gain_radius_m: float
-    hints: tuple[Hint, ...] = ()
-    """Oysters seen beyond the map's range, nearest first."""
 
     def path_m(self, x: float, y: float, within_m: float = 0.7) -> float:
         """Length of the known way from the robot to within `within_m` of a point (m); inf when there is none."""
@@ -99,7 +96,7 @@ def survey(
     pose = arrival.pose
     field = CostField.compute(belief.map.distance(), (pose.x, pose.y), cell_m=belief.map.cfg.cell_m, cfg=field_cfg)
     left = Survey(frontiers=(), field=field, dead_end=False, gain_radius_m=cfg.gain_radius_m)
-    frontiers, hints = _frontiers(belief, left, cfg, arrival)
+    frontiers = _frontiers(belief, left, cfg, arrival)
     near_ahead = any(
         abs(f.bearing) <= math.radians(cfg.ahead_deg)
         and f.path_m <= cfg.ahead_m
@@ -107,15 +104,11 @@ def survey(
         for f in frontiers
     )
     dead_end = not near_ahead and not belief.ahead(forward_m)
-    return replace(left, frontiers=tuple(frontiers), hints=tuple(hints), dead_end=dead_end)
+    return replace(left, frontiers=tuple(frontiers), dead_end=dead_end)
 
 
-def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -> tuple[list[Frontier], list[Hint]]:
+def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -> list[Frontier]:
     cells, cell_m = belief.map, cfg.cell_m
-
-    def _cell(value: float, count: int) -> int:
-        return min(max(int(value / cell_m), 0), count - 1)
-
     k = max(1, round(cell_m / cells.cfg.cell_m))
     explored = _coarse(cells.explored, k).mean(axis=(1, 3)) > 0.5
     solid = _coarse(cells.obstacle, k).any(axis=(1, 3))
@@ -139,10 +132,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -
     _, pieces = cv2.connectedComponents(edge_mask, connectivity=8)
     tile = max(1, round(cfg.tile_m / cell_m))
     key = (pieces[ys, xs].astype(np.int64) * 4096 + ys // tile) * 4096 + xs // tile
-    hints = [h for h in cells.hints() if not explored[_cell(h.y, explored.shape[0]), _cell(h.x, explored.shape[1])]]
-    hints = [h for h in hints if math.isfinite(left.path_m(h.x, h.y)) and belief.failures(h.x, h.y) == 0]
-    hints.sort(key=lambda h: left.path_m(h.x, h.y))
-    reef = np.array([[t.x, t.y] for t in belief.tracks] + [[h.x, h.y] for h in hints]).reshape(-1, 2)
+    reef = np.array([[t.x, t.y] for t in belief.tracks]).reshape(-1, 2)
     found = []
     for group in np.unique(key):
         members = np.flatnonzero(key == group)
@@ -165,7 +155,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -
                 reef_m=float(np.min(np.hypot(reef[:, 0] - x, reef[:, 1] - y))) if len(reef) else math.inf,
             )
         )
-    return sorted(found, key=lambda f: f.path_m), hints
+    return sorted(found, key=lambda f: f.path_m)
 
 
 def _explore_ahead(explored: NDArray[np.bool_], arrival: Arrival, cell_m: float, cfg: SurveyCfg) -> None:

@@ -2,9 +2,9 @@
 
 The verifiers of Eqs. 4-8 judge one waypoint against what is near. In branching reefs that lets the advisor take a
 branch that ends in known water while another is left behind. Here the places that are left (clusters not yet seen
-from near, oysters seen from afar, frontiers) and the known ways between them form a graph, and a choice is judged by
-the tour that has to follow it. Its regret is how much later, on average, what is left is seen than after the best
-first choice.
+from near, some of them known from afar only, and frontiers) and the known ways between them form a graph, and a
+choice is judged by the tour that has to follow it. Its regret is how much later, on average, what is left is seen
+than after the best first choice.
 """
 
 from __future__ import annotations
@@ -43,17 +43,17 @@ class TopologyCfg:
     yaw_rate_rad_s: Positive = 0.6
     dot_worth: float = 0.5
     """Worth of a cluster, whatever its size; each square metre that is left to see of it adds 1."""
-    hint_worth: float = 1.0
-    """Worth of oysters seen from afar: about one cluster."""
-    frontier_worth: float = 0.5
-    """Worth of unexplored water beside the reef."""
+    far_m2: float = 0.5
+    """What is taken to be left to see of oysters seen from afar: about a small cluster's area."""
+    frontier_worth: float = 0.1
+    """Worth of unexplored water beside the reef, less elsewhere. Little: most of it is seen on the way to clusters."""
     reef_m: Positive = 3.0
     """Distance from the reef at which that has fallen to 1/e."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Place:
-    """A place that is left: a cluster (with its label), oysters seen from afar, or a frontier."""
+    """A place that is left: a cluster (with its label) or a frontier."""
 
     x: float
     y: float
@@ -130,8 +130,7 @@ def plan_tour(
         for path, x, y, index, area in near
         if math.isfinite(path) and not belief.nearer_to_another(x, y)
     ][: cfg.max_nodes]
-    others = [(hint.x, hint.y, cfg.hint_worth) for hint in left.hints]
-    others += [(f.x, f.y, frontier_worth(f.reef_m, f.unexplored, cfg)) for f in left.frontiers]
+    others = [(f.x, f.y, frontier_worth(f.reef_m, f.unexplored, cfg)) for f in left.frontiers]
     for x, y, promise in others:
         if len(nodes) == cfg.max_nodes:
             break
@@ -165,4 +164,4 @@ def frontier_worth(reef_m: float, unexplored: float, cfg: TopologyCfg) -> float:
         cfg: Worths.
     """
     near = math.exp(-reef_m / cfg.reef_m) if math.isfinite(reef_m) else 0.5
-    return (0.05 + cfg.frontier_worth * near) * min(1.0, 2.0 * unexplored)
+    return cfg.frontier_worth * (0.2 + near) * min(1.0, 2.0 * unexplored)
