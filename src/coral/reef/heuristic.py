@@ -7,6 +7,7 @@ between the places on the map as a reader of the picture would, straight. They a
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -30,6 +31,8 @@ REEF_M = 3.0
 FAILED_S = 10.0
 """A goal that failed already is put off by so much."""
 MOST_PLACES = 9
+SEEN_M = 3.0
+"""A waypoint this near to a place shows it."""
 NEW_M = 2.0
 """A further waypoint this near to the one before adds nothing."""
 GAP_M = 4.0
@@ -98,9 +101,11 @@ def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCho
     aim = places[order[0]]
     best = min(options, key=lambda o: _detour(o, aim))
     steps = [best]
-    for k in order[1:]:
+    for before, k in itertools.pairwise(order):
         step = min(options, key=lambda o: _detour(o, places[k], steps[-1]))
-        if len(steps) <= MOST_THEN and math.dist(_at(step), _at(steps[-1])) >= NEW_M:
+        if _short_of(steps[-1], places[before]) or len(steps) > MOST_THEN:
+            break  # the step does not reach its place: what comes after it is for the next question
+        if math.dist(_at(step), _at(steps[-1])) >= NEW_M:
             steps.append(step)
     return WaypointChoice(
         forward_m=best["forward_m"],
@@ -115,6 +120,11 @@ def _detour(option: Fact, aim: _Place, start: Fact | None = None) -> float:
     way = option["path_m"] if start is None else math.dist(_at(option), _at(start))
     rest = math.hypot(option["forward_m"] - aim.forward_m, option["left_m"] - aim.left_m)
     return float(way + 1.5 * rest - 0.5 * option["unexplored"])
+
+
+def _short_of(option: Fact, place: _Place) -> bool:
+    """Check whether a waypoint is too far from a place to see it."""
+    return math.dist(_at(option), (place.forward_m, place.left_m)) > SEEN_M
 
 
 def _at(option: Fact) -> tuple[float, float]:
