@@ -48,6 +48,8 @@ class Belief:
         """Where the robot will be when the answer to the open question is needed; None while none is open."""
         self.closed: frozenset[int] = frozenset()
         """Labels of the clusters that will be done by then, in the open question."""
+        self.last_failure: tuple[int | None, str] | None = None
+        """Label (None: a waypoint) and cause of the last goal that failed, until a decision after it has been made."""
         self.others: tuple[Neighbour, ...] = ()
         """The other robots of the mission, as they describe themselves."""
         self._keeps_chain = True
@@ -147,10 +149,11 @@ class Belief:
         own = min(math.dist(p, (x, y)) for p in (self.pose[:2], self.goal or self.pose[:2]))
         return any(n.distance_m(x, y) < own for n in self.others)
 
-    def goal_failed(self) -> None:
-        """Record that the present goal could not be reached."""
+    def goal_failed(self, cause: str = "") -> None:
+        """Record that the present goal could not be reached, and why."""
         if self.goal is not None:
             self._failed.append(self.goal)
+            self.last_failure = (self.goal_index, cause)
 
     def failures(self, x: float, y: float) -> int:
         """Count the failed goals near a point."""

@@ -163,6 +163,30 @@ def order_chain(points: NDArray[np.float64]) -> list[int]:
     return chain
 
 
+def spanning_tree(points: NDArray[np.float64]) -> list[tuple[int, int]]:
+    """Return the shortest set of links that joins all points: the chain with its forks (Prim 1957).
+
+    Args:
+        points: Shape=(K, 2), metres.
+
+    Returns:
+        Pairs of indices into `points`, K - 1 of them.
+    """
+    k = len(points)
+    if k < 2:
+        return []
+    gaps = np.linalg.norm(points[:, None] - points[None], axis=2)
+    nearest, joined, links = gaps[0].copy(), np.zeros(k, np.int64), []
+    nearest[0] = np.inf
+    for _ in range(k - 1):
+        new = int(np.argmin(nearest))
+        links.append((int(joined[new]), new))
+        nearest[new] = np.inf
+        closer = (gaps[new] < nearest) & np.isfinite(nearest)
+        nearest[closer], joined[closer] = gaps[new][closer], new
+    return links
+
+
 class CentroidTracker:
     """Keeps labels stable while the map grows: nearest match within d_merge, Eq. 3 smoothing, expiry."""
 

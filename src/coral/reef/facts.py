@@ -46,6 +46,8 @@ def describe(
         "centroids": _centroids(belief, left, pose),
         "frontiers": _frontiers(left, pose),
     }
+    if belief.last_failure is not None:
+        facts["failed"] = {"index": belief.last_failure[0], "cause": belief.last_failure[1]}
     if belief.others:
         facts["others"] = [_other(pose, n) for n in belief.others]
     if options is not None:

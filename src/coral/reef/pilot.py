@@ -27,7 +27,7 @@ from coral.reef.monitor import MonitorCfg, PathMonitor
 from coral.reef.planner import HighLevelPlanner
 from coral.reef.route import Goal
 from coral.reef.traffic import Traffic, TrafficCfg
-from coral.reef.trigger import Firing, SmartTrigger, TriggerCfg
+from coral.reef.trigger import Cause, Firing, SmartTrigger, TriggerCfg
 from coral.reef.vehicle import VehicleState
 
 Command = tuple[float, float]
@@ -37,6 +37,13 @@ Emit = Callable[..., None]
 
 FALLBACK_TRIES = 30
 """Answers of the rules that are verified before a fallback gives up for this time."""
+
+FAILURES: dict[Cause, str] = {
+    "stuck": "the robot stood still on the way",
+    "failure": "the controller found no way past obstacles",
+    "deviation": "obstacles forced the robot off its path too often",
+}
+"""Why a goal was given up, in words for the next question."""
 
 NOTHING_LEFT = "nothing left to explore"
 
@@ -192,7 +199,7 @@ class Pilot:
         if firing is None or not firing.fired:
             return
         if firing.cause in ("stuck", "failure", "deviation") and not self.end_reason:
-            self.belief.goal_failed()
+            self.belief.goal_failed(FAILURES[firing.cause])
             self.route.drop(t)
         self.end_reason = ""
         self.trigger.asked(t)
@@ -228,6 +235,7 @@ class Pilot:
             decision=self._decision,
             attempt=self._attempts,
             mode=self._mode,
+            acceptable=self.planner.acceptable,
             pictures=[p.digest for p in question.pictures],
             centroids=[
                 {
@@ -274,7 +282,7 @@ class Pilot:
         elif outcome.answer is not None and outcome.question is not None:
             self._adopt(outcome.question, outcome.answer, source_of(self.advisor))
         self._decided = True
-        self.belief.arrival, self.belief.closed = None, frozenset()
+        self.belief.arrival, self.belief.closed, self.belief.last_failure = None, frozenset(), None
         self._acting_until = self.clock.now() + self.cfg.action_s
 
     def _fall_back(self, outcome: Outcome[Any]) -> None:
@@ -323,6 +331,7 @@ class Pilot:
             index=goal.index,
             reason=getattr(answer, "reason", ""),
             violates=violates,
+            **({"overtaken": True} if self._overtaken(goal) else {}),
             **({"waits": len(before)} if before else {}),
             **(
                 {"then": [g.index if g.index is not None else [round(g.x, 3), round(g.y, 3)] for g in onward]}
@@ -330,6 +339,11 @@ class Pilot:
                 else {}
             ),
         )
+
+    def _overtaken(self, goal: Goal) -> bool:
+        """Check whether the robot has seen the chosen cluster from near while the answer was awaited."""
+        track = self.belief.track(goal.index)
+        return track is not None and track.visited
 
     def _route(self, t: float) -> None:
         """Update the cost-to-go and the reference path; detect when the path was left."""

@@ -58,6 +58,8 @@ class Asked:
     tour: Tour | None
     hollow: frozenset[int]
     """Labels of the dots that were not on offer."""
+    strict: bool = True
+    """False where no choice on offer would pass: then any is taken that can be driven to."""
 
 
 class HighLevelPlanner:
@@ -78,8 +80,11 @@ class HighLevelPlanner:
         self.route = route or Route(belief, self.cfg.route)
         self.asked: Asked | None = None
         self.mode: Mode = "centroid"
+        self._reach: tuple[tuple[int, Pose], CostField] | None = None
         self.finished = False
         """Nothing is left that the robot could visit or explore, and that no other robot is going to."""
+        self.acceptable = 0
+        """How many of the choices on offer in the last question would have passed."""
 
     def observe(self, rejections: Sequence[Rejection], way: CostField | None = None) -> Question[Any] | None:
         """Make the question from the present map; None when nothing is left to choose.
@@ -98,6 +103,10 @@ class HighLevelPlanner:
             return None
         self.mode = self._mode(asked, bool(reachable))
         steps = self._steps(left, asked.arrival.pose)
+        self.acceptable = self._acceptable(asked, steps)
+        if not self.acceptable and self.route.goals:
+            return None  # more of the map will be known nearer to the goal
+        self.asked = replace(asked, strict=self.acceptable > 0)
         facts = describe(belief, left, asked.around, cfg.verify, asked.arrival, steps)
         context = {
             "facts": facts,
@@ -150,6 +159,31 @@ class HighLevelPlanner:
         )
         hollow = frozenset(t.index for t in belief.tracks if belief.done(t))
         return Asked(arrival=arrival, left=left, around=around, tour=tour, hollow=hollow)
+
+    def _acceptable(self, asked: Asked, steps: Sequence[Mapping[str, float]] | None) -> int:
+        """Count the choices on offer that would pass."""
+        if steps is None:
+            dots = [t for t in self.belief.unvisited() if math.isfinite(asked.left.path_m(t.x, t.y))]
+            return sum(self._objection(Goal(x=t.x, y=t.y, index=t.index), asked) is None for t in dots)
+        points = np.array([to_world(asked.arrival.pose, s["forward_m"], s["left_m"]) for s in steps]).reshape(-1, 2)
+        if self._by_regret(asked) is not None and len(points):
+            assert asked.tour is not None
+            regrets = asked.tour.regrets_at(*np.ascontiguousarray(points.T))
+            return int(np.count_nonzero(regrets <= self.cfg.topology.max_regret_s))
+        return sum(self._objection(Goal(x=x, y=y), asked) is None for x, y in points.tolist())
+
+    def _by_regret(self, asked: Asked) -> Tour | None:
+        """Return the tour by which choices are judged; None where they are judged by angles, or not at all."""
+        return asked.tour if self.cfg.verify.by == "regret" and self.cfg.verify.enabled else None
+
+    def _objection(self, goal: Goal, asked: Asked) -> Rejection | None:
+        """Return what speaks against a goal in the state in which it was asked for."""
+        if not self.cfg.verify.enabled or not asked.strict:
+            return None
+        tour = self._by_regret(asked)
+        if tour is not None:
+            return self._regretted(goal, asked, tour)
+        return verify_waypoint((goal.x, goal.y), self._exempt(asked), self.cfg.verify)
 
     def _mode(self, asked: Asked, reachable: bool) -> Mode:
         """Choose the mode autonomously (paper III-C.3): by what comes first in the best tour of all that is left.
@@ -237,17 +271,20 @@ class HighLevelPlanner:
                 reason=f"Orange dot {goal.index} is hollow: it has been seen from near, or will have been on the way. "
                 f"Choose a solid one{self._passing()}.",
             )
-        if cfg.verify.by == "regret" and asked.tour is not None:
-            return self._regretted(goal, asked.tour)
-        return verify_waypoint((goal.x, goal.y), self._exempt(asked), cfg.verify)
+        return self._objection(goal, asked)
 
     def _now(self) -> Survey:
         """Distances on the map as it is now, from where the robot is."""
         belief = self.belief
-        way = CostField.compute(belief.map.distance(), belief.pose[:2], cell_m=belief.map.cfg.cell_m, cfg=self.fields)
+        key = (belief.map.version, belief.pose)
+        if self._reach is None or self._reach[0] != key:
+            cell_m = belief.map.cfg.cell_m
+            way = CostField.compute(belief.map.distance(), belief.pose[:2], cell_m=cell_m, cfg=self.fields)
+            self._reach = key, way
+        way = self._reach[1]
         return Survey(frontiers=(), field=way, dead_end=False, gain_radius_m=0.0)
 
-    def _regretted(self, goal: Goal, tour: Tour) -> Rejection | None:
+    def _regretted(self, goal: Goal, asked: Asked, tour: Tour) -> Rejection | None:
         """Refuse a choice that delays what is left by much more than the best one does."""
         cfg, best = self.cfg.topology, tour.best
         regret = None if goal.index is None else tour.regret_of(goal.index)
@@ -255,8 +292,7 @@ class HighLevelPlanner:
             regret = float(tour.regrets_at(np.array([goal.x]), np.array([goal.y]))[0])
         if regret <= cfg.max_regret_s:
             return None
-        assert self.asked is not None
-        forward, left = to_robot(self.asked.arrival.pose, best.x, best.y)
+        forward, left = to_robot(asked.arrival.pose, best.x, best.y)
         better = f"dot {best.index}" if best.index is not None else f"going {forward:.0f} m forward, {left:+.0f} m left"
         return Rejection(
             code="regret",

@@ -110,7 +110,7 @@ class Route:
     def update(self, t: float) -> bool:
         """Move the aim along, and go on to the next goal when the present one is done; True when that happened."""
         moved = False
-        while self.goals and self._done(t):
+        while self.goals and (self._done(t) or (moved and self._taken())):
             self.goals = self.goals[1:]
             self._begin(t)
             moved = True
@@ -188,9 +188,13 @@ class Route:
             self._since = t
         if t - self._since > cfg.patience_s:
             belief.write_off(track.index)
-            belief.goal_failed()
+            belief.goal_failed("what is left of it could not be seen from near")
             return True
         return False
+
+    def _taken(self) -> bool:
+        goal = self.goals[0]
+        return self.belief.taken(goal.x, goal.y, goal.index)
 
     def _explored(self, goal: Goal) -> bool:
         """Check whether a waypoint that was to explore water has nothing more to show: all of it has been seen."""

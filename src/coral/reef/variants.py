@@ -27,6 +27,18 @@ def _no_topology(cfg: MissionCfg) -> MissionCfg:
     return replace(cfg, planner=replace(cfg.planner, topology=replace(cfg.planner.topology, enabled=False)))
 
 
+def _fixed_angles(cfg: MissionCfg) -> MissionCfg:
+    """Choices are judged by the paper's fixed angles (Eqs. 4-8), not by the tour that they lead to."""
+    return replace(cfg, planner=replace(cfg.planner, verify=replace(cfg.planner.verify, by="angles")))
+
+
+def _paper(cfg: MissionCfg) -> MissionCfg:
+    """As the paper has it: nothing asked ahead, clusters visited by distance, fixed angles, no topological memory."""
+    belief = replace(cfg.belief, inspect=replace(cfg.belief.inspect, enabled=False))
+    planner = replace(cfg.planner, route=replace(cfg.planner.route, ahead=False))
+    return _no_topology(_fixed_angles(replace(cfg, belief=belief, planner=planner)))
+
+
 def _no_trigger(cfg: MissionCfg) -> MissionCfg:
     """The advisor is asked again at every cooldown."""
     return replace(cfg, pilot=replace(cfg.pilot, trigger=replace(cfg.pilot.trigger, always=True)))
@@ -95,6 +107,8 @@ def _oracle(cfg: MissionCfg) -> MissionCfg:
 
 VARIANTS: dict[str, Change] = {
     "full": lambda cfg: cfg,
+    "paper": _paper,
+    "fixed-angles": _fixed_angles,
     "pd": _pd,
     "dream": _dream,
     "rule-based": _rule_based,
