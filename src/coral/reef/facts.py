@@ -10,10 +10,9 @@ import numpy as np
 
 from coral.reef.belief import Belief
 from coral.reef.fleet import Neighbour
-from coral.reef.geometry import Pose, to_robot, to_world, wrap
+from coral.reef.geometry import Pose, to_robot, to_world
 from coral.reef.route import Arrival
 from coral.reef.survey import Survey
-from coral.reef.verify import Surroundings, VerifyCfg, reference
 
 MAX_FRONTIERS = 40
 
@@ -21,8 +20,6 @@ MAX_FRONTIERS = 40
 def describe(
     belief: Belief,
     left: Survey,
-    around: Surroundings,
-    cfg: VerifyCfg,
     arrival: Arrival,
     options: Sequence[dict[str, float]] | None,
 ) -> dict[str, Any]:
@@ -31,8 +28,6 @@ def describe(
     Args:
         belief: What the robot knows.
         left: What is left to explore.
-        around: What the verifiers judge by.
-        cfg: The verifiers' thresholds.
         arrival: Where the robot will be when the answer is needed.
         options: Waypoints that may be named; None in centroid selection mode.
     """
@@ -41,8 +36,6 @@ def describe(
         "robot": {"x": belief.pose.x, "y": belief.pose.y, "theta": belief.pose.theta},
         "arrival": {"pose": {"x": pose.x, "y": pose.y, "theta": pose.theta}, "in_s": round(arrival.in_s, 1)},
         "area_m": list(belief.map.size_m),
-        "dead_end": around.dead_end,
-        "trend_deg": _trend(around, cfg),
         "centroids": _centroids(belief, left, pose),
         "frontiers": _frontiers(left, pose),
     }
@@ -109,14 +102,6 @@ def _frontiers(left: Survey, pose: Pose) -> list[dict[str, Any]]:
         }
         for f in left.frontiers[:MAX_FRONTIERS]
     ]
-
-
-def _trend(around: Surroundings, cfg: VerifyCfg) -> float | None:
-    """Bearing of the chain's trend (deg, Eq. 7), as the blue line on the map shows it; None when it says nothing."""
-    found = reference(around, cfg)
-    if found is None or len(around.chain) < cfg.min_centroids:
-        return None
-    return round(math.degrees(wrap(math.atan2(found[0][1], found[0][0]) - around.pose.theta)), 1)
 
 
 def _place(pose: Pose, x: float, y: float) -> dict[str, float]:

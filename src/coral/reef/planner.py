@@ -107,7 +107,7 @@ class HighLevelPlanner:
         if not self.acceptable and self.route.goals:
             return None  # more of the map will be known nearer to the goal
         self.asked = replace(asked, strict=self.acceptable > 0)
-        facts = describe(belief, left, asked.around, cfg.verify, asked.arrival, steps)
+        facts = describe(belief, left, asked.arrival, steps)
         context = {
             "facts": facts,
             "rejections": [r.reason for r in rejections],

@@ -112,7 +112,8 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
 
     White is unexplored, gray explored free space, black obstacles, green oysters; orange dots are cluster
     centroids with their labels, hollow when nothing is left to see of them, joined by blue lines along the chain; the
-    yellow line is where the robot has been; the red dot and arrow are the robot and its +X (forward), the blue arrow its +Y (left); the
+    yellow line is where the robot has been; the red dot and arrow are the robot and its +X (forward), the blue arrow
+    its +Y (left); hollow, with the arrows, where it will be when it needs the answer; the
     magenta cross-hair is the present goal. Other robots are dots with an arrow and a ring for their goal.
     """
     cfg = cfg or MapViewCfg()
