@@ -169,7 +169,7 @@ class Pilot:
     def _initial(self, pose: Pose) -> tuple[float, float]:
         """Return the initial waypoint: far enough ahead to drive while the first answer is awaited."""
         way_m = self.cfg.initial_m
-        if self.planner.cfg.route.ahead:
+        if self.planner.cfg.route.ahead and not self.belief.others:  # robots that start abreast soon need to part
             way_m = max(way_m, min(self.route.lead_s * self.planner.cfg.route.cruise_m_s, self.cfg.blind_m))
         while way_m > self.cfg.initial_m and not self.belief.map.contains(*to_world(pose, way_m, 0.0), margin_m=1.0):
             way_m -= 0.5
@@ -188,7 +188,10 @@ class Pilot:
             return
         pose = self.belief.pose
         target = self.belief.goal if self._decided else None
-        soon = self._asks_ahead() if self.planner.cfg.route.ahead else None
+        ahead = self.planner.cfg.route.ahead
+        soon = self._asks_ahead() if ahead else None
+        if ahead and not self.route.goals:
+            self.trigger.new_goal()  # to wait for an answer is not to be stuck
         firing = self.trigger.update(t, pose.x, pose.y, speed, target, self.pending, soon)
         if firing is not None and firing != self._last_firing:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
@@ -202,7 +205,7 @@ class Pilot:
             self.belief.goal_failed(FAILURES[firing.cause])
             self.route.drop(t)
         self.end_reason = ""
-        self.trigger.asked(t)
+        self.trigger.asked(t, waits=not (ahead and self.route.goals))
         self._attempts, self._decision = 0, next(self._numbers)
         self._known |= {track.index for track in self.belief.tracks}
         self._task = self.clock.start(
@@ -320,8 +323,9 @@ class Pilot:
         onward = self.planner.onward(question, answer)
         assert self.planner.asked is not None
         before = [g for g in self.route.goals if g in self.planner.asked.arrival.goals]
+        if not before:
+            self.trigger.new_goal()
         self.route.follow([*before, goal, *onward], self.clock.now())
-        self.trigger.new_goal()
         self._emit(
             "goal",
             x=round(goal.x, 3),

@@ -109,8 +109,12 @@ class Route:
 
     def update(self, t: float) -> bool:
         """Move the aim along, and go on to the next goal when the present one is done; True when that happened."""
-        moved = False
-        while self.goals and (self._done(t) or (moved and self._taken())):
+        before = self.goals
+        self.goals = tuple(goal for goal in self.goals if not self._left_to_another(goal))
+        moved = before[:1] != self.goals[:1]
+        if moved:
+            self._begin(t)
+        while self.goals and self._done(t):
             self.goals = self.goals[1:]
             self._begin(t)
             moved = True
@@ -192,9 +196,13 @@ class Route:
             return True
         return False
 
-    def _taken(self) -> bool:
-        goal = self.goals[0]
-        return self.belief.taken(goal.x, goal.y, goal.index)
+    def _left_to_another(self, goal: Goal) -> bool:
+        """Check whether another robot goes to the same cluster and is nearer to it."""
+        belief, at = self.belief, (goal.x, goal.y)
+        own = math.dist(belief.pose[:2], at)
+        return goal.index is not None and any(
+            n.is_going_to(*at, goal.index, 0.0) and math.dist(n.pose[:2], at) < own for n in belief.others
+        )
 
     def _explored(self, goal: Goal) -> bool:
         """Check whether a waypoint that was to explore water has nothing more to show: all of it has been seen."""

@@ -63,10 +63,11 @@ class SmartTrigger:
         """Record that the path feasibility monitor gave up on the current waypoint."""
         self._deviated = True
 
-    def asked(self, t: float) -> None:
-        """Start the cooldown and clear the counters."""
+    def asked(self, t: float, *, waits: bool = True) -> None:
+        """Start the cooldown; if the robot `waits` for the answer, clear the counters."""
         self._last_query = t
-        self.new_goal()
+        if waits:
+            self.new_goal()
 
     def new_goal(self) -> None:
         """Restart the progress check: waiting for the answer does not count as being stuck."""
