@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 
 def bed(name: str, x: float, y: float, seed: int) -> Cluster:

@@ -3,9 +3,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from coral.reef.chain import CentroidTracker, ChainCfg, Component, components, order_chain
+from coral.reef.chain import (
+    CentroidTracker,
+    ChainCfg,
+    Component,
+    InspectCfg,
+    components,
+    order_chain,
+    spanning_tree,
+)
+from coral.reef.mapping import Hint
 
 CELL = 0.05
+
+
+def disc():
+    """A round patch of oysters, one metre across."""
+    iy, ix = np.mgrid[:100, :100]
+    return (iy - 50) ** 2 + (ix - 50) ** 2 <= 100
 
 
 def component(x, y):
@@ -79,13 +94,52 @@ def test_each_component_matches_one_track():
     assert sorted(t.index for t in tracks) == [0, 1]
 
 
-def test_unmatched_tracks_expire_and_their_label_is_used_again():
+def test_unmatched_tracks_expire_and_their_label_is_never_used_again():
     tracker = CentroidTracker(ChainCfg(drop_after=3))
     tracker.update([component(1.0, 1.0), component(5.0, 1.0)])
     for _ in range(2):
         assert len(tracker.update([component(5.0, 1.0)])) == 2
     assert [t.index for t in tracker.update([component(5.0, 1.0)])] == [1]
-    assert [t.index for t in tracker.update([component(5.0, 1.0), component(9.0, 9.0)])] == [1, 0]
+    assert [t.index for t in tracker.update([component(5.0, 1.0), component(9.0, 9.0)])] == [1, 2]
+
+
+def test_what_was_seen_from_afar_keeps_its_label_when_the_map_shows_it():
+    tracker = CentroidTracker()
+    tracker.update([component(1.0, 1.0)], [Hint(9.0, 1.0, 0.5)])
+    assert [(t.index, t.far) for t in tracker.tracks] == [(0, False), (1, True)]
+    tracker.update([component(1.0, 1.0), component(8.0, 2.0)], [Hint(9.0, 1.0, 0.5)])
+    assert [(t.index, t.far, t.x) for t in tracker.tracks] == [(0, False, 1.0), (1, False, 8.0)]
+
+
+def test_what_was_seen_from_afar_goes_when_nothing_is_there():
+    tracker = CentroidTracker()
+    tracker.update([], [Hint(9.0, 1.0, 0.5)])
+    assert tracker.update([]) == []
+
+
+def test_a_cluster_is_done_once_its_cells_were_seen_from_near():
+    tracker, cfg = CentroidTracker(), InspectCfg(share=0.9, least_m2=0.0)
+    tracker.update(components(disc(), 0.05, ChainCfg()))
+    nearest, unseeable = np.full(disc().shape, 3.0, np.float32), np.zeros(disc().shape, bool)
+    (track,) = tracker.tracks
+    cells = track.cells
+    half = len(cells) // 2
+    nearest[cells[:half, 0], cells[:half, 1]] = 2.0
+    tracker.inspect(nearest, unseeable, 2.3, 0.05, cfg)
+    (track,) = tracker.tracks
+    assert track.inspected == pytest.approx(0.5, abs=0.01)
+    assert not track.visited
+    assert len(track.left) == len(cells) - half
+    unseeable[cells[half:, 0], cells[half:, 1]] = True  # given up: done, but not seen
+    tracker.inspect(nearest, unseeable, 2.3, 0.05, cfg)
+    assert tracker.tracks[0].visited
+    assert tracker.tracks[0].inspected == pytest.approx(0.5, abs=0.01)
+
+
+def test_the_tree_joins_all_points_by_the_shortest_links():
+    points = np.array([[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [2.0, 2.5]])
+    assert {frozenset(link) for link in spanning_tree(points)} == {frozenset(p) for p in ((0, 1), (1, 2), (1, 3))}
+    assert spanning_tree(points[:1]) == []
 
 
 def test_visited_is_remembered():

@@ -67,7 +67,8 @@ def test_a_waypoint_is_blurred_in_angle_and_distance():
 
 
 def test_left_and_right_are_swapped():
-    assert err("mirrored", WAYPOINT, step(3, 2)) == {"forward_m": 3, "left_m": -2, "reason": ""}
+    wrong = err("mirrored", WAYPOINT, step(3, 2))
+    assert (wrong["forward_m"], wrong["left_m"]) == (3, -2)
     assert err("mirrored", WAYPOINT, step(3, 0)) is None
     question = centroid((4, 3), (4, 2), (5, -3), (1, 1))
     assert err("mirrored", question, chosen(0))["selected_centroid_index"] == 2
@@ -96,7 +97,9 @@ def test_where_a_mistake_is_found_is_said_with_a_paper_or_not_at_all(mistake):
 
 
 def test_every_error_of_a_mission_is_in_its_log(pond, tmp_path):
-    cfg = MissionCfg(time_limit_s=60.0, latency="fixed:1", record=RecordCfg(pictures=False, frames=False))
+    cfg = MissionCfg(
+        time_limit_s=60.0, stop_when_covered=False, latency="fixed:1", record=RecordCfg(pictures=False, frames=False)
+    )
     rng = np.random.default_rng(1)
     spec = "sloppy:dots=0.3+mirrored=0.3+rotated=0.2+stale=0.2:heuristic"
     advisor = make_advisor(spec, rules=REEF_RULES, rng=rng, mistakes=REEF_MISTAKES)

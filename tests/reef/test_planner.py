@@ -2,28 +2,18 @@ import math
 
 import numpy as np
 import pytest
+from beds import belief_with, see
 
-from coral.reef.answers import CentroidChoice, WaypointChoice
-from coral.reef.belief import Belief
-from coral.reef.camera import CameraCfg
-from coral.reef.chain import Component
+from coral.reef.answers import CentroidChoice, WaypointChoice, WaypointStep
 from coral.reef.costfield import CostFieldCfg
 from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Pose
-from coral.reef.mapping import OccupancyMap
-from coral.reef.planner import Goal, HighLevelPlanner, PlannerCfg
+from coral.reef.planner import HighLevelPlanner, PlannerCfg
+from coral.reef.route import Goal, RouteCfg
+from coral.reef.topology import TopologyCfg
 from coral.reef.verify import VerifyCfg
 
-HERE = Pose(10.0, 10.0, 0.0)
-
-
-def belief_with(centroids, pose=HERE, explored=None, size=20.0):
-    belief = Belief(OccupancyMap((size, size), CameraCfg()))
-    belief.pose = pose
-    belief._trail = [(pose.x, pose.y)]
-    belief.tracker.update([Component(x=x, y=y, area_px=200, length_m=1.0) for x, y in centroids])
-    belief.map.explored[:] = True if explored is None else explored
-    return belief
+ANGLES = VerifyCfg(by="angles")
 
 
 def planner_for(belief, **changes):
@@ -32,12 +22,18 @@ def planner_for(belief, **changes):
     )
 
 
-def visit(belief, index):
-    track = next(t for t in belief.tracks if t.index == index)
-    belief.tracker.mark_visited(track.x, track.y, 0.1)
+def under_way(belief, *goals, **changes):
+    """A planner whose robot drives to goals."""
+    planner = planner_for(belief, route=RouteCfg(margin_s=0.0), **changes)
+    planner.route.follow(goals, 0.0)
+    return planner
 
 
-def test_centroid_mode_while_an_unvisited_cluster_lies_ahead():
+def dot(index):
+    return CentroidChoice(selected_centroid_index=index)
+
+
+def test_centroid_mode_while_a_cluster_comes_first_in_the_tour():
     planner = planner_for(belief_with([(14.0, 10.0), (6.0, 10.0)]))
     question = planner.observe(())
     assert planner.mode == "centroid"
@@ -49,7 +45,7 @@ def test_waypoint_mode_when_only_open_water_lies_ahead():
     explored = np.ones((400, 400), bool)
     explored[:, 260:] = False
     belief = belief_with([(8.0, 10.0)], explored=explored)
-    visit(belief, 0)
+    see(belief, 0)
     planner = planner_for(belief)
     question = planner.observe(())
     assert planner.mode == "waypoint"
@@ -57,18 +53,16 @@ def test_waypoint_mode_when_only_open_water_lies_ahead():
     assert question.facts["frontiers"][0]["forward_m"] == pytest.approx(3.0, abs=0.3)
 
 
-def test_a_dead_end_turns_back_to_the_cluster_behind():
-    belief = belief_with([(6.0, 10.0)])
-    planner = planner_for(belief)
+def test_by_angles_a_dead_end_turns_back_to_the_cluster_behind():
+    planner = planner_for(belief_with([(6.0, 10.0)]), verify=ANGLES)
     question = planner.observe(())
     assert planner.mode == "centroid"
-    assert question.facts["dead_end"]
-    assert planner.verify(question, CentroidChoice(selected_centroid_index=0)) is None
+    assert planner.verify(question, dot(0)) is None
 
 
 def test_nothing_left_finishes():
     belief = belief_with([(12.0, 10.0)])
-    visit(belief, 0)
+    see(belief, 0)
     planner = planner_for(belief)
     assert planner.observe(()) is None
     assert planner.finished
@@ -83,7 +77,7 @@ def test_without_centroid_selection_only_waypoints_are_asked_for():
 @pytest.mark.parametrize(("index", "code"), [(9, "no-such-centroid"), (None, "no-such-centroid"), (1, "visited")])
 def test_wrong_indices_are_refused_with_a_reason(index, code):
     belief = belief_with([(14.0, 10.0), (10.0, 13.0)])
-    visit(belief, 1)
+    see(belief, 1)
     planner = planner_for(belief)
     refusal = planner.verify(planner.observe(()), CentroidChoice(selected_centroid_index=index))
     assert refusal is not None
@@ -91,21 +85,95 @@ def test_wrong_indices_are_refused_with_a_reason(index, code):
     assert refusal.details["index"] == index
 
 
-def test_a_cluster_behind_is_refused_while_one_is_ahead():
-    planner = planner_for(belief_with([(14.0, 10.0), (5.0, 10.0)]))
-    refusal = planner.verify(planner.observe(()), CentroidChoice(selected_centroid_index=1))
+def test_by_angles_a_cluster_behind_is_refused_while_one_is_ahead():
+    planner = planner_for(belief_with([(14.0, 10.0), (5.0, 10.0)]), verify=ANGLES)
+    refusal = planner.verify(planner.observe(()), dot(1))
     assert refusal is not None
     assert refusal.code == "behind-robot"
 
 
-def test_the_check_is_made_where_the_robot_is_when_the_answer_comes():
+def test_a_choice_that_delays_the_rest_is_refused_and_a_better_one_named():
+    planner = planner_for(belief_with([(12.0, 10.0), (13.0, 12.0), (2.0, 2.0)]))
+    refusal = planner.verify(planner.observe(()), dot(2))
+    assert refusal is not None
+    assert refusal.code == "regret"
+    assert refusal.details["better"] == 0
+    assert refusal.details["regret_s"] > 10.0
+    assert "These would pass: 0, 1" in refusal.reason
+
+
+def test_the_same_choice_passes_where_nothing_is_regretted():
+    beds = [(12.0, 10.0), (13.0, 12.0), (2.0, 2.0)]
+    patient = planner_for(belief_with(beds), topology=TopologyCfg(max_regret_s=1e3))
+    assert patient.verify(patient.observe(()), dot(2)) is None
+    unchecked = planner_for(belief_with(beds), verify=VerifyCfg(enabled=False))
+    assert unchecked.verify(unchecked.observe(()), dot(2)) is None
+
+
+def test_what_the_robot_does_while_it_waits_refuses_no_answer():
     belief = belief_with([(14.0, 10.0), (17.0, 10.0)])
     planner = planner_for(belief)
     question = planner.observe(())
-    belief.pose = Pose(15.5, 10.0, 0.0)
-    refusal = planner.verify(question, CentroidChoice(selected_centroid_index=0))
-    assert refusal is not None
-    assert refusal.code == "behind-robot"
+    belief.pose = Pose(19.0, 10.0, 0.0)  # past both
+    see(belief, 0)
+    assert planner.verify(question, dot(0)) is None
+
+
+def test_an_obstacle_that_was_found_meanwhile_does():
+    belief = belief_with([(14.0, 10.0), (17.0, 10.0)])
+    planner = planner_for(belief)
+    question = planner.observe(())
+    belief.map.obstacle[:, 240:244] = True
+    belief.map.version += 1
+    assert planner.verify(question, dot(0)).code == "blocked"
+
+
+def test_what_will_be_done_on_arrival_is_not_on_offer():
+    belief = belief_with([(12.0, 10.0), (18.0, 10.0)])
+    planner = under_way(belief, Goal(x=12.0, y=10.0, index=0))
+    question = planner.observe(())
+    shown = {c["index"]: c["visited"] for c in question.facts["centroids"]}
+    assert shown == {0: True, 1: False}
+    assert planner.verify(question, dot(0)).code == "visited"
+    assert planner.verify(question, dot(1)) is None
+
+
+def test_places_are_told_as_seen_on_arrival():
+    belief = belief_with([(18.0, 10.0)])
+    planner = under_way(belief, Goal(x=10.0, y=13.0))
+    question = planner.observe(())
+    arrival = question.facts["arrival"]
+    assert arrival["in_s"] > 1.0
+    assert arrival["pose"]["theta"] == pytest.approx(math.pi / 2, abs=0.1)
+    (cluster,) = question.facts["centroids"]
+    assert cluster["left_m"] == pytest.approx(-8.0, abs=0.2)
+
+
+def test_nothing_is_asked_while_everything_will_be_done():
+    belief = belief_with([(12.0, 10.0)])
+    planner = under_way(belief, Goal(x=12.0, y=10.0, index=0))
+    assert planner.observe(()) is None
+    assert not planner.finished
+
+
+def test_some_choice_on_offer_is_acceptable():
+    planner = planner_for(belief_with([(14.0, 10.0), (5.0, 10.0), (3.0, 17.0)]))
+    question = planner.observe(())
+    passes = [c["index"] for c in question.facts["centroids"] if planner.verify(question, dot(c["index"])) is None]
+    assert len(passes) == planner.acceptable >= 1
+
+
+def test_goals_named_after_the_first_follow_it():
+    belief = belief_with([(12.0, 10.0), (14.0, 10.0), (16.0, 10.0)])
+    planner = planner_for(belief)
+    question = planner.observe(())
+    see(belief, 1)
+    onward = planner.onward(question, CentroidChoice(selected_centroid_index=0, then=(0, 1, 2)))
+    assert [goal.index for goal in onward] == [2]
+    steps = (WaypointStep(forward_m=2, left_m=-1), WaypointStep(forward_m=6, left_m=6))
+    belief.pose = Pose(0.0, 0.0, 0.0)
+    onward = planner.onward(question, WaypointChoice(forward_m=1, left_m=0, then=steps))
+    assert [(goal.x, goal.y) for goal in onward] == [pytest.approx((12.0, 9.0)), pytest.approx((16.0, 16.0))]
 
 
 def test_a_waypoint_means_the_frame_in_which_it_was_asked_for():
@@ -140,7 +208,6 @@ def test_without_verification_geometry_is_not_checked_but_counted():
     answer = CentroidChoice(selected_centroid_index=1)
     assert planner.verify(question, answer) is None
     assert planner.adopt(planner.locate(question, answer)) is True
-    assert belief.goal == pytest.approx((5.0, 10.0))
 
 
 def test_a_target_that_another_robot_has_taken_is_refused_with_a_reason():

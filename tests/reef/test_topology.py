@@ -1,74 +1,45 @@
-import itertools
-
 import numpy as np
 import pytest
+from beds import belief_with
 
-from coral.reef.answers import CentroidChoice
-from coral.reef.belief import Belief
-from coral.reef.camera import CameraCfg
-from coral.reef.chain import Component
 from coral.reef.costfield import CostFieldCfg
 from coral.reef.geometry import Pose
-from coral.reef.mapping import OccupancyMap
-from coral.reef.planner import HighLevelPlanner, PlannerCfg
+from coral.reef.route import here
 from coral.reef.survey import SurveyCfg, survey
-from coral.reef.topology import TopologyCfg, places_left, tours_from
+from coral.reef.topology import TopologyCfg, frontier_worth, plan_tour
+
+CFG = TopologyCfg(speed_m_s=0.5, yaw_rate_rad_s=1e6)
 
 
-def test_tours_agree_with_trying_every_order():
-    points = np.random.default_rng(3).uniform(0, 10, (6, 2))
-    between = np.linalg.norm(points[:, None] - points[None], axis=2)
-    for first, length in enumerate(tours_from(between)):
-        orders = ((first, *rest) for rest in itertools.permutations([k for k in range(6) if k != first]))
-        assert length == pytest.approx(min(sum(between[a, b] for a, b in itertools.pairwise(o)) for o in orders))
-
-
-def test_one_place_has_nothing_to_regret():
-    assert tours_from(np.zeros((1, 1))) == pytest.approx([0.0])
-
-
-def corridor(points, pose=Pose(10.0, 5.0, 0.0)):  # noqa: B008
-    belief = Belief(OccupancyMap((40.0, 10.0), CameraCfg()))
-    belief.pose, belief._trail = pose, [(pose.x, pose.y)]
-    belief.map.explored[:] = True
-    belief.tracker.update([Component(x=x, y=y, area_px=200, length_m=1.0) for x, y in points])
-    return belief
-
-
-def places(belief, **changes):
+def tour_of(points, cfg=CFG, area=1.0):
+    belief = belief_with(points, pose=Pose(10.0, 5.0, 0.0), size=(40.0, 10.0))
     left = survey(belief, CostFieldCfg(), 1.0, SurveyCfg())
-    return {p.index: p.regret_m for p in places_left(belief, left, CostFieldCfg(), TopologyCfg(**changes))}
+    dots = [(t.x, t.y, t.index, area) for t in belief.tracks]
+    return plan_tour(belief, left, here(belief), dots, CostFieldCfg(), cfg)
 
 
-def test_regret_is_the_extra_length_of_the_tour():
-    # Robot at 10; places at 12, 14 and 30: 14 first means coming back for 12 (4 m more), 30 first is 16 m + 18 m.
-    regret = places(corridor([(12.0, 5.0), (14.0, 5.0), (30.0, 5.0)]))
-    assert regret[0] == pytest.approx(0.0, abs=0.3)
-    assert regret[1] == pytest.approx(4.0 + 2.0 - 2.0, abs=0.6)
-    assert regret[2] == pytest.approx(18.0, abs=1.0)
+def test_regret_is_how_much_later_the_rest_is_seen():
+    # Robot at 10, beds at 12, 14 and 30, half a metre a second. Best: seen after 4, 8 and 40 s, 17.3 s on average.
+    tour = tour_of([(12.0, 5.0), (14.0, 5.0), (30.0, 5.0)])
+    assert tour.best.index == 0
+    assert tour.best_s == pytest.approx((4 + 8 + 40) / 3, abs=0.5)
+    assert tour.regret_of(1) == pytest.approx((8 + 12 + 48) / 3 - (4 + 8 + 40) / 3, abs=0.7)
+    assert tour.regret_of(2) == pytest.approx((40 + 72 + 76) / 3 - (4 + 8 + 40) / 3, abs=1.0)
+    assert tour.regret_of(9) is None
 
 
-def test_without_memory_there_is_no_graph():
-    assert places(corridor([(12.0, 5.0)]), enabled=False) == {}
+def test_a_point_on_the_way_costs_nothing_and_one_behind_its_detour():
+    tour = tour_of([(14.0, 5.0), (30.0, 5.0)])
+    on_the_way, behind = tour.regrets_at(np.array([12.0, 6.0]), np.array([5.0, 5.0]))
+    assert on_the_way == pytest.approx(0.0, abs=0.3)
+    assert behind == pytest.approx(2 * 4.0 / 0.5, abs=0.7)
 
 
-def answer_far(belief, **topology):
-    planner = HighLevelPlanner(
-        belief,
-        CostFieldCfg(),
-        lambda kind, context: (kind, "0"),
-        lambda belief: (),
-        PlannerCfg(topology=TopologyCfg(**topology)),
-    )
-    return planner.verify(planner.observe(()), CentroidChoice(selected_centroid_index=2))
+def test_with_nothing_left_there_is_no_tour():
+    assert tour_of([]) is None
 
 
-def test_a_choice_that_leads_back_is_refused_and_the_better_one_named():
-    refusal = answer_far(corridor([(12.5, 5.0), (14.0, 6.0), (30.0, 5.0)]))
-    assert refusal is not None
-    assert refusal.code == "loop-back"
-    assert refusal.details["better"] == 0
-
-
-def test_the_same_choice_passes_without_the_memory():
-    assert answer_far(corridor([(12.5, 5.0), (14.0, 6.0), (30.0, 5.0)]), enabled=False) is None
+def test_water_beside_the_reef_promises_more_than_water_far_from_it():
+    near, far = (frontier_worth(metres, 0.5, CFG) for metres in (1.0, 12.0))
+    assert near > 2.0 * far > 0.0
+    assert frontier_worth(1.0, 0.1, CFG) < near

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from coral.advisor.prompt import render
 from coral.advisor.question import Question, Rejection
 from coral.advisor.rules import RuleAdvisor
+from coral.reef.answers import CentroidChoice, WaypointChoice
 from coral.reef.baselines import baseline_rules
 from coral.reef.belief import Belief, BeliefCfg
 from coral.reef.camera import Camera, CameraCfg
@@ -21,11 +22,10 @@ from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import Pose, to_world, wrap
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mapping import MapCfg, OccupancyMap
-from coral.reef.planner import Goal, HighLevelPlanner
+from coral.reef.planner import HighLevelPlanner
+from coral.reef.route import Goal
 from coral.reef.scene import Scene
-from coral.reef.trigger import separated
 from coral.reef.vehicle import VehicleCfg
-from coral.reef.verify import verify_waypoint
 from coral.reef.world import ReefWorld
 from coral.view.questions import question_pictures
 
@@ -58,20 +58,12 @@ class LedPlanner(HighLevelPlanner):
     def options(self, question: Question[Any]) -> dict[str, tuple[float, float] | str]:
         """Return the goal of each answer, as in `Moment.options`."""
         if self.mode == "centroid":
-            return {str(track.index): self._goal_of_dot(question, track.index) for track in self.belief.tracks}
-        assert self.survey is not None
-        around, found = self._surroundings(self.survey), {}
-        here = self.belief.pose
-        for option in question.facts["options"]:
-            point = to_world(here, option["forward_m"], option["left_m"])
-            if not separated(point, (here.x, here.y), self.cfg.separation_m):
-                continue
-            refusal = verify_waypoint(point, around, self.cfg.verify)
-            found[f"{option['forward_m']},{option['left_m']}"] = refusal.code if refusal else point
-        return found
+            dots = [CentroidChoice(selected_centroid_index=track.index) for track in self.belief.tracks]
+            return {str(dot.selected_centroid_index): self._means(question, dot) for dot in dots}
+        steps = [WaypointChoice(forward_m=o["forward_m"], left_m=o["left_m"]) for o in question.facts["options"]]
+        return {f"{step.forward_m},{step.left_m}": self._means(question, step) for step in steps}
 
-    def _goal_of_dot(self, question: Question[Any], index: int) -> tuple[float, float] | str:
-        answer = question.answer_type(selected_centroid_index=index)
+    def _means(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> tuple[float, float] | str:
         refusal = self.verify(question, answer)
         goal = self.locate(question, answer)
         if refusal is not None or isinstance(goal, Rejection):

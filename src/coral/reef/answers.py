@@ -23,6 +23,11 @@ def _shorten(value: Any) -> Any:
     return value[:REASON_LIMIT] if isinstance(value, str) else "" if value is None else value
 
 
+def _first(most: int) -> BeforeValidator:
+    """Keep the first `most` items of a list: a model that names more goals than are kept is not wrong for it."""
+    return BeforeValidator(lambda value: value[:most] if isinstance(value, (list, tuple)) else value or ())
+
+
 Step = Annotated[int, Field(ge=-6, le=6), BeforeValidator(_no_bool)]
 """The bounds stand before the validator because pydantic leaves them out of the JSON schema otherwise."""
 Index = Annotated[int, BeforeValidator(_no_bool)]
@@ -44,7 +49,19 @@ class CentroidChoice(BaseModel):
     model_config = ConfigDict(frozen=True)
 
     selected_centroid_index: Index | None = Field(description="label of the chosen orange dot; null when there is none")
+    then: Annotated[tuple[Index, ...], _first(3)] = Field(
+        default=(), max_length=3, description="labels of the dots to go to after it, in order; may be empty"
+    )
     reason: Reason = ""
+
+
+class WaypointStep(BaseModel):
+    """A further waypoint, in the same frame as the first."""
+
+    model_config = ConfigDict(frozen=True)
+
+    forward_m: Step
+    left_m: Step
 
 
 class WaypointChoice(BaseModel):
@@ -54,6 +71,9 @@ class WaypointChoice(BaseModel):
 
     forward_m: Step = Field(description="metres forward (negative: backward), -6 to 6")
     left_m: Step = Field(description="metres to the left (negative: right), -6 to 6")
+    then: Annotated[tuple[WaypointStep, ...], _first(2)] = Field(
+        default=(), max_length=2, description="waypoints to go to after it, in the same frame; may be empty"
+    )
     reason: Reason = ""
 
     @model_validator(mode="before")

@@ -46,7 +46,7 @@ class Lawnmower:
 
     def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
         """Return the next waypoint of the lanes, skipping those that cannot be approached."""
-        robot = facts["robot"]
+        robot = facts["arrival"]["pose"]
         if self._points is None:
             self._points = self._lanes(facts["area_m"], robot["x"], robot["y"])
         refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}

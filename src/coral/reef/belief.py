@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count
-from coral.reef.chain import CentroidTracker, ChainCfg, Component, Track, components
+from coral.reef.chain import CentroidTracker, ChainCfg, Component, InspectCfg, Track, components
 from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Pose, to_robot
 from coral.reef.mapping import OccupancyMap
@@ -22,11 +22,12 @@ class BeliefCfg:
     chain: ChainCfg = field(default_factory=ChainCfg)
     centroids: bool = True
     """Whether clusters are extracted at all. False is DREAM: no chain in its picture, its prompt and its facts."""
+    inspect: InspectCfg = field(default_factory=InspectCfg)
     chain_period: Count = 5
     """Ticks between updates of the centroid chain."""
     visit_radius_m: float = 3.0
-    """A centroid counts as visited once the robot has been this close: D_trig, where its next goal is asked for, and
-    0.5 m for what its centroid may still move."""
+    """Without `inspect`, a centroid counts as visited once the robot has been this close: D_trig, where its next goal
+    is asked for, and 0.5 m for what its centroid may still move."""
     max_attempts: int = 2
     """Goals towards one centroid that may fail before it is given up."""
     trail_step_m: float = 0.1
@@ -45,6 +46,12 @@ class Belief:
         self.goal: tuple[float, float] | None = None
         self.goal_index: int | None = None
         """Label of the cluster that the goal stands for."""
+        self.arrival: Pose | None = None
+        """Where the robot will be when the answer to the open question is needed; None while none is open."""
+        self.closed: frozenset[int] = frozenset()
+        """Labels of the clusters that will be done by then, in the open question."""
+        self.last_failure: tuple[int | None, str] | None = None
+        """Label (None: a waypoint) and cause of the last goal that failed, until a decision after it has been made."""
         self.others: tuple[Neighbour, ...] = ()
         """The other robots of the mission, as they describe themselves."""
         self._keeps_chain = True
@@ -71,9 +78,33 @@ class Belief:
             self._trail.append((pose.x, pose.y))
         if self._ticks % self.cfg.chain_period == 0:
             if self._keeps_chain and self.cfg.centroids:
-                self.tracker.update(self._components())
-            self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
+                self.tracker.update(self._components(), self.map.hints() if self.cfg.inspect.enabled else ())
+            if self.cfg.inspect.enabled:
+                self._inspect()
+            else:
+                self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
         self._ticks += 1
+
+    def _inspect(self) -> None:
+        cells = self.map
+        self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect)
+
+    @property
+    def inspect_m(self) -> float:
+        """Distance from which oysters can be counted (m)."""
+        return self.cfg.inspect.pixel_m * self.map.focal_px
+
+    def write_off(self, index: int) -> None:
+        """Give up what is left to see of a cluster: it could not be seen from near."""
+        for track in self.tracks:
+            if track.index == index and not track.far:
+                at = np.floor(track.left / self.map.cfg.cell_m).astype(np.intp)
+                self.map.unseeable[at[:, 1], at[:, 0]] = True
+        self._inspect()
+
+    def track(self, index: int | None) -> Track | None:
+        """Return the cluster with this label, if there still is one."""
+        return next((t for t in self.tracks if t.index == index), None)
 
     def _components(self) -> list[Component]:
         """Find the oyster regions of the map; repeated only when an oyster cell has changed."""
@@ -99,17 +130,22 @@ class Belief:
         rows, columns = np.nonzero(self.map.target)
         return np.asarray((np.stack([columns, rows], axis=1) + 0.5) * self.map.cfg.cell_m, np.float64)
 
+    def done(self, track: Track) -> bool:
+        """Check whether nothing is left to see of a cluster, now or on arrival."""
+        return track.visited or track.index in self.closed
+
     def unvisited(self) -> list[Track]:
         """Return the clusters still to be visited, without those whose goals failed too often or that others go to."""
         return [
             t
             for t in self.tracks
-            if not t.visited and self.failures(t.x, t.y) < self.cfg.max_attempts and not self.taken(t.x, t.y, t.index)
+            if not (self.done(t) or self.taken(t.x, t.y, t.index)) and self.failures(t.x, t.y) < self.cfg.max_attempts
         ]
 
     def ahead(self, forward_m: float) -> list[Track]:
         """Return unvisited clusters with a forward projection of at least `forward_m`."""
-        return [t for t in self.unvisited() if to_robot(self.pose, t.x, t.y)[0] >= forward_m]
+        pose = self.arrival or self.pose
+        return [t for t in self.unvisited() if to_robot(pose, t.x, t.y)[0] >= forward_m]
 
     def taken(self, x: float, y: float, index: int | None = None) -> bool:
         """Check whether another robot is going to a point (within d_merge of it) or to the cluster with this label."""
@@ -122,10 +158,11 @@ class Belief:
         own = min(math.dist(p, (x, y)) for p in (self.pose[:2], self.goal or self.pose[:2]))
         return any(n.distance_m(x, y) < own for n in self.others)
 
-    def goal_failed(self) -> None:
-        """Record that the present goal could not be reached."""
+    def goal_failed(self, cause: str = "") -> None:
+        """Record that the present goal could not be reached, and why."""
         if self.goal is not None:
             self._failed.append(self.goal)
+            self.last_failure = (self.goal_index, cause)
 
     def failures(self, x: float, y: float) -> int:
         """Count the failed goals near a point."""

@@ -2,12 +2,30 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from coral.config import Fraction, Positive
+from coral.reef.mapping import Hint
+
+
+@dataclass(frozen=True, kw_only=True)
+class InspectCfg:
+    """When a cluster counts as done: by what was seen of it from near, not by where the robot has been."""
+
+    enabled: bool = True
+    """False is the paper's rule: a cluster is visited once the robot has been near its centroid, whatever it saw."""
+    pixel_m: Positive = 0.05
+    """Largest pixel at which oysters can be counted (see `ImagingCfg.pixel_m`); with the default camera 2.3 m away."""
+    share: Fraction = 0.95
+    """Share of a cluster's cells that must have been seen from there; the rest is edges that no pixel hit."""
+    least_m2: float = 0.04
+    """Less than this is not worth a visit: a few oysters."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,8 +41,18 @@ class ChainCfg:
     """d_merge; not given in the paper. Equal to its minimum target separation."""
     alpha_new: float = 0.3
     """Weight of the new centroid in Eq. 3 (alpha_old = 1 - alpha_new); not given in the paper."""
+    far_merge_m: float = 2.5
+    """What is seen from afar may lie this far from where it turns out to be."""
     drop_after: int = 30
     """Consecutive unmatched updates after which a track is removed; not given in the paper."""
+
+
+def _no_cells() -> NDArray[np.intp]:
+    return np.empty((0, 2), np.intp)
+
+
+def _no_points() -> NDArray[np.float64]:
+    return np.empty((0, 2))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +65,8 @@ class Component:
     area_px: int
     length_m: float
     """Longer edge of its bounding box (m); tells strips from compact clusters."""
+    cells: NDArray[np.intp] = field(default_factory=_no_cells, repr=False, compare=False)
+    """Its oyster cells (iy, ix). Shape=(M, 2)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +80,14 @@ class Track:
     length_m: float
     unmatched: int = 0
     visited: bool = False
+    far: bool = False
+    """Seen from afar only, beyond the map's range; a cluster that the map then shows there keeps the label."""
+    inspected: float = 0.0
+    """Share of its cells that were seen from near enough to count oysters."""
+    cells: NDArray[np.intp] = field(default_factory=_no_cells, repr=False, compare=False)
+    """Its oyster cells (iy, ix). Shape=(M, 2)."""
+    left: NDArray[np.float64] = field(default_factory=_no_points, repr=False, compare=False)
+    """Centres of its cells that are still to be seen from near. Shape=(L, 2), metres."""
 
 
 def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[Component]:
@@ -68,13 +106,19 @@ def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[
     patch = target[y0 : ys[-1] + width + 1, x0 : xs[-1] + width + 1].astype(np.uint8)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
     closed = cv2.morphologyEx(patch, cv2.MORPH_CLOSE, kernel)
-    count, _, stats, centroids = cv2.connectedComponentsWithStats(closed, connectivity=8)
+    count, labels, stats, centroids = cv2.connectedComponentsWithStats(closed, connectivity=8)
+    iy, ix = np.nonzero(patch)
+    of = labels[iy, ix]
+    order = np.argsort(of, kind="stable")
+    cells = np.stack([iy + y0, ix + x0], axis=1)[order]
+    ends = np.searchsorted(of[order], np.arange(count + 1))
     return [
         Component(
             x=float((centroids[k, 0] + x0 + 0.5) * cell_m),
             y=float((centroids[k, 1] + y0 + 0.5) * cell_m),
             area_px=int(stats[k, cv2.CC_STAT_AREA]),
             length_m=float(max(stats[k, cv2.CC_STAT_WIDTH], stats[k, cv2.CC_STAT_HEIGHT]) * cell_m),
+            cells=cells[ends[k] : ends[k + 1]],
         )
         for k in range(1, count)
         if stats[k, cv2.CC_STAT_AREA] >= cfg.min_area_px
@@ -119,16 +163,49 @@ def order_chain(points: NDArray[np.float64]) -> list[int]:
     return chain
 
 
+def spanning_tree(points: NDArray[np.float64]) -> list[tuple[int, int]]:
+    """Return the shortest set of links that joins all points: the chain with its forks (Prim 1957).
+
+    Args:
+        points: Shape=(K, 2), metres.
+
+    Returns:
+        Pairs of indices into `points`, K - 1 of them.
+    """
+    k = len(points)
+    if k < 2:
+        return []
+    gaps = np.linalg.norm(points[:, None] - points[None], axis=2)
+    nearest, joined, links = gaps[0].copy(), np.zeros(k, np.int64), []
+    nearest[0] = np.inf
+    for _ in range(k - 1):
+        new = int(np.argmin(nearest))
+        links.append((int(joined[new]), new))
+        nearest[new] = np.inf
+        closer = (gaps[new] < nearest) & np.isfinite(nearest)
+        nearest[closer], joined[closer] = gaps[new][closer], new
+    return links
+
+
 class CentroidTracker:
     """Keeps labels stable while the map grows: nearest match within d_merge, Eq. 3 smoothing, expiry."""
 
     def __init__(self, cfg: ChainCfg | None = None) -> None:
         self.cfg = cfg or ChainCfg()
         self.tracks: list[Track] = []
+        self._labels = itertools.count()
+        """A label means one cluster throughout a mission."""
 
-    def update(self, found: Sequence[Component]) -> list[Track]:
-        """Match components to tracks, closest pairs first, each at most once; start and drop tracks."""
-        cfg, tracks = self.cfg, self.tracks
+    def update(self, found: Sequence[Component], hints: Sequence[Hint] = ()) -> list[Track]:
+        """Match components to tracks, closest pairs first, each at most once; start and drop tracks.
+
+        Args:
+            found: The oyster regions of the map.
+            hints: Oysters seen beyond the map's range. They are tracks of their own until the map shows a region there.
+        """
+        cfg = self.cfg
+        tracks = [t for t in self.tracks if not t.far]
+        afar = [t for t in self.tracks if t.far]
         pairs = sorted(
             (float(np.hypot(c.x - t.x, c.y - t.y)), i, j) for i, c in enumerate(found) for j, t in enumerate(tracks)
         )
@@ -145,25 +222,69 @@ class CentroidTracker:
                 y=(1 - a) * t.y + a * c.y,
                 area_px=c.area_px,
                 length_m=c.length_m,
+                cells=c.cells,
                 unmatched=0,
             )
         for j, t in enumerate(tracks):
             if j not in kept and t.unmatched + 1 < cfg.drop_after:
-                kept[j] = replace(t, unmatched=t.unmatched + 1)
+                kept[j] = replace(t, unmatched=t.unmatched + 1, cells=_no_cells(), left=_no_points())
         survivors = [kept[j] for j in sorted(kept)]
-        free = (n for n in range(len(survivors) + len(found) + 1) if n not in {t.index for t in survivors})
-        survivors += [
-            Track(index=next(free), x=c.x, y=c.y, area_px=c.area_px, length_m=c.length_m)
-            for i, c in enumerate(found)
-            if i not in match
-        ]
+        for i, c in enumerate(found):
+            if i not in match:
+                old = _nearest(afar, c.x, c.y, cfg.far_merge_m)
+                afar = [t for t in afar if t is not old]
+                label = next(self._labels) if old is None else old.index
+                survivors.append(
+                    Track(index=label, x=c.x, y=c.y, area_px=c.area_px, length_m=c.length_m, cells=c.cells)
+                )
+        survivors += self._afar(afar, hints, survivors)
         self.tracks = survivors
         return survivors
+
+    def _afar(self, afar: Sequence[Track], hints: Sequence[Hint], near: Sequence[Track]) -> list[Track]:
+        """Update the tracks of what was seen from afar; one without a hint is dropped: the robot has looked there."""
+        tracks, rest = [], list(afar)
+        for hint in hints:
+            if _nearest(near, hint.x, hint.y, self.cfg.far_merge_m) is not None:
+                continue
+            old = _nearest(rest, hint.x, hint.y, self.cfg.far_merge_m)
+            rest = [t for t in rest if t is not old]
+            label = next(self._labels) if old is None else old.index
+            left = np.array([[hint.x, hint.y]])
+            tracks.append(Track(index=label, x=hint.x, y=hint.y, area_px=0, length_m=0.0, far=True, left=left))
+        return tracks
+
+    def inspect(
+        self, nearest: NDArray[np.float32], unseeable: NDArray[np.bool_], near_m: float, cell_m: float, cfg: InspectCfg
+    ) -> None:
+        """Update how much of each cluster has been seen from near, and mark as visited where next to nothing is left.
+
+        Args:
+            nearest: Shape=(NY, NX), smallest distance (m) from which each cell has been seen.
+            unseeable: Shape=(NY, NX), cells that are not worth another try.
+            near_m: Distance (m) from which oysters can be counted.
+            cell_m: Edge of a cell (m).
+            cfg: What is left over.
+        """
+        tracks = []
+        for track in self.tracks:
+            if track.far:
+                tracks.append(track)
+                continue
+            iy, ix = track.cells[:, 0], track.cells[:, 1]
+            far = nearest[iy, ix] > near_m
+            left = track.cells[far & ~unseeable[iy, ix]]
+            share = 1.0 - float(far.mean()) if len(far) else track.inspected
+            least = max(cfg.least_m2 / cell_m**2, (1.0 - cfg.share) * len(far))
+            points = np.asarray((left[:, ::-1] + 0.5) * cell_m, np.float64)
+            tracks.append(replace(track, inspected=share, left=points, visited=len(left) <= least))
+        self.tracks = tracks
 
     def mark_visited(self, x: float, y: float, radius_m: float) -> None:
         """Mark the tracks that the vehicle has come within `radius_m` of as visited."""
         self.tracks = [
-            t if t.visited or np.hypot(t.x - x, t.y - y) > radius_m else replace(t, visited=True) for t in self.tracks
+            t if t.visited or t.far or np.hypot(t.x - x, t.y - y) > radius_m else replace(t, visited=True)
+            for t in self.tracks
         ]
 
     def chain(self) -> list[Track]:
@@ -173,3 +294,9 @@ class CentroidTracker:
         if order and tracks[order[-1]].index < tracks[order[0]].index:
             order.reverse()
         return [tracks[i] for i in order]
+
+
+def _nearest(tracks: Sequence[Track], x: float, y: float, within_m: float) -> Track | None:
+    """Return the nearest track within a distance (m) of a point."""
+    near = [(float(np.hypot(t.x - x, t.y - y)), t.index, t) for t in tracks]
+    return min((n for n in near if n[0] <= within_m), default=(0.0, 0, None), key=lambda n: n[:2])[2]

@@ -10,10 +10,9 @@ import numpy as np
 
 from coral.reef.belief import Belief
 from coral.reef.fleet import Neighbour
-from coral.reef.geometry import to_robot, to_world, wrap
+from coral.reef.geometry import Pose, to_robot, to_world
+from coral.reef.route import Arrival
 from coral.reef.survey import Survey
-from coral.reef.topology import Place
-from coral.reef.verify import Surroundings, VerifyCfg, reference
 
 MAX_FRONTIERS = 40
 
@@ -21,55 +20,45 @@ MAX_FRONTIERS = 40
 def describe(
     belief: Belief,
     left: Survey,
-    around: Surroundings,
-    cfg: VerifyCfg,
+    arrival: Arrival,
     options: Sequence[dict[str, float]] | None,
-    places: Sequence[Place] = (),
 ) -> dict[str, Any]:
-    """Return the facts of a question in plain JSON; points in the robot frame (m forward, m left).
+    """Return the facts of a question in plain JSON; points as seen on arrival (m forward, m left).
 
     Args:
         belief: What the robot knows.
         left: What is left to explore.
-        around: What the verifiers judge by.
-        cfg: The verifiers' thresholds.
+        arrival: Where the robot will be when the answer is needed.
         options: Waypoints that may be named; None in centroid selection mode.
-        places: The topological memory's graph of what is left; empty without it.
     """
-    pose = belief.pose
+    pose = arrival.pose
     facts: dict[str, Any] = {
-        "robot": {"x": pose.x, "y": pose.y, "theta": pose.theta},
+        "robot": {"x": belief.pose.x, "y": belief.pose.y, "theta": belief.pose.theta},
+        "arrival": {"pose": {"x": pose.x, "y": pose.y, "theta": pose.theta}, "in_s": round(arrival.in_s, 1)},
         "area_m": list(belief.map.size_m),
-        "arrival": _arrival(belief),
-        "dead_end": around.dead_end,
-        "trend_deg": _trend(around, cfg),
-        "centroids": _centroids(belief, left),
-        "frontiers": _frontiers(belief, left),
+        "centroids": _centroids(belief, left, pose),
+        "frontiers": _frontiers(left, pose),
     }
+    if belief.last_failure is not None:
+        facts["failed"] = {"index": belief.last_failure[0], "cause": belief.last_failure[1]}
     if belief.others:
-        facts["others"] = [_other(belief, n) for n in belief.others]
-    if places:
-        regrets = {place.index: round(place.regret_m, 2) for place in places}
-        for centroid in facts["centroids"]:
-            centroid["regret_m"] = regrets.get(centroid["index"])
-        for frontier in facts["frontiers"]:
-            x, y = to_world(pose, frontier["forward_m"], frontier["left_m"])
-            near = [p for p in places if p.index is None and math.hypot(p.x - x, p.y - y) < 0.1]
-            frontier["regret_m"] = round(near[0].regret_m, 2) if near else None
+        facts["others"] = [_other(pose, n) for n in belief.others]
     if options is not None:
         facts["options"] = list(options)
     return facts
 
 
-def waypoint_options(belief: Belief, left: Survey, step_m: int, separation_m: float) -> list[dict[str, float]]:
-    """Find whole-metre steps to reachable water (paper III-C.2), with their path and the water they would reveal."""
+def waypoint_options(
+    belief: Belief, left: Survey, pose: Pose, step_m: int, separation_m: float
+) -> list[dict[str, float]]:
+    """Find whole-metre steps from a pose to reachable water (paper III-C.2), with their path and what they reveal."""
     steps = [
         (f, s)
         for f in range(-step_m, step_m + 1)
         for s in range(-step_m, step_m + 1)
         if math.hypot(f, s) >= separation_m
     ]
-    points = np.array([to_world(belief.pose, f, s) for f, s in steps])
+    points = np.array([to_world(pose, f, s) for f, s in steps])
     paths = left.paths_m(points[:, 0], points[:, 1])
     return [
         {"forward_m": f, "left_m": s, "path_m": round(float(path), 2), "unexplored": _unexplored(belief, left, x, y)}
@@ -78,16 +67,19 @@ def waypoint_options(belief: Belief, left: Survey, step_m: int, separation_m: fl
     ]
 
 
-def _centroids(belief: Belief, left: Survey) -> list[dict[str, Any]]:
+def _centroids(belief: Belief, left: Survey, pose: Pose) -> list[dict[str, Any]]:
     trail, cell_m = belief.trajectory, belief.map.cfg.cell_m
     described = []
     for position, t in enumerate(belief.tracker.chain()):
         described.append(
             {
                 "index": t.index,
-                **_place(belief, t.x, t.y),
+                **_place(pose, t.x, t.y),
                 "path_m": _finite(left.path_m(t.x, t.y)),
-                "visited": t.visited,
+                "visited": belief.done(t),
+                **({"far": True} if t.far else {}),
+                "inspected": round(t.inspected, 2),
+                "left_m2": None if t.far else round(len(t.left) * cell_m**2, 2),
                 **({"taken": belief.taken(t.x, t.y, t.index)} if belief.others else {}),
                 "chain_position": position,
                 "failed_attempts": belief.failures(t.x, t.y),
@@ -99,10 +91,10 @@ def _centroids(belief: Belief, left: Survey) -> list[dict[str, Any]]:
     return described
 
 
-def _frontiers(belief: Belief, left: Survey) -> list[dict[str, Any]]:
+def _frontiers(left: Survey, pose: Pose) -> list[dict[str, Any]]:
     return [
         {
-            **_place(belief, f.x, f.y),
+            **_place(pose, f.x, f.y),
             "path_m": round(f.path_m, 2),
             "length_m": round(f.length_m, 2),
             "unexplored": round(f.unexplored, 3),
@@ -112,33 +104,16 @@ def _frontiers(belief: Belief, left: Survey) -> list[dict[str, Any]]:
     ]
 
 
-def _arrival(belief: Belief) -> dict[str, float]:
-    """Predict where the robot will be when the answer comes, in its present frame: at its current goal."""
-    if belief.goal is None:
-        return {"forward_m": 0.0, "left_m": 0.0, "heading_deg": 0.0}
-    forward, to_left = to_robot(belief.pose, *belief.goal)
-    heading = math.degrees(math.atan2(to_left, forward)) if math.hypot(forward, to_left) > 0.5 else 0.0
-    return {"forward_m": round(forward, 2), "left_m": round(to_left, 2), "heading_deg": round(heading, 1)}
-
-
-def _trend(around: Surroundings, cfg: VerifyCfg) -> float | None:
-    """Bearing of the chain's trend (deg, Eq. 7), as the blue line on the map shows it; None when it says nothing."""
-    found = reference(around, cfg)
-    if found is None or len(around.chain) < cfg.min_centroids:
-        return None
-    return round(math.degrees(wrap(math.atan2(found[0][1], found[0][0]) - around.pose.theta)), 1)
-
-
-def _place(belief: Belief, x: float, y: float) -> dict[str, float]:
-    forward, to_left = to_robot(belief.pose, x, y)
+def _place(pose: Pose, x: float, y: float) -> dict[str, float]:
+    forward, to_left = to_robot(pose, x, y)
     bearing = math.degrees(math.atan2(to_left, forward))
     return {"forward_m": round(forward, 2), "left_m": round(to_left, 2), "bearing_deg": round(bearing, 1)}
 
 
-def _other(belief: Belief, other: Neighbour) -> dict[str, float | None]:
+def _other(pose: Pose, other: Neighbour) -> dict[str, float | None]:
     """Describe another robot and its goal, null if it has none."""
-    here = to_robot(belief.pose, other.pose.x, other.pose.y)
-    goal = (None, None) if other.goal is None else to_robot(belief.pose, *other.goal)
+    here = to_robot(pose, other.pose.x, other.pose.y)
+    goal = (None, None) if other.goal is None else to_robot(pose, *other.goal)
     names = ("forward_m", "left_m", "goal_forward_m", "goal_left_m")
     return {name: None if value is None else round(value, 2) for name, value in zip(names, (*here, *goal), strict=True)}
 

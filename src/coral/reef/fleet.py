@@ -24,16 +24,20 @@ class Neighbour:
     goal: tuple[float, float] | None = None
     """Its goal (m); None while it has nothing to do."""
     index: int | None = None
-    """Label of the cluster that its goal stands for; None for a free waypoint."""
+    """Label of the cluster that its goal stands for."""
+    later: frozenset[int] = frozenset()
+    """Labels of the clusters that it means to go to after that."""
     path: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
     """Its plan: positions from now on (m). Shape=(N, 2)."""
     times: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
     """Times of these positions, in seconds from the moment of planning. Shape=(N,)."""
 
     def is_going_to(self, x: float, y: float, index: int | None, within_m: float) -> bool:
-        """Check whether its goal is the cluster with this label, or lies within `within_m` of a point (m)."""
+        """Check whether one of its goals is this cluster, or its next one a point within `within_m` of this one (m)."""
         if self.goal is None:
             return False
+        if index is not None and index in self.later:
+            return True
         return (index is not None and index == self.index) or math.dist(self.goal, (x, y)) < within_m
 
     def distance_m(self, x: float, y: float) -> float:

@@ -89,6 +89,64 @@ def project(
 
 
 @njit(cache=True)
+def look(
+    depth: NDArray[np.float32],
+    labels: NDArray[np.uint8],
+    rays: NDArray[np.float64],
+    lever: NDArray[np.float64],
+    pose: tuple[float, float, float],
+    cell_m: float,
+    range_m: float,
+    nearest: NDArray[np.float32],
+    hint_cell_m: float,
+    hints: NDArray[np.uint16],
+    hinted: NDArray[np.int32],
+    picture: int,
+) -> None:
+    """Note from how near each cell has been seen, and where oysters show beyond the map's range.
+
+    Args:
+        depth: Shape=(H, W), metres along the optical axis; inf where nothing is seen.
+        labels: Shape=(H, W), pixel classes.
+        rays: Shape=(H, W, 3), forward and left components (body frame) of each pixel's ray at unit depth, its length.
+        lever: Shape=(2,), camera position in the body frame (m forward, m left).
+        pose: (x, y, theta) of the body in the world.
+        cell_m: Edge of a grid cell (m).
+        range_m: Horizontal range of the map (m); oysters farther away are hints.
+        nearest: Shape=(NY, NX), smallest distance along the line of sight (m), updated in place.
+        hint_cell_m: Edge of a cell of the hints (m).
+        hints: Shape=(MY, MX), pictures with oysters there, beyond the map's range, updated in place.
+        hinted: Shape=(MY, MX), last picture that counted for each cell of the hints.
+        picture: Number of this picture, from 1 on.
+    """
+    ny, nx = nearest.shape
+    my, mx = hints.shape
+    height, width = depth.shape
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    x0 = pose[0] + c * lever[0] - s * lever[1]
+    y0 = pose[1] + s * lever[0] + c * lever[1]
+    for v in range(height):
+        for u in range(width):
+            z = depth[v, u]
+            if not z < np.inf:
+                continue
+            label = labels[v, u]
+            if label != OYSTER and label != SEABED:
+                continue
+            forward, left = z * rays[v, u, 0], z * rays[v, u, 1]
+            x, y = x0 + c * forward - s * left, y0 + s * forward + c * left
+            if forward * forward + left * left <= range_m * range_m:
+                ix, iy = int(math.floor(x / cell_m)), int(math.floor(y / cell_m))
+                if ix >= 0 and iy >= 0 and ix < nx and iy < ny:
+                    nearest[iy, ix] = min(nearest[iy, ix], z * rays[v, u, 2])
+            elif label == OYSTER:
+                ix, iy = int(math.floor(x / hint_cell_m)), int(math.floor(y / hint_cell_m))
+                if ix >= 0 and iy >= 0 and ix < mx and iy < my and hinted[iy, ix] != picture:
+                    hinted[iy, ix] = picture
+                    hints[iy, ix] = min(hints[iy, ix] + 1, SATURATED)
+
+
+@njit(cache=True)
 def explore(
     explored: NDArray[np.bool_],
     blocked: NDArray[np.bool_],

@@ -151,15 +151,15 @@ def _distance(dot: Mapping[str, Any], forward: float, left: float) -> float:
 
 
 def _dot(right: Answer, dot: Mapping[str, Any]) -> Answer:
-    return {**right, "selected_centroid_index": dot["index"], "reason": ""}
+    return {**right, "selected_centroid_index": dot["index"], "then": [], "reason": ""}
 
 
 def _step(right: Answer, forward: float, left: float) -> Answer:
     """A waypoint in whole metres within the longest step."""
     steps = [int(np.clip(round(value), -STEP_M, STEP_M)) for value in (forward, left)]
-    return {**right, "forward_m": steps[0], "left_m": steps[1], "reason": ""}
+    return {**right, "forward_m": steps[0], "left_m": steps[1], "then": [], "reason": ""}
 
 
 def _same(a: Answer, b: Answer) -> bool:
-    """Whether two answers say the same, whatever their reasons."""
-    return {**a, "reason": ""} == {**b, "reason": ""}
+    """Whether two answers say the same, whatever their reasons and what they would do next."""
+    return {**a, "then": [], "reason": ""} == {**b, "then": [], "reason": ""}

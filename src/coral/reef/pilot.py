@@ -24,9 +24,10 @@ from coral.reef.controller import Plan
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import Frame, Pose, to_world
 from coral.reef.monitor import MonitorCfg, PathMonitor
-from coral.reef.planner import Goal, HighLevelPlanner
+from coral.reef.planner import HighLevelPlanner
+from coral.reef.route import Goal
 from coral.reef.traffic import Traffic, TrafficCfg
-from coral.reef.trigger import Firing, SmartTrigger, TriggerCfg
+from coral.reef.trigger import Cause, Firing, SmartTrigger, TriggerCfg
 from coral.reef.vehicle import VehicleState
 
 Command = tuple[float, float]
@@ -36,6 +37,13 @@ Emit = Callable[..., None]
 
 FALLBACK_TRIES = 30
 """Answers of the rules that are verified before a fallback gives up for this time."""
+
+FAILURES: dict[Cause, str] = {
+    "stuck": "the robot stood still on the way",
+    "failure": "the controller found no way past obstacles",
+    "deviation": "obstacles forced the robot off its path too often",
+}
+"""Why a goal was given up, in words for the next question."""
 
 NOTHING_LEFT = "nothing left to explore"
 
@@ -67,6 +75,10 @@ class PilotCfg:
     action_s: float = 1.0
     initial_m: float = 2.0
     """The initial waypoint lies this far ahead of the start (Alg. 1)."""
+    blind_m: float = 6.0
+    """It may lie up to this far, so that the robot need not stand still until the first answer comes."""
+    first_s: float = 1.0
+    """The first question is asked so long after the start: a map of one picture shows too little."""
     local_m: float = 5.0
     """How far about itself the robot keeps its distances to obstacles up to date; beyond the sensing range."""
     field_period_s: float = 1.0
@@ -93,6 +105,7 @@ class Pilot:
         self.cfg = cfg or PilotCfg()
         self.belief, self.planner, self.driver = belief, planner, driver
         self.advisor, self.fallback, self.clock = advisor, fallback, clock
+        self.route = planner.route
         self.trigger = SmartTrigger(self.cfg.trigger)
         self.monitor = PathMonitor(self.cfg.monitor)
         self.traffic = Traffic(self.cfg.traffic)
@@ -110,19 +123,23 @@ class Pilot:
         self._task: asyncio.Task[Outcome[Any]] | None = None
         self._last_firing: Firing | None = None
         self._mode = ""
+        self._known: set[int] = set()
+        """Labels of the clusters that were on a map when a question was asked."""
         self._field_key: tuple[Any, ...] = ()
         self._field_at = -math.inf
-        self._acting_until = -math.inf
+        self._acting_until = self._began = -math.inf
 
     def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
         """Run one control period: take in the data sensed at time `t` (s), return the command until the next."""
         self.belief.update(frame, pose)
         if self.belief.goal is None:
-            self.belief.goal = to_world(pose, self.cfg.initial_m, 0.0)
+            self._began = t
+            x, y = self._initial(pose)
+            self.route.follow([Goal(x=x, y=y)], t)
             self._emit(
                 "goal",
-                x=self.belief.goal[0],
-                y=self.belief.goal[1],
+                x=x,
+                y=y,
                 source="initial",
                 decision=None,
                 index=None,
@@ -131,6 +148,9 @@ class Pilot:
             )
         self.clock.advance(t) if isinstance(self.clock, SimulatedClock) else self.clock.advance()
         self._collect()
+        if self.planner.cfg.route.ahead and self.route.update(t):
+            self.trigger.new_goal()
+        self._route(t)
         self._watch(t, math.hypot(velocity[0], velocity[1]))
         self._route(t)
         assert self.field is not None
@@ -146,6 +166,15 @@ class Pilot:
             return 0.0, 0.0
         return self.traffic.held(self.plan.command, pose, self.belief.others)
 
+    def _initial(self, pose: Pose) -> tuple[float, float]:
+        """Return the initial waypoint: far enough ahead to drive while the first answer is awaited."""
+        way_m = self.cfg.initial_m
+        if self.planner.cfg.route.ahead and not self.belief.others:  # robots that start abreast soon need to part
+            way_m = max(way_m, min(self.route.lead_s * self.planner.cfg.route.cruise_m_s, self.cfg.blind_m))
+        while way_m > self.cfg.initial_m and not self.belief.map.contains(*to_world(pose, way_m, 0.0), margin_m=1.0):
+            way_m -= 0.5
+        return to_world(pose, way_m, 0.0)
+
     @property
     def pending(self) -> bool:
         """Whether a decision is under way."""
@@ -155,8 +184,15 @@ class Pilot:
         """Ask the advisor when Eq. 12 says so; log every change of its verdict."""
         if self.cfg.synchronous and t < self._acting_until - 1e-9:
             return
+        if self.planner.cfg.route.ahead and not self._decided and t < self._began + self.cfg.first_s - 1e-9:
+            return
+        pose = self.belief.pose
         target = self.belief.goal if self._decided else None
-        firing = self.trigger.update(t, self.belief.pose.x, self.belief.pose.y, speed, target, self.pending)
+        ahead = self.planner.cfg.route.ahead
+        soon = self._asks_ahead() if ahead else None
+        if ahead and not self.route.goals:
+            self.trigger.new_goal()  # to wait for an answer is not to be stuck
+        firing = self.trigger.update(t, pose.x, pose.y, speed, target, self.pending, soon)
         if firing is not None and firing != self._last_firing:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
         self._last_firing = firing
@@ -166,10 +202,12 @@ class Pilot:
         if firing is None or not firing.fired:
             return
         if firing.cause in ("stuck", "failure", "deviation") and not self.end_reason:
-            self.belief.goal_failed()
+            self.belief.goal_failed(FAILURES[firing.cause])
+            self.route.drop(t)
         self.end_reason = ""
-        self.trigger.asked(t)
+        self.trigger.asked(t, waits=not (ahead and self.route.goals))
         self._attempts, self._decision = 0, next(self._numbers)
+        self._known |= {track.index for track in self.belief.tracks}
         self._task = self.clock.start(
             consult(
                 self.advisor,
@@ -183,8 +221,13 @@ class Pilot:
         )
         self._collect()
 
+    def _asks_ahead(self) -> bool:
+        """Check whether the goals will be done before an answer can come, or the map shows a new cluster."""
+        news = any(track.index not in self._known for track in self.belief.unvisited())
+        return news or self.route.to_go_s(self.field) <= self.route.lead_s
+
     def _observe(self, rejections: Any) -> Question[Any] | None:
-        question = self.open_question = self.planner.observe(rejections)
+        question = self.open_question = self.planner.observe(rejections, self.field)
         if question is None:
             return None
         if self.planner.mode != self._mode:
@@ -195,9 +238,16 @@ class Pilot:
             decision=self._decision,
             attempt=self._attempts,
             mode=self._mode,
+            acceptable=self.planner.acceptable,
             pictures=[p.digest for p in question.pictures],
             centroids=[
-                {"index": k.index, "x": round(k.x, 3), "y": round(k.y, 3), "visited": k.visited}
+                {
+                    "index": k.index,
+                    "x": round(k.x, 3),
+                    "y": round(k.y, 3),
+                    "visited": self.belief.done(k),
+                    "inspected": round(k.inspected, 3),
+                }
                 for k in self.belief.tracker.chain()
             ],
         )
@@ -219,6 +269,8 @@ class Pilot:
             **({"faults": list(attempt.usage.faults)} if attempt.usage.faults else {}),
         )
         self.last_attempt = attempt
+        if attempt.verdict in ("accepted", "rejected", "malformed"):
+            self.route.answered(attempt.answered_at_s - attempt.asked_at_s)
         self._log(attempt)
 
     def _collect(self) -> None:
@@ -231,9 +283,9 @@ class Pilot:
         elif outcome.failure and outcome.failure != "withdrawn":
             self._fall_back(outcome)
         elif outcome.answer is not None and outcome.question is not None:
-            goal = self.planner.locate(outcome.question, outcome.answer)
-            self._adopt(goal, source_of(self.advisor), getattr(outcome.answer, "reason", ""))
+            self._adopt(outcome.question, outcome.answer, source_of(self.advisor))
         self._decided = True
+        self.belief.arrival, self.belief.closed, self.belief.last_failure = None, frozenset(), None
         self._acting_until = self.clock.now() + self.cfg.action_s
 
     def _fall_back(self, outcome: Outcome[Any]) -> None:
@@ -247,13 +299,13 @@ class Pilot:
             return
         rejections: list[Rejection] = []
         for _ in range(FALLBACK_TRIES):
-            question = self.planner.observe(rejections)
+            question = self.planner.observe(rejections, self.field)
             if question is None:
                 return
             answer = run_alone(self.fallback.answer(question, rejections)).value
             refusal = self.planner.verify(question, answer)
             if refusal is None:
-                self._adopt(self.planner.locate(question, answer), "fallback", getattr(answer, "reason", ""))
+                self._adopt(question, answer, "fallback")
                 return
             rejections.append(refusal)
         self._hold("the rules found no goal that passes")
@@ -262,11 +314,18 @@ class Pilot:
         """Keep the present goal, which also is a decision, and not the advisor's."""
         self._emit("held", source="fallback", decision=self._decision, reason=reason)
 
-    def _adopt(self, goal: Goal | Rejection, source: Source, reason: str) -> None:
+    def _adopt(self, question: Question[Any], answer: Any, source: Source) -> None:
+        """Put a decision behind the goals that were under way when it was asked for; without `ahead` there are none."""
+        goal = self.planner.locate(question, answer)
         if isinstance(goal, Rejection):
             return  # the cluster merged into another between two ticks; the trigger asks again
         violates = self.planner.adopt(goal)
-        self.trigger.new_goal()
+        onward = self.planner.onward(question, answer)
+        assert self.planner.asked is not None
+        before = [g for g in self.route.goals if g in self.planner.asked.arrival.goals]
+        if not before:
+            self.trigger.new_goal()
+        self.route.follow([*before, goal, *onward], self.clock.now())
         self._emit(
             "goal",
             x=round(goal.x, 3),
@@ -274,9 +333,21 @@ class Pilot:
             source=source,
             decision=self._decision,
             index=goal.index,
-            reason=reason,
+            reason=getattr(answer, "reason", ""),
             violates=violates,
+            **({"overtaken": True} if self._overtaken(goal) else {}),
+            **({"waits": len(before)} if before else {}),
+            **(
+                {"then": [g.index if g.index is not None else [round(g.x, 3), round(g.y, 3)] for g in onward]}
+                if onward
+                else {}
+            ),
         )
+
+    def _overtaken(self, goal: Goal) -> bool:
+        """Check whether the robot has seen the chosen cluster from near while the answer was awaited."""
+        track = self.belief.track(goal.index)
+        return track is not None and track.visited
 
     def _route(self, t: float) -> None:
         """Update the cost-to-go and the reference path; detect when the path was left."""

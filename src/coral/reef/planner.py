@@ -7,15 +7,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
+import numpy as np
+
 from coral.advisor.question import Picture, Question, Rejection
 from coral.config import Count
 from coral.reef.answers import CentroidChoice, WaypointChoice
 from coral.reef.belief import Belief
-from coral.reef.costfield import CostFieldCfg
+from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.facts import describe, waypoint_options
-from coral.reef.geometry import to_world
+from coral.reef.geometry import Pose, to_robot, to_world
+from coral.reef.route import Arrival, Goal, Route, RouteCfg, here, passed
 from coral.reef.survey import Survey, SurveyCfg, survey
-from coral.reef.topology import TopologyCfg, places_left
+from coral.reef.topology import TopologyCfg, Tour, plan_tour
 from coral.reef.trigger import separated
 from coral.reef.verify import Surroundings, VerifyCfg, verify_waypoint, violation
 
@@ -44,49 +47,81 @@ class PlannerCfg:
     "w/o self-verification" and for DREAM: only points outside the survey area are refused, which no map covers."""
     centroid_selection: bool = True
     """False is the ablation "w/o centroid selection": the chain is shown, but only waypoints are asked for."""
+    route: RouteCfg = field(default_factory=RouteCfg)
     survey: SurveyCfg = field(default_factory=SurveyCfg)
     verify: VerifyCfg = field(default_factory=VerifyCfg)
     topology: TopologyCfg = field(default_factory=TopologyCfg)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Goal:
-    """A waypoint in the world (m), and the centroid label it stands for (None: a free waypoint)."""
+class Asked:
+    """The state in which a question was asked: its answer is judged in it."""
 
-    x: float
-    y: float
-    index: int | None = None
+    arrival: Arrival
+    left: Survey
+    around: Surroundings
+    tour: Tour | None
+    hollow: frozenset[int]
+    """Labels of the dots that were not on offer."""
+    strict: bool = True
+    """False where no choice on offer would pass: then any is taken that can be driven to."""
 
 
 class HighLevelPlanner:
     """Turns the belief into questions, and answers into verified goals."""
 
     def __init__(
-        self, belief: Belief, fields: CostFieldCfg, prompts: Prompts, draw: Draw, cfg: PlannerCfg | None = None
+        self,
+        belief: Belief,
+        fields: CostFieldCfg,
+        prompts: Prompts,
+        draw: Draw,
+        cfg: PlannerCfg | None = None,
+        route: Route | None = None,
     ) -> None:
+        """Set up the planner of one robot, whose goals are those of `route`."""
         self.belief, self.fields, self.prompts, self.draw = belief, fields, prompts, draw
         self.cfg = cfg or PlannerCfg()
-        self.survey: Survey | None = None
+        self.route = route or Route(belief, self.cfg.route)
+        self.asked: Asked | None = None
         self.mode: Mode = "centroid"
+        self._reach: tuple[tuple[int, Pose], CostField] | None = None
         self.finished = False
         """Nothing is left that the robot could visit or explore, and that no other robot is going to."""
+        self.acceptable = 0
+        """How many of the choices on offer in the last question would have passed."""
 
-    def observe(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
-        """Make the question from the present map; None when nothing is left to choose."""
-        left = self.survey = survey(self.belief, self.fields, self.cfg.forward_m, self.cfg.survey)
-        reachable = [t for t in self.belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
-        self.finished = not reachable and not left.frontiers
-        if self.finished:
+    def observe(self, rejections: Sequence[Rejection], way: CostField | None = None) -> Question[Any] | None:
+        """Make the question from the present map; None when nothing is left to choose.
+
+        Args:
+            rejections: Why the answers so far were refused.
+            way: The robot's way to its present goal.
+        """
+        belief, cfg = self.belief, self.cfg
+        asked = self.asked = self._look(way)
+        left = asked.left
+        reachable = [t for t in belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
+        nothing = not reachable and not left.frontiers
+        self.finished = nothing and not self.route.goals
+        if nothing:
             return None
-        cfg = self.cfg
-        self.mode = self._mode(left, bool(reachable))
-        places = places_left(self.belief, left, self.fields, cfg.topology)
-        facts = describe(self.belief, left, self._surroundings(left), cfg.verify, self._steps(left), places)
+        self.mode = self._mode(asked, bool(reachable))
+        steps = self._steps(left, asked.arrival.pose)
+        self.acceptable = self._acceptable(asked, steps)
+        if not self.acceptable and self.route.goals:
+            return None  # more of the map will be known nearer to the goal
+        self.asked = replace(asked, strict=self.acceptable > 0)
+        facts = describe(belief, left, asked.arrival, steps)
         context = {
             "facts": facts,
             "rejections": [r.reason for r in rejections],
             "step_m": cfg.step_m,
-            "others": len(self.belief.others),
+            "others": len(belief.others),
+            "latency_s": self.route.latency_s,
+            "inspect_m": belief.inspect_m,
+            "verify": cfg.verify,
+            "max_regret_s": cfg.topology.max_regret_s,
         }
         prompt, version = self.prompts(KIND[self.mode] if self.belief.cfg.centroids else WITHOUT_CHAIN, context)
         return Question(
@@ -95,19 +130,81 @@ class HighLevelPlanner:
             prompt_version=version,
             facts=facts,
             answer_type=CentroidChoice if self.mode == "centroid" else WaypointChoice,
-            pictures=self.draw(self.belief),
+            pictures=self.draw(belief),
         )
 
-    def _mode(self, left: Survey, reachable: bool) -> Mode:
-        """Choose the mode autonomously (paper III-C.3)."""
+    def _look(self, way: CostField | None) -> Asked:
+        """Analyse the map as it will be when the answer is needed."""
+        belief, cfg = self.belief, self.cfg
+        arrival = self.route.arrival(way) if cfg.route.ahead else here(belief)
+        goals = {goal.index for goal in arrival.goals}
+        belief.arrival, belief.closed = arrival.pose, frozenset()
+        dots = []
+        for track in belief.unvisited():
+            rest = len(track.left)
+            if track.far and track.index not in goals:
+                dots.append((track.x, track.y, track.index, cfg.topology.far_m2))
+                continue
+            if belief.cfg.inspect.enabled and arrival.in_s > 0.0:
+                rest = 0 if track.index in goals else len(passed(track, arrival.path, 0.9 * belief.inspect_m))
+            area = rest * belief.map.cfg.cell_m**2
+            if belief.cfg.inspect.enabled and area <= belief.cfg.inspect.least_m2:
+                belief.closed |= {track.index}
+            else:
+                dots.append((track.x, track.y, track.index, area))
+        left = survey(belief, self.fields, cfg.forward_m, cfg.survey, arrival)
+        tour = plan_tour(belief, left, arrival, dots, self.fields, cfg.topology) if cfg.topology.enabled else None
+        around = Surroundings(
+            pose=arrival.pose,
+            previous=belief.goal,
+            robot=belief.pose[:2],
+            dead_end=left.dead_end,
+            ahead=[(t.x, t.y) for t in belief.ahead(cfg.forward_m)],
+            chain=[(t.x, t.y) for t in belief.tracks],
+        )
+        hollow = frozenset(t.index for t in belief.tracks if belief.done(t))
+        return Asked(arrival=arrival, left=left, around=around, tour=tour, hollow=hollow)
+
+    def _acceptable(self, asked: Asked, steps: Sequence[Mapping[str, float]] | None) -> int:
+        """Count the choices on offer that would pass."""
+        if steps is None:
+            dots = [t for t in self.belief.unvisited() if math.isfinite(asked.left.path_m(t.x, t.y))]
+            return sum(self._objection(Goal(x=t.x, y=t.y, index=t.index), asked) is None for t in dots)
+        points = np.array([to_world(asked.arrival.pose, s["forward_m"], s["left_m"]) for s in steps]).reshape(-1, 2)
+        if self._by_regret(asked) is not None and len(points):
+            assert asked.tour is not None
+            regrets = asked.tour.regrets_at(*np.ascontiguousarray(points.T))
+            return int(np.count_nonzero(regrets <= self.cfg.topology.max_regret_s))
+        return sum(self._objection(Goal(x=x, y=y), asked) is None for x, y in points.tolist())
+
+    def _by_regret(self, asked: Asked) -> Tour | None:
+        """Return the tour by which choices are judged; None where they are judged by angles, or not at all."""
+        return asked.tour if self.cfg.verify.by == "regret" and self.cfg.verify.enabled else None
+
+    def _objection(self, goal: Goal, asked: Asked) -> Rejection | None:
+        """Return what speaks against a goal in the state in which it was asked for."""
+        if not self.cfg.verify.enabled or not asked.strict:
+            return None
+        tour = self._by_regret(asked)
+        if tour is not None:
+            return self._regretted(goal, asked, tour)
+        return verify_waypoint((goal.x, goal.y), self._exempt(asked), self.cfg.verify)
+
+    def _mode(self, asked: Asked, reachable: bool) -> Mode:
+        """Choose the mode autonomously (paper III-C.3): by what comes first in the best tour of all that is left.
+
+        Without a tour, by Alg. 2: dots, while one lies ahead or the robot is in a dead end.
+        """
         if not self.cfg.centroid_selection or not reachable:
             return "waypoint"
-        return "centroid" if self.belief.ahead(self.cfg.forward_m) or left.dead_end else "waypoint"
+        if asked.tour is not None and self.cfg.verify.by == "regret":
+            return "waypoint" if asked.tour.best.index is None else "centroid"
+        return "centroid" if asked.around.ahead or asked.left.dead_end else "waypoint"
 
     def locate(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> Goal | Rejection:
         """Return the point in the world that an answer means."""
         if isinstance(answer, CentroidChoice):
-            track = next((t for t in self.belief.tracks if t.index == answer.selected_centroid_index), None)
+            track = self.belief.track(answer.selected_centroid_index)
             if track is None:
                 labels = ", ".join(str(t.index) for t in sorted(self.belief.tracks, key=lambda t: t.index))
                 return Rejection(
@@ -117,18 +214,28 @@ class HighLevelPlanner:
                     f"The labels on the map are: {labels or 'none'}.",
                 )
             return Goal(x=track.x, y=track.y, index=track.index)
-        asked_at = question.facts["robot"]
-        c, s = math.cos(asked_at["theta"]), math.sin(asked_at["theta"])
-        return Goal(
-            x=asked_at["x"] + c * answer.forward_m - s * answer.left_m,
-            y=asked_at["y"] + s * answer.forward_m + c * answer.left_m,
-        )
+        x, y = to_world(Pose(**question.facts["arrival"]["pose"]), answer.forward_m, answer.left_m)
+        return Goal(x=x, y=y)
+
+    def onward(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> list[Goal]:
+        """Return the goals that an answer names after the first one, as far as they still make sense."""
+        belief = self.belief
+        if not self.cfg.route.ahead:
+            return []
+        if isinstance(answer, CentroidChoice):
+            tracks = [belief.track(index) for index in answer.then if index != answer.selected_centroid_index]
+            return [Goal(x=t.x, y=t.y, index=t.index) for t in tracks if t is not None and not t.visited]
+        pose = Pose(**question.facts["arrival"]["pose"])
+        points = [to_world(pose, step.forward_m, step.left_m) for step in answer.then]
+        return [Goal(x=x, y=y) for x, y in points if belief.map.contains(x, y) and not belief.taken(x, y)]
 
     def verify(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> Rejection | None:
-        """Check an answer against the map as it is now, at response time (paper III-D)."""
+        """Check an answer in the state in which it was asked, and for what has become impossible since (III-D)."""
         goal = self.locate(question, answer)
         if isinstance(goal, Rejection):
-            return goal
+            # A dot that has merged into another since was right when it was asked for.
+            offered = {c["index"] for c in question.facts["centroids"]}
+            return None if goal.details["index"] in offered else goal
         refusal = self._refuse(goal)
         if refusal is None:
             return None
@@ -140,93 +247,92 @@ class HighLevelPlanner:
         return Rejection(code=refusal.code, reason=refusal.reason, details={**refusal.details, **extra})
 
     def _refuse(self, goal: Goal) -> Rejection | None:
-        belief, cfg = self.belief, self.cfg
+        belief, cfg, asked = self.belief, self.cfg, self.asked
+        assert asked is not None
         if not belief.map.contains(goal.x, goal.y):
             return Rejection(code="outside", reason="The chosen point lies outside the survey area.")
         if not cfg.checks:
             return None
-        left = survey(belief, self.fields, cfg.forward_m, cfg.survey)
-        if not math.isfinite(left.path_m(goal.x, goal.y)):
+        if not math.isfinite(self._now().path_m(goal.x, goal.y)):
             return Rejection(
                 code="blocked",
                 reason="The chosen point lies inside an obstacle, or obstacles cut it "
                 "off. Choose a point in open water.",
-            )
-        if not separated((goal.x, goal.y), (belief.pose.x, belief.pose.y), cfg.separation_m):
-            return Rejection(
-                code="too-close",
-                reason=f"The chosen point is within {cfg.separation_m:g} m of the "
-                "robot. Choose one that makes progress.",
             )
         if belief.taken(goal.x, goal.y, goal.index):
             return Rejection(
                 code="taken",
                 reason="Another robot is going there already. Choose a point that no other robot is going to.",
             )
-        if goal.index is not None and next(t.visited for t in belief.tracks if t.index == goal.index):
-            return (
-                Rejection(
-                    code="visited",
-                    reason=f"Orange dot {goal.index} has been visited already: the yellow "
-                    "trajectory passes it. Choose one that has not.",
-                )
-                if cfg.verify.enabled
-                else None
+        if goal.index is None and not separated((goal.x, goal.y), asked.arrival.pose[:2], cfg.separation_m):
+            return Rejection(
+                code="too-close",
+                reason=f"The chosen point is within {cfg.separation_m:g} m of where the robot will be. "
+                "Choose one that makes progress.",
             )
-        if not cfg.verify.enabled:
-            return None
-        around = self._surroundings(left)
-        return verify_waypoint((goal.x, goal.y), around, cfg.verify) or self._leads_back(goal, left, around)
+        if goal.index in asked.hollow:
+            return Rejection(
+                code="visited",
+                reason=f"Orange dot {goal.index} is hollow: it has been seen from near, or will have been on the way. "
+                f"Choose a solid one{self._passing()}.",
+            )
+        return self._objection(goal, asked)
 
-    def _leads_back(self, goal: Goal, left: Survey, around: Surroundings) -> Rejection | None:
-        """Refuse a cluster that makes the tour of what is left much longer than another acceptable one would."""
-        limit = self.cfg.topology.max_regret_m
-        places = places_left(self.belief, left, self.fields, self.cfg.topology)
-        chosen = next((p for p in places if p.index is not None and p.index == goal.index), None)
-        if chosen is None or chosen.regret_m <= limit:
+    def _now(self) -> Survey:
+        """Distances on the map as it is now, from where the robot is."""
+        belief = self.belief
+        key = (belief.map.version, belief.pose)
+        if self._reach is None or self._reach[0] != key:
+            cell_m = belief.map.cfg.cell_m
+            way = CostField.compute(belief.map.distance(), belief.pose[:2], cell_m=cell_m, cfg=self.fields)
+            self._reach = key, way
+        way = self._reach[1]
+        return Survey(frontiers=(), field=way, dead_end=False, gain_radius_m=0.0)
+
+    def _regretted(self, goal: Goal, asked: Asked, tour: Tour) -> Rejection | None:
+        """Refuse a choice that delays what is left by much more than the best one does."""
+        cfg, best = self.cfg.topology, tour.best
+        regret = None if goal.index is None else tour.regret_of(goal.index)
+        if regret is None:
+            regret = float(tour.regrets_at(np.array([goal.x]), np.array([goal.y]))[0])
+        if regret <= cfg.max_regret_s:
             return None
-        better = [
-            p
-            for p in places
-            if p.index is not None
-            and p.regret_m < chosen.regret_m - limit
-            and verify_waypoint((p.x, p.y), around, self.cfg.verify) is None
-        ]
-        if not better:
-            return None
-        best = min(better, key=lambda p: p.regret_m)
+        forward, left = to_robot(asked.arrival.pose, best.x, best.y)
+        better = f"dot {best.index}" if best.index is not None else f"going {forward:.0f} m forward, {left:+.0f} m left"
         return Rejection(
-            code="loop-back",
-            details={"regret_m": round(chosen.regret_m, 1), "better": best.index},
-            reason=f"Orange dot {goal.index} leads back into known water: going there first makes the way past all "
-            f"that is left {chosen.regret_m - best.regret_m:.0f} m longer than starting with dot {best.index}.",
+            code="regret",
+            details={"regret_s": round(regret, 1), "better": best.index},
+            reason=f"Going there first delays all that is left to see by {regret:.0f} s on average, against {better} "
+            f"first; at most {cfg.max_regret_s:.0f} s is accepted{self._passing()}.",
         )
+
+    def _passing(self) -> str:
+        """Name the dots that would pass, for a refusal."""
+        tour = None if self.asked is None else self.asked.tour
+        if tour is None or self.mode != "centroid":
+            return ""
+        limit = self.cfg.topology.max_regret_s
+        good = sorted(p.index for p in tour.places if p.index is not None and p.regret_s <= limit)
+        return f". These would pass: {', '.join(map(str, good))}" if good else ""
 
     def adopt(self, goal: Goal) -> bool:
-        """Make a goal the active one; True if it violates Eqs. 4-8 and no exemption applies (a "deviation")."""
-        left = survey(self.belief, self.fields, self.cfg.forward_m, self.cfg.survey)
-        around = self._surroundings(left)
-        self.belief.goal, self.belief.goal_index = (goal.x, goal.y), goal.index
+        """Return whether a goal violates Eqs. 4-8 without an exemption (a "deviation"), as it was asked for."""
+        assert self.asked is not None
+        around = self._exempt(self.asked)
         return not around.dead_end and violation((goal.x, goal.y), around, self.cfg.verify) is not None
 
-    def _surroundings(self, left: Survey) -> Surroundings:
+    def _exempt(self, asked: Asked) -> Surroundings:
         """Return the inputs of the verifiers. If no remaining choice would pass, turning round is allowed."""
-        belief, cfg = self.belief, self.cfg.verify
-        around = Surroundings(
-            pose=belief.pose,
-            previous=belief.goal,
-            dead_end=False,
-            ahead=[(t.x, t.y) for t in belief.ahead(cfg.forward_m)],
-            chain=[(t.x, t.y) for t in belief.tracks],
-        )
-        aims = [(t.x, t.y) for t in belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
+        belief, cfg, around = self.belief, self.cfg.verify, asked.around
+        aims = [(t.x, t.y) for t in belief.unvisited() if math.isfinite(asked.left.path_m(t.x, t.y))]
         if self.mode == "waypoint":
-            aims += [to_world(belief.pose, o["forward_m"], o["left_m"]) for o in self._steps(left) or ()]
-        open_ = any(violation(p, around, cfg) is None for p in aims if separated(p, belief.pose[:2], 1.5))
-        return replace(around, dead_end=left.dead_end or not open_)
+            steps = self._steps(asked.left, around.pose) or ()
+            aims += [to_world(around.pose, o["forward_m"], o["left_m"]) for o in steps]
+        open_ = any(violation(p, around, cfg) is None for p in aims if separated(p, around.pose[:2], 1.5))
+        return replace(around, dead_end=around.dead_end or not open_)
 
-    def _steps(self, left: Survey) -> list[dict[str, float]] | None:
+    def _steps(self, left: Survey, pose: Pose) -> list[dict[str, float]] | None:
         """The waypoints that may be named in free waypoint mode; None in centroid selection mode."""
         if self.mode == "centroid":
             return None
-        return waypoint_options(self.belief, left, self.cfg.step_m, self.cfg.separation_m)
+        return waypoint_options(self.belief, left, pose, self.cfg.step_m, self.cfg.separation_m)

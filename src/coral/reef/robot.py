@@ -79,6 +79,7 @@ class Robot:
             radius_m=self.simulator.cfg.vehicle.hull_radius_m,
             goal=belief.goal if busy else None,
             index=belief.goal_index if busy else None,
+            later=frozenset(g.index for g in about.route.goals[1:] if g.index is not None) if busy else frozenset(),
             path=path,
             times=times,
         )

@@ -13,6 +13,7 @@ from coral.config import CellSize, Positive
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import to_robot
+from coral.reef.route import Arrival, here
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +37,11 @@ class SurveyCfg:
     """... that lies this near to a known cluster: water farther off is no longer the reef."""
     border_m: float = 0.5
     """The outermost strip of the survey area is not worth a visit."""
+    look_m: Positive = 5.0
+    """Water within this of the way there, and in front of it, will be explored on arrival; less than the map's 6 m,
+    since obstacles hide some of it."""
+    look_deg: float = 55.0
+    """The same to either side of the heading: a little less than the camera's half angle of view."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +80,9 @@ class Survey:
         return self.field.lengths(xs, ys)
 
 
-def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg) -> Survey:
+def survey(
+    belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg, arrival: Arrival | None = None
+) -> Survey:
     """Analyse the present map.
 
     Args:
@@ -82,11 +90,13 @@ def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: Surve
         field_cfg: How obstacles are inflated for the geodesic distances.
         forward_m: Forward projection from which a centroid counts as ahead (Alg. 2, d_min).
         cfg: Thresholds.
+        arrival: Where the robot will be; what it will have explored on the way is not left. None: where it is.
     """
-    pose = belief.pose
+    arrival = arrival or here(belief)
+    pose = arrival.pose
     field = CostField.compute(belief.map.distance(), (pose.x, pose.y), cell_m=belief.map.cfg.cell_m, cfg=field_cfg)
     left = Survey(frontiers=(), field=field, dead_end=False, gain_radius_m=cfg.gain_radius_m)
-    frontiers = _frontiers(belief, left, cfg)
+    frontiers = _frontiers(belief, left, cfg, arrival)
     near_ahead = any(
         abs(f.bearing) <= math.radians(cfg.ahead_deg)
         and f.path_m <= cfg.ahead_m
@@ -97,11 +107,13 @@ def survey(belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: Surve
     return replace(left, frontiers=tuple(frontiers), dead_end=dead_end)
 
 
-def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
+def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -> list[Frontier]:
     cells, cell_m = belief.map, cfg.cell_m
     k = max(1, round(cell_m / cells.cfg.cell_m))
     explored = _coarse(cells.explored, k).mean(axis=(1, 3)) > 0.5
     solid = _coarse(cells.obstacle, k).any(axis=(1, 3))
+    if arrival.in_s > 0.0:
+        _explore_ahead(explored, arrival, cell_m, cfg)
     edge = math.ceil(cfg.border_m / cell_m)
     unknown = (~explored & ~solid).astype(np.uint8)
     unknown[:edge], unknown[-edge:], unknown[:, :edge], unknown[:, -edge:] = 0, 0, 0, 0
@@ -131,7 +143,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
         x, y = float(px[best]), float(py[best])
         if belief.failures(x, y) >= belief.cfg.max_attempts or belief.taken(x, y):
             continue
-        forward, to_left = to_robot(belief.pose, x, y)
+        forward, to_left = to_robot(arrival.pose, x, y)
         found.append(
             Frontier(
                 x=x,
@@ -144,6 +156,22 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg) -> list[Frontier]:
             )
         )
     return sorted(found, key=lambda f: f.path_m)
+
+
+def _explore_ahead(explored: NDArray[np.bool_], arrival: Arrival, cell_m: float, cfg: SurveyCfg) -> None:
+    """Mark what the robot will have seen on the way, Shape=(NY, NX), in place."""
+    reach = math.ceil(cfg.look_m / cell_m)
+    for x, y, theta in arrival.path[::2][:-1].tolist() + arrival.path[-1:].tolist():
+        iy, ix = int(y / cell_m), int(x / cell_m)
+        y0, x0 = max(iy - reach, 0), max(ix - reach, 0)
+        window = explored[y0 : iy + reach + 1, x0 : ix + reach + 1]
+        if not window.size:
+            continue
+        dy = (np.arange(y0, y0 + window.shape[0]) + 0.5) * cell_m - y
+        dx = (np.arange(x0, x0 + window.shape[1]) + 0.5) * cell_m - x
+        bearing = np.arctan2(dy[:, None], dx[None, :]) - theta
+        turned = np.abs(np.arctan2(np.sin(bearing), np.cos(bearing)))
+        window |= (np.hypot(dx[None, :], dy[:, None]) <= cfg.look_m) & (turned <= math.radians(cfg.look_deg))
 
 
 def _coarse(mask: NDArray[np.bool_], k: int) -> NDArray[np.bool_]:

@@ -1,96 +1,167 @@
-"""Topological memory: which choice leads on, and which leads back (beyond the paper; its failure case, V-D).
+"""The tour of all that is left, and what a choice costs: the topological memory (beyond the paper; its case V-D).
 
 The verifiers of Eqs. 4-8 judge one waypoint against what is near. In branching reefs that lets the advisor take a
-branch which ends in known water while another is left behind. Here the places that are left (unvisited clusters and
-the larger frontiers) and the known ways between them form a graph, and a choice is judged by the whole tour that has
-to follow it: its regret is how much longer that tour is than the best one.
+branch that ends in known water while another is left behind. Here the places that are left (clusters not yet seen
+from near, some of them known from afar only, and frontiers) and the known ways between them form a graph, and a
+choice is judged by the tour that has to follow it. Its regret is how much later, on average, what is left is seen
+than after the best first choice.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count
+from coral.config import Count, Positive
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostField, CostFieldCfg
+from coral.reef.delays import delays_from
+from coral.reef.geometry import Pose
+from coral.reef.route import Arrival, turn_to
 from coral.reef.survey import Survey
 
 
 @dataclass(frozen=True, kw_only=True)
 class TopologyCfg:
-    """Size of the graph and what counts as leading back."""
+    """Size of the graph, what its places are worth, and what counts as leading back."""
 
     enabled: bool = True
     """False is the ablation "w/o topological memory"."""
-    max_nodes: int = 8
+    max_nodes: int = 9
     """Places that a tour is planned over; the nearest ones, clusters first. The search grows as n² 2^n."""
-    frontier_gap_m: float = 5.0
+    frontier_gap_m: float = 4.0
     """Frontiers closer than this to a place already in the graph add none."""
-    max_regret_m: float = 8.0
-    """A cluster whose choice lengthens the tour by more than this is refused when another does not."""
+    max_regret_s: float = 10.0
+    """A choice that delays what is left by more than this is refused: what asking once more costs."""
     ratio: Count = 3
     """Map cells per cell of the distance search."""
+    speed_m_s: Positive = 0.5
+    yaw_rate_rad_s: Positive = 0.6
+    dot_worth: float = 0.5
+    """Worth of a cluster, whatever its size; each square metre that is left to see of it adds 1."""
+    far_m2: float = 0.5
+    """What is taken to be left to see of oysters seen from afar: about a small cluster's area."""
+    frontier_worth: float = 0.1
+    """Worth of unexplored water beside the reef, less elsewhere. Little: most of it is seen on the way to clusters."""
+    reef_m: Positive = 3.0
+    """Distance from the reef at which that has fallen to 1/e."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Place:
-    """A remaining place: an unvisited cluster (with its label) or a frontier (None)."""
+    """A place that is left: a cluster (with its label) or a frontier."""
 
     x: float
     y: float
-    index: int | None
-    regret_m: float = 0.0
-    """How much longer the tour of all places is when this one comes first (m)."""
+    index: int | None = None
+    worth: float = 1.0
+    regret_s: float = 0.0
+    """How much later (s) what is left is seen, on average by worth, when this place comes first."""
 
 
-def places_left(belief: Belief, left: Survey, fields: CostFieldCfg, cfg: TopologyCfg) -> tuple[Place, ...]:
-    """Build the graph of remaining places, each with its regret; empty if the memory is off or nothing is left."""
-    if not cfg.enabled:
-        return ()
-    # The tour is this robot's own: what is nearer to another robot is that one's to visit.
-    share = [t for t in belief.unvisited() if not belief.nearer_to_another(t.x, t.y)]
-    clusters = sorted((left.path_m(t.x, t.y), t.x, t.y, t.index) for t in share)
-    nodes = [Place(x=x, y=y, index=index) for path, x, y, index in clusters if math.isfinite(path)][: cfg.max_nodes]
-    for f in left.frontiers:
-        if len(nodes) == cfg.max_nodes:
-            break
-        if belief.nearer_to_another(f.x, f.y):
-            continue
-        if all(math.hypot(f.x - n.x, f.y - n.y) >= cfg.frontier_gap_m for n in nodes):
-            nodes.append(Place(x=f.x, y=f.y, index=None))
-    if not nodes:
-        return ()
-    distance, cell_m = belief.map.distance(), belief.map.cfg.cell_m
-    coarse = replace(fields, ratio=cfg.ratio)
-    between = np.zeros((len(nodes), len(nodes)))
-    for i, node in enumerate(nodes[:-1]):
-        field = CostField.compute(distance, (node.x, node.y), cell_m=cell_m, cfg=coarse)
-        for j in range(i + 1, len(nodes)):
-            between[i, j] = between[j, i] = field.lookup(nodes[j].x, nodes[j].y)
-    first = np.array([left.field.lookup(n.x, n.y) for n in nodes])
-    tours = first + tours_from(between)
-    return tuple(replace(n, regret_m=float(t - tours.min())) for n, t in zip(nodes, tours, strict=True))
+@dataclass(frozen=True)
+class Tour:
+    """The places that are left, and what has to follow each first choice."""
+
+    places: tuple[Place, ...]
+    fields: tuple[CostField, ...]
+    """Distances (m) from each place."""
+    onward_s: NDArray[np.float64]
+    """Mean delay (s) of the other places once each place is reached, by worth. Shape=(N,)."""
+    best_s: float
+    """Mean delay (s) of all places with the best first choice."""
+    start: Survey
+    """Distances from where the tour begins."""
+    pose: Pose
+    cfg: TopologyCfg
+
+    @property
+    def best(self) -> Place:
+        """The place that should come first."""
+        return min(self.places, key=lambda place: place.regret_s)
+
+    def regret_of(self, index: int) -> float | None:
+        """Return the regret (s) of going to a cluster first; None if the tour does not know it."""
+        return next((place.regret_s for place in self.places if place.index == index), None)
+
+    def regrets_at(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the regret (s) of going to points first, and to the places from there. Shape=(N,)."""
+        cfg = self.cfg
+        first = self.start.paths_m(xs, ys) / cfg.speed_m_s
+        x, y, theta = self.pose
+        bearing = np.arctan2(ys - y, xs - x) - theta
+        first = first + np.abs(np.arctan2(np.sin(bearing), np.cos(bearing))) / cfg.yaw_rate_rad_s
+        onward = np.min(
+            [
+                field.lengths(xs, ys) / cfg.speed_m_s + delay
+                for field, delay in zip(self.fields, self.onward_s, strict=True)
+            ],
+            axis=0,
+        )
+        return np.asarray(np.maximum(first + onward - self.best_s, 0.0))
 
 
-def tours_from(between: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute the shortest open tour of all places from each place, by dynamic programming over subsets.
+def plan_tour(
+    belief: Belief,
+    left: Survey,
+    arrival: Arrival,
+    dots: Sequence[tuple[float, float, int, float]],
+    fields: CostFieldCfg,
+    cfg: TopologyCfg,
+) -> Tour | None:
+    """Plan the tour of what is left from where the robot will be; None if nothing is left.
 
     Args:
-        between: Shape=(N, N), symmetric distances (m).
-
-    Returns:
-        Shape=(N,), metres.
+        belief: What the robot knows.
+        left: What is left to explore, with the distances from `arrival`.
+        arrival: Where the tour begins.
+        dots: Clusters on offer: x, y (m), label, what is left to see of it (m²).
+        fields: How obstacles are inflated for the distances.
+        cfg: Size and worth.
     """
-    n = len(between)
-    full = (1 << n) - 1
-    best = np.full((1 << n, n), np.inf)  # best[S, i]: shortest way from i through the places S still to visit
-    best[0] = 0.0
-    for subset in range(1, full + 1):
-        members = [j for j in range(n) if subset >> j & 1]
-        rest = np.array([best[subset ^ (1 << j), j] for j in members])
-        best[subset] = np.min(between[:, members] + rest, axis=1)
-    return np.array([best[full ^ (1 << i), i] for i in range(n)])
+    # The tour is this robot's own: what is nearer to another robot is that one's to visit.
+    near = sorted((left.path_m(x, y), x, y, index, area) for x, y, index, area in dots)
+    nodes = [
+        Place(x=x, y=y, index=index, worth=cfg.dot_worth + area)
+        for path, x, y, index, area in near
+        if math.isfinite(path) and not belief.nearer_to_another(x, y)
+    ][: cfg.max_nodes]
+    others = [(f.x, f.y, frontier_worth(f.reef_m, f.unexplored, cfg)) for f in left.frontiers]
+    for x, y, promise in others:
+        if len(nodes) == cfg.max_nodes:
+            break
+        far = all(math.hypot(x - n.x, y - n.y) >= cfg.frontier_gap_m for n in nodes if n.index is None)
+        if far and not belief.nearer_to_another(x, y):
+            nodes.append(Place(x=x, y=y, worth=promise))
+    if not nodes:
+        return None
+    distance, cell_m = belief.map.distance(), belief.map.cfg.cell_m
+    coarse = replace(fields, ratio=cfg.ratio)
+    ways = tuple(CostField.compute(distance, (n.x, n.y), cell_m=cell_m, cfg=coarse) for n in nodes)
+    between = np.array(
+        [[0.0 if k == j else way.lookup(b.x, b.y) for j, b in enumerate(nodes)] for k, way in enumerate(ways)]
+    )
+    first = np.array([left.field.lookup(n.x, n.y) for n in nodes]) / cfg.speed_m_s
+    turns = np.array([turn_to(arrival.pose, n.x, n.y) for n in nodes]) / cfg.yaw_rate_rad_s
+    worth: NDArray[np.float64] = np.array([n.worth for n in nodes])
+    onward = delays_from(between / cfg.speed_m_s, worth)
+    total: NDArray[np.float64] = first + turns + onward
+    best = float(total.min())
+    places = tuple(replace(n, regret_s=float(t - best)) for n, t in zip(nodes, total, strict=True))
+    return Tour(places, ways, onward, best, left, arrival.pose, cfg)
+
+
+def frontier_worth(reef_m: float, unexplored: float, cfg: TopologyCfg) -> float:
+    """Return what a frontier promises: oysters settle near oysters, and more of them fit into more water.
+
+    Args:
+        reef_m: Distance to the nearest known oysters (m); inf when none are known.
+        unexplored: Unexplored share of its surroundings.
+        cfg: Worths.
+    """
+    near = math.exp(-reef_m / cfg.reef_m) if math.isfinite(reef_m) else 0.5
+    return cfg.frontier_worth * (0.2 + near) * min(1.0, 2.0 * unexplored)

@@ -63,10 +63,11 @@ class SmartTrigger:
         """Record that the path feasibility monitor gave up on the current waypoint."""
         self._deviated = True
 
-    def asked(self, t: float) -> None:
-        """Start the cooldown and clear the counters."""
+    def asked(self, t: float, *, waits: bool = True) -> None:
+        """Start the cooldown; if the robot `waits` for the answer, clear the counters."""
         self._last_query = t
-        self.new_goal()
+        if waits:
+            self.new_goal()
 
     def new_goal(self) -> None:
         """Restart the progress check: waiting for the answer does not count as being stuck."""
@@ -76,7 +77,14 @@ class SmartTrigger:
         self._slow_since = None
 
     def update(
-        self, t: float, x: float, y: float, speed: float, target: tuple[float, float] | None, pending: bool
+        self,
+        t: float,
+        x: float,
+        y: float,
+        speed: float,
+        target: tuple[float, float] | None,
+        pending: bool,
+        soon: bool | None = None,
     ) -> Firing | None:
         """Evaluate Eq. 12 at time `t` (s) for the robot at (x, y) moving at `speed` (m/s).
 
@@ -87,6 +95,7 @@ class SmartTrigger:
             speed: Magnitude of its velocity (m/s).
             target: Active waypoint (m); None before the first.
             pending: A question is already open.
+            soon: Whether the goals will be done before an answer can come; None: ask by distance, as the paper does.
 
         Returns:
             The predicate that holds now, if any; stuck before failure before distance.
@@ -102,7 +111,7 @@ class SmartTrigger:
             cause = "failure"
         elif self._deviated:
             cause = "deviation"
-        elif cfg.always or math.hypot(target[0] - x, target[1] - y) < cfg.distance_m:
+        elif cfg.always or (soon if soon is not None else math.hypot(target[0] - x, target[1] - y) < cfg.distance_m):
             cause = "distance"
         if cause is None:
             return None

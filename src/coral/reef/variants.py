@@ -39,6 +39,22 @@ def _no_topology(cfg: MissionCfg) -> MissionCfg:
     return replace(cfg, planner=replace(cfg.planner, topology=replace(cfg.planner.topology, enabled=False)))
 
 
+def _asked_near(cfg: MissionCfg) -> MissionCfg:
+    """The next goal is asked for near the present one and measured from the robot."""
+    return replace(cfg, planner=replace(cfg.planner, route=replace(cfg.planner.route, ahead=False)))
+
+
+def _fixed_angles(cfg: MissionCfg) -> MissionCfg:
+    """Choices are judged by the paper's fixed angles (Eqs. 4-8), not by the tour that they lead to."""
+    return replace(cfg, planner=replace(cfg.planner, verify=replace(cfg.planner.verify, by="angles")))
+
+
+def _paper(cfg: MissionCfg) -> MissionCfg:
+    """As the paper has it: nothing asked ahead, clusters visited by distance, fixed angles, no topological memory."""
+    belief = replace(cfg.belief, inspect=replace(cfg.belief.inspect, enabled=False))
+    return _no_topology(_fixed_angles(_asked_near(replace(cfg, belief=belief))))
+
+
 def _no_trigger(cfg: MissionCfg) -> MissionCfg:
     """Ask the advisor again at every cooldown."""
     return replace(cfg, pilot=replace(cfg.pilot, trigger=replace(cfg.pilot.trigger, always=True)))
@@ -69,7 +85,7 @@ def _dream(cfg: MissionCfg) -> MissionCfg:
     pilot = replace(cfg.pilot, trigger=trigger, synchronous=True)
     belief = replace(cfg.belief, centroids=False)
     cfg = _no_topology(_no_verification(_no_centroid_selection(_pd(cfg))))
-    return _alone(replace(cfg, belief=belief, pilot=pilot, latency="fixed:5"))
+    return _alone(_asked_near(replace(cfg, belief=belief, pilot=pilot, latency="fixed:5")))
 
 
 def _rule_based(cfg: MissionCfg) -> MissionCfg:
@@ -79,12 +95,12 @@ def _rule_based(cfg: MissionCfg) -> MissionCfg:
 
 def _frontier(cfg: MissionCfg) -> MissionCfg:
     """Frontier exploration (Yamauchi 1997), blind to oysters."""
-    return _alone(replace(_no_equations(_no_centroid_selection(cfg)), decider="frontier", latency="0"))
+    return _alone(_asked_near(replace(_no_equations(_no_centroid_selection(cfg)), decider="frontier", latency="0")))
 
 
 def _lawnmower(cfg: MissionCfg) -> MissionCfg:
     """Lanes over the whole area, planned before the dive."""
-    return _alone(replace(_no_equations(_no_centroid_selection(cfg)), decider="lawnmower", latency="0"))
+    return _alone(_asked_near(replace(_no_equations(_no_centroid_selection(cfg)), decider="lawnmower", latency="0")))
 
 
 def _random(cfg: MissionCfg) -> MissionCfg:
@@ -111,6 +127,8 @@ def _oracle(cfg: MissionCfg) -> MissionCfg:
 
 VARIANTS: dict[str, Change] = {
     "full": lambda cfg: cfg,
+    "paper": _paper,
+    "fixed-angles": _fixed_angles,
     "pd": _pd,
     "dream": _dream,
     "rule-based": _rule_based,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from coral.advisor.question import Rejection
 from coral.reef.geometry import Pose, to_robot
@@ -18,6 +19,9 @@ class VerifyCfg:
 
     enabled: bool = True
     """False is the ablation "w/o self-verification": violations are counted, not rejected."""
+    by: Literal["regret", "angles"] = "regret"
+    """What is refused: choices whose predicted tour is much worse than the best one (beyond the paper, its future
+    work), or those that violate the paper's fixed angles (Eqs. 4-8)."""
     theta_back_deg: float = 120.0
     """BehindRobot (Eq. 4). A prong 2.5 m aside, overshot by 1 m, lies at 112°; it must pass."""
     theta_behind_deg: float = 40.0
@@ -41,8 +45,11 @@ class Surroundings:
     """The verifiers' inputs: the robot's own map and memory, nothing else."""
 
     pose: Pose
+    """From which directions are measured: where the robot will be when it needs the answer."""
     previous: Point | None
     """Previous target waypoint p_prev."""
+    robot: Point | None = None
+    """Where the robot is; None: at `pose`."""
     ahead: Sequence[Point]
     """Unvisited centroids in front of the robot (forward projection >= d_fwd)."""
     chain: Sequence[Point]
@@ -63,52 +70,58 @@ def behind_robot(p: Point, pose: Pose, cfg: VerifyCfg) -> bool:
     return abs(math.atan2(left, forward)) > math.radians(cfg.theta_back_deg)
 
 
-def behind_previous(p: Point, pose: Pose, previous: Point | None, cfg: VerifyCfg) -> bool:
+def behind_previous(p: Point, robot: Point, previous: Point | None, cfg: VerifyCfg) -> bool:
     """Eq. 5: seen from the previous target, the waypoint lies back towards the robot (unless far away)."""
     if previous is None:
         return False
-    back = (pose.x - previous[0], pose.y - previous[1])
+    back = (robot[0] - previous[0], robot[1] - previous[1])
     new = (p[0] - previous[0], p[1] - previous[1])
     if math.hypot(*new) > cfg.exempt_distance_m or math.hypot(*back) < 1e-6 or math.hypot(*new) < 1e-6:
         return False
     return angle_between(new, back) < math.radians(cfg.theta_behind_deg)
 
 
-def reference(around: Surroundings, cfg: VerifyCfg) -> tuple[Point, Point | None] | None:
-    """Eq. 7: reference direction and the forward centroid it points to.
+def continuations(around: Surroundings, cfg: VerifyCfg) -> list[tuple[Point, Point | None]]:
+    """Eq. 7: directions in which the chain may go on, each with the forward centroid that it points to.
 
-    The farthest unvisited centroid ahead within d_lat. If all that are ahead lie farther aside, the one nearest to
-    the heading: the paper would fall back on the chain behind, which refuses the only way on where a reef turns. If
-    none is ahead, the direction from the farthest centroid behind to the robot, with no centroid to coincide with;
-    None when the chain says nothing.
+    The paper takes one reference, the farthest unvisited centroid ahead within d_lat. Where the reef forks or turns,
+    that refuses a right way on because another dot lies nearer to the heading. Here every unvisited centroid ahead is
+    a way on, the paper's reference first. If none is ahead, it is the direction from the farthest centroid behind to
+    the robot, with no centroid to coincide with; empty when the chain says nothing.
     """
     pose = around.pose
     ahead = [(to_robot(pose, *c), c) for c in around.ahead]
     ahead = [(rel, c) for rel, c in ahead if rel[0] >= cfg.forward_m]
-    straight = [(rel[0], c) for rel, c in ahead if abs(rel[1]) < cfg.lateral_m]
     if ahead:
-        best = max(straight)[1] if straight else min(ahead, key=lambda item: abs(math.atan2(item[0][1], item[0][0])))[1]
-        return (best[0] - pose.x, best[1] - pose.y), best
+        straight = [(rel, c) for rel, c in ahead if abs(rel[1]) < cfg.lateral_m]
+        aside = [(rel, c) for rel, c in ahead if abs(rel[1]) >= cfg.lateral_m]
+        straight.sort(key=lambda item: -item[0][0])
+        aside.sort(key=lambda item: abs(math.atan2(item[0][1], item[0][0])))
+        return [((c[0] - pose.x, c[1] - pose.y), c) for _, c in (*straight, *aside)]
     behind = [(to_robot(pose, *c), c) for c in around.chain]
     behind = [(rel, c) for rel, c in behind if rel[0] <= -cfg.forward_m and abs(rel[1]) < cfg.lateral_m]
     if behind:
         far = min(behind)[1]
-        return (pose.x - far[0], pose.y - far[1]), None
-    return None
+        return [((pose.x - far[0], pose.y - far[1]), None)]
+    return []
+
+
+def reference(around: Surroundings, cfg: VerifyCfg) -> tuple[Point, Point | None] | None:
+    """Return the paper's reference direction (Eq. 7), the first of `continuations`; None if there is none."""
+    return next(iter(continuations(around, cfg)), None)
 
 
 def deviated(p: Point, around: Surroundings, cfg: VerifyCfg) -> float | None:
-    """Eq. 8: signed angle (rad, left positive) off the chain's trend where it exceeds theta_dev, else None."""
+    """Eq. 8: signed angle (rad, left positive) off the nearest way on where it exceeds theta_dev, else None."""
     if len(around.chain) < cfg.min_centroids:
         return None
-    found = reference(around, cfg)
-    if found is None:
-        return None
-    trend, centroid = found
-    if centroid is not None and math.hypot(p[0] - centroid[0], p[1] - centroid[1]) <= cfg.coincide_m:
-        return None
     way = (p[0] - around.pose.x, p[1] - around.pose.y)
-    angle = math.atan2(trend[0] * way[1] - trend[1] * way[0], trend[0] * way[0] + trend[1] * way[1])
+    angles = []
+    for trend, centroid in continuations(around, cfg):
+        if centroid is not None and math.hypot(p[0] - centroid[0], p[1] - centroid[1]) <= cfg.coincide_m:
+            return None
+        angles.append(math.atan2(trend[0] * way[1] - trend[1] * way[0], trend[0] * way[0] + trend[1] * way[1]))
+    angle = min(angles, key=abs, default=0.0)
     return angle if abs(angle) > math.radians(cfg.theta_dev_deg) else None
 
 
@@ -132,7 +145,7 @@ def violation(p: Point, around: Surroundings, cfg: VerifyCfg) -> Rejection | Non
             reason=f"The chosen point is behind the robot: {where}, and more than {cfg.theta_back_deg:.0f}° off the "
             f"heading is not allowed while there is something ahead. Choose a point in front of the robot.",
         )
-    if behind_previous(p, around.pose, around.previous, cfg):
+    if behind_previous(p, around.robot or around.pose[:2], around.previous, cfg):
         return Rejection(
             code="behind-previous",
             details=details,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -17,6 +18,9 @@ CELL_COLORS: NDArray[np.uint8] = np.array([(255, 255, 255), (190, 193, 197), (0,
 
 ORANGE: RGB = (255, 133, 0)
 PALE_ORANGE: RGB = (255, 214, 163)
+FAR: RGB = (150, 210, 70)
+"""Of a dot that stands for oysters seen from afar only."""
+BORDER: RGB = (120, 90, 60)
 BLUE: RGB = (25, 90, 230)
 RED: RGB = (220, 20, 40)
 YELLOW: RGB = (255, 217, 0)
@@ -89,18 +93,36 @@ def draw_axes(view: MapPicture, left: int, top: int, width: int, height: int) ->
     draw_text(rgb, "x (m)", left + width, top + height + 15, size=14, weight=400, anchor="rm")
 
 
+def draw_border(view: MapPicture, border: tuple[float, float, float, float]) -> None:
+    """Draw the border of the survey area as a dashed line with its name, in place."""
+    x0, y0, x1, y1 = border
+    corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)])
+    for a, b in itertools.pairwise(corners):
+        length = float(np.hypot(*(b - a)))
+        for k in range(math.ceil(length)):  # dashes of half a metre
+            ends = a + np.outer([k / length, min(k + 0.5, length) / length], b - a)
+            draw_line(view.rgb, view.to_pixels(ends), BORDER, 3)
+    height, width = view.rgb.shape[:2]
+    for (x, y), anchor, shift in (((x1, y1), "rt", (-6.0, 12.0)), ((x0, y0), "lb", (6.0, -12.0))):
+        column, row = view.to_pixels(np.array([x, y])) + np.array(shift)
+        if 0 <= row < height and 0 <= column <= width:
+            text = "end of the survey area"
+            draw_text(view.rgb, text, column, row, size=13, color=BORDER, halo=2, anchor=anchor[0] + "m")
+
+
 LEGEND_PX = 620
 """Width of the legend (px)."""
 
 
-def draw_legend(rgb: Image, left: int, top: int, goal: bool, clusters: bool = True) -> None:
+def draw_legend(rgb: Image, left: int, top: int, goal: bool, arrival: bool = False, clusters: bool = True) -> None:
     """Draw two lines that explain the colours, in place, from (left, top) px.
 
     Args:
         rgb: The picture.
-        left: Column of the first word.
-        top: Row of the first line.
-        goal: Whether one is drawn.
+        left: Column (px).
+        top: Row (px).
+        goal: Whether a goal is drawn.
+        arrival: Whether the place where the robot will be is drawn.
         clusters: Whether the centroid chain is drawn.
     """
     squares = [
@@ -123,16 +145,21 @@ def draw_legend(rgb: Image, left: int, top: int, goal: bool, clusters: bool = Tr
         draw_line(rgb, np.array([(x, y), (x + 26, y)]), BLUE, 2)
         draw_dot(rgb, np.array([x + 7, y]), 5, ORANGE, edge_width=1)
         draw_dot(rgb, np.array([x + 21, y]), 5, ORANGE, edge_width=1)
-        draw_dot(rgb, np.array([x + 21, y]), 2.8, PALE_ORANGE, edge=PALE_ORANGE, edge_width=0)
-        draw_text(rgb, "centroid chain (hollow: visited)", x + 34, y, size=13)
-        x += 34 + text_size("centroid chain (hollow: visited)", 13)[0] + 18
+        draw_dot(rgb, np.array([x + 21, y]), 3.4, (255, 255, 255), edge=(255, 255, 255), edge_width=0)
+        draw_text(rgb, "chain (hollow: done)", x + 34, y, size=13)
+        x += 34 + text_size("chain (hollow: done)", 13)[0] + 14
     draw_dot(rgb, np.array([x + 6, y]), 5, RED, edge_width=0)
     draw_text(rgb, "robot", x + 16, y, size=13)
-    x += 16 + text_size("robot", 13)[0] + 18
+    x += 16 + text_size("robot", 13)[0] + 14
+    if arrival:
+        draw_dot(rgb, np.array([x + 6, y]), 5, RED, edge_width=0)
+        draw_dot(rgb, np.array([x + 6, y]), 3, (255, 255, 255), edge=(255, 255, 255), edge_width=0)
+        draw_text(rgb, "then", x + 16, y, size=13)
+        x += 16 + text_size("then", 13)[0] + 14
     for color, name in ((RED, "+X forward"), (BLUE, "+Y left")):
         draw_arrow(rgb, np.array([x, y]), np.array([x + 22, y]), color, 2)
         draw_text(rgb, name, x + 28, y, size=13)
-        x += 28 + text_size(name, 13)[0] + 18
+        x += 28 + text_size(name, 13)[0] + 14
     if goal:
         cv2.circle(rgb, (round(x + 8), round(y)), 6, MAGENTA, 2, cv2.LINE_AA)
         draw_text(rgb, "goal", x + 20, y, size=13)

@@ -16,17 +16,18 @@ from coral.view.companions import Companion, draw_companions, draw_key, draw_tra
 from coral.view.mapframe import (
     BLUE,
     CELL_COLORS,
+    FAR,
     LEGEND_PX,
     MAGENTA,
     OBSTACLE,
     ORANGE,
     OYSTER,
-    PALE_ORANGE,
     RED,
     YELLOW,
     YELLOW_EDGE,
     MapPicture,
     draw_axes,
+    draw_border,
     draw_legend,
     draw_scale_bar,
 )
@@ -63,6 +64,14 @@ class MapScene:
     """Rows of `centroids` in chain order, joined by blue lines; None joins them as they stand, () draws no line."""
     clusters: bool = True
     """Whether the robot extracts clusters at all; without them the legend does not name them."""
+    links: Sequence[tuple[int, int]] | None = None
+    """Pairs of rows of `centroids` that blue lines join, in place of `chain`: a chain that forks."""
+    seen: Sequence[float | None] | None = None
+    """Share of each cluster that has been seen from near, written beside it; None for one that is known from afar."""
+    arrival: Pose | None = None
+    """Where the robot will be when the answer is needed; None: where it is."""
+    border: tuple[float, float, float, float] | None = None
+    """(x0, y0, x1, y1) of the survey area (m)."""
     goal: tuple[float, float] | None = None
     rollouts: NDArray[np.float64] | None = None
     """Sampled rollouts of the controller, Shape=(R, T, 2)."""
@@ -103,10 +112,11 @@ def cell_classes(explored: NDArray[np.bool_], obstacle: NDArray[np.bool_], targe
 def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     """Draw the map as the paper shows it (CORAL III-A and prompts A and B).
 
-    White is unexplored, gray explored free space, black obstacles, green oysters; orange dots are cluster centroids
-    with their labels, pale once visited, joined by blue lines in chain order; the yellow line is the robot's track; the
-    red dot and arrow are the robot and its +X (forward), the blue arrow its +Y (left); the magenta cross-hair is the
-    present goal. Other robots are dots with an arrow and a ring for their goal.
+    White is unexplored, gray explored free space, black obstacles, green oysters; orange dots are cluster
+    centroids with their labels, hollow when nothing is left to see of them, joined by blue lines along the chain; the
+    yellow line is where the robot has been; the red dot and arrow are the robot and its +X (forward), the blue arrow
+    its +Y (left); hollow, with the arrows, where it will be when it needs the answer; the
+    magenta cross-hair is the present goal. Other robots are dots with an arrow and a ring for their goal.
     """
     cfg = cfg or MapViewCfg()
     window = _window(scene, cfg)
@@ -128,7 +138,8 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     if cfg.axes:
         draw_axes(view, left, top, inner_w, inner_h)
     if cfg.legend:
-        draw_legend(rgb, left, top + inner_h + bottom, goal=scene.goal is not None, clusters=scene.clusters)
+        marks = {"goal": scene.goal is not None, "arrival": scene.arrival is not None, "clusters": scene.clusters}
+        draw_legend(rgb, left, top + inner_h + bottom, **marks)
     return view
 
 
@@ -196,6 +207,8 @@ def _ground(scene: MapScene, window: tuple[float, float, float, float], width: i
 
 def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
     rgb = view.rgb
+    if scene.border is not None:
+        draw_border(view, scene.border)
     if scene.rollouts is not None:
         for path in view.to_pixels(scene.rollouts):
             draw_line(rgb, path, (150, 120, 200), 1)
@@ -204,29 +217,56 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
     draw_tracks(view, scene.others)
     draw_line(rgb, view.to_pixels(_thin(scene.trajectory, 1.5 / view.scale)), YELLOW, 3, edge=YELLOW_EDGE)
     dots = view.to_pixels(np.asarray(scene.centroids, np.float64).reshape(-1, 2))
-    order = range(len(dots)) if scene.chain is None else scene.chain
-    draw_line(rgb, dots[list(order)], BLUE, 2, edge=(255, 255, 255))
+    if scene.links is not None:
+        for a, b in scene.links:
+            draw_line(rgb, dots[[a, b]], BLUE, 2, edge=(255, 255, 255))
+    else:
+        order = range(len(dots)) if scene.chain is None else scene.chain
+        draw_line(rgb, dots[list(order)], BLUE, 2, edge=(255, 255, 255))
     if scene.goal is not None:
         _crosshair(rgb, view.to_pixels(np.array(scene.goal)))
     visited = scene.visited if scene.visited is not None else [False] * len(dots)
-    for dot, seen in zip(dots, visited, strict=True):
+    shares = scene.seen if scene.seen is not None else [0.0] * len(dots)
+    for dot, done, share in zip(dots, visited, shares, strict=True):
+        if share is None:
+            draw_dot(rgb, dot, 6.5, FAR)
+            continue
         draw_dot(rgb, dot, 6.5, ORANGE)
-        if seen:
-            draw_dot(rgb, dot, 3.5, PALE_ORANGE, edge=PALE_ORANGE, edge_width=0.5)
+        if done:
+            draw_dot(rgb, dot, 4.5, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     draw_companions(view, scene.others)
     robot: NDArray[np.float64] | None = None
     if scene.pose is not None:
         robot = view.to_pixels(np.array(scene.pose[:2]))
-        robot = _robot(rgb, robot, scene.pose.theta, cfg.labels)
+        if scene.arrival is None:
+            robot = _robot(rgb, robot, scene.pose.theta, cfg.labels)
+        else:
+            forward = np.array([math.cos(scene.pose.theta), -math.sin(scene.pose.theta)])
+            draw_arrow(rgb, robot, robot + 30 * forward, RED)
+            draw_dot(rgb, robot, 8.0, RED)
+            there = view.to_pixels(np.array(scene.arrival[:2]))
+            robot = np.concatenate([robot[None], _robot(rgb, there, scene.arrival.theta, cfg.labels)])
+            draw_dot(rgb, there, 8.0, RED)
+            draw_dot(rgb, there, 5.0, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     if cfg.labels and len(dots):
-        names = [str(i) for i in (scene.indices if scene.indices is not None else range(len(dots)))]
+        names = [
+            _name(index, share, shown=scene.seen is not None)
+            for index, share in zip(scene.indices or range(len(dots)), shares, strict=True)
+        ]
         _draw_labels(rgb, dots, names, robot)
     if scene.named:
         draw_key(view, scene.others)
 
 
+def _name(index: int, share: float | None, shown: bool) -> str:
+    """Return the label of a dot: with ? if known from afar only, and how much of it has been seen if that is shown."""
+    if share is None:
+        return f"{index}?"
+    return f"{index} {round(100 * share)}%" if shown and 0.005 <= share < 0.995 else str(index)
+
+
 def _thin(path: NDArray[np.float64], step: float) -> NDArray[np.float64]:
-    """Drop points of a path within about `step` of the previous one, but keep the ends. Shape=(N, 2)."""
+    """Drop the points of a path that lie within about `step` of the previous one, ends kept. Shape=(N, 2)."""
     path = np.asarray(path, np.float64).reshape(-1, 2)
     if len(path) < 3:
         return path

@@ -6,6 +6,7 @@ import numpy as np
 
 from coral.advisor.question import Picture
 from coral.reef.belief import Belief
+from coral.reef.chain import spanning_tree
 from coral.view.cameraview import camera_picture
 from coral.view.companions import Companion
 from coral.view.mapview import MapScene, draw_map, png
@@ -14,14 +15,20 @@ from coral.view.mapview import MapScene, draw_map, png
 def map_scene(belief: Belief) -> MapScene:
     """Return the robot's own map, chain, trajectory and goal as a scene to draw."""
     chain = belief.tracker.chain()
+    places = np.array([[t.x, t.y] for t in chain]).reshape(-1, 2)
+    by_sight = belief.cfg.inspect.enabled
     return MapScene(
         cells=belief.map.cells(),
         cell_m=belief.map.cfg.cell_m,
         pose=belief.pose,
         trajectory=belief.trajectory,
-        centroids=np.array([[t.x, t.y] for t in chain]).reshape(-1, 2),
+        centroids=places,
+        links=spanning_tree(places),
+        seen=[None if t.far else t.inspected for t in chain] if by_sight else None,
+        arrival=belief.arrival if belief.arrival != belief.pose else None,
+        border=(0.0, 0.0, *belief.map.size_m),
         indices=[t.index for t in chain],
-        visited=[t.visited for t in chain],
+        visited=[belief.done(t) for t in chain],
         clusters=belief.cfg.centroids,
         goal=belief.goal,
         others=tuple(Companion(pose=other.pose, goal=other.goal) for other in belief.others),
