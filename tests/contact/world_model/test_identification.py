@@ -114,21 +114,34 @@ def test_diagnoses(scene, force, returns, surprise, kind):
     assert adjustment_after([kind]) != adjustment_after([])
 
 
-def test_a_hand_at_rest_where_it_was_told_to_be_tells_of_a_wrong_cost_and_one_that_is_held_up_does_not(scene):
+def over_time(step, places):
+    """One step for each place of the hand, 0.1 s apart; it is told to be where it is."""
+    steps = []
+    for k, place in enumerate(places):
+        tool = dataclasses.replace(step.after.tool, position=step.after.tool.position + place)
+        after = dataclasses.replace(step.after, time_s=0.1 * (k + 1), tool=tool)
+        before = dataclasses.replace(step.before, time_s=0.1 * k)
+        command = dataclasses.replace(step.command, position=tool.position)
+        steps.append(dataclasses.replace(step, before=before, after=after, command=command))
+    return steps
+
+
+def test_a_hand_that_stays_where_it_was_told_to_be_tells_of_a_wrong_cost_and_one_that_is_held_up_does_not(scene):
     _, step = still(scene, 0.0)
-    steps = [
-        dataclasses.replace(
-            step,
-            before=dataclasses.replace(step.before, time_s=0.1 * k),
-            after=dataclasses.replace(step.after, time_s=0.1 * (k + 1)),
-        )
-        for k in range(20)
-    ]
+    steps = over_time(step, np.zeros((30, 3)))
     assert diagnose(steps, "box", 0, 0.1) == "settled"
     assert adjustment_after(["settled"]) != adjustment_after([])
     higher = dataclasses.replace(step.command, position=step.command.position + np.array([0.0, 0.0, 0.03]))
     assert diagnose([dataclasses.replace(one, command=higher) for one in steps], "box", 0, 0.1) == "moved-otherwise"
-    assert diagnose(steps[:5], "box", 0, 0.0) == "not-reached"
+    assert diagnose(steps[:10], "box", 0, 0.0) == "not-reached"
+
+
+def test_a_hand_that_wanders_about_a_place_stays_and_one_that_goes_on_does_not(scene):
+    _, step = still(scene, 0.0)
+    wandering = 0.012 * np.random.default_rng(4).standard_normal((40, 3))
+    assert diagnose(over_time(step, wandering), "box", 0, 0.1) == "settled"
+    going_on = np.outer(np.arange(40), [0.002, 0.0, 0.0])  # 2 cm/s
+    assert diagnose(over_time(step, going_on), "box", 0, 0.1) == "moved-otherwise"
 
 
 def test_what_a_history_does_not_tell_stays_as_it_was_believed(scene, monkeypatch):
