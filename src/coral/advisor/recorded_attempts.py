@@ -130,7 +130,7 @@ def repeat(entry: Attempted, question: Question[A], file: Path) -> Reply[A]:
 
 def never_came(entry: Attempted) -> bool:
     """Whether the run did not wait for a reply."""
-    return entry["verdict"] == "withdrawn" or (entry["verdict"] == "unavailable" and entry["code"] == "deadline")
+    return bool(entry["verdict"] == "withdrawn" or (entry["verdict"] == "unavailable" and entry["code"] == "deadline"))
 
 
 def read_attempts(file: Path, where: str) -> list[Attempted]:
