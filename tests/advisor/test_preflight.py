@@ -118,6 +118,19 @@ def test_a_model_that_is_not_there_is_refused_before_anything_is_written(stub, t
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("words", COMMANDS)
+def test_a_model_that_refuses_is_refused_before_anything_is_written(stub, tmp_path, monkeypatch, capsys, words):
+    monkeypatch.chdir(tmp_path)
+    server = stub(stub.completion("I am sorry, I cannot help with that"))
+    assert main([*words, f"local:{server.url}#m", *FLAGS, "--out", str(tmp_path / "out")]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert "its reply is no answer, refusal" in err
+    assert "--no-preflight" in err
+    assert server.requests
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_variants_that_ask_nobody_need_no_model(dead, tmp_path, capsys):
     words = ["reef", "run", "l1", "--variant", "rule-based", "--advisor", f"local:{dead}#m", *FLAGS, "--json"]
     short = ["--cfg.time-limit-s", "0.3", "--cfg.record.no-report", "--cfg.record.no-frames"]

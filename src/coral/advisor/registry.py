@@ -71,6 +71,11 @@ ENTRIES = (
     ),
     AdvisorEntry(form="replay:FILE", what="the answers of an earlier run", make="coral.advisor.replay:make_replay"),
     AdvisorEntry(
+        form="in-order:FILE",
+        what="the same, also to questions that have changed since: recorded answers in their order",
+        make="coral.advisor.in_order:make_in_order",
+    ),
+    AdvisorEntry(
         form="fallible:P:INNER",
         what="another advisor, of whose answers a share P is malformed, out of range, stale or missing",
         make="coral.advisor.fallible:make_fallible",

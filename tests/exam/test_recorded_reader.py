@@ -1,0 +1,157 @@
+"""Answers of the recorded reader (a vision-language model at the desk), against the package as it is now."""
+
+import dataclasses
+import importlib.util
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from coral.advisor.parse import parse_answer
+from coral.advisor.prompt import version
+from coral.advisor.recorded_attempts import SHIPPED, read_attempts, shipped_recordings
+from coral.advisor.replay import ReplayAdvisor
+from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.episode.episode import Episode
+from coral.contact.episode.variants import AdvisorSetup, make_strategist
+from coral.contact.plan.cost_plan import verify_plan
+from coral.contact.plan.rehearsal import sample_states
+from coral.contact.scene.trial import sample_trial
+from coral.contact.tasks import load_task
+from coral.contact.worlds.registry import make_world
+from coral.exam.contact_outcome import episode_cfg
+from coral.exam.item import ANSWERS
+from coral.reef.mission import Mission, MissionCfg
+from coral.reef.record import RecordCfg
+from coral.reef.world import load_world
+from coral.view.questions import question_pictures
+
+ROOT = Path(__file__).parents[2]
+spec = importlib.util.spec_from_file_location("recorded_reader", ROOT / "benchmarks" / "recorded_reader.py")
+recorded_reader = importlib.util.module_from_spec(spec)
+sys.modules[spec.name] = recorded_reader  # dataclasses look their module up
+spec.loader.exec_module(recorded_reader)
+
+NAMES = shipped_recordings()
+CONTACT = {
+    "flip-box": ("flip-box", 5),
+    "flip-wall": ("flip-wall", 0),
+    "pick-clutter": ("pick-clutter", 5),
+    "push-force": ("push-force", 5),
+    "push-pick-board": ("push-pick-board", 0),
+    "pull-shelf": (str(ROOT / "tests/data/recordings/pull-shelf.yaml"), 0),
+}
+"""Recordings of contact tasks: task and seed."""
+
+
+def attempts(name):
+    return read_attempts(SHIPPED / f"{name}.jsonl", name)
+
+
+def test_every_recorded_answer_still_parses_to_what_it_was():
+    read = Counter()
+    for name in NAMES:
+        for entry in attempts(name):
+            if entry["verdict"] == "withdrawn":
+                assert entry["answer"] is None
+                read["no reply was waited for"] += 1
+                continue
+            now = parse_answer(entry["raw"], ANSWERS[entry["kind"]])
+            assert now == ANSWERS[entry["kind"]].model_validate(entry["answer"])
+            read[entry["kind"]] += 1
+    assert read == {
+        "reef-centroid": 47,
+        "reef-waypoint": 57,
+        "physical-parameters": 6,
+        "cost-function": 6,
+        "contact-regions": 7,
+        "parameter-repair": 4,
+        "cost-repair": 1,
+        "no reply was waited for": 3,
+    }
+
+
+def test_prompts_of_one_kind_have_changed_since():
+    recorded = {(entry["kind"], entry["prompt_version"]) for name in NAMES for entry in attempts(name)}
+    assert {kind for kind, of in recorded if of != version(kind)} == {"cost-repair"}
+
+
+def test_reasons_for_refusals_are_those_of_today():
+    sources = [*(ROOT / "src/coral/reef").glob("*.py"), *(ROOT / "src/coral/contact").rglob("*.py")]
+    today = "".join(path.read_text(encoding="utf-8") for path in sources)
+    codes = {entry["code"] for name in NAMES for entry in attempts(name) if entry["verdict"] == "rejected"}
+    assert codes == {"visited", "behind-robot", "deviation", "too-close", "replay"}
+    assert [code for code in codes if f'"{code}"' not in today] == []
+
+
+def attempted(name, folder, limit_s):
+    task, seed = CONTACT[name]
+    advisor = f"in-order:contact-{name}"
+    task = load_task(task).model_copy(update={"time_limit_s": limit_s})
+    strategist = make_strategist("full", task, AdvisorSetup(advisor=advisor, folder=folder))
+    episode = Episode(
+        sample_trial(task, seed), "hand", strategist, episode_cfg(), folder, variant="full", advisor=advisor
+    )
+    return episode.run()
+
+
+@pytest.mark.parametrize("name", CONTACT)
+def test_recorded_plans_compile_and_pass_the_checks_in_their_scenes(tmp_path, name):
+    metrics = attempted(name, tmp_path / "run", 0.1)
+    assert metrics["decided_by"] == {"advisor": 0, "memory": 0, "recording": 3, "fallback": 0}
+    assert metrics["answers"] == {"accepted": 3, "refused": 0, "malformed": 0, "missing": 0}
+
+
+def test_a_recorded_plan_succeeds_again(tmp_path):
+    metrics = attempted("flip-box", tmp_path / "run", 12.0)
+    assert (metrics["success"], metrics["decided_by"]["fallback"]) == (True, 0)
+    assert "advisor: in-order:contact-flip-box\n" in (tmp_path / "run/config.yaml").read_text()
+
+
+def test_the_recorded_repair_passes_the_checks_in_its_scene():
+    (repair,) = [entry for entry in attempts("contact-push-pick-board") if entry["kind"] == "cost-repair"]
+    trial = sample_trial(load_task("push-pick-board"), 0)
+    hand = make_world("hand", trial, PlanningCfg().step_s)
+    first = hand.reset()
+    hand.close()
+    believed = {name: item.physical for name, item in trial.objects.items()}
+    world = PlanningWorld(trial, believed, first, PlanningCfg(), np.random.default_rng(0))
+    try:
+        sizes = {name: trial.size(name) for name in trial.objects}
+        samples = sample_states(world, first, sizes, np.random.default_rng(0))
+        plan = ANSWERS["cost-repair"].model_validate(repair["answer"])
+        assert verify_plan(plan, world.schema, samples) is None
+        unknown = plan.model_copy(
+            update={
+                "stages": [plan.stages[0].model_copy(update={"code": "def state_cost(self):\n    return self.x\n"})]
+            }
+        )
+        assert verify_plan(unknown, world.schema, samples) is not None
+    finally:
+        world.close()
+
+
+def test_choices_of_the_recorded_reader_by_the_bench_s_measure():
+    made = [choice for run in recorded_reader.clean_missions() for choice in recorded_reader.choices(run)]
+    waypoints = [choice for choice in made if choice.kind == "reef-waypoint"]
+    centroids = [choice for choice in made if choice.kind == "reef-centroid"]
+    assert (len(waypoints), len(centroids)) == (38, 20)
+    assert all(choice.lost_s == choice.rules_lost_s for choice in centroids)
+    own, rules = (recorded_reader.worth([getattr(c, key) for c in waypoints]) for key in ("lost_s", "rules_lost_s"))
+    assert own > rules + 0.15
+
+
+def test_a_recorded_mission_begins_again_as_it_was(tmp_path):
+    """Its first question is asked, pictures and words the same, and answered by the recording after its 10 s."""
+    cfg = dataclasses.replace(MissionCfg(), time_limit_s=11.0, record=RecordCfg(pictures=False, frames=False))
+    mission = Mission(load_world("o2"), cfg, ReplayAdvisor("reef-o2"), tmp_path / "run", seed=5, draw=question_pictures)
+    metrics = mission.run()
+    first = json.loads((tmp_path / "run/attempts.jsonl").read_text().splitlines()[0])
+    recorded = attempts("reef-o2")[0]
+    assert {key: first[key] for key in ("pictures", "prompt_digest", "answer", "answered_at_s", "verdict")} == {
+        key: recorded[key] for key in ("pictures", "prompt_digest", "answer", "answered_at_s", "verdict")
+    }
+    assert metrics["decided_by"]["recording"] >= 1
