@@ -44,7 +44,20 @@ def test_without_a_history_there_is_no_progress():
 def test_a_hand_at_rest_where_it_was_told_to_be_tells_of_a_wrong_cost():
     assert felt(0.0, steps=100) == "settled"
     assert felt(0.0, steps=100, surprise_m=0.1) == "settled"
-    assert felt(0.0, steps=40) == "not-reached"
+    assert felt(0.0, steps=10) == "not-reached"
+
+
+def test_a_hand_that_wanders_about_a_place_is_settled_and_one_that_goes_on_is_not():
+    wander = 0.012 * np.random.default_rng(4).standard_normal((200, 3))
+
+    def wandering(k):
+        return tuple(np.array([0.0, 0.0, 0.3]) + wander[k])
+
+    def going_on(k):
+        return (0.0008 * k, 0.0, 0.3)
+
+    assert felt(0.0, steps=100, tool=wandering, told=lambda k: wandering(k + 1), surprise_m=0.1) == "settled"
+    assert felt(0.0, steps=100, tool=going_on, told=lambda k: going_on(k + 1), surprise_m=0.1) == "moved-otherwise"
 
 
 def test_a_hand_that_is_held_up_is_not_settled():
