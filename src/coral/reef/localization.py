@@ -62,7 +62,7 @@ class LocalizationCfg:
 
 
 @dataclass(frozen=True)
-class Match:
+class LandmarkMatch:
     """A sighting compared with a landmark."""
 
     distance: float
@@ -150,7 +150,7 @@ class Localizer:
         return Pose(odometry.x - x, odometry.y - y, wrap(odometry.theta - theta))
 
     def _measure(self, sighting: Sighting, pose: Pose) -> None:
-        """Match a sighting to a landmark, or start one."""
+        """LandmarkMatch a sighting to a landmark, or start one."""
         cfg = self.cfg
         here, jacobian, noise = self._place(sighting, pose, sighting.radius_m)
         away = np.hypot(*(self.landmarks - here).T)
@@ -185,7 +185,7 @@ class Localizer:
         jacobian = np.array([[-1.0, 0.0, dy], [0.0, -1.0, -dx]])
         return np.array([pose.x + dx, pose.y + dy]), jacobian, turn @ np.diag([along**2, across**2]) @ turn.T
 
-    def _compare(self, sighting: Sighting, pose: Pose, landmark: int) -> Match:
+    def _compare(self, sighting: Sighting, pose: Pose, landmark: int) -> LandmarkMatch:
         cfg, known = self.cfg, self._radii[landmark]
         # Half a body does not show how wide it is.
         radius = sighting.radius_m if sighting.whole else known
@@ -197,14 +197,14 @@ class Localizer:
         unlike = (radius - known) / (cfg.radius_sigma_m + cfg.radius_sigma_radius * known)
         distance = float(residual @ np.linalg.solve(covariance, residual)) + unlike**2
         likelihood = math.exp(-0.5 * distance) / (2.0 * math.pi * math.sqrt(np.linalg.det(covariance)))
-        return Match(distance, likelihood, landmark, residual, jacobian, covariance)
+        return LandmarkMatch(distance, likelihood, landmark, residual, jacobian, covariance)
 
     @staticmethod
     def _index(landmark: int) -> list[int]:
         """Return the places of the odometry's error and of a landmark in the state."""
         return [0, 1, 2, 3 + 2 * landmark, 4 + 2 * landmark]
 
-    def _correct(self, match: Match, sighting: Sighting) -> None:
+    def _correct(self, match: LandmarkMatch, sighting: Sighting) -> None:
         """Update the state with a matched sighting (Kalman)."""
         k = match.landmark
         cross = self._covariance[:, self._index(k)] @ match.jacobian.T

@@ -18,7 +18,7 @@ from coral.reef.facts import describe, waypoint_options
 from coral.reef.geometry import Pose, to_robot, to_world
 from coral.reef.route import Arrival, Goal, Route, RouteCfg, here, passed
 from coral.reef.survey import Survey, SurveyCfg, survey
-from coral.reef.topology import TopologyCfg, Tour, plan_tour
+from coral.reef.topology import RemainingTour, TopologyCfg, plan_tour
 from coral.reef.trigger import separated
 from coral.reef.verify import Surroundings, VerifyCfg, verify_waypoint, violation
 
@@ -54,13 +54,13 @@ class PlannerCfg:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class AskedState:
     """The state in which a question was asked: its answer is judged in it."""
 
     arrival: Arrival
     left: Survey
     around: Surroundings
-    tour: Tour | None
+    tour: RemainingTour | None
     hollow: frozenset[int]
     """Labels of the dots that were not on offer."""
     strict: bool = True
@@ -83,7 +83,7 @@ class HighLevelPlanner:
         self.belief, self.fields, self.prompts, self.draw = belief, fields, prompts, draw
         self.cfg = cfg or PlannerCfg()
         self.route = route or Route(belief, self.cfg.route)
-        self.asked: Asked | None = None
+        self.asked: AskedState | None = None
         self.mode: Mode = "centroid"
         self._reach: tuple[tuple[int, Pose], CostField] | None = None
         self.finished = False
@@ -133,7 +133,7 @@ class HighLevelPlanner:
             pictures=self.draw(belief),
         )
 
-    def _look(self, way: CostField | None) -> Asked:
+    def _look(self, way: CostField | None) -> AskedState:
         """Analyse the map as it will be when the answer is needed."""
         belief, cfg = self.belief, self.cfg
         arrival = self.route.arrival(way) if cfg.route.ahead else here(belief)
@@ -163,9 +163,9 @@ class HighLevelPlanner:
             chain=[(t.x, t.y) for t in belief.tracks],
         )
         hollow = frozenset(t.index for t in belief.tracks if belief.done(t))
-        return Asked(arrival=arrival, left=left, around=around, tour=tour, hollow=hollow)
+        return AskedState(arrival=arrival, left=left, around=around, tour=tour, hollow=hollow)
 
-    def _acceptable(self, asked: Asked, steps: Sequence[Mapping[str, float]] | None) -> int:
+    def _acceptable(self, asked: AskedState, steps: Sequence[Mapping[str, float]] | None) -> int:
         """Count the choices on offer that would pass."""
         if steps is None:
             dots = [t for t in self.belief.unvisited() if math.isfinite(asked.left.path_m(t.x, t.y))]
@@ -177,11 +177,11 @@ class HighLevelPlanner:
             return int(np.count_nonzero(regrets <= self.cfg.topology.max_regret_s))
         return sum(self._objection(Goal(x=x, y=y), asked) is None for x, y in points.tolist())
 
-    def _by_regret(self, asked: Asked) -> Tour | None:
+    def _by_regret(self, asked: AskedState) -> RemainingTour | None:
         """Return the tour by which choices are judged; None where they are judged by angles, or not at all."""
         return asked.tour if self.cfg.verify.by == "regret" and self.cfg.verify.enabled else None
 
-    def _objection(self, goal: Goal, asked: Asked) -> Rejection | None:
+    def _objection(self, goal: Goal, asked: AskedState) -> Rejection | None:
         """Return what speaks against a goal in the state in which it was asked for."""
         if not self.cfg.verify.enabled or not asked.strict:
             return None
@@ -190,7 +190,7 @@ class HighLevelPlanner:
             return self._regretted(goal, asked, tour)
         return verify_waypoint((goal.x, goal.y), self._exempt(asked), self.cfg.verify)
 
-    def _mode(self, asked: Asked, reachable: bool) -> Mode:
+    def _mode(self, asked: AskedState, reachable: bool) -> Mode:
         """Choose the mode autonomously (paper III-C.3): by what comes first in the best tour of all that is left.
 
         Without a tour, by Alg. 2: dots, while one lies ahead or the robot is in a dead end.
@@ -289,7 +289,7 @@ class HighLevelPlanner:
         way = self._reach[1]
         return Survey(frontiers=(), field=way, dead_end=False, gain_radius_m=0.0)
 
-    def _regretted(self, goal: Goal, asked: Asked, tour: Tour) -> Rejection | None:
+    def _regretted(self, goal: Goal, asked: AskedState, tour: RemainingTour) -> Rejection | None:
         """Refuse a choice that delays what is left by much more than the best one does."""
         cfg, best = self.cfg.topology, tour.best
         regret = None if goal.index is None else tour.regret_of(goal.index)
@@ -321,7 +321,7 @@ class HighLevelPlanner:
         around = self._exempt(self.asked)
         return not around.dead_end and violation((goal.x, goal.y), around, self.cfg.verify) is not None
 
-    def _exempt(self, asked: Asked) -> Surroundings:
+    def _exempt(self, asked: AskedState) -> Surroundings:
         """Return the inputs of the verifiers. If no remaining choice would pass, turning round is allowed."""
         belief, cfg, around = self.belief, self.cfg.verify, asked.around
         aims = [(t.x, t.y) for t in belief.unvisited() if math.isfinite(asked.left.path_m(t.x, t.y))]

@@ -64,7 +64,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Tour:
+class RemainingTour:
     """The places that are left, and what has to follow each first choice."""
 
     places: tuple[Place, ...]
@@ -112,7 +112,7 @@ def plan_tour(
     dots: Sequence[tuple[float, float, int, float]],
     fields: CostFieldCfg,
     cfg: TopologyCfg,
-) -> Tour | None:
+) -> RemainingTour | None:
     """Plan the tour of what is left from where the robot will be; None if nothing is left.
 
     Args:
@@ -152,7 +152,7 @@ def plan_tour(
     total: NDArray[np.float64] = first + turns + onward
     best = float(total.min())
     places = tuple(replace(n, regret_s=float(t - best)) for n, t in zip(nodes, total, strict=True))
-    return Tour(places, ways, onward, best, left, arrival.pose, cfg)
+    return RemainingTour(places, ways, onward, best, left, arrival.pose, cfg)
 
 
 def frontier_worth(reef_m: float, unexplored: float, cfg: TopologyCfg) -> float:
