@@ -197,7 +197,7 @@ class CentroidTracker:
         """A label means one cluster throughout a mission."""
 
     def update(self, found: Sequence[Component], hints: Sequence[Hint] = ()) -> list[Track]:
-        """LandmarkMatch components to tracks, closest pairs first, each at most once; start and drop tracks.
+        """Match components to tracks, closest pairs first, each at most once; start and drop tracks.
 
         Args:
             found: The oyster regions of the map.

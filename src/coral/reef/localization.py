@@ -150,7 +150,7 @@ class Localizer:
         return Pose(odometry.x - x, odometry.y - y, wrap(odometry.theta - theta))
 
     def _measure(self, sighting: Sighting, pose: Pose) -> None:
-        """LandmarkMatch a sighting to a landmark, or start one."""
+        """Match a sighting to a landmark, or start one."""
         cfg = self.cfg
         here, jacobian, noise = self._place(sighting, pose, sighting.radius_m)
         away = np.hypot(*(self.landmarks - here).T)
