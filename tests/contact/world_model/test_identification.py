@@ -144,6 +144,22 @@ def test_a_hand_that_wanders_about_a_place_stays_and_one_that_goes_on_does_not(s
     assert diagnose(over_time(step, going_on), "box", 0, 0.1) == "moved-otherwise"
 
 
+def test_a_hand_that_presses_hard_against_what_lies_still_is_blocked_and_one_that_moves_it_is_not(scene):
+    _, step = still(scene, 35.0)
+    ahead = dataclasses.replace(step.command, position=step.command.position + np.array([0.05, 0.0, 0.0]))
+    steps = [dataclasses.replace(one, command=ahead) for one in over_time(step, np.zeros((40, 3)))]
+    assert diagnose(steps, "box", 0, 0.1) == "blocked"
+    assert adjustment_after(["blocked"]) == adjustment_after(["settled"])  # another side, not a harder push
+
+    def pushed(one, k):
+        box = one.after.objects["box"]
+        moved = dataclasses.replace(box, position=box.position + np.array([0.001 * k, 0.0, 0.0]))
+        return dataclasses.replace(one, after=dataclasses.replace(one.after, objects={"box": moved}))
+
+    assert diagnose([pushed(one, k) for k, one in enumerate(steps)], "box", 0, 0.1) == "moved-otherwise"
+    assert diagnose(over_time(still(scene, 3.0)[1], np.zeros((15, 3))), "box", 0, 0.0) == "not-moved"
+
+
 def test_what_a_history_does_not_tell_stays_as_it_was_believed(scene, monkeypatch):
     # Slow pushes: the product of mass and friction is known to 10 %, neither of them is.
     before, after = {"box": PhysicalParameters(1.0, 0.5)}, PhysicalParameters(4.0, 0.2)
