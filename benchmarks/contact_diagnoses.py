@@ -23,6 +23,7 @@ PART = {
 }
 BLAMES = {
     "settled": ("sign", "weight", "missing-term", "wrong-object", "goal-off", "never-done"),
+    "blocked": ("sign", "wrong-side", "wrong-face", "goal-off"),
     "moved-otherwise": ("parameters",),
     "not-reached": ("wrong-side", "wrong-face", "goal-off"),
     "no-progress": ("wrong-side", "wrong-face"),
@@ -51,10 +52,10 @@ def named(stuck: tuple[str, tuple[str, ...]]) -> bool:
 
 
 def main() -> None:
-    """Print a line for each repaired episode, and the counts."""
+    """Print a line for each episode that got stuck, and the counts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="of a campaign")
-    total = first = ever = 0
+    total = first = ever = mended = mended_first = 0
     for path in sorted(parser.parse_args().folder.glob("runs/*/events.jsonl")):
         with open(path, encoding="utf-8") as lines:
             events = [json.loads(line) for line in lines]
@@ -62,12 +63,15 @@ def main() -> None:
         if not found:
             continue
         wrong = any(mistakes for _, mistakes in found)
+        mended += wrong and events[-1].get("reason") == "success"
+        mended_first += wrong and events[-1].get("reason") == "success" and named(found[0])
         total += wrong
         first += wrong and named(found[0])
         ever += wrong and any(map(named, found))
         said = "; ".join(f"{diagnosis} ({', '.join(mistakes) or 'no mistake'})" for diagnosis, mistakes in found)
         print(f"{path.parent.name}: {events[-1].get('reason', '?')}: {said}")
-    print(f"repaired episodes with a mistake: {total}; first diagnosis names it: {first}; one of them does: {ever}")
+    print(f"stuck episodes with a mistake: {total}; first diagnosis names it: {first}; one of them does: {ever}")
+    print(f"of them repaired to success: {mended}; first diagnosis names it: {mended_first}")
 
 
 if __name__ == "__main__":

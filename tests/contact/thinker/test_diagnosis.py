@@ -77,6 +77,13 @@ def test_what_came_to_rest_two_seconds_ago_is_settled():
     assert felt(0.0, steps=100, box=box) == "not-reached"
 
 
+def test_a_hand_that_presses_hard_against_what_lies_still_is_blocked_and_one_that_moves_it_is_not():
+    assert felt(35.0, steps=110, told=AHEAD, surprise_m=0.1) == "blocked"
+    assert felt(35.0, steps=110, told=AHEAD, surprise_m=0.1, box=sliding(1.0)) == "moved-otherwise"
+    assert felt(3.0, steps=110, told=AHEAD) == "not-moved"
+    assert felt(35.0, steps=20, told=AHEAD) == "not-moved"
+
+
 def test_rows_carry_the_cost_of_their_own_plan():
     steps = history(5, period_s=0.1, box=BOX)
     rows = recent(steps, [(0.0, 9.0), (0.2, 7.0), (0.4, 5.0)], "box")

@@ -9,13 +9,17 @@ import numpy as np
 
 from coral.contact.scene.observation import Transition
 
-Diagnosis = Literal["cost-error", "not-reached", "slipped", "settled", "not-moved", "moved-otherwise", "no-progress"]
+Diagnosis = Literal[
+    "cost-error", "not-reached", "slipped", "settled", "blocked", "not-moved", "moved-otherwise", "no-progress"
+]
 TEXTS: Mapping[Diagnosis, str] = {
     "cost-error": "the cost could not be evaluated",
     "not-reached": "the hand never touched the object: something is in its way, or the way in is wrong",
     "slipped": "contact was made and lost again and again",
     "settled": "the hand stays where it was told to be, and the stage does not end there: its cost leads to a "
     "wrong place, or the condition that ends it is wrong",
+    "blocked": "the hand presses hard against what does not give way: its cost drives it in a wrong direction, or to a "
+    "wrong side or place",
     "not-moved": "the hand pressed and the object hardly moved",
     "moved-otherwise": "the object moved, but not as rehearsed: the simulation believes in wrong parameters",
     "no-progress": "the cost fell no further, though nothing is visibly wrong: a side or grasp that leads nowhere",
@@ -27,6 +31,10 @@ REST_S, REST_M = 2.0, 0.015
 sampled: hand and object wander by a centimetre and more about where the cost leads them."""
 AHEAD_M = 0.01
 """A command within this distance of the hand counts as reached."""
+STILL_M = 0.004
+"""An object that moved no further hardly moved."""
+BLOCKED_N = 20.0
+"""More than friction takes to push anything that the hand could lift, and half of what it yields to."""
 
 
 class HistoryRow(TypedDict):
@@ -57,13 +65,15 @@ def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: f
         return "no-progress"
     if _is_settled(steps):
         return "settled"
+    if _blocked(steps, name):
+        return "blocked"
     felt = np.array([np.linalg.norm(step.after.wrench[:3]) for step in steps])
     moved = float(np.linalg.norm(steps[-1].after.objects[name].position - steps[0].before.objects[name].position))
     if surprise_m > 0.03:
         return "moved-otherwise"
     if felt.max() < 0.5:
         return "not-reached"
-    if moved < 0.004 and felt.mean() > 1.0:
+    if moved < STILL_M and felt.mean() > 1.0:
         return "not-moved"
     return "no-progress"
 
@@ -86,6 +96,17 @@ def _is_settled(steps: Sequence[Transition]) -> bool:
     drift = places[np.logical_not(earlier)].mean(axis=0) - places[earlier].mean(axis=0)
     ahead = np.mean([np.linalg.norm(step.command.position - step.after.tool.position) for step in last])
     return bool(np.linalg.norm(drift, axis=1).max() < REST_M and ahead < AHEAD_M)
+
+
+def _blocked(steps: Sequence[Transition], name: str) -> bool:
+    """Whether the hand has pressed hard in one direction for a while, and the object lies still."""
+    end = steps[-1].after
+    last = [step for step in steps if step.after.time_s > end.time_s - REST_S]
+    if end.time_s - steps[0].before.time_s < REST_S - 1e-9:
+        return False
+    force = np.mean([step.after.wrench[:3] for step in last], axis=0)
+    moved = np.linalg.norm(end.objects[name].position - last[0].before.objects[name].position)
+    return bool(np.linalg.norm(force) > BLOCKED_N and moved < STILL_M)
 
 
 def recent(
