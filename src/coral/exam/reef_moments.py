@@ -33,7 +33,11 @@ STEP_M, TURN_RAD = 0.3, 0.35
 """Distance driven and angle turned between two pictures."""
 ASK_M = 2.5
 """The next goal is asked for at this distance from the present one: D_trig of the paper."""
+SEEN_M = 0.5
+"""To a cluster of which something is left to see the robot goes on until it is this near."""
 LATEST_S = 400.0
+LOST_S = 5.0
+"""What a goal costs that leads nowhere."""
 WAYWARD = 0.35
 """Share of random goals, so that the set has situations to which the rules do not lead."""
 
@@ -96,9 +100,15 @@ def moments(
     look(Pose(world.start.x, world.start.y, world.start.theta))
     belief.goal = to_world(belief.pose, 2.0, 0.0)
     while t < LATEST_S and len(visited) < len(clusters):
+        before = t
         for pose in _drive(belief):
             t += _seconds(belief.pose, pose)
             look(pose)
+        if t == before:  # nothing came of this goal: what is left of it cannot be seen, or lies out of reach
+            t += LOST_S
+            belief.goal_failed()
+            if belief.goal_index is not None:
+                belief.write_off(belief.goal_index)
         question = planner.observe(())
         if question is None:
             return
@@ -131,7 +141,7 @@ def _drive(belief: Belief) -> Iterator[Pose]:
     for _ in range(30):
         goal, here = belief.goal, belief.pose
         assert goal is not None
-        if math.dist(goal, here[:2]) <= ASK_M:
+        if math.dist(goal, here[:2]) <= _enough_m(belief):
             return
         field = CostField.compute(belief.map.distance(), goal, start=here[:2], cell_m=belief.map.cfg.cell_m)
         if not field.ok:
@@ -146,8 +156,14 @@ def _drive(belief: Belief) -> Iterator[Pose]:
             for _ in range(1, math.ceil(abs(turn) / TURN_RAD)):
                 yield belief.pose._replace(theta=wrap(belief.pose.theta + math.copysign(TURN_RAD, turn)))
             yield Pose(x, y, theta)
-            if math.dist(goal, (x, y)) <= ASK_M:
+            if math.dist(goal, (x, y)) <= _enough_m(belief):
                 return
+
+
+def _enough_m(belief: Belief) -> float:
+    """Return how near to its goal the robot has to come (m)."""
+    track = belief.track(belief.goal_index)
+    return ASK_M if track is None or track.visited else SEEN_M
 
 
 def _seconds(before: Pose, after: Pose) -> float:
