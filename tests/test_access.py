@@ -12,13 +12,13 @@ COOKIE = {"Cookie": f"coral_8080={TOKEN}"}
 
 
 def status(access=HERE, target="/api", method="GET", **headers):
-    refusal = access.instead(method, target, {**HEADERS, **headers})
+    refusal = access.refuse_or_redirect(method, target, {**HEADERS, **headers})
     return None if refusal is None else refusal.status
 
 
 def test_the_printed_address_sets_a_cookie_that_opens_everything():
     assert HERE.url == f"http://127.0.0.1:8080/?token={TOKEN}"
-    first = HERE.instead("GET", f"/?token={TOKEN}", HEADERS)
+    first = HERE.refuse_or_redirect("GET", f"/?token={TOKEN}", HEADERS)
     assert (first.status, first.headers["Location"]) == (HTTPStatus.SEE_OTHER, "/")
     name, _, rest = first.headers["Set-Cookie"].partition("=")
     assert "HttpOnly; SameSite=Strict" in rest
@@ -74,7 +74,7 @@ def test_without_a_token_names_are_checked_all_the_same():
     ],
 )
 def test_names_that_mean_this_server(host, header, ours):
-    assert Access(host, 8080, TOKEN).names_us(header) is ours
+    assert Access(host, 8080, TOKEN).is_own_host(header) is ours
 
 
 def test_a_token_is_made_where_others_can_reach_the_port():

@@ -30,7 +30,8 @@ from coral.cli import main
         (
             "reef run",
             "coral reef run: WORLD: found nothing, "
-            "expected A shipped reef (l1 l2 s1 s2 k1 k2 e1 e2 o1 o2) or a world file",
+            "expected A shipped reef (l1 l2 s1 s2 k1 k2 e1 e2 o1 o2), a generated one (gen:0 to gen:39) or a world "
+            "file",
         ),
         ("reef run s1 --seed 1.5", "coral reef run: --seed: found '1.5', expected a whole number"),
         ("reef run s1 --robots two", "coral reef run: --robots: found 'two', expected a whole number"),

@@ -5,9 +5,17 @@ from coral.advisor.question import Rejection
 from coral.errors import InputError
 
 POSE = [0.5, 0.0, 0.02, 1, 0, 0, 0]
+AHEAD = {
+    "step_m": 6,
+    "facts": {"arrival": {"in_s": 11.0}, "failed": {"index": 4, "cause": "obstacles were in the way"}},
+    "latency_s": 10.0,
+    "inspect_m": 2.3,
+    "verify": {"enabled": True, "by": "regret"},
+    "max_regret_s": 10.0,
+}
 CONTEXT = {
-    "reef-centroid": {"step_m": 6},
-    "reef-waypoint": {"step_m": 6},
+    "reef-centroid": AHEAD,
+    "reef-waypoint": AHEAD,
     "reef-waypoint-without-chain": {"step_m": 6},
     "physical-parameters": {"task": "push it", "objects": {"board": {"pose_estimated": POSE, "mass_kg": None}}},
     "cost-function": {
@@ -44,13 +52,17 @@ CONTEXT = {
 }
 MUST_SAY = {
     "reef-centroid": [
-        "red arrow +X",
-        "Blue arrow +Y",
+        "Arrows +X and +Y",
         "Yellow line",
         "Orange dots",
         "White",
         "trend",
-        "must be on the map",
+        "not on the map",
+        "about 10 s",
+        "2.3 m or nearer",
+        "The last goal failed",
+        "obstacles were in the way",
+        "more than 10 s on average",
         "selected_centroid_index",
         "null",
         "obstacles",
@@ -62,9 +74,9 @@ MUST_SAY = {
         "-X back",
         "-Y right",
         "0 to 6",
-        "usually no more than 4 m",
-        "three parts",
-        "chain decides",
+        "about 10 s",
+        "tree",
+        "more than 10 s on average",
         "forward_m",
         "left_m",
         "Example",
@@ -128,8 +140,8 @@ def test_prompt_holds_every_element_of_the_papers(kind):
 
 
 def test_mapping_and_names_are_the_same():
-    assert render("reef-waypoint", {"step_m": 4}) == render("reef-waypoint", step_m=4)
-    assert "0 to 4" in render("reef-waypoint", step_m=4)[0]
+    assert render("reef-waypoint", AHEAD | {"step_m": 4}) == render("reef-waypoint", AHEAD, step_m=4)
+    assert "0 to 4" in render("reef-waypoint", AHEAD, step_m=4)[0]
 
 
 @pytest.mark.parametrize("kind", ["cost-function", "cost-repair"])
@@ -152,7 +164,7 @@ def test_unknown_kind_is_suggested():
 
 def test_missing_placeholder_is_named():
     with pytest.raises(InputError, match="step_m"):
-        render("reef-waypoint")
+        render("reef-waypoint", {key: value for key, value in AHEAD.items() if key != "step_m"})
 
 
 def test_rejections_in_our_words():

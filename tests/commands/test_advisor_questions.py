@@ -48,7 +48,7 @@ def test_a_share_makes_fewer_of_each_kind_but_never_none(told, made, tmp_path):
         (("--seed", "1", "--reefs", "-1"), "--reefs: found -1"),
         (("--seed", "1", "--share", "0"), "--share: found 0"),
         (("--seed", "1", "--share", "nan"), "--share: found nan"),
-        (("--seed", "1", "--out", "there.zip"), "--out: found a file that is there, expected a new file"),
+        (("--seed", "1", "--out", "there.zip"), "--out: found an existing file, expected a new file"),
         (("--seed", "1", "--out", "set.tar"), "--out: found 'set.tar'"),
     ],
 )

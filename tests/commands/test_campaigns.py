@@ -78,7 +78,7 @@ def test_an_interrupted_campaign_says_that_it_goes_on(store, capsys, monkeypatch
     monkeypatch.setattr("coral.commands.campaigns.run_campaign", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run_specs(CampaignFlags(quiet=True), store, store.specs(), lambda spec, folder: {})
-    assert capsys.readouterr().err == f"stopped; the same command goes on from here ({store.folder})\n"
+    assert capsys.readouterr().err == f"stopped; the same command continues from here ({store.folder})\n"
 
 
 @pytest.mark.parametrize("jobs", [0, -3])

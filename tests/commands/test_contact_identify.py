@@ -32,7 +32,7 @@ def test_the_command_tells_and_draws_each_correction_of_an_episode(begun, tmp_pa
     assert main(words) == 0
     said = capsys.readouterr().out
     assert "1. accepted  at 4.0 s, board: mass 2 to 0.11" in said
-    assert "left over: mass +10 %, friction -10 % of 0.1 kg and 0.5" in said
+    assert "remaining error: mass +10 %, friction -10 % of 0.1 kg and 0.5" in said
     assert figure.stat().st_size > 1000
     assert (begun[0].think.correct_every_s, begun[0].think.identify.by, begun[0].poses) == (2.0, "balance", "tracked")
     assert begun[0].controller.mppi.samples == 80

@@ -45,14 +45,14 @@ def test_every_kind_of_question_is_explained(tmp_path):
 
 def test_the_best_advisor_is_in_the_headline_with_its_interval(tmp_path):
     text = page(tmp_path, ("worse", [graded(0.25)]), ("better", [graded(0.75)]))
-    assert headline(text) == "better scores 0.75 (0.75 to 0.75) of 1, apart from worse with 0.25."
+    assert headline(text) == "better scores 0.75 (0.75 to 0.75) of 1, clearly above worse with 0.25."
     assert text.index("<td>better</td>") < text.index("<td>worse</td>")
 
 
 def test_advisors_whose_intervals_overlap_are_not_told_apart(tmp_path):
     spread = [graded(score, group=f"w{score}") for score in (0.0, 1.0)]
     text = page(tmp_path, ("a", spread), ("b", [graded(0.25)]))
-    assert headline(text).endswith("of 1, not clearly apart from b with 0.25.")
+    assert headline(text).endswith("of 1, not clearly above b with 0.25.")
 
 
 def test_one_advisor_alone_is_compared_with_nobody(tmp_path):

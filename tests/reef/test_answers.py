@@ -4,6 +4,7 @@ from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render
 from coral.advisor.question import BadAnswer
 from coral.reef.answers import CentroidChoice, WaypointChoice
+from coral.reef.verify import VerifyCfg
 
 
 @pytest.mark.parametrize(
@@ -54,7 +55,8 @@ def test_no_dot():
     ("kind", "answer_type"), [("reef-centroid", CentroidChoice), ("reef-waypoint", WaypointChoice)]
 )
 def test_example_in_the_prompt_is_a_valid_answer(kind, answer_type):
-    text, _ = render(kind, step_m=6)
+    ahead = {"facts": {"arrival": {"in_s": 5.0}}, "latency_s": 10.0, "inspect_m": 2.3, "max_regret_s": 10.0}
+    text, _ = render(kind, step_m=6, verify=VerifyCfg(), **ahead)
     example = text.split("Example:")[1].split("```")[1].removeprefix("json")
     assert "1." in parse_answer(example, answer_type).reason
 

@@ -44,8 +44,6 @@ def test_dream_has_no_chain_in_facts_prompt_picture_or_record(pond, tmp_path):
     for question in questions:
         assert question.kind == "reef-waypoint"
         assert question.facts["centroids"] == []
-        assert question.facts["trend_deg"] is None
-        assert not any("regret_m" in frontier for frontier in question.facts["frontiers"])
         assert "chain" not in question.prompt
         assert "orange" not in question.prompt.lower()
     scene = map_scene(mission.belief)
@@ -63,13 +61,13 @@ def test_dream_still_sees_green_on_its_map(pond, tmp_path):
 def test_the_whole_system_is_asked_with_the_chain(pond, tmp_path):
     questions, _ = asked(pond, tmp_path / "run", "full")
     assert questions[-1].facts["centroids"]
-    assert "chain" in questions[-1].prompt
+    assert "Orange dots with numbers" in questions[-1].prompt
 
 
 @pytest.mark.parametrize(
     ("variant", "codes"),
     [
-        ("full", ("too-close", "blocked", "taken", "behind-robot", "outside")),
+        ("full", ("too-close", "blocked", "taken", "regret", "outside")),
         ("frontier", ("too-close", "blocked", "taken", "", "outside")),
         ("no-verification", ("", "", "", "", "outside")),
         ("dream", ("", "", "", "", "outside")),

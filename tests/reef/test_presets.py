@@ -23,12 +23,13 @@ def test_clear_is_what_a_mission_is_by_default():
 @pytest.mark.parametrize("name", ["bay", "hard"])
 def test_every_value_of_a_preset_arrives(name):
     cfg, world = apply_preset(name, CFG, WORLD)
-    noise = to_mapping(cfg.simulator.noise)
+    values = {f"{NOISE}{key}": value for key, value in to_mapping(cfg.simulator.noise).items()}
+    values |= {f"localization.{key}": value for key, value in to_mapping(cfg.localization).items()}
     for key, value in PRESETS[name].values.items():
         if key == "current":
             assert math.hypot(world.current.x_m_s, world.current.y_m_s) == pytest.approx(value)
         else:
-            assert noise[key.removeprefix(NOISE)] == value
+            assert values[key] == value
     assert world.clusters == WORLD.clusters
 
 

@@ -8,6 +8,7 @@ from coral.advisor.rules import RuleAdvisor
 from coral.reef.belief import Belief
 from coral.reef.costfield import CostFieldCfg
 from coral.reef.heuristic import REEF_RULES
+from coral.reef.localization import Localizer
 from coral.reef.mapping import OccupancyMap
 from coral.reef.pd import PdController
 from coral.reef.pilot import NOTHING_LEFT, Pilot
@@ -44,6 +45,7 @@ def robot():
             number,
             ReefSimulator(POOL, cfg, np.random.default_rng(0)),
             Belief(OccupancyMap(POOL.size_m, cfg.camera)),
+            Localizer(cfg.camera),
             PdController(),
             clocks[-1],
             lambda event, **fields: events.append({"event": event, **fields}),

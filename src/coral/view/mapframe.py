@@ -110,7 +110,7 @@ def draw_border(view: MapPicture, border: tuple[float, float, float, float]) -> 
             draw_text(view.rgb, text, column, row, size=13, color=BORDER, halo=2, anchor=anchor[0] + "m")
 
 
-LEGEND_PX = 620
+LEGEND_PX = 640
 """Width of the legend (px)."""
 
 

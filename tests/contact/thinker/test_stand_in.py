@@ -31,5 +31,5 @@ def test_who_stands_in_is_reported_and_without_anybody_the_episode_ends(policy, 
 
 def test_the_error_says_what_was_not_decided_and_why():
     assert str(NoDecision("hold", "repair", "deadline")) == (
-        "the advisor did not decide on the repair (deadline), and nobody stands in (hold)"
+        "the advisor did not decide on the repair (deadline), and the fallback policy 'hold' lets nothing else decide"
     )

@@ -87,7 +87,7 @@ def test_a_run_without_anything_has_charts_too(recorded):
 
 def test_what_was_lost_and_found_is_told_in_a_sentence(recorded):
     run = RunFolder.read(recorded)
-    assert tracks(replace(run, events=())) == "Nothing was lost."
+    assert tracks(replace(run, events=())) == "No object was lost."
     events = (
         {"t": 1.0, "event": "track", "object": "box", "lost": True, "reason": "hidden"},
         {"t": 2.5, "event": "track", "object": "box", "lost": False},
