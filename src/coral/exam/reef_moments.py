@@ -33,6 +33,8 @@ STEP_M, TURN_RAD = 0.3, 0.35
 """Distance driven and angle turned between two pictures."""
 ASK_M = 2.5
 """The next goal is asked for at this distance from the present one: D_trig of the paper."""
+REACHED_M = 1.0
+"""A waypoint is reached this near to it."""
 SEEN_M = 0.5
 """To a cluster of which something is left to see the robot goes on until it is this near."""
 LATEST_S = 400.0
@@ -162,6 +164,8 @@ def _drive(belief: Belief) -> Iterator[Pose]:
 
 def _enough_m(belief: Belief) -> float:
     """Return how near to its goal the robot has to come (m)."""
+    if belief.goal_index is None:
+        return REACHED_M
     track = belief.track(belief.goal_index)
     return ASK_M if track is None or track.visited else SEEN_M
 
