@@ -163,6 +163,17 @@ def test_some_choice_on_offer_is_acceptable():
     assert len(passes) == planner.acceptable >= 1
 
 
+def test_goals_named_after_the_first_are_left_out_where_they_cannot_be_reached():
+    belief = belief_with([(12.0, 10.0), (16.0, 10.0)])
+    planner = planner_for(belief)
+    question = planner.observe(())
+    belief.map.obstacle[:, 280:284] = True
+    belief.map.version += 1
+    assert planner.onward(question, CentroidChoice(selected_centroid_index=0, then=(1,))) == []
+    steps = (WaypointStep(forward_m=0, left_m=6), WaypointStep(forward_m=6, left_m=0))
+    assert len(planner.onward(question, WaypointChoice(forward_m=1, left_m=0, then=steps))) == 1
+
+
 def test_goals_named_after_the_first_follow_it():
     belief = belief_with([(12.0, 10.0), (14.0, 10.0), (16.0, 10.0)])
     planner = planner_for(belief)

@@ -245,7 +245,8 @@ class Pilot:
                     "index": k.index,
                     "x": round(k.x, 3),
                     "y": round(k.y, 3),
-                    "visited": self.belief.done(k),
+                    "visited": k.visited,
+                    **({"done_on_arrival": True} if self.belief.done(k) and not k.visited else {}),
                     "inspected": round(k.inspected, 3),
                 }
                 for k in self.belief.tracker.chain()

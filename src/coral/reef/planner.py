@@ -218,16 +218,21 @@ class HighLevelPlanner:
         return Goal(x=x, y=y)
 
     def onward(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> list[Goal]:
-        """Return the goals that an answer names after the first one, as far as they still make sense."""
+        """Return the goals that an answer names after the first one, without those that can be told to be wrong.
+
+        They are not judged by regret, which depends on what is found until then; the next answer replaces them.
+        """
         belief = self.belief
         if not self.cfg.route.ahead:
             return []
         if isinstance(answer, CentroidChoice):
             tracks = [belief.track(index) for index in answer.then if index != answer.selected_centroid_index]
-            return [Goal(x=t.x, y=t.y, index=t.index) for t in tracks if t is not None and not t.visited]
-        pose = Pose(**question.facts["arrival"]["pose"])
-        points = [to_world(pose, step.forward_m, step.left_m) for step in answer.then]
-        return [Goal(x=x, y=y) for x, y in points if belief.map.contains(x, y) and not belief.taken(x, y)]
+            goals = [Goal(x=t.x, y=t.y, index=t.index) for t in tracks if t is not None and not t.visited]
+        else:
+            pose = Pose(**question.facts["arrival"]["pose"])
+            goals = [Goal(x=x, y=y) for x, y in (to_world(pose, s.forward_m, s.left_m) for s in answer.then)]
+        goals = [goal for goal in goals if belief.map.contains(goal.x, goal.y)]
+        return [goal for goal in goals if self._obstacle_to(goal) is None] if self.cfg.checks else goals
 
     def verify(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> Rejection | None:
         """Check an answer in the state in which it was asked, and for what has become impossible since (III-D)."""
@@ -253,17 +258,9 @@ class HighLevelPlanner:
             return Rejection(code="outside", reason="The chosen point lies outside the survey area.")
         if not cfg.checks:
             return None
-        if not math.isfinite(self._now().path_m(goal.x, goal.y)):
-            return Rejection(
-                code="blocked",
-                reason="The chosen point lies inside an obstacle, or obstacles cut it "
-                "off. Choose a point in open water.",
-            )
-        if belief.taken(goal.x, goal.y, goal.index):
-            return Rejection(
-                code="taken",
-                reason="Another robot is going there already. Choose a point that no other robot is going to.",
-            )
+        refusal = self._obstacle_to(goal)
+        if refusal is not None:
+            return refusal
         if goal.index is None and not separated((goal.x, goal.y), asked.arrival.pose[:2], cfg.separation_m):
             return Rejection(
                 code="too-close",
@@ -277,6 +274,21 @@ class HighLevelPlanner:
                 f"Choose a solid one{self._passing()}.",
             )
         return self._objection(goal, asked)
+
+    def _obstacle_to(self, goal: Goal) -> Rejection | None:
+        """Return what stands in the way of a goal on the map as it is now: obstacles, or another robot."""
+        if not math.isfinite(self._now().path_m(goal.x, goal.y)):
+            return Rejection(
+                code="blocked",
+                reason="The chosen point lies inside an obstacle, or obstacles cut it "
+                "off. Choose a point in open water.",
+            )
+        if self.belief.taken(goal.x, goal.y, goal.index):
+            return Rejection(
+                code="taken",
+                reason="Another robot is going there already. Choose a point that no other robot is going to.",
+            )
+        return None
 
     def _now(self) -> Survey:
         """Distances on the map as it is now, from where the robot is."""

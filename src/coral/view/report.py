@@ -206,9 +206,9 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
         ),
         (
             str(metrics.get("deviations", 0)),
-            "off the reef's trend",
+            "beyond the paper's fixed angles",
             "deviations",
-            "bad" if metrics.get("deviations") else "",
+            "",
         ),
         *_inspection_tiles(metrics),
         *_position_tiles(metrics),
