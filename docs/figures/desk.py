@@ -38,7 +38,7 @@ def answer(inbox: Inbox, question_id: str) -> bool:
         reply: Any = {"selected_centroid_index": visited[0], "reason": "It is dense there."}
     else:
         reasons = [Rejection(**rejection) for rejection in question["rejections"]]
-        reply = REEF_RULES[question["kind"]](question["facts"], reasons).model_dump()
+        reply = REEF_RULES[question["kind"]](question["facts"], reasons).model_dump(mode="json")
     inbox.answer(question_id, reply, "Ana")
     return False
 

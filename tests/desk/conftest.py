@@ -17,10 +17,12 @@ from coral.advisor.question import Picture, Question, Rejection
 from coral.desk.inbox import Inbox
 from coral.desk.server import DeskServer
 from coral.reef.answers import CentroidChoice, WaypointChoice
-from coral.reef.geometry import Pose
+from coral.reef.geometry import Pose, to_robot
 from coral.view.mapview import MapScene, draw_map, png
 
 POSE = Pose(3.0, 5.0, math.pi / 2)
+ARRIVAL = Pose(3.5, 5.5, 0.3)
+"""Where the robot will be when it needs the answer: what the places in the facts are measured from."""
 DOTS = {4: (3.0, 9.0), 7: (6.0, 7.0), 12: (4.0, 2.0)}
 
 
@@ -31,10 +33,12 @@ class Pick(BaseModel):
 
 def facts():
     """What the robot believes; its +X points up the map."""
-    centroids = [
-        {"index": k, "forward_m": y - POSE.y, "left_m": POSE.x - x, "visited": k == 12} for k, (x, y) in DOTS.items()
-    ]
-    return {"robot": {"x": POSE.x, "y": POSE.y, "theta": POSE.theta}, "centroids": centroids}
+    places = {k: to_robot(ARRIVAL, *point) for k, point in DOTS.items()}
+    return {
+        "robot": POSE._asdict(),
+        "arrival": {"pose": ARRIVAL._asdict(), "in_s": 4.0},
+        "centroids": [{"index": k, "forward_m": f, "left_m": s, "visited": k == 12} for k, (f, s) in places.items()],
+    }
 
 
 def drawn_map():

@@ -148,11 +148,11 @@ def test_questions_come_and_go_without_a_reload(visit, ask, case):
     expect(watcher.locator("#status")).to_contain_text("Withdrawn")
 
 
-def test_a_point_on_the_map_becomes_whole_metres_in_the_robot_frame(visit, ask, case):
+def test_a_point_on_the_map_becomes_whole_metres_as_seen_on_arrival(visit, ask, case):
     asking = ask(case.reef_question("reef-waypoint"))
     page = visit()
     expect(page.get_by_role("heading", name="Where to next?")).to_be_visible()
-    pose = case.reef_question().facts["robot"]
+    pose = case.reef_question().facts["arrival"]["pose"]
     x, y = to_world(Pose(**pose), 3.2, 1.7)
     click_map(page, case, x, y)
     expect(page.get_by_label("Forward (m)")).to_have_value("3")
