@@ -324,7 +324,8 @@ class HighLevelPlanner:
         if tour is None or self.mode != "centroid":
             return ""
         limit = self.cfg.topology.max_regret_s
-        good = sorted(p.index for p in tour.places if p.index is not None and p.regret_s <= limit)
+        left = {track.index for track in self.belief.unvisited()}  # some may have been seen since
+        good = sorted(p.index for p in tour.places if p.index in left and p.regret_s <= limit)
         return f". These would pass: {', '.join(map(str, good))}" if good else ""
 
     def adopt(self, goal: Goal) -> bool:

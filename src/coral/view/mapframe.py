@@ -103,11 +103,13 @@ def draw_border(view: MapPicture, border: tuple[float, float, float, float]) -> 
             ends = a + np.outer([k / length, min(k + 0.5, length) / length], b - a)
             draw_line(view.rgb, view.to_pixels(ends), BORDER, 3)
     height, width = view.rgb.shape[:2]
-    for (x, y), anchor, shift in (((x1, y1), "rt", (-6.0, 12.0)), ((x0, y0), "lb", (6.0, -12.0))):
-        column, row = view.to_pixels(np.array([x, y])) + np.array(shift)
-        if 0 <= row < height and 0 <= column <= width:
+    # Named once, at a corner that shows; not at the lower left, where the scale bar is.
+    for x, y, anchor, across, down in ((x1, y1, "rm", -6, 12), (x0, y1, "lm", 6, 12), (x1, y0, "rm", -6, -12)):
+        column, row = view.to_pixels(np.array([x, y]))
+        if -1 <= row <= height + 1 and -1 <= column <= width + 1:
             text = "end of the survey area"
-            draw_text(view.rgb, text, column, row, size=13, color=BORDER, halo=2, anchor=anchor[0] + "m")
+            draw_text(view.rgb, text, column + across, row + down, size=13, color=BORDER, halo=2, anchor=anchor)
+            return
 
 
 LEGEND_PX = 640

@@ -250,8 +250,8 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
             draw_dot(rgb, there, 5.0, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     if cfg.labels and len(dots):
         names = [
-            _name(index, share, shown=scene.seen is not None)
-            for index, share in zip(scene.indices or range(len(dots)), shares, strict=True)
+            _name(index, share, shown=scene.seen is not None and not done)
+            for index, share, done in zip(scene.indices or range(len(dots)), shares, visited, strict=True)
         ]
         _draw_labels(rgb, dots, names, robot)
     if scene.named:
