@@ -92,6 +92,12 @@ def test_by_angles_a_cluster_behind_is_refused_while_one_is_ahead():
     assert refusal.code == "behind-robot"
 
 
+def test_the_limits_of_the_fixed_angles_are_told_where_they_judge():
+    told = planner_for(belief_with([(14.0, 10.0)]), verify=ANGLES).observe(()).facts
+    assert (told["limits"]["back_deg"], told["limits"]["deviation_deg"]) == (120.0, 60.0)
+    assert "limits" not in planner_for(belief_with([(14.0, 10.0)])).observe(()).facts
+
+
 def test_a_choice_that_delays_the_rest_is_refused_and_a_better_one_named():
     planner = planner_for(belief_with([(12.0, 10.0), (13.0, 12.0), (2.0, 2.0)]))
     refusal = planner.verify(planner.observe(()), dot(2))

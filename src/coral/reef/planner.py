@@ -20,7 +20,7 @@ from coral.reef.route import Arrival, Goal, Route, RouteCfg, here, passed
 from coral.reef.survey import Survey, SurveyCfg, survey
 from coral.reef.topology import RemainingTour, TopologyCfg, plan_tour
 from coral.reef.trigger import separated
-from coral.reef.verify import Surroundings, VerifyCfg, verify_waypoint, violation
+from coral.reef.verify import Surroundings, VerifyCfg, stated_limits, verify_waypoint, violation
 
 Mode = Literal["centroid", "waypoint"]
 Prompts = Callable[[str, Mapping[str, Any]], tuple[str, str]]
@@ -113,6 +113,8 @@ class HighLevelPlanner:
             return None  # more of the map will be known nearer to the goal
         self.asked = replace(asked, strict=self.acceptable > 0)
         facts = describe(belief, left, asked.arrival, steps)
+        if cfg.verify.enabled and self._by_regret(asked) is None:
+            facts["limits"] = stated_limits(cfg.verify)
         context = {
             "facts": facts,
             "rejections": [r.reason for r in rejections],

@@ -40,6 +40,17 @@ class VerifyCfg:
     """A waypoint this close to the reference centroid is not a deviation."""
 
 
+def stated_limits(cfg: VerifyCfg) -> dict[str, float]:
+    """Return the limits of the fixed angles as a question states them, for facts."""
+    return {
+        "back_deg": cfg.theta_back_deg,
+        "deviation_deg": cfg.theta_dev_deg,
+        "forward_m": cfg.forward_m,
+        "lateral_m": cfg.lateral_m,
+        "min_centroids": cfg.min_centroids,
+    }
+
+
 @dataclass(frozen=True, kw_only=True)
 class Surroundings:
     """The verifiers' inputs: the robot's own map and memory, nothing else."""
