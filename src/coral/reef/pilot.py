@@ -357,8 +357,9 @@ class Pilot:
         new_goal = not self._field_key or self._field_key[0] != goal
         key = (goal, belief.map.version)
         if new_goal or (key != self._field_key and t - self._field_at >= self.cfg.field_period_s - 1e-9):
-            self.field = CostField.compute(
-                belief.map.distance(), goal, start=belief.pose[:2], cell_m=belief.map.cfg.cell_m, cfg=self.cfg.fields
+            water = belief.water(self.cfg.fields)
+            self.field = CostField.between(
+                water.slowness, belief.pose[:2], goal, cell_m=water.cell_m, cfg=self.cfg.fields
             )
             self._field_key, self._field_at = key, t
             if new_goal:
