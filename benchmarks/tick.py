@@ -107,9 +107,7 @@ def measure(edge_m: float, ticks: int, seed: int) -> dict[str, Any]:
             topology="branching", size_m=size, clusters=0, obstacles=round(1.4 * edge_m), barriers=4, seed=seed
         )
     )
-    cfg = MissionCfg(
-        time_limit_s=0.1 * ticks, stop_when_covered=False, record=RecordCfg(report=False, video=False)
-    )
+    cfg = MissionCfg(time_limit_s=0.1 * ticks, stop_when_covered=False, record=RecordCfg(report=False, video=False))
     with tempfile.TemporaryDirectory() as folder:
         advisor = make_advisor("heuristic", rules=REEF_RULES, rng=np.random.default_rng(0))
         mission = Mission(world, cfg, advisor, Path(folder) / "run", seed=0, draw=question_pictures)

@@ -112,9 +112,7 @@ def closing_width(cell_m: float, cfg: ChainCfg) -> int:
     return max(1, round(cfg.closing_m / cell_m)) | 1
 
 
-def label_regions(
-    target: NDArray[np.bool_], window: Box, cell_m: float, cfg: ChainCfg
-) -> list[tuple[Component, Box]]:
+def label_regions(target: NDArray[np.bool_], window: Box, cell_m: float, cfg: ChainCfg) -> list[tuple[Component, Box]]:
     """Find the connected oyster regions in a window, of any size; one that crosses its edge is cut there.
 
     Args:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -91,6 +92,19 @@ class HighLevelPlanner:
         """Nothing is left that the robot could visit or explore, and that no other robot is going to."""
         self.acceptable = 0
         """How many of the choices on offer in the last question would have passed."""
+
+    def on(self, snapshot: Belief) -> HighLevelPlanner:
+        """Return a planner of a snapshot of the belief, which may make a question on another thread."""
+        other = copy.copy(self)
+        other.belief, other.route = snapshot, self.route.on(snapshot)
+        return other
+
+    def take(self, other: HighLevelPlanner) -> None:
+        """Take over the question that a planner of a snapshot has made: answers are judged in that state."""
+        self.asked, self.mode, self.finished, self.acceptable = (
+            other.asked, other.mode, other.finished, other.acceptable,
+        )  # fmt: skip
+        self.belief.arrival, self.belief.closed = other.belief.arrival, other.belief.closed
 
     def observe(self, rejections: Sequence[Rejection], way: CostField | None = None) -> Question[Any] | None:
         """Make the question from the present map; None when nothing is left to choose.

@@ -78,7 +78,9 @@ class WaterMap:
             rim = math.ceil((cfg.radius_m + cfg.band_m) / cell_m) + 2 * cfg.ratio
             y0, y1, x0, x1 = grown(changed, rim, shape)
             source = grown((y0, y1, x0, x1), rim + cfg.ratio, shape)
-            distance = distance_to(np.ascontiguousarray(self._cells.obstacle[source[0] : source[1], source[2] : source[3]]), cell_m)
+            distance = distance_to(
+                np.ascontiguousarray(self._cells.obstacle[source[0] : source[1], source[2] : source[3]]), cell_m
+            )
             slowness_window(
                 distance,
                 (source[0], source[2]),
