@@ -113,7 +113,7 @@ class Belief:
                 self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
         self._ticks += 1
 
-    def _inspect(self, seen: Box | None) -> None:
+    def _inspect(self, seen: Box | None = None) -> None:
         cells = self.map
         self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect, seen)
 
@@ -128,7 +128,7 @@ class Belief:
             if track.index == index and not track.far:
                 at = np.floor(track.left / self.map.cfg.cell_m).astype(np.intp)
                 self.map.unseeable[at[:, 1], at[:, 0]] = True
-        self._inspect(None)
+        self._inspect()
 
     def track(self, index: int | None) -> Track | None:
         """Return the cluster with this label, if there still is one."""

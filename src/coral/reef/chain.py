@@ -103,7 +103,7 @@ def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[
     ys, xs = np.flatnonzero(target.any(axis=1)), np.flatnonzero(target.any(axis=0))
     if not ys.size:
         return []
-    window = int(ys[0]), int(ys[-1]) + 1, int(xs[0]), int(xs[-1]) + 1
+    window = grown((int(ys[0]), int(ys[-1]) + 1, int(xs[0]), int(xs[-1]) + 1), closing_width(cell_m, cfg), target.shape)
     return [c for c, _ in label_regions(target, window, cell_m, cfg) if c.area_px >= cfg.min_area_px]
 
 
