@@ -117,3 +117,24 @@ def test_a_companion_shares_the_map_and_the_chain_and_nothing_else():
     assert second.goal is None
     assert second.failures(14.0, 10.0) == 0
     assert len(second.trajectory) == 0
+
+
+def test_a_snapshot_stays_as_it_is_while_the_robot_goes_on():
+    belief = Belief(OccupancyMap((20.0, 20.0), CameraCfg()))
+    belief.map.target[100:120, 100:120] = True
+    belief.update(BARE, Pose(10.0, 2.0, 0.0))
+    belief.water(CostFieldCfg())
+    still = belief.snapshot()
+    cells, water = still.map.cells(), still.water(CostFieldCfg()).slowness.copy()
+    tracks, way = list(still.tracks), still.trajectory
+    belief.map.obstacle[200:210, 200:210] = True
+    belief.map.target[300:320, 300:320] = True
+    for k in range(1, 12):
+        belief.update(BARE, Pose(10.0, 2.0 + 0.2 * k, 0.0))
+    assert belief.water(CostFieldCfg()).slowness.min() < 0.0
+    assert len(belief.tracks) == 2
+    np.testing.assert_array_equal(still.map.cells(), cells)
+    np.testing.assert_array_equal(still.water(CostFieldCfg()).slowness, water)
+    np.testing.assert_array_equal(still.trajectory, way)
+    assert still.tracks == tracks
+    assert still.pose == Pose(10.0, 2.0, 0.0)

@@ -23,9 +23,9 @@ from coral.config import Count, NonNegative
 from coral.reef.belief import Belief
 from coral.reef.chain import Track
 from coral.reef.controller import Plan
+from coral.reef.cost_to_go import CostToGo
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import Frame, Pose, to_world
-from coral.reef.guide import Guide
 from coral.reef.monitor import MonitorCfg, PathMonitor
 from coral.reef.planner import HighLevelPlanner
 from coral.reef.route import Goal
@@ -119,7 +119,7 @@ class Pilot:
         self.trigger = SmartTrigger(self.cfg.trigger)
         self.monitor = PathMonitor(self.cfg.monitor)
         self.traffic = Traffic(self.cfg.traffic)
-        self.guide = Guide(
+        self.cost_to_go = CostToGo(
             belief,
             clock,
             self.cfg.fields,
@@ -149,7 +149,7 @@ class Pilot:
     @property
     def field(self) -> CostField | None:
         """The cost-to-go that the vehicle follows; None before the first tick."""
-        return self.guide.field
+        return self.cost_to_go.field
 
     def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
         """Run one control period: take in the data sensed at time `t` (s), return the command until the next."""
@@ -409,7 +409,7 @@ class Pilot:
     def _route(self, t: float) -> None:
         """Update the cost-to-go and the reference path; detect when the path was left."""
         belief, monitor = self.belief, self.monitor
-        if self.guide.update(t) and self.field is not None:
+        if self.cost_to_go.update(t) and self.field is not None:
             monitor.follow(self.field.path_from(belief.pose.x, belief.pose.y), new_goal=True)
         if self.field is not None and monitor.left_path(belief.pose.x, belief.pose.y):
             if monitor.exhausted:
