@@ -8,6 +8,7 @@ import pytest
 from coral.reef.belief import Belief, BeliefCfg
 from coral.reef.camera import CameraCfg
 from coral.reef.chain import Component
+from coral.reef.costfield import CostFieldCfg
 from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.mapping import OccupancyMap
@@ -120,21 +121,21 @@ def test_a_companion_shares_the_map_and_the_chain_and_nothing_else():
 
 
 def test_a_snapshot_stays_as_it_is_while_the_robot_goes_on():
-    belief = Belief(OccupancyMap((20.0, 20.0), CameraCfg()))
-    belief.map.target[100:120, 100:120] = True
-    belief.update(BARE, Pose(10.0, 2.0, 0.0))
-    belief.water(CostFieldCfg())
-    still = belief.snapshot()
+    made = belief()
+    made.map.target[300:320, 40:60] = True
+    made.update(BARE, Pose(16.0, 4.0, 0.0))
+    made.water(CostFieldCfg())
+    still = made.snapshot()
     cells, water = still.map.cells(), still.water(CostFieldCfg()).slowness.copy()
     tracks, way = list(still.tracks), still.trajectory
-    belief.map.obstacle[200:210, 200:210] = True
-    belief.map.target[300:320, 300:320] = True
+    made.map.obstacle[200:210, 60:70] = True
+    made.map.target[360:380, 120:140] = True
     for k in range(1, 12):
-        belief.update(BARE, Pose(10.0, 2.0 + 0.2 * k, 0.0))
-    assert belief.water(CostFieldCfg()).slowness.min() < 0.0
-    assert len(belief.tracks) == 2
+        made.update(BARE, Pose(16.0, 4.0 + 0.2 * k, 0.0))
+    assert made.water(CostFieldCfg()).slowness.min() < 0.0
+    assert len(made.tracks) == 2
     np.testing.assert_array_equal(still.map.cells(), cells)
     np.testing.assert_array_equal(still.water(CostFieldCfg()).slowness, water)
     np.testing.assert_array_equal(still.trajectory, way)
     assert still.tracks == tracks
-    assert still.pose == Pose(10.0, 2.0, 0.0)
+    assert still.pose == Pose(16.0, 4.0, 0.0)
