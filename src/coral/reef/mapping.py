@@ -161,6 +161,19 @@ class OccupancyMap:
             self._reach,
         )
 
+    def agreement(self, cells: NDArray[np.intp]) -> float:
+        """Return how far pictures agree that oysters lie in some cells, from 0 to 1; 1 where nothing says otherwise.
+
+        It is the mean over the cells of the share of pictures that show oysters there, of those that show oysters or
+        seabed. A picture that shows both counts for both.
+
+        Args:
+            cells: (iy, ix) of each. Shape=(M, 2).
+        """
+        hits, ground = (counts[cells[:, 0], cells[:, 1]].astype(np.float64) for counts in (self._targets, self._ground))
+        against = ground / np.maximum(hits + ground, 1.0)
+        return 1.0 - float(against.mean()) if len(cells) else 1.0
+
     def hints(self) -> list[Hint]:
         """Return the groups of oysters that were seen beyond the map's range, where nothing is explored yet."""
         cfg = self.cfg
