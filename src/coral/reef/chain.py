@@ -28,8 +28,8 @@ class InspectCfg:
     """Less than this is not worth a visit: a few oysters."""
     sure: Fraction = 0.33
     """A cluster is doubtful while the pictures agree less than this that oysters lie in its cells
-    (`OccupancyMap.agreement`). Along one mission on s1 in `hard` water, with 1, 3 and 6 % of the seabed taken for oysters,
-    true clusters had 0.54, 0.53 and 0.35 or more in 99 of 100 updates, false ones at most 0.31."""
+    (`OccupancyMap.agreement`). Along one mission on s1 in `hard` water, with 1, 3 and 6 % of the seabed taken for
+    oysters, true clusters had 0.54, 0.53 and 0.35 or more in 99 of 100 updates, false ones at most 0.31."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +89,7 @@ class Track:
     inspected: float = 0.0
     """Share of its cells that were seen from near enough to count oysters."""
     doubtful: bool = False
-    """Most pictures show seabed where this cluster should be. It waits to be confirmed or outvoted by looks on the way."""
+    """Most pictures show seabed where this cluster should be. Looks on the way will confirm or outvote it."""
     cells: NDArray[np.intp] = field(default_factory=_no_cells, repr=False, compare=False)
     """Its oyster cells (iy, ix). Shape=(M, 2)."""
     left: NDArray[np.float64] = field(default_factory=_no_points, repr=False, compare=False)
