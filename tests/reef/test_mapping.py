@@ -109,6 +109,24 @@ def test_wrong_obstacle_pixels_are_outvoted_by_the_seabed():
     assert grid.version > version
 
 
+@pytest.mark.parametrize(("wrong", "believed"), [(6, False), (40, True)])
+def test_oysters_in_a_few_of_many_pictures_are_outvoted_by_the_seabed(wrong, believed):
+    grid, views = OccupancyMap((10.0, 10.0), CAMERA), empty_frame()
+    views.depth[25, 20] = 1.0
+    for k in range(100):
+        views.labels[25, 20] = Label.OYSTER if k % 100 < wrong else Label.SEABED
+        grid.integrate(views, Pose(4.0, 5.0, 0.0))
+    assert grid.target.any() == believed
+
+
+def test_agreement_is_the_mean_share_of_the_pictures_with_oysters():
+    grid = OccupancyMap((10.0, 10.0), CAMERA)
+    grid._targets[4, 5], grid._ground[4, 5] = 3, 1
+    grid._targets[4, 6], grid._ground[4, 6] = 2, 6
+    assert grid.agreement(np.array([[4, 5], [4, 6]])) == pytest.approx(0.5)
+    assert grid.agreement(np.empty((0, 2), np.intp)) == grid.agreement(np.array([[9, 9]])) == 1.0
+
+
 def test_local_distances_agree_with_the_whole_map():
     rng = np.random.default_rng(0)
     grid = OccupancyMap((20.0, 20.0), CAMERA)
