@@ -3,10 +3,11 @@
 Usage: python benchmarks/mission.py [--ticks 600] [--repeats 3] [--json]
 
 A mission of the full system in a reef of the given size, without pictures or a report; the heuristic advisor answers
-at once, so that the vehicle never waits. Parts: sense (picture), check (the guard of the sensors), map (map
-update, centroids), decide (trigger, advisor, checks, cost-to-go, path monitor), control (DDP-MPPI), act (vehicle,
-contacts, coverage, log). Parts are means over the ticks, since some work is only done now and then, and add up to the mean tick. Each repeat is the same mission, with the
-same seed; the median of the repeats is printed. All times are CPU time, which leaves out what else the machine does.
+at once, so that the vehicle never waits. Parts: sense (picture), check (the guard of the sensors), map (map update,
+centroids), decide (trigger, advisor, checks, cost-to-go, path monitor), control (DDP-MPPI), act (vehicle, contacts,
+coverage, log). Parts are means over the ticks, since some work is only done now and then, and add up to the mean
+tick. Each repeat is the same mission, with the same seed; the median of the repeats is printed. All times are CPU
+time, which leaves out what else the machine does.
 """
 
 from __future__ import annotations
