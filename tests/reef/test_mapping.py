@@ -1,8 +1,10 @@
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
+from coral.errors import InputError
 from coral.reef.camera import CameraCfg, T_world_camera
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.mapping import FREE, OBSTACLE, TARGET, UNEXPLORED, MapCfg, OccupancyMap, distance_to
@@ -172,3 +174,24 @@ def test_cells_are_classified_as_their_counts_say():
     assert np.array_equal(obstacle, solid)
     assert np.array_equal(target, soft)
     assert changed == np.count_nonzero(before != solid)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"depth": np.ones((480, 640), np.float32), "labels": np.ones((480, 640), np.uint8)},
+        {"labels": np.ones((29, 40), np.uint8)},
+        {"depth": np.ones((30, 40))},
+        {"labels": np.ones((30, 40), np.int64)},
+    ],
+)
+def test_a_picture_of_another_size_or_type_never_reaches_the_kernels(change):
+    cells = OccupancyMap((4.0, 4.0), CAMERA)
+    with pytest.raises(InputError, match=r"float32 of shape \(30, 40\)|uint8 of shape \(30, 40\)"):
+        cells.integrate(dataclasses.replace(empty_frame(), **change), Pose(2.0, 2.0, 0.0))
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_a_pose_that_is_not_finite_never_reaches_the_kernels(bad):
+    with pytest.raises(InputError, match="pose"):
+        OccupancyMap((4.0, 4.0), CAMERA).integrate(empty_frame(), Pose(2.0, bad, 0.0))
