@@ -97,7 +97,7 @@ def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str,
     from coral.reef.variants import apply_variant
     from coral.view.questions import question_pictures
 
-    cfg = MissionCfg(latency="0")
+    cfg = MissionCfg(latency="0", stop_when_covered=False)
     if kind == WITHOUT_CHAIN:
         cfg, kind = apply_variant("dream", cfg), KIND["waypoint"]
     cfg = replace(cfg, record=replace(cfg.record, frames=False))
