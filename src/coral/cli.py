@@ -14,6 +14,7 @@ from typing import Any, Protocol
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+from coral.completion import completion_script
 from coral.errors import NO_ROOM, InputError, RunError, nearest
 from coral.odd_text import encodable, printable
 from coral.termination import orderly_termination
@@ -79,6 +80,9 @@ def _run(words: Sequence[str]) -> int:
             return 0
         if words[0] in ("-V", "--version"):
             words = ["version", *words[1:]]
+        if words[0] == "--print-completion":
+            print(completion_script("".join(words[1:2]), COMMANDS))
+            return 0
         name = _command(words)
         if name is None:
             print(_overview(" ".join(w for w in words if not w.startswith("-"))))
