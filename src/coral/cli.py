@@ -29,6 +29,7 @@ COMMANDS = {
     "contact run": ("coral.commands.contact_run:ContactRun", "attempt a contact task and write a run folder"),
     "contact bench": ("coral.commands.contact_bench:ContactBench", "compare variants over many trials, with tables"),
     "contact tasks": ("coral.commands.contact_tasks:ContactTasks", "list the contact tasks, or describe some"),
+    "contact export": ("coral.commands.contact_export:ContactExport", "write runs as a data set for learners"),
     "contact track": ("coral.commands.contact_track:ContactTrack", "measure the accuracy of the tracker"),
     "contact identify": ("coral.commands.contact_identify:ContactIdentify", "find mass and friction by pushing"),
     "memory list": ("coral.commands.memory:MemoryList", "list remembered successes of contact tasks"),

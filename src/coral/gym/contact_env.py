@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
@@ -11,8 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from coral.config import checked
-from coral.contact.control.hand_model import MAX_OPENING_M
-from coral.contact.control.mppi_controller import SQUEEZE_M
+from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.perception.tracked_world import TrackedWorld
 from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_rotvec
@@ -53,7 +52,7 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         InputError: There is no such task or world.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012
 
     def __init__(
         self,
@@ -71,15 +70,14 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         self.render_mode = render_mode
         self._world_name, self._poses = world, poses
         pose = spaces.Box(-FARTHEST_M, FARTHEST_M, (7,), np.float32)
-        self.observation_space = spaces.Dict(
-            {
-                "tool": pose,
-                "opening": spaces.Box(-0.1, 0.2, (1,), np.float32),
-                "wrench": spaces.Box(-MOST_N, MOST_N, (6,), np.float32),
-                "target": spaces.Box(-FARTHEST_M, FARTHEST_M, (8,), np.float32),
-                **{f"object_{item.name}": pose for item in self.task.objects},
-            }
-        )
+        self._boxes = {
+            "tool": pose,
+            "opening": spaces.Box(-0.1, 0.2, (1,), np.float32),
+            "wrench": spaces.Box(-MOST_N, MOST_N, (6,), np.float32),
+            "target": spaces.Box(-FARTHEST_M, FARTHEST_M, (8,), np.float32),
+            **{f"object_{item.name}": pose for item in self.task.objects},
+        }
+        self.observation_space = spaces.Dict(self._boxes)  # type: ignore[assignment]
         self.action_space = spaces.Box(-1.0, 1.0, (7,), np.float32)
         self._world: EvaluationWorld | None = None
 
@@ -154,10 +152,9 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
             "target": target,
             **{f"object_{name}": _pose(body) for name, body in now.objects.items()},
         }
-        found = {}
-        for name, space in self.observation_space.items():  # type: ignore[attr-defined]
-            found[name] = np.clip(np.asarray(values[name], np.float32), space.low, space.high)
-        return found
+        return {
+            name: np.clip(np.asarray(values[name], np.float32), box.low, box.high) for name, box in self._boxes.items()
+        }
 
     def _info(self, truth: Truth | None, failure: str) -> dict[str, Any]:
         """Return time and trial, and under `truth` what only the judge knows."""

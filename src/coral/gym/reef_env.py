@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -49,7 +49,7 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         InputError: There is no such world, or a value is out of range.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 10}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
 
     def __init__(
         self,
@@ -74,14 +74,13 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         camera = self.cfg.camera
         shape, (width, height) = (camera.height, camera.width), self.world.size_m
         low = np.array([-width, -height, -math.pi], np.float32)
-        self.observation_space = spaces.Dict(
-            {
-                "depth": spaces.Box(0.0, camera.range_m, shape, np.float32),
-                "labels": spaces.Box(0, 3, shape, np.uint8),
-                "pose": spaces.Box(low, np.array([2 * width, 2 * height, math.pi], np.float32), dtype=np.float32),
-                "velocity": spaces.Box(-MOST_SPEED, MOST_SPEED, (3,), np.float32),
-            }
-        )
+        self._boxes = {
+            "depth": spaces.Box(0.0, camera.range_m, shape, np.float32),
+            "labels": spaces.Box(0, 3, shape, np.uint8),
+            "pose": spaces.Box(low, np.array([2 * width, 2 * height, math.pi], np.float32), dtype=np.float32),
+            "velocity": spaces.Box(-MOST_SPEED, MOST_SPEED, (3,), np.float32),
+        }
+        self.observation_space = spaces.Dict(self._boxes)  # type: ignore[assignment]
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self._sensed: Sensed | None = None
 
@@ -133,7 +132,7 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         }
 
     def _within(self, name: str, values: NDArray[np.float64]) -> NDArray[np.float32]:
-        space = self.observation_space[name]  # type: ignore[index]
+        space = self._boxes[name]
         return np.asarray(np.clip(values.astype(np.float32), space.low, space.high))
 
     def _info(self) -> dict[str, Any]:
