@@ -70,14 +70,14 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         self.render_mode = render_mode
         self._world_name, self._poses = world, poses
         pose = spaces.Box(-FARTHEST_M, FARTHEST_M, (7,), np.float32)
-        self._boxes = {
+        self._boxes: dict[str, spaces.Box[Any]] = {
             "tool": pose,
             "opening": spaces.Box(-0.1, 0.2, (1,), np.float32),
             "wrench": spaces.Box(-MOST_N, MOST_N, (6,), np.float32),
             "target": spaces.Box(-FARTHEST_M, FARTHEST_M, (8,), np.float32),
             **{f"object_{item.name}": pose for item in self.task.objects},
         }
-        self.observation_space = spaces.Dict(self._boxes)  # type: ignore[assignment]
+        self.observation_space = spaces.Dict({**self._boxes})  # type: ignore[assignment]
         self.action_space = spaces.Box(-1.0, 1.0, (7,), np.float32)
         self._world: EvaluationWorld | None = None
 

@@ -74,13 +74,13 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         camera = self.cfg.camera
         shape, (width, height) = (camera.height, camera.width), self.world.size_m
         low = np.array([-width, -height, -math.pi], np.float32)
-        self._boxes = {
+        self._boxes: dict[str, spaces.Box[Any]] = {
             "depth": spaces.Box(0.0, camera.range_m, shape, np.float32),
             "labels": spaces.Box(0, 3, shape, np.uint8),
             "pose": spaces.Box(low, np.array([2 * width, 2 * height, math.pi], np.float32), dtype=np.float32),
             "velocity": spaces.Box(-MOST_SPEED, MOST_SPEED, (3,), np.float32),
         }
-        self.observation_space = spaces.Dict(self._boxes)  # type: ignore[assignment]
+        self.observation_space = spaces.Dict({**self._boxes})  # type: ignore[assignment]
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self._sensed: Sensed | None = None
 

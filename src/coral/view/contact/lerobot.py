@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -127,7 +127,8 @@ def frames_of(run: RunFolder, fps: int) -> Frames:
         raise InputError(str(run.path), "trajectory.csv", f"{len(times)} rows", f"more than {stride}, one frame")
     state = np.stack([run.column(name)[rows] for name in STATE], axis=1).astype(np.float32)
     action = np.stack([run.column(name)[rows + stride] for name in ACTION], axis=1).astype(np.float32)
-    start: dict[str, Any] = next(iter(run.select("start")), {})
+    starts = run.select("start")
+    start: Mapping[str, Any] = starts[0] if starts else {}
     success = bool(run.metrics.get("success"))
     task = str(start.get("instruction") or run.config.get("task"))
     return Frames(state, action, times[rows], success, task, Path(run.path).name)
