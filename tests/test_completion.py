@@ -1,3 +1,5 @@
+import contextlib
+import io
 import re
 import subprocess
 
@@ -10,7 +12,10 @@ from coral.errors import InputError
 
 @pytest.fixture(scope="module")
 def script():
-    return completion_script("bash", COMMANDS)
+    """What the command line prints for bash."""
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        assert main(["--print-completion", "bash"]) == 0
+    return said.getvalue()
 
 
 def test_every_command_is_in_the_script(script):

@@ -3,7 +3,7 @@ import json
 import pytest
 
 from coral.errors import InputError
-from coral.interface.result import ResultFolder, RunResult, read_table
+from coral.interface.result import ResultFolder, RunResult, demand_inbox, read_table
 
 
 @pytest.fixture
@@ -58,6 +58,14 @@ def test_a_temporary_folder_disappears_with_the_result():
     assert path.is_dir()
     del folder, result
     assert not path.exists()
+
+
+@pytest.mark.parametrize("advisor", ["desk", "fallible:0.5:desk"])
+def test_who_asks_a_person_names_a_folder(advisor, tmp_path):
+    with pytest.raises(InputError, match="out: found no folder for --advisor"):
+        demand_inbox(advisor, None)
+    demand_inbox(advisor, tmp_path)
+    demand_inbox("heuristic", None)
 
 
 def test_an_empty_trajectory_is_an_empty_table(tmp_path):

@@ -15,7 +15,7 @@ from coral.advisor.preflight import preflight as ask_first
 from coral.advisor.question import Advisor
 from coral.advisor.registry import asks_person, check_advisor, make_advisor, rules_alone
 from coral.config import checked
-from coral.interface.result import ResultFolder, RunResult
+from coral.interface.result import ResultFolder, RunResult, demand_inbox
 from coral.interface.settings import resolve_settings
 from coral.reef.controllers import MakeController
 from coral.reef.generated import find_world
@@ -96,7 +96,8 @@ def run_mission(
     found = world if isinstance(world, ReefWorld) else find_world(world)
     given, keep = resolve_settings(cfg, MissionCfg())
     named = advisor if isinstance(advisor, str) else ""
-    asks_people = bool(named) and asks_person(named)
+    asks_people = asks_person(named)
+    demand_inbox(named, out)
     resolved, found = resolve_mission(
         given,
         found,

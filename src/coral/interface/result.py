@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from coral.advisor.registry import asks_person
 from coral.errors import InputError
 from coral.runs import read_events, trajectory_name
 
@@ -28,6 +29,16 @@ class ResultFolder:
     def temporary(self) -> bool:
         """Return whether the folder disappears."""
         return self._temporary is not None
+
+
+def demand_inbox(advisor: str, out: object) -> None:
+    """Check that a person who is asked can find the questions: in a folder that the user knows.
+
+    Raises:
+        InputError: A person is asked, and the run folder would be a temporary one.
+    """
+    if out is None and asks_person(advisor):
+        raise InputError("out", "", f"no folder for --advisor {advisor}", "one: its inbox/ holds the questions")
 
 
 class RunResult:

@@ -41,7 +41,7 @@ from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
-from coral.interface.result import ResultFolder, RunResult
+from coral.interface.result import ResultFolder, RunResult, demand_inbox
 from coral.interface.settings import resolve_settings
 from coral.run_loop import Observer
 
@@ -122,6 +122,7 @@ def run_task(
     """
     folder = ResultFolder(out)
     spec = DEFAULT_ADVISOR if advisor is None else advisor if isinstance(advisor, str) else check_advisor(advisor).name
+    demand_inbox(spec if isinstance(advisor, str) else "", out)
     chosen = variant or (DEFAULT_VARIANT if advisor is None else "full")
     who: Advisor = (
         check_advisor(advisor)
