@@ -151,7 +151,9 @@ def _parse(name: str, words: Sequence[str]) -> Command:
 
 def _overview(group: str) -> str:
     lines = [f"  coral {name:<15} {text}" for name, (_, text) in COMMANDS.items() if name.startswith(group)]
-    return "\n".join(["usage: coral COMMAND [flags]; every command has --help and --json; coral --print-completion bash|zsh|fish", "", *lines])
+    usage = ["usage: coral COMMAND [flags]; every command has --help and --json"]
+    usage += ["       coral --print-completion bash|zsh|fish"]
+    return "\n".join([*usage, "", *lines])
 
 
 if __name__ == "__main__":
