@@ -72,7 +72,8 @@ def test_parts_of_ones_own_are_used_and_named_in_the_record(tmp_path):
         report=False,
     )
     assert (len(made), len(moments)) == (1, 30 - sum(t < 1 for t in [k / 10 for k in range(30)]))
-    assert {event["code"] for event in result.events if event["event"] == "verdict"} == {"own"}
+    verdicts = [(event["verdict"], event["code"]) for event in result.events if event["event"] == "verdict"]
+    assert set(verdicts) - {("withdrawn", "")} == {("rejected", "own")}  # the end may withdraw an open question
     own = yaml.safe_load((tmp_path / "run" / "config.yaml").read_text())["own_parts"]
     assert {name: text.rpartition(".")[2] for name, text in own.items()} == {
         "controller": "controller",
