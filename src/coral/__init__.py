@@ -1,5 +1,30 @@
 """CORAL and CoRAL: foundation models decide what to do, sampling-based optimal control decides how."""
 
+from importlib import import_module
 from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from coral.interface.mission import MissionResult, run_mission
+    from coral.interface.task import TaskResult, run_task
 
 __version__ = version("coral-robotics")
+__all__ = ["MissionResult", "TaskResult", "__version__", "run_mission", "run_task"]
+
+_HOMES = {
+    "run_mission": "coral.interface.mission",
+    "MissionResult": "coral.interface.mission",
+    "run_task": "coral.interface.task",
+    "TaskResult": "coral.interface.task",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a function at its first use: `import coral` itself stays fast."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'coral' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

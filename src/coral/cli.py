@@ -14,6 +14,7 @@ from typing import Any, Protocol
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+from coral.completion import completion_script
 from coral.errors import NO_ROOM, InputError, RunError, nearest
 from coral.odd_text import encodable, printable
 from coral.termination import orderly_termination
@@ -28,6 +29,7 @@ COMMANDS = {
     "contact run": ("coral.commands.contact_run:ContactRun", "attempt a contact task and write a run folder"),
     "contact bench": ("coral.commands.contact_bench:ContactBench", "compare variants over many trials, with tables"),
     "contact tasks": ("coral.commands.contact_tasks:ContactTasks", "list the contact tasks, or describe some"),
+    "contact export": ("coral.commands.contact_export:ContactExport", "write runs as a data set for learners"),
     "contact track": ("coral.commands.contact_track:ContactTrack", "measure the accuracy of the tracker"),
     "contact identify": ("coral.commands.contact_identify:ContactIdentify", "find mass and friction by pushing"),
     "memory list": ("coral.commands.memory:MemoryList", "list remembered successes of contact tasks"),
@@ -79,6 +81,9 @@ def _run(words: Sequence[str]) -> int:
             return 0
         if words[0] in ("-V", "--version"):
             words = ["version", *words[1:]]
+        if words[0] == "--print-completion":
+            print(completion_script("".join(words[1:2]), COMMANDS))
+            return 0
         name = _command(words)
         if name is None:
             print(_overview(" ".join(w for w in words if not w.startswith("-"))))
@@ -146,7 +151,9 @@ def _parse(name: str, words: Sequence[str]) -> Command:
 
 def _overview(group: str) -> str:
     lines = [f"  coral {name:<15} {text}" for name, (_, text) in COMMANDS.items() if name.startswith(group)]
-    return "\n".join(["usage: coral COMMAND [flags]; every command has --help and --json", "", *lines])
+    usage = ["usage: coral COMMAND [flags]; every command has --help and --json"]
+    usage += ["       coral --print-completion bash|zsh|fish"]
+    return "\n".join([*usage, "", *lines])
 
 
 if __name__ == "__main__":

@@ -1,13 +1,23 @@
 import importlib
 import re
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import numpy as np
 import pytest
 from pydantic import BaseModel
 
+from coral import plugins
 from coral.advisor.latency import default_latency
-from coral.advisor.registry import ENTRIES, advisor_help, asks_person, make_advisor, rules_alone
+from coral.advisor.registry import (
+    ENTRIES,
+    advisor_help,
+    asks_person,
+    check_advisor,
+    make_advisor,
+    rules_alone,
+)
+from coral.advisor.rules import RuleAdvisor
 from coral.advisor.sloppy import Mistake
 from coral.errors import InputError
 
@@ -157,3 +167,47 @@ def test_nothing_is_suggested_for_what_is_like_nothing():
     with pytest.raises(InputError) as error:
         make_advisor("mistral:large", rules={}, rng=np.random.default_rng(0))
     assert "did you mean" not in str(error.value)
+
+
+def make_oracle(name, rest, setting):
+    return RuleAdvisor(setting.rules, name=f"{name}:{rest}")
+
+
+@pytest.fixture
+def oracle(monkeypatch):
+    """Another package offers the advisor `oracle`, and tries to take the name of one of ours."""
+    points = [EntryPoint(name, f"{__name__}:make_oracle", "coral.advisors") for name in ("oracle", "desk")]
+    monkeypatch.setattr(plugins, "entry_points", lambda group: [p for p in points if p.group == group])
+    monkeypatch.setattr(EntryPoint, "load", lambda self: make_oracle)
+
+
+@pytest.mark.parametrize(("spec", "name"), [("oracle", "oracle:"), ("oracle:of-delphi", "oracle:of-delphi")])
+def test_an_advisor_of_another_package_is_made_by_its_name(oracle, spec, name):
+    assert make(spec).name == name
+
+
+def test_it_can_be_wrapped_and_is_never_taken_for_our_rules(oracle):
+    assert make("fallible:0.5:oracle:x").inner.name == "oracle:x"
+    assert not rules_alone("oracle")
+
+
+def test_the_names_of_ours_cannot_be_taken(oracle, tmp_path):
+    assert type(make("desk", inbox=tmp_path)).__module__ == "coral.advisor.desk"
+
+
+def test_it_is_suggested_for_a_mistyped_name(oracle):
+    with pytest.raises(InputError, match="did you mean 'oracle'"):
+        make("oracl")
+
+
+class Wordless:
+    name = "wordless"
+
+    def answer(self, question, rejections):
+        return None
+
+
+@pytest.mark.parametrize("advisor", [object(), Wordless(), RuleAdvisor(RULES, name="")])
+def test_an_object_that_cannot_answer_is_no_advisor(advisor):
+    with pytest.raises(InputError, match="an object with a name and a coroutine"):
+        check_advisor(advisor)

@@ -3,7 +3,8 @@ import json
 import pytest
 
 from coral.advisor.consult import DEADLINE_S
-from coral.commands.reef_run import PERSON_DEADLINE_S, FallbackNotice, ReefRun
+from coral.commands.reef_run import FallbackNotice, ReefRun
+from coral.reef.resolution import PERSON_DEADLINE_S
 
 
 def test_json_holds_the_metrics_and_where_the_run_is(survey):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import sys
 from dataclasses import replace
 from typing import Any, Literal
@@ -11,6 +10,7 @@ import cv2
 import numpy as np
 from pydantic import BaseModel, Field
 
+from coral.advisor.inner_loop import run_alone
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question
 from coral.errors import InputError
@@ -61,7 +61,7 @@ def preflight(advisor: Any, *, pictures: bool, where: str = "--advisor", quiet: 
         print(f"asking {model.name} one small question first ({SKIP})", file=sys.stderr, flush=True)
     seeing = pictures and model.cfg.pictures
     cfg = replace(model.cfg, max_retries=min(1, model.cfg.max_retries), pictures=seeing, facts=False)
-    wrong = asyncio.run(_ask(model.with_cfg(cfg), seeing))
+    wrong = run_alone(_ask(model.with_cfg(cfg), seeing))
     if wrong:
         raise InputError(where, "", f"{model.name}, which cannot be used ({wrong})", f"a model that answers; {SKIP}")
 

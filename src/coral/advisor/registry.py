@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,7 @@ from coral.advisor.rules import Rule
 from coral.advisor.setting import Setting
 from coral.advisor.sloppy import Mistake
 from coral.errors import InputError, nearest
+from coral.plugins import find_plugins, load_plugin
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +37,8 @@ class AdvisorEntry:
     """Whether only rules of the application answer."""
     person: bool = False
     """Whether it may need as much time as a person."""
+    plugin: bool = False
+    """Whether another package offers it, by an entry point of the group `coral.advisors`."""
 
     @property
     def name(self) -> str:
@@ -45,6 +49,10 @@ class AdvisorEntry:
     def takes(self) -> bool:
         """Return whether its form has an argument."""
         return ":" in self.form
+
+    def fits(self, spec: str) -> bool:
+        """Check whether a string has the argument that the form asks for; that of a plugin may be missing."""
+        return self.plugin or (bool(spec.partition(":")[2]) if self.takes else ":" not in spec)
 
 
 ENTRIES = (
@@ -102,10 +110,12 @@ OTHER_NAMES = {
 }
 """Beginnings of common other names for providers and advisors."""
 _BY_NAME = {entry.name: entry for entry in ENTRIES}
+GROUP = "coral.advisors"
+"""Group of entry points by which other packages offer advisors."""
 
 
 def forms() -> str:
-    """Return all forms, for help and errors."""
+    """Return all forms of our advisors, for help."""
     return ", ".join(entry.form for entry in ENTRIES)
 
 
@@ -142,6 +152,22 @@ def asks_person(advisor: str) -> bool:
     """
     entry, _ = innermost(advisor)
     return entry is not None and entry.person
+
+
+def check_advisor(advisor: Any, where: str = "advisor") -> Advisor:
+    """Check an advisor that is given as an object.
+
+    Raises:
+        InputError: It has no `answer` coroutine, no name, or the name of an advisor of ours, under which records
+            would show its work.
+    """
+    name = getattr(advisor, "name", None)
+    if not isinstance(name, str) or not name or not inspect.iscoroutinefunction(getattr(advisor, "answer", None)):
+        raise InputError(where, "", repr(advisor), "a string, or an object with a name and a coroutine `answer`")
+    if name.partition(":")[0] in _BY_NAME and not type(advisor).__module__.startswith("coral."):
+        raise InputError(where, "name", repr(name), "a name that no advisor of ours has")
+    given: Advisor = advisor
+    return given
 
 
 def make_advisor(
@@ -190,17 +216,32 @@ def make_advisor(
         spoil=spoil or {},
         mistakes=tuple(mistakes),
     )
-    module, _, function = entry.make.partition(":")
-    made: Advisor = getattr(importlib.import_module(module), function)(entry.name, rest, setting)
+    made: Advisor = _maker(entry, where)(entry.name, rest, setting)
     return made
+
+
+def _maker(entry: AdvisorEntry, where: str) -> Callable[[str, str, Setting], Advisor]:
+    """Import the function that makes an advisor."""
+    if entry.plugin:
+        return load_plugin(find_plugins(GROUP)[entry.name], where)  # type: ignore[no-any-return]
+    module, _, function = entry.make.partition(":")
+    return getattr(importlib.import_module(module), function)  # type: ignore[no-any-return]
 
 
 def _split(spec: str) -> tuple[AdvisorEntry | None, str]:
     """Return the named entry and its argument; no entry if the argument is missing or superfluous."""
     name, _, rest = spec.partition(":")
-    entry = _BY_NAME.get(name.strip())
-    fits = entry is not None and (bool(rest) if entry.takes else ":" not in spec)
-    return (entry, rest) if fits else (None, "")
+    entry = _BY_NAME.get(name.strip()) or _plugin_entries().get(name.strip())
+    return (entry, rest) if entry is not None and entry.fits(spec) else (None, "")
+
+
+def _plugin_entries() -> dict[str, AdvisorEntry]:
+    """Find the advisors of other packages; the names of ours cannot be taken."""
+    return {
+        name: AdvisorEntry(form=name, what="from another package", make=point.value, plugin=True)
+        for name, point in find_plugins(GROUP).items()
+        if name not in _BY_NAME
+    }
 
 
 def _suggest_forms(spec: str) -> str:
@@ -209,10 +250,12 @@ def _suggest_forms(spec: str) -> str:
     entry = _BY_NAME.get(name)
     if entry is not None and entry.takes and not rest:
         return f"all of {entry.form}"
+    others = _plugin_entries()
+    known_forms = ", ".join([forms(), *others])
     known = next((other for start, other in OTHER_NAMES.items() if name.lower().startswith(start)), "")
     if known in KEYS:
         model = rest if colon else spec
-        return f"one of {forms()} (did you mean '{known}:{model or 'MODEL'}'?)"
+        return f"one of {known_forms} (did you mean '{known}:{model or 'MODEL'}'?)"
     if known:
-        return f"one of {forms()} (did you mean {known!r}?)"
-    return f"one of {forms()}{nearest(name, _BY_NAME, 0.7)}"
+        return f"one of {known_forms} (did you mean {known!r}?)"
+    return f"one of {known_forms}{nearest(name, [*_BY_NAME, *others], 0.7)}"

@@ -36,12 +36,13 @@ from coral.commands.campaigns import (
     write_tables,
 )
 from coral.commands.config_flag import config_words, configured
-from coral.commands.contact_run import TRACKER_HELP, with_fallback, with_poses, with_samples, with_tracker
+from coral.commands.contact_run import TRACKER_HELP
 from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.policy_campaign_episode import run_policy_episode
+from coral.contact.episode.resolution import with_fallback, with_poses, with_samples, with_tracker
 from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_strategist
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import FORMAT, Memory

@@ -10,11 +10,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from coral.commands.contact_run import with_poses, with_samples
 from coral.commands.progress import EpisodeProgress
 from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.identification_episode import probe_episode
+from coral.contact.episode.resolution import with_poses, with_samples
 from coral.contact.scene.trial import PhysicalParameters, Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.world_model.identification import Fit

@@ -23,27 +23,27 @@ from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.episode import Episode
+from coral.contact.episode.own_cost import own_cost
 from coral.contact.episode.policy_campaign_episode import serving
 from coral.contact.episode.policy_episode import PolicyEpisode
+from coral.contact.episode.resolution import OWN_COST, check_combination, resolve_episode
 from coral.contact.episode.variants import (
     ALONE,
-    REMEMBERING,
     VARIANTS,
     AdvisorSetup,
-    check_variant,
     contact_model,
     make_strategist,
 )
-from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
+from coral.contact.perception.tracker_registry import tracker_help
 from coral.contact.policy.address import parse_address
 from coral.contact.rules.mistakes import CONTACT_MISTAKES
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
+from coral.contact.thinker.strategist import FixedStrategist
 from coral.contact.thinker.think_cfg import resolved
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
-from coral.errors import InputError
 from coral.runs import new_run_folder
 from coral.words import many
 
@@ -69,6 +69,9 @@ class ContactRun:
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
     """Seed of all random numbers: poses, masses, frictions, sizes and the planner's noise."""
+    cost: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """A cost of your own, instead of a variant: a .py file with `def state_cost(self)`, a YAML or JSON file with
+    stages, or an entry point of the group coral.costs. Files are checked and confined like a model's costs."""
     policy: str | None = None
     """[NAME=]ws://HOST:PORT: run a vision-language-action policy on this server instead of planner and variant."""
     poses: Literal["tracked", "ground-truth"] | None = None
@@ -106,56 +109,33 @@ class ContactRun:
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the episode."""
-        if self.seed < 0:
-            raise InputError("--seed", "", self.seed, "a number from 0 on")
-        check_variant(self.variant)
-        if self.policy is not None and self.variant != type(self).variant:
-            raise InputError(
-                "--policy", "", f"also --variant {self.variant}", "one of the two: a policy has no variant"
-            )
-        check_world(self.world)
         model = checked(self.model, "--model")
         advisor = make_advisor(
             self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=model, mistakes=CONTACT_MISTAKES
         )
-        if self.advisor != type(self).advisor and (self.policy is not None or self.variant in ALONE):
-            which = "--policy" if self.policy else f"--variant {self.variant}"
-            raise InputError(
-                "--advisor",
-                "",
-                f"{self.advisor} with {which}",
-                "a variant that asks an advisor, such as --variant full",
-            )
+        check_combination(
+            variant=self.variant,
+            advisor=self.advisor,
+            seed=self.seed,
+            policy=self.policy,
+            cost=None if self.cost is None else str(self.cost),
+            believe=self.believe,
+            memory=self.memory,
+            tracker=self.tracker,
+        )
+        check_world(self.world)
         task = load_task(self.task)
         trial = sample_trial(task, self.seed, self.task)
-        if self.believe is not None and (self.policy is not None or self.variant in (*ALONE, "unified")):
-            raise InputError(
-                "--believe",
-                "",
-                f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
-                "a variant that asks for masses and frictions, such as full",
-            )
-        if self.memory is not None and (self.policy is not None or self.variant not in REMEMBERING):
-            raise InputError(
-                "--memory",
-                "",
-                f"also {'--policy' if self.policy else f'--variant {self.variant}'}",
-                f"a variant that remembers, such as full ({', '.join(REMEMBERING)})",
-            )
-        cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
-        cfg = checked(with_fallback(cfg, self.fallback), "--cfg")
+        cfg = resolve_episode(
+            self.cfg, samples=self.samples, poses=self.poses, tracker=self.tracker, fallback=self.fallback
+        )
         thinking_latency(cfg.think.latency, advisor, self.advisor)
-        if self.tracker is not None and (self.policy is not None or self.variant == "no-tracking"):
-            raise InputError(
-                "--tracker",
-                "",
-                f"also {'--policy' if self.policy else '--variant no-tracking'}",
-                "a variant that tracks the objects",
-            )
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.policy is not None:
             return self._run_policy(self.policy, trial, cfg)
+        if self.cost is not None:
+            return self._run_cost(str(self.cost), trial, cfg)
         if self.preflight and self.variant not in ALONE:
             preflight(advisor, pictures=True, quiet=self.quiet)
         folder = self.out or new_run_folder(Path("runs"), task.name)
@@ -177,6 +157,18 @@ class ContactRun:
         who = "none" if self.variant in ALONE else self.advisor
         episode = Episode(trial, self.world, strategist, cfg, folder, variant=self.variant, advisor=who)
         episode.listeners.append(StandInNotice())
+        return self._attempt(episode, folder, cfg)
+
+    def _run_cost(self, cost: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
+        """Run an episode with a cost of the user's own."""
+        own = own_cost(cost, trial, cfg)
+        folder = self.out or new_run_folder(Path("runs"), trial.task.name)
+        episode = Episode(trial, self.world, FixedStrategist(own.strategy), cfg, folder, variant=OWN_COST)
+        episode.writer.text(own.file, own.text)
+        return self._attempt(episode, folder, cfg)
+
+    def _attempt(self, episode: Episode, folder: Path, cfg: EpisodeCfg) -> Mapping[str, Any]:
+        """Run an episode to its end, and make its pictures and report."""
         progress = EpisodeProgress(quiet=self.quiet)
         try:
             result = episode.run([progress])
@@ -238,46 +230,6 @@ class StandInNotice:
                 file=sys.stderr,
                 flush=True,
             )
-
-
-def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
-    """Return the configuration with another number of rollouts.
-
-    Raises:
-        InputError: The number is not positive.
-    """
-    if samples is None:
-        return cfg
-    if samples < 1:
-        raise InputError("--samples", "", samples, "a number from 1 on")
-    mppi = dataclasses.replace(cfg.controller.mppi, samples=samples)
-    return dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, mppi=mppi))
-
-
-def with_fallback(cfg: EpisodeCfg, fallback: Fallback | None) -> EpisodeCfg:
-    """Return the configuration with another fallback; None leaves it as configured."""
-    if fallback is None:
-        return cfg
-    return dataclasses.replace(cfg, think=dataclasses.replace(cfg.think, fallback=fallback))
-
-
-def with_poses(cfg: EpisodeCfg, poses: Literal["tracked", "ground-truth"] | None) -> EpisodeCfg:
-    """Return the configuration with another source of poses."""
-    return cfg if poses is None else dataclasses.replace(cfg, poses=poses)
-
-
-def with_tracker(cfg: EpisodeCfg, tracker: str | None) -> EpisodeCfg:
-    """Return the configuration with another tracker.
-
-    Raises:
-        InputError: There is no tracker of this name, or no tracker is in use.
-    """
-    if tracker is None:
-        return cfg
-    choose_tracker(tracker)
-    if cfg.poses != "tracked":
-        raise InputError("--tracker", "", f"{tracker!r} beside poses from the simulator", "--poses tracked")
-    return dataclasses.replace(cfg, tracked=dataclasses.replace(cfg.tracked, by=tracker))
 
 
 def render(folder: Path, cfg: EpisodeCfg) -> dict[str, str]:

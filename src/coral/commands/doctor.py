@@ -37,6 +37,7 @@ EXTRAS = {
     "memory": ("wordllama", "meanings of task descriptions, for the experience memory"),
     "lance": ("lancedb", "an experience memory that several machines share"),
     "ray": ("ray", "campaigns on a cluster"),
+    "gym": ("gymnasium", "reefs and tasks as Gymnasium environments"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),
 }
 KEYS = ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY")

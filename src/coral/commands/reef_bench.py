@@ -37,7 +37,6 @@ from coral.commands.campaigns import (
 )
 from coral.commands.config_flag import config_words, configured, given_keys, set_keys
 from coral.commands.preflight import preflight_campaign
-from coral.commands.reef_run import with_fallback
 from coral.config import checked, to_mapping
 from coral.errors import InputError
 from coral.reef.campaign_episode import run_episode
@@ -46,6 +45,7 @@ from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
 from coral.reef.presets import CLEAR, apply_preset, named, preset_help
+from coral.reef.resolution import with_fallback
 from coral.reef.sweep import apply_setting
 from coral.reef.variants import apply_variant
 from coral.reef.world import ReefWorld

@@ -14,7 +14,6 @@ import numpy as np
 import tyro
 
 from coral.advisor.attribution import who_decided
-from coral.advisor.consult import DEADLINE_S
 from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
@@ -24,20 +23,16 @@ from coral.commands.progress import MissionProgress
 from coral.config import checked
 from coral.desk.notice import mission_notice
 from coral.errors import InputError
-from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.generated import find_world
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
-from coral.reef.presets import CLEAR, apply_preset, preset_help
-from coral.reef.variants import apply_variant
+from coral.reef.presets import CLEAR, preset_help
+from coral.reef.resolution import resolve_mission
 from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
 from coral.words import many
-
-PERSON_DEADLINE_S = 600.0
-"""Default deadline of a person's answer; a model has a minute."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +59,10 @@ class ReefRun:
     lists them."""
     out: Path | None = None
     """Run folder, new or empty; by default the next free runs/WORLD-NNN."""
+    trigger: str | None = None
+    """Entry point of the group coral.triggers that decides when the advisor is asked, instead of the smart trigger."""
+    verifier: str | None = None
+    """Entry point of the group coral.verifiers that checks answers after our own checks."""
     config: Path | None = None
     """YAML file with configuration values; flags override it."""
     inbox: Path | None = None
@@ -104,18 +103,18 @@ class ReefRun:
         world = find_world(self.world)
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
-        keep = set_keys(self.cfg, MissionCfg(), self.given)
-        cfg, world = apply_preset(self.preset, self.cfg, world, keep)
-        cfg = cfg if self.robots is None else dataclasses.replace(cfg, robots=self.robots)
-        cfg = with_fallback(cfg, self.fallback)
-        cfg = dataclasses.replace(cfg, faults=(*cfg.faults, *self.fault))
-        if not 1 <= cfg.robots <= MOST_ROBOTS:
-            raise InputError("--robots", "", cfg.robots, f"a number from 1 to {MOST_ROBOTS}")
-        cfg = checked(apply_variant(self.variant, cfg), "--cfg")
-        cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         asks_people = asks_person(self.advisor)
-        budget = cfg.pilot.budget.within(PERSON_DEADLINE_S if asks_people else DEADLINE_S)
-        cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
+        cfg, world = resolve_mission(
+            dataclasses.replace(self.cfg, faults=(*self.cfg.faults, *self.fault)),
+            world,
+            variant=self.variant,
+            preset=self.preset,
+            robots=self.robots,
+            fallback=self.fallback,
+            keep=set_keys(self.cfg, MissionCfg(), self.given),
+            asks_people=asks_people,
+        )
+        cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         folder = self.out or new_run_folder(Path("runs"), world.name)
         rng = np.random.default_rng([self.seed, 7])
         inbox = self.inbox or folder / "inbox"
@@ -138,6 +137,8 @@ class ReefRun:
             variant=self.variant,
             preset=self.preset,
             draw=question_pictures if cfg.record.pictures else None,
+            trigger=self.trigger,
+            verifier=self.verifier,
         )
         progress = MissionProgress(quiet=self.quiet)
         mission.listeners.append(FallbackNotice(cfg.pilot.fallback))
@@ -224,13 +225,6 @@ class FallbackNotice:
                 file=sys.stderr,
                 flush=True,
             )
-
-
-def with_fallback(cfg: MissionCfg, fallback: Fallback | None) -> MissionCfg:
-    """Return the configuration with another fallback; None leaves it as configured."""
-    return (
-        cfg if fallback is None else dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, fallback=fallback))
-    )
 
 
 def render(folder: Path, cfg: MissionCfg) -> dict[str, str]:

@@ -21,11 +21,13 @@ from coral.advisor.log import AttemptRecorder
 from coral.advisor.prompt import render as render_prompt
 from coral.advisor.question import Advisor, Picture
 from coral.advisor.rules import RuleAdvisor
-from coral.config import Positive, TimeStep, to_mapping
+from coral.config import Positive, TimeStep, checked, to_mapping
+from coral.errors import InputError
 from coral.reef.baselines import baseline_rules
 from coral.reef.belief import Belief, BeliefCfg
 from coral.reef.bound import oracle_bound
-from coral.reef.controller import DdpMppi, MppiCfg
+from coral.reef.controller import MppiCfg
+from coral.reef.controllers import ControllerSetup, MakeController, controller_maker, part_name
 from coral.reef.encounter import Encounters
 from coral.reef.faults import FaultySensors, parse_fault
 from coral.reef.fleet import MOST_ROBOTS
@@ -35,8 +37,9 @@ from coral.reef.leftover import what_is_left
 from coral.reef.localization import LocalizationCfg, Localizer
 from coral.reef.mapping import MapCfg, OccupancyMap
 from coral.reef.metrics import compute_metrics
-from coral.reef.pd import PdController
-from coral.reef.pilot import NOTHING_LEFT, LocalPlanner, Pilot, PilotCfg
+from coral.reef.own_trigger import MakeTrigger, Wanted, trigger_maker
+from coral.reef.own_verifier import Check, find_verifier
+from coral.reef.pilot import NOTHING_LEFT, Pilot, PilotCfg
 from coral.reef.planner import HighLevelPlanner, PlannerCfg
 from coral.reef.record import COLUMNS, FrameRecorder, RecordCfg
 from coral.reef.robot import Robot
@@ -44,6 +47,7 @@ from coral.reef.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.starts import starts_beside
 from coral.reef.tour import TourPilot
 from coral.reef.tours import planned
+from coral.reef.trigger import SmartTrigger
 from coral.reef.world import ReefWorld, save_world
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter, provenance
@@ -65,8 +69,8 @@ class MissionCfg:
     stop_when_covered: bool = True
     """End when every true cluster is covered. The experimenter stops the mission, as for the paper's coverage time; the
     robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
-    driver: Literal["ddp-mppi", "pd"] = "ddp-mppi"
-    """The low-level planner."""
+    driver: str = "ddp-mppi"
+    """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
     decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"
     """Who answers the questions: the advisor, or a baseline's rules in its place. sweep and oracle ask no questions:
     they follow lanes, or a tour planned on the true reef."""
@@ -100,7 +104,39 @@ class Mission:
         variant: str = "full",
         preset: str = "clear",
         draw: Callable[[Belief], tuple[Picture, ...]] | None = None,
+        controller: str | MakeController | None = None,
+        trigger: str | MakeTrigger | Wanted | None = None,
+        verifier: str | Check | None = None,
     ) -> None:
+        """Check everything, then create the run folder.
+
+        Args:
+            world: World to survey.
+            cfg: Configuration, with the variant applied.
+            advisor: Who decides.
+            folder: Run folder, new or empty.
+            seed: Seed of all random numbers.
+            variant: Name of the variant, for the record.
+            preset: Name of the water and sensors, for the record.
+            draw: Draws the pictures of questions; None for no pictures.
+            controller: Replaces `cfg.driver`: a name, or a function of a `ControllerSetup`, called once for each robot.
+            trigger: Replaces the smart trigger; see `trigger_maker`.
+            verifier: Checks answers that the planner's own checks pass; see `find_verifier`.
+
+        Raises:
+            InputError: A value is out of range, a name is unknown, or the folder is not empty.
+        """
+        if controller is not None:
+            cfg = dataclasses.replace(cfg, driver=part_name(controller))
+        cfg = checked(cfg, "--cfg")
+        if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+            raise InputError("--seed", "", repr(seed), "a number from 0 on")
+        make_driver = controller_maker(cfg.driver if controller is None else controller)
+        make_trigger: MakeTrigger = SmartTrigger if trigger is None else trigger_maker(trigger)
+        verify = None if verifier is None else find_verifier(verifier)
+        exchanged = {"controller": controller, "trigger": trigger, "verifier": verifier}
+        self.exchanged = {name: part_name(part) for name, part in exchanged.items() if part is not None}
+        """Parts that replace ours, by name, for the record."""
         budget = cfg.pilot.budget.within(DEADLINE_S)
         cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
         # Three streams per robot: those of the first do not depend on the number of robots.
@@ -133,14 +169,14 @@ class Mission:
         beliefs = [belief, *(belief.companion() for _ in starts[1:])]
         localizers = [Localizer(cfg.simulator.camera, cfg.localization) for _ in starts]
         latency = _latency(advisor, cfg.latency)
-        drivers: list[LocalPlanner] = [
-            PdController(vehicle=cfg.simulator.vehicle)
-            if cfg.driver == "pd"
-            else DdpMppi(
-                cfg.controller,
-                cfg.simulator.vehicle,
-                streams[3 * k + 1],
-                control_period_s=cfg.control_period_s,
+        drivers = [
+            make_driver(
+                ControllerSetup(
+                    cfg=cfg.controller,
+                    vehicle=cfg.simulator.vehicle,
+                    rng=streams[3 * k + 1],
+                    control_period_s=cfg.control_period_s,
+                )
             )
             for k in range(cfg.robots)
         ]
@@ -159,7 +195,7 @@ class Mission:
 
         def pilot(robot: Robot) -> Pilot:
             planner = HighLevelPlanner(
-                robot.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()), cfg.planner
+                robot.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()), cfg.planner, verifier=verify
             )
             pilot = (Pilot if commands is None else TourPilot)(
                 robot.belief,
@@ -172,6 +208,7 @@ class Mission:
                 self.attempts,
                 cfg.pilot,
                 numbers,
+                make_trigger,
             )
             if isinstance(pilot, TourPilot) and commands is not None:
                 pilot.commands = commands
@@ -322,6 +359,7 @@ class Mission:
                 "variant": self.variant,
                 "preset": self.preset,
                 "seed": self.seed,
+                **({"own_parts": self.exchanged} if self.exchanged else {}),
                 "mission": to_mapping(self.cfg),
                 "provenance": provenance(),
             },
@@ -334,6 +372,7 @@ class Mission:
             preset=self.preset,
             seed=self.seed,
             clusters_total=len(self.world.clusters),
+            **({"own_parts": self.exchanged} if self.exchanged else {}),
             **self._fleet(),
         )
         self._cover()

@@ -28,6 +28,7 @@ from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import Pose, to_world
 from coral.reef.guard import GuardCfg, Reading, SensorGuard
 from coral.reef.monitor import MonitorCfg, PathMonitor
+from coral.reef.own_trigger import MakeTrigger
 from coral.reef.planner import HighLevelPlanner
 from coral.reef.route import Goal
 from coral.reef.safety import SafetyWatch
@@ -119,13 +120,14 @@ class Pilot:
         log: Callable[[Attempt], None],
         cfg: PilotCfg | None = None,
         numbers: Iterator[int] | None = None,
+        trigger: MakeTrigger = SmartTrigger,
     ) -> None:
         """Set up a robot; `numbers` numbers its decisions, and robots that share a log share it too."""
         self.cfg = cfg or PilotCfg()
         self.belief, self.planner, self.driver = belief, planner, driver
         self.advisor, self.fallback, self.clock = advisor, fallback, clock
         self.route = planner.route
-        self.trigger = SmartTrigger(self.cfg.trigger)
+        self.trigger = trigger(self.cfg.trigger)
         self.monitor = PathMonitor(self.cfg.monitor)
         self.traffic = Traffic(self.cfg.traffic)
         self.cost_to_go = CostToGo(

@@ -18,6 +18,7 @@ from coral.reef.chain import Track
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.facts import describe, waypoint_options
 from coral.reef.geometry import Pose, to_robot, to_world
+from coral.reef.own_verifier import Verifier
 from coral.reef.route import Arrival, Goal, Route, RouteCfg, here, passed
 from coral.reef.survey import Survey, SurveyCfg, survey
 from coral.reef.topology import RemainingTour, TopologyCfg, plan_tour
@@ -81,8 +82,10 @@ class HighLevelPlanner:
         draw: Draw,
         cfg: PlannerCfg | None = None,
         route: Route | None = None,
+        verifier: Verifier | None = None,
     ) -> None:
-        """Set up the planner of one robot, whose goals are those of `route`."""
+        """Set up the planner of one robot, whose goals are those of `route`; `verifier` checks what our checks pass."""
+        self._verifier = verifier
         self.belief, self.fields, self.prompts, self.draw = belief, fields, prompts, draw
         self.cfg = cfg or PlannerCfg()
         self.route = route or Route(belief, self.cfg.route)
@@ -269,6 +272,8 @@ class HighLevelPlanner:
             offered = {c["index"] for c in question.facts["centroids"]}
             return None if goal.details["index"] in offered else goal
         refusal = self._refuse(goal)
+        if refusal is None and self._verifier is not None:
+            refusal = self._verifier(question, answer)
         if refusal is None:
             return None
         extra = (

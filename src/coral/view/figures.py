@@ -131,6 +131,7 @@ LANES = (
     ("stuck", "stuck"),
     ("failure", "planner failed"),
     ("deviation", "off the path"),
+    ("own", "own trigger"),
 )
 
 

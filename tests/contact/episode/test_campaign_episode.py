@@ -9,9 +9,9 @@ from episodes import COARSE, ObedientWorld, short_task
 from experiences import experience
 from stub_foundationpose import Oracle, serving
 
-from coral.commands.contact_run import with_tracker
 from coral.contact.episode import episode as module
 from coral.contact.episode.campaign_episode import run_episode
+from coral.contact.episode.resolution import with_tracker
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import Memory
 from coral.contact.perception.camera import RgbdCameraCfg

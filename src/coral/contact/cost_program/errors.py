@@ -32,6 +32,7 @@ CODES: dict[str, str] = {
     "constant": "the cost is the same for every sampled rollout",
     "unreachable": "a reach term that physics keeps from approaching zero",
     "barrier": "a gated term makes it dearer to enter the phase that it belongs to",
+    "raised": "a NumPy function raised an exception",
     "deadline": "the cost took too long and its process was killed",
     "killed": "the process of the cost died",
     "internal": "the interpreter itself failed",

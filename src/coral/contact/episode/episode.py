@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from coral.config import to_mapping, whole_steps
-from coral.contact.control.mppi_controller import Controller, HandPlan
+from coral.config import checked, to_mapping, whole_steps
+from coral.contact.control.hand_controllers import HandController, MakeHandController, hand_controller_maker
+from coral.contact.control.mppi_controller import HandPlan
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.reactive import Reactive
 from coral.contact.cost.stages import Progress, Strategy
@@ -51,6 +52,11 @@ class Episode:
         folder: Run folder, new or empty.
         variant: For the record.
         advisor: For the record.
+        controller: The controller of the hand: a name, or the function that makes it.
+
+    Raises:
+        InputError: A value is out of range, a name is unknown, or the folder is not empty.
+        RunError: A package that the world needs is not installed.
     """
 
     def __init__(
@@ -63,7 +69,10 @@ class Episode:
         *,
         variant: str,
         advisor: str = "none",
+        controller: str | MakeHandController = "mppi",
     ) -> None:
+        self._make_controller = hand_controller_maker(controller)
+        cfg = checked(cfg, "--cfg")
         cfg = dataclasses.replace(cfg, think=resolved(cfg.think, cfg.controller, advisor))
         self.trial, self.strategist, self.cfg = trial, strategist, cfg
         self.variant, self.advisor = variant, advisor
@@ -98,7 +107,7 @@ class Episode:
         self._begun = self._thinking = False
         self.now: Observation
         self.planner: PlanningWorld
-        self.controller: Controller
+        self.controller: HandController
         self.reactive: Reactive
         self.progress: Progress
 
@@ -337,7 +346,9 @@ class Episode:
         self.planner = PlanningWorld(
             self.trial, prior_beliefs(self.trial), self.now, cfg.planning, np.random.default_rng([self.trial.seed, 6])
         )
-        self.controller = Controller(self.planner, cfg.controller, np.random.default_rng([self.trial.seed, 1]))
+        self.controller = self._make_controller(
+            self.planner, cfg.controller, np.random.default_rng([self.trial.seed, 1])
+        )
         self.reactive = Reactive(
             cfg.reactive,
             cfg.planning.step_s,

@@ -12,6 +12,7 @@ import numpy as np
 from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
 from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.question import Advisor
 from coral.advisor.registry import make_advisor, rules_alone
 from coral.contact.cost_program import CostWorker
 from coral.contact.experts import expert
@@ -40,7 +41,9 @@ class AdvisorSetup:
     """The advisor of an episode and its settings."""
 
     advisor: str = "heuristic"
-    """As on the command line."""
+    """As on the command line; of a given advisor, its name."""
+    given: Advisor | None = None
+    """The advisor itself; None to make the one that `advisor` names."""
     seed: int = 0
     """Seed of the trial; the outer loop's random numbers follow from it."""
     world: str = ""
@@ -84,7 +87,7 @@ def _asking_variant(
             unified=unified or asking.think.unified,
             tracking=tracking and asking.think.tracking,
         )
-        advisor = make_advisor(
+        advisor = asking.given or make_advisor(
             asking.advisor,
             rules=RULES,
             rng=np.random.default_rng([asking.seed, 2]),
@@ -97,7 +100,7 @@ def _asking_variant(
         clock = ThinkingClock(latency, np.random.default_rng([asking.seed, 7]))
         # Programs composed by rules need no confinement; those written by a model do, and so do remembered ones.
         worker = CostWorker()
-        load = in_process if rules_alone(asking.advisor) else worker.load
+        load = in_process if asking.given is None and rules_alone(asking.advisor) else worker.load
         budget = decision_budget(asking.think.budget, asking.advisor)
         return Thinker(
             Asker(advisor, budget, _lazy_logger(asking.folder), clock=clock),

@@ -7,15 +7,24 @@ a history.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializeAsAny,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
 
 from coral.contact.scene.geometry import rotate
 from coral.contact.scene.observation import Array, BodyState, Truth
 from coral.contact.scene.shapes import in_order
 from coral.errors import InputError, nearest
+from coral.plugins import find_plugins, load_plugin
 
 if TYPE_CHECKING:
     from coral.contact.scene.task import Task
@@ -317,7 +326,26 @@ class Undisturbed(BaseCondition):
         return lambda truth: bool(np.linalg.norm(truth.objects[self.object].position - start) <= self.tolerance_m)
 
 
+def _own_kinds_first(given: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+    """Take conditions of other packages: an object as it is, a mapping whose kind an entry point names."""
+    if isinstance(given, BaseCondition):
+        return given
+    kind = given.get("kind") if isinstance(given, dict) else None
+    if not isinstance(kind, str) or kind in OURS:
+        return handler(given)
+    point = find_plugins("coral.conditions").get(kind)
+    return handler(given) if point is None else load_plugin(point, "success.conditions").model_validate(given)
+
+
+OURS = {kind.model_fields["kind"].default: kind for kind in BaseCondition.__subclasses__()}
+"""Conditions that come with the package, by kind."""
 if TYPE_CHECKING:
     Condition = BaseCondition
 else:
-    Condition = Annotated[Union[tuple(BaseCondition.__subclasses__())], Field(discriminator="kind")]  # noqa: UP007
+    Condition = SerializeAsAny[
+        Annotated[
+            Union[tuple(OURS.values())],  # noqa: UP007
+            Field(discriminator="kind"),
+            WrapValidator(_own_kinds_first),
+        ]
+    ]

@@ -17,6 +17,7 @@ CAUSES = {
     "failure": "the planner found no way",
     "deviation": "the robot left its path",
     "first": "the mission began",
+    "own": "the user's own trigger fired",
 }
 KEPT = 6
 """Number of lines in the log."""

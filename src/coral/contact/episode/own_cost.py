@@ -1,0 +1,148 @@
+"""A cost of the user's own: from a file, a function or another package, checked on rollouts before the episode."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.control.quantities import task_schema_of
+from coral.contact.cost.context import Context
+from coral.contact.cost.stages import Stage, Strategy
+from coral.contact.cost_program import CostWorker
+from coral.contact.cost_program.errors import CostError
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_check import verify_cost
+from coral.contact.plan.cost_file import ENDINGS, read_cost_file
+from coral.contact.plan.cost_plan import make_strategy, verify_plan
+from coral.contact.plan.numpy_cost import NumpyCost
+from coral.contact.plan.rehearsal import sample_states
+from coral.contact.scene.prior_beliefs import stated_beliefs
+from coral.contact.scene.trial import Trial
+from coral.contact.worlds.registry import make_world
+from coral.errors import InputError
+from coral.plugins import named_plugin
+
+
+@dataclass(frozen=True)
+class OwnCost:
+    """A checked cost of the user's own."""
+
+    strategy: Strategy
+    """Its stages."""
+    file: str
+    """Name of the file in the run folder that keeps it."""
+    text: str
+    """Its source, "" if there is none."""
+
+
+def own_cost(given: Any, trial: Trial, cfg: EpisodeCfg, where: str = "--cost") -> OwnCost:
+    """Check a cost in the trial and make its strategy; nothing is written.
+
+    The checks are those of a model's costs. Programs in files run in the confined process; functions run here.
+
+    Args:
+        given: A file (`read_cost_file`), a function of a `Context`, a `Stage`, several stages, a `Strategy`, or the
+            name of an entry point of the group `coral.costs`, a function of the task that returns one of these.
+        trial: The trial.
+        cfg: Configuration of the episode.
+        where: Flag or argument, for errors.
+
+    Raises:
+        InputError: It is no cost, or a check refuses it, with the reason.
+    """
+    if isinstance(given, str | Path) and Path(given).suffix.lower() in ENDINGS:
+        return _from_file(Path(given), trial, cfg)
+    name = given if isinstance(given, str) else ""
+    if isinstance(given, str):
+        given = named_plugin("coral.costs", given, where, ours=[f"FILE{ending}" for ending in ENDINGS])(trial.task)
+    strategy = _to_strategy(given, name, where)
+    samples = _sample(trial, cfg)
+    for stage in strategy.stages:
+        for fault in verify_cost(stage.cost, samples):  # type: ignore[arg-type]
+            if fault.fatal:
+                raise InputError(where, f"stage {stage.name!r}", fault.code, fault.reason)
+        try:
+            _read_tests(stage, samples[0].first())
+        except (AttributeError, KeyError, IndexError, TypeError, ValueError, CostError) as error:
+            found = f"{type(error).__name__}: {error}"
+            raise InputError(where, f"stage {stage.name!r}", found, "conditions and guides of the state") from None
+    return OwnCost(strategy, "cost.py", _source(given))
+
+
+def _from_file(path: Path, trial: Trial, cfg: EpisodeCfg) -> OwnCost:
+    plan = read_cost_file(path)
+    worker = CostWorker()
+    schema = task_schema_of(trial.task)
+    refusal = verify_plan(plan, schema, _sample(trial, cfg), worker.load)
+    if refusal is not None:
+        raise InputError(str(path), refusal.code, refusal.reason, "a cost that the planner can use")
+    strategy = make_strategy(path.stem, plan, RegionsAnswer({}), schema, {}, worker.load)
+    kept = f"cost{path.suffix.lower()}"
+    return OwnCost(strategy, kept, path.read_text(encoding="utf-8"))
+
+
+def _to_strategy(given: Any, name: str, where: str) -> Strategy:
+    """Make a strategy whose costs are `NumpyCost`s."""
+    if isinstance(given, Strategy):
+        strategy = given
+    elif isinstance(given, Stage):
+        strategy = Strategy(name or given.name, (given,))
+    elif isinstance(given, Sequence) and given and all(isinstance(item, Stage) for item in given):
+        strategy = Strategy(name or "own stages", tuple(given))
+    elif callable(given):
+        named = name or getattr(given, "__name__", type(given).__name__)
+        strategy = Strategy(named, (Stage(named, given),))
+    else:
+        raise InputError(where, "", type(given).__name__, "a file, a function of the state, stages or a strategy")
+    names = [stage.name for stage in strategy.stages]
+    for stage in strategy.stages:
+        if names.count(stage.name) > 1:
+            raise InputError(where, "stages", f"two named {stage.name!r}", "a name for each stage")
+        if stage.back is not None and stage.back[0] not in names:
+            raise InputError(where, f"stage {stage.name!r}", f"back to {stage.back[0]!r}", f"one of {', '.join(names)}")
+    stages = tuple(dataclasses.replace(stage, cost=NumpyCost(stage.cost, stage.name)) for stage in strategy.stages)
+    return dataclasses.replace(strategy, stages=stages)
+
+
+def _sample(trial: Trial, cfg: EpisodeCfg) -> list[Context]:
+    """Sample rolled-out states of the trial as its judge begins it; only the hand's own world is needed for that."""
+    world = make_world("hand", trial, cfg.planning.step_s)
+    try:
+        first = world.reset()
+    finally:
+        world.close()
+    planner = PlanningWorld(trial, stated_beliefs(trial), first, cfg.planning, np.random.default_rng([trial.seed, 6]))
+    try:
+        sizes = {name: trial.size(name) for name in trial.objects}
+        return sample_states(planner, first, sizes, np.random.default_rng([trial.seed, 8]))
+    finally:
+        planner.close()
+
+
+def _read_tests(stage: Stage, now: Context) -> None:
+    for test in (stage.until, stage.back and stage.back[1]):
+        if test is not None:
+            bool(test(now))
+    for guide in stage.guides:
+        if np.asarray(guide.points(now)).shape[-1:] != (3,):
+            raise ValueError("the points of a guide have Shape=(n, 3)")
+
+
+def _source(given: Any) -> str:
+    """Return the source text of a function, for the record; "" where Python does not know it."""
+    parts = given.stages if isinstance(given, Strategy) else given if isinstance(given, Sequence) else [given]
+    texts = []
+    for part in parts:
+        try:
+            texts.append(inspect.getsource(part.cost if isinstance(part, Stage) else part))
+        except (OSError, TypeError):
+            continue
+    return "\n\n".join(dict.fromkeys(texts))

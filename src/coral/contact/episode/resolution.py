@@ -1,0 +1,125 @@
+"""From what a user asks for to the configuration of an episode: what goes together, rollouts, poses, fallback."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Literal
+
+from coral.advisor.fallback import Fallback
+from coral.config import checked
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.variants import ALONE, REMEMBERING, check_variant
+from coral.contact.perception.tracker_registry import choose_tracker
+from coral.errors import InputError
+
+DEFAULT_ADVISOR, DEFAULT_VARIANT = "heuristic", "expert-fsm"
+OWN_COST = "own-cost"
+"""Variant in records of episodes that follow a cost of the user's own."""
+
+
+def check_combination(
+    *,
+    variant: str,
+    advisor: str,
+    seed: int,
+    policy: str | None = None,
+    cost: str | None = None,
+    believe: str | None = None,
+    memory: str | None = None,
+    tracker: str | None = None,
+) -> None:
+    """Check that the parts of an episode go together.
+
+    Args:
+        variant: Name of the variant.
+        advisor: The advisor, as on the command line.
+        seed: Seed.
+        policy: A served policy that acts instead.
+        cost: Name of a cost of the user's own, which the planner follows instead.
+        believe: Stated masses and frictions.
+        memory: The experience memory.
+        tracker: The tracker.
+
+    Raises:
+        InputError: They do not; the error names the flags.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise InputError("--seed", "", repr(seed) if not isinstance(seed, int) else seed, "a number from 0 on")
+    check_variant(variant)
+    for flag, given in (("--policy", policy), ("--cost", cost)):
+        if given is not None and variant != DEFAULT_VARIANT:
+            reason = "a policy has no variant" if flag == "--policy" else "a cost of your own has no variant"
+            raise InputError(flag, "", f"also --variant {variant}", f"one of the two: {reason}")
+    if policy is not None and cost is not None:
+        raise InputError("--cost", "", "also --policy", "one of the two: a policy plans nothing")
+    which = "--policy" if policy is not None else "--cost" if cost is not None else f"--variant {variant}"
+    instead = policy is not None or cost is not None
+    if advisor != DEFAULT_ADVISOR and (instead or variant in ALONE):
+        raise InputError(
+            "--advisor", "", f"{advisor} with {which}", "a variant that asks an advisor, such as --variant full"
+        )
+    if believe is not None and (instead or variant in (*ALONE, "unified")):
+        raise InputError("--believe", "", f"also {which}", "a variant that asks for masses and frictions, such as full")
+    if memory is not None and (instead or variant not in REMEMBERING):
+        raise InputError(
+            "--memory", "", f"also {which}", f"a variant that remembers, such as full ({', '.join(REMEMBERING)})"
+        )
+    if tracker is not None and (policy is not None or variant == "no-tracking"):
+        raise InputError("--tracker", "", f"also {which}", "a variant that tracks the objects")
+
+
+def resolve_episode(
+    cfg: EpisodeCfg,
+    *,
+    samples: int | None = None,
+    poses: Literal["tracked", "ground-truth"] | None = None,
+    tracker: str | None = None,
+    fallback: Fallback | None = None,
+) -> EpisodeCfg:
+    """Return the configuration of an episode; None leaves a value as configured.
+
+    Raises:
+        InputError: A value is out of range, or there is no such tracker.
+    """
+    cfg = with_tracker(with_poses(with_samples(cfg, samples), poses), tracker)
+    return checked(with_fallback(cfg, fallback), "--cfg")
+
+
+def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
+    """Return the configuration with another number of rollouts.
+
+    Raises:
+        InputError: The number is not positive.
+    """
+    if samples is None:
+        return cfg
+    if samples < 1:
+        raise InputError("--samples", "", samples, "a number from 1 on")
+    mppi = dataclasses.replace(cfg.controller.mppi, samples=samples)
+    return dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, mppi=mppi))
+
+
+def with_fallback(cfg: EpisodeCfg, fallback: Fallback | None) -> EpisodeCfg:
+    """Return the configuration with another fallback; None leaves it as configured."""
+    if fallback is None:
+        return cfg
+    return dataclasses.replace(cfg, think=dataclasses.replace(cfg.think, fallback=fallback))
+
+
+def with_poses(cfg: EpisodeCfg, poses: Literal["tracked", "ground-truth"] | None) -> EpisodeCfg:
+    """Return the configuration with another source of poses."""
+    return cfg if poses is None else dataclasses.replace(cfg, poses=poses)
+
+
+def with_tracker(cfg: EpisodeCfg, tracker: str | None) -> EpisodeCfg:
+    """Return the configuration with another tracker.
+
+    Raises:
+        InputError: There is no tracker of this name, or no tracker is in use.
+    """
+    if tracker is None:
+        return cfg
+    choose_tracker(tracker)
+    if cfg.poses != "tracked":
+        raise InputError("--tracker", "", f"{tracker!r} beside poses from the simulator", "--poses tracked")
+    return dataclasses.replace(cfg, tracked=dataclasses.replace(cfg.tracked, by=tracker))

@@ -1,0 +1,36 @@
+"""A plan in a file: one cost function in Python, or a plan of several stages in YAML or JSON, as a model gives it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from coral.config import MAX_VALUES
+from coral.contact.plan.cost_plan import PlanAnswer
+from coral.errors import InputError
+from coral.validation_errors import input_error
+from coral.yaml_file import load_mapping, read_regular
+
+ENDINGS = (".py", ".yaml", ".yml", ".json")
+
+
+def read_cost_file(path: Path) -> PlanAnswer:
+    """Read a plan. Its programs are not run; `verify_plan` checks them.
+
+    Args:
+        path: A `.py` file with `def state_cost(self)`, or a YAML or JSON file with `code` or `stages`
+            (`PlanAnswer`).
+
+    Raises:
+        InputError: The file cannot be read, or is no plan.
+    """
+    if path.suffix.lower() not in ENDINGS:
+        raise InputError(str(path), "", repr(path.suffix), f"a file that ends in {', '.join(ENDINGS)}")
+    text = read_regular(path, "a readable file with a cost")
+    try:
+        if path.suffix.lower() == ".py":
+            return PlanAnswer(code=text)
+        return PlanAnswer.model_validate(load_mapping(text, str(path), MAX_VALUES))
+    except ValidationError as error:
+        raise input_error(str(path), error, PlanAnswer) from None

@@ -1,0 +1,5 @@
+"""Gymnasium environments: `import coral.gym` registers `coral/reef-s1-v0`, `coral/pick-box-v0` and the others."""
+
+from coral.gym.registration import register_environments
+
+register_environments()

@@ -1,0 +1,159 @@
+"""`coral.run_mission`: one reef mission as a function call."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.fallback import Fallback
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.preflight import preflight as ask_first
+from coral.advisor.question import Advisor
+from coral.advisor.registry import asks_person, check_advisor, make_advisor, rules_alone
+from coral.config import checked
+from coral.interface.result import ResultFolder, RunResult, demand_inbox
+from coral.interface.settings import resolve_settings
+from coral.reef.controllers import MakeController
+from coral.reef.generated import find_world
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.mission import Mission, MissionCfg
+from coral.reef.mistakes import REEF_MISTAKES
+from coral.reef.own_trigger import MakeTrigger, Wanted
+from coral.reef.own_verifier import Check
+from coral.reef.resolution import resolve_mission
+from coral.reef.world import ReefWorld
+from coral.run_loop import Observer
+from coral.view.questions import question_pictures
+
+
+class MissionResult(RunResult):
+    """Result of a reef mission."""
+
+    _shown = ("end_reason", "coverage", "collisions", "advisor_calls", "sim_time_s")
+
+    @property
+    def coverage(self) -> float:
+        """Return the share of the clusters that were covered, 0 to 1."""
+        return float(self.metrics["coverage"])
+
+
+def run_mission(
+    world: str | Path | ReefWorld,
+    *,
+    advisor: str | Advisor = "heuristic",
+    controller: str | MakeController | None = None,
+    trigger: str | MakeTrigger | Wanted | None = None,
+    verifier: str | Check | None = None,
+    variant: str = "full",
+    preset: str = "clear",
+    robots: int | None = None,
+    fallback: Fallback | None = None,
+    seed: int = 0,
+    cfg: MissionCfg | Mapping[str, Any] | str | Path | None = None,
+    model: ModelCfg | None = None,
+    out: str | Path | None = None,
+    report: bool | None = None,
+    video: bool = False,
+    preflight: bool = True,
+    observers: Sequence[Observer[Mission]] = (),
+) -> MissionResult:
+    """Survey a reef; the same arguments give the same mission as `coral reef run`.
+
+    It also works where an event loop is running, as in a notebook.
+
+    Args:
+        world: A shipped or generated reef by name, a world file, or a `ReefWorld`.
+        advisor: Who decides: as on the command line, or an object with a `name` and a coroutine `answer`.
+        controller: "ddp-mppi", "pd", an entry point of the group `coral.controllers`, or a function of a
+            `ControllerSetup` that makes a controller, called once for each robot.
+        trigger: When the advisor is asked: a function of a `TriggerMoment`, a class with the methods of `Trigger`, or
+            an entry point of the group `coral.triggers`.
+        verifier: A function of question and answer that returns why an answer is refused, or None; it comes after our
+            own checks. Or an entry point of the group `coral.verifiers`.
+        variant: Configuration of the pipeline.
+        preset: Water and sensors.
+        robots: Number of robots; None as configured.
+        fallback: What happens where the advisor does not decide; None as configured.
+        seed: Seed of all random numbers.
+        cfg: A `MissionCfg`, a mapping such as `{"time_limit_s": 60}` or `{"pilot.trigger.distance_m": 3}`, or a file.
+        model: Calls of a real model.
+        out: Run folder, new or empty; None for a temporary one, which disappears with the result.
+        report: Whether to write map.png and report.html; None: if `out` is given.
+        video: Whether to write mission.mp4.
+        preflight: Whether to ask a model one small question first.
+        observers: Watch the mission after every control tick.
+
+    Returns:
+        The result.
+
+    Raises:
+        InputError: An argument is wrong; the text is the one that the command line prints.
+    """
+    found = world if isinstance(world, ReefWorld) else find_world(world)
+    given, keep = resolve_settings(cfg, MissionCfg())
+    named = advisor if isinstance(advisor, str) else ""
+    asks_people = asks_person(named)
+    demand_inbox(named, out)
+    resolved, found = resolve_mission(
+        given,
+        found,
+        variant=variant,
+        preset=preset,
+        robots=robots,
+        fallback=fallback,
+        keep=keep,
+        asks_people=asks_people,
+    )
+    folder = ResultFolder(out)
+    kept = out is not None or video
+    record = dataclasses.replace(
+        resolved.record,
+        report=resolved.record.report and out is not None if report is None else report,
+        video=resolved.record.video or video,
+        frames=resolved.record.frames and (kept or bool(report)),
+        pictures=resolved.record.pictures and (kept or bool(report) or not rules_alone(named)),
+    )
+    resolved = dataclasses.replace(resolved, record=record)
+    who: Advisor = (
+        make_advisor(
+            advisor,
+            rules=REEF_RULES,
+            rng=np.random.default_rng([seed, 7]) if isinstance(seed, int) and seed >= 0 else np.random.default_rng(0),
+            inbox=folder.path / "inbox",
+            cfg=checked(model or ModelCfg(), "--model"),
+            mistakes=REEF_MISTAKES,
+        )
+        if isinstance(advisor, str)
+        else check_advisor(advisor)
+    )
+    if preflight and resolved.decider == "advisor":
+        ask_first(who, pictures=record.pictures, quiet=True)
+    mission = Mission(
+        found,
+        resolved,
+        who,
+        folder.path,
+        seed=seed,
+        variant=variant,
+        preset=preset,
+        draw=question_pictures if record.pictures else None,
+        controller=controller,
+        trigger=trigger,
+        verifier=verifier,
+    )
+    result = mission.run(observers)
+    if record.report:
+        from coral.view.report import write_report
+        from coral.view.runmap import write_map
+
+        write_map(folder.path)
+        write_report(folder.path)
+    if record.video:
+        from coral.view.video import write_video
+
+        write_video(folder.path)
+    return MissionResult(folder, result)

@@ -1,0 +1,67 @@
+"""Configurations given in Python: the dataclass itself, some of its keys, or a YAML file."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from coral.campaign.bench import changes
+from coral.config import merge, read_yaml, to_mapping
+from coral.errors import InputError
+
+C = TypeVar("C")
+
+
+def resolve_settings(given: Any, default: C, where: str = "cfg") -> tuple[C, frozenset[str]]:
+    """Return a configuration, and the dotted keys that were set.
+
+    Args:
+        given: A configuration, a mapping of keys (nested, or dotted as on the command line), a YAML file, or None.
+        default: The default configuration.
+        where: Argument, for errors.
+
+    Raises:
+        InputError: A key is unknown, a value is wrong, or the file cannot be read.
+    """
+    if given is None:
+        return default, frozenset()
+    if isinstance(given, str | Path):
+        content: Mapping[str, Any] = read_yaml(Path(given))
+        return merge(default, content, str(given)), frozenset(_leaves(content))
+    if isinstance(given, Mapping):
+        content = _nested(given, where)
+        return merge(default, content, where), frozenset(_leaves(content))
+    if not dataclasses.is_dataclass(given) or not isinstance(given, type(default)):
+        expected = f"a {type(default).__name__}, a mapping of its keys or a YAML file"
+        raise InputError(where, "", f"{type(given).__name__}", expected)
+    differing = changes(to_mapping(given), to_mapping(default), where)
+    return given, frozenset(key.removeprefix(f"{where}.") for key, _ in differing)
+
+
+def _nested(given: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Turn dotted keys into nested mappings."""
+    made: dict[str, Any] = {}
+    for key, value in given.items():
+        if not isinstance(key, str):
+            raise InputError(where, "", repr(key), "names of keys")
+        *groups, last = key.replace("-", "_").split(".")
+        inner = made
+        for group in groups:
+            inner = inner.setdefault(group, {})
+            if not isinstance(inner, dict):
+                raise InputError(where, key, "a value and a group of this name", "one of the two")
+        held = _nested(value, where) if isinstance(value, Mapping) else value
+        if isinstance(held, dict) and isinstance(inner.get(last), dict):
+            inner[last] |= held
+        else:
+            inner[last] = held
+    return made
+
+
+def _leaves(content: Mapping[str, Any], prefix: str = "") -> list[str]:
+    found: list[str] = []
+    for key, value in content.items():
+        found += _leaves(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [f"{prefix}{key}"]
+    return found

@@ -1,0 +1,66 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from episodes import make_trial
+
+from coral.contact.control.planning_world import PlanningCfg
+from coral.contact.cost.stages import Stage, Strategy
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.own_cost import own_cost
+from coral.errors import InputError
+
+CFG = EpisodeCfg(planning=dataclasses.replace(PlanningCfg(), threads=1))
+PROGRAM = "def state_cost(self):\n    return {'reach': np.linalg.norm(self.ee_pos - self.box_pos)}\n"
+
+
+def reach(state):
+    return {"reach": np.linalg.norm(state.ee_pos - state.box_pos, axis=-1)}
+
+
+def wrong(state):
+    return {"reach": state.bocks_pos}
+
+
+def test_a_function_becomes_one_stage_and_keeps_its_source():
+    own = own_cost(reach, make_trial(), CFG)
+    assert [stage.name for stage in own.strategy.stages] == ["reach"]
+    assert (own.file, own.text.splitlines()[0]) == ("cost.py", "def reach(state):")
+
+
+def test_stages_and_strategies_are_taken():
+    stages = [Stage("go", reach, until=lambda now: bool(now.time[0, 0] > 1)), Stage("stay", reach)]
+    assert len(own_cost(stages, make_trial(), CFG).strategy.stages) == 2
+    assert own_cost(Strategy("mine", tuple(stages)), make_trial(), CFG).strategy.name == "mine"
+
+
+def test_a_file_is_compiled_in_the_confined_process(tmp_path):
+    (tmp_path / "mine.py").write_text(PROGRAM)
+    own = own_cost(str(tmp_path / "mine.py"), make_trial(), CFG)
+    assert type(own.strategy.stages[0].cost).__name__ == "WorkerCost"
+    assert (own.strategy.name, own.file, own.text) == ("mine", "cost.py", PROGRAM)
+
+
+def test_a_program_that_asks_for_files_is_refused_with_its_line(tmp_path):
+    (tmp_path / "mine.py").write_text("def state_cost(self):\n    return open('/etc/passwd')\n")
+    with pytest.raises(InputError, match=r"mine.py: .*line 2"):
+        own_cost(tmp_path / "mine.py", make_trial(), CFG)
+
+
+@pytest.mark.parametrize(
+    ("cost", "said"),
+    [
+        (wrong, "no quantity 'bocks_pos'"),
+        (lambda state: {"flat": 1.0}, "constant"),
+        (lambda state: state.ee_pos, "shape"),
+        (3, "found int"),
+        ([], "found list"),
+        ("no-such-cost", "an entry point of the group coral.costs"),
+        ([Stage("a", reach), Stage("a", reach)], "two named 'a'"),
+        ([Stage("a", reach, back=("b", lambda now: False))], "back to 'b'"),
+        ([Stage("a", reach, until=lambda now: now.bocks)], "bocks"),
+    ],
+)
+def test_a_cost_that_cannot_work_is_refused_before_anything_is_written(cost, said):
+    with pytest.raises(InputError, match=said):
+        own_cost(cost, make_trial(), CFG)

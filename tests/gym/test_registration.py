@@ -1,0 +1,20 @@
+import gymnasium
+
+import coral.gym  # noqa: F401  (registers)
+from coral.contact.scene.task_file import shipped_tasks
+from coral.gym.registration import REEFS, TASKS, register_environments
+from coral.reef.world import shipped_worlds
+
+
+def test_every_shipped_reef_and_task_has_an_environment():
+    assert set(REEFS) == set(shipped_worlds())
+    assert set(TASKS) == set(shipped_tasks())
+    names = [f"coral/reef-{name}-v0" for name in REEFS] + [f"coral/{name}-v0" for name in TASKS]
+    assert [name for name in names if name not in gymnasium.registry] == []
+
+
+def test_registering_again_keeps_what_is_there(recwarn):
+    before = gymnasium.registry["coral/reef-s1-v0"]
+    register_environments()
+    assert gymnasium.registry["coral/reef-s1-v0"] is before
+    assert not recwarn.list
