@@ -1,5 +1,6 @@
 import pytest
 
+from coral.advisor import prompt
 from coral.advisor.prompt import kinds, render, render_rejections, version
 from coral.advisor.question import Rejection
 from coral.errors import InputError
@@ -13,39 +14,46 @@ AHEAD = {
     "verify": {"enabled": True, "by": "regret"},
     "max_regret_s": 10.0,
 }
+WORLD = {
+    "task": "push it",
+    "scene": "The board lies at 0.5.",
+    "hand": "Two fingers.",
+    "planner": "1 s ahead.",
+    "interface": "self.board_pos",
+    "contact_strategy": True,
+}
 CONTEXT = {
     "reef-centroid": AHEAD,
     "reef-waypoint": AHEAD,
     "reef-waypoint-without-chain": {"step_m": 6},
     "physical-parameters": {"task": "push it", "objects": {"board": {"pose_estimated": POSE, "mass_kg": None}}},
-    "cost-function": {
-        "task": "push it",
-        "poses": {"board": POSE},
-        "parameters": {},
-        "interface": "self.board_pos",
-        "contact_strategy": True,
-    },
-    "contact-regions": {"task": "push it", "objects": {"board": POSE}},
+    "cost-function": WORLD,
+    "contact-regions": WORLD,
     "cost-repair": {
-        "task": "push it",
+        **WORLD,
         "attempts": 3,
-        "world": {},
-        "interface": "",
-        "history": [],
+        "stage": "go behind",
+        "diagnosis": "Diagnosis: it slipped.",
+        "corrected": ["mass of the board 1 to 2 kg"],
+        "advice": ["the cost leads the hand into the wall"],
+        "history": [{"time_s": 4.25}],
+        "terms": [{"terms": {"reach": 0.75}}],
         "code": "x = 1",
         "error": "x is unknown",
-        "contact_strategy": True,
     },
-    "parameter-repair": {"parameters": {"board": {"mass": 0.4}}, "history": []},
+    "parameter-repair": {
+        "parameters": {"board": {"mass": 0.4}},
+        "object": "board",
+        "replayed": [{"expected_moved_mm": [1.5, 0.0, 0.0]}],
+        "history": [{"time_s": 4.25}],
+    },
     "object-poses": {"task": "push it", "camera": {"focal_px": 500.0}, "table": {}, "objects": {"board": {}}},
     "unified": {
-        "task": "push it",
-        "objects": {"board": POSE},
-        "hand": {},
-        "interface": "self.board_pos",
+        **WORLD,
         "places": True,
         "code": "x = 1",
         "attempts": 3,
+        "diagnosis": "Diagnosis: it slipped.",
         "history": [],
         "error": "x is unknown",
     },
@@ -85,6 +93,14 @@ MUST_SAY = {
     "physical-parameters": ["push it", "mass_kg", "friction_coeff", '"board"', "picture", "Example"],
     "cost-function": [
         "push it",
+        "lies at 0.5",
+        "two fingers",
+        "1 s ahead",
+        "begins at its stage 1",
+        "picture",
+        "stiffness",
+        "noise",
+        "Refused:",
         "distance to the goal",
         "contact",
         "orientation",
@@ -98,9 +114,34 @@ MUST_SAY = {
         "Simple tasks",
         "Example",
     ],
-    "contact-regions": ["push it", "One to three", "center", "normal", "extent", "num_samples", "Example"],
-    "cost-repair": ["push it", "x = 1", "x is unknown", "explanation", "tried 3 times", "Example"],
-    "parameter-repair": ["physicist", "label", "mass", "friction", "0.4", "Example"],
+    "contact-regions": [
+        "push it",
+        "lies at 0.5",
+        "One to three",
+        "center",
+        "normal",
+        "extent",
+        "num_samples",
+        "closing",
+        "Example",
+    ],
+    "cost-repair": [
+        "push it",
+        "lies at 0.5",
+        "x = 1",
+        "x is unknown",
+        "explanation",
+        "tried 3 times",
+        "Active stage: go behind",
+        "it slipped",
+        "mass of the board 1 to 2 kg",
+        "into the wall",
+        "4.25",
+        "0.75",
+        "begins at its stage 1",
+        "stiffness",
+    ],
+    "parameter-repair": ["physicist", "label", "mass", "friction", "0.4", "keep the values", "1.5", "4.25", "Example"],
     "object-poses": ["push it", "picture", "500.0", '"board"', "position", "quaternion", "Example"],
     "unified": [
         "push it",
@@ -159,9 +200,23 @@ def test_without_a_contact_strategy_a_model_is_told_so(kind):
 
 
 def test_optional_parts_leave_no_trace():
-    text, _ = render("cost-repair", {**CONTEXT["cost-repair"], "error": ""})
-    assert "did not even run" not in text
-    assert "What the function can use" not in text
+    nothing = {"error": "", "stage": "", "diagnosis": "", "corrected": [], "advice": [], "terms": []}
+    text, _ = render("cost-repair", {**CONTEXT["cost-repair"], **nothing})
+    for words in ("did not even run", "Active stage", "Corrected since", "Noted when", "held the cost up"):
+        assert words not in text
+
+
+def test_the_version_of_a_prompt_covers_the_parts_that_it_includes(monkeypatch, tmp_path):
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "one.md").write_text('{# version: 1 #}\n{% include "parts/a.md" %}\n')
+    monkeypatch.setattr(prompt, "FOLDER", tmp_path)
+    stamps = set()
+    for text in ("x", "y"):
+        (tmp_path / "parts" / "a.md").write_text(text)
+        version.cache_clear()
+        stamps.add(version("one"))
+    version.cache_clear()
+    assert len(stamps) == 2
 
 
 def test_unknown_kind_is_suggested():
@@ -178,3 +233,10 @@ def test_rejections_in_our_words():
     assert render_rejections([]) == ""
     text = render_rejections([Rejection(code="a", reason="It lies behind."), Rejection(code="b", reason="No dot 9.")])
     assert "1. It lies behind.\n2. No dot 9.\n" in text
+
+
+def test_the_last_refused_program_is_sent_back_below_its_reason():
+    refused = [Rejection(code="a", reason=f"No {k}.", listing=f" 1 | x = {k}") for k in (1, 2)]
+    text = render_rejections(refused)
+    assert "2. No 2.\nThe refused program:\n```\n 1 | x = 2\n```\n" in text
+    assert "x = 1" not in text

@@ -3,7 +3,6 @@
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
@@ -31,7 +30,7 @@ class Scene:
 
     @property
     def samples(self):
-        return sample_states(self.world, self.now, self.sizes, np.random.default_rng(0))
+        return sample_states(self.world, self.now, self.sizes)
 
 
 @pytest.fixture

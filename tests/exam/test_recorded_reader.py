@@ -17,7 +17,7 @@ from coral.advisor.replay import ReplayAdvisor
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
-from coral.contact.plan.cost_plan import verify_plan
+from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.rehearsal import sample_states
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
@@ -74,10 +74,14 @@ def test_every_recorded_answer_still_parses_to_what_it_was():
     }
 
 
-def test_prompts_of_three_kinds_have_changed_since():
+def test_the_prompts_have_changed_since():
     recorded = {(entry["kind"], entry["prompt_version"]) for name in NAMES for entry in attempts(name)}
     assert {kind for kind, of in recorded if of != version(kind)} == {
+        "contact-regions",
+        "cost-function",
         "cost-repair",
+        "parameter-repair",
+        "physical-parameters",
         "reef-centroid",
         "reef-waypoint",
     }
@@ -125,7 +129,7 @@ def test_the_recorded_repair_passes_the_checks_in_its_scene():
     world = PlanningWorld(trial, believed, first, PlanningCfg(), np.random.default_rng(0))
     try:
         sizes = {name: trial.size(name) for name in trial.objects}
-        samples = sample_states(world, first, sizes, np.random.default_rng(0))
+        samples = sample_states(world, first, sizes)
         plan = ANSWERS["cost-repair"].model_validate(repair["answer"])
         assert verify_plan(plan, world.schema, samples) is None
         unknown = plan.model_copy(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -21,6 +22,7 @@ _environment = jinja2.Environment(
     trim_blocks=True,
     lstrip_blocks=True,
     autoescape=False,
+    keep_trailing_newline=True,
 )
 _environment.policies["json.dumps_kwargs"] = {"sort_keys": False, "default": str}
 
@@ -32,7 +34,9 @@ def kinds() -> list[str]:
 
 @cache
 def version(kind: str) -> str:
-    """Return a template's version: the one in its first line, and a digest of the file, such as "1+3f2a9c04".
+    """Return a template's version: the one in its first line, and a digest of its text, such as "1+3f2a9c04".
+
+    The digest covers the parts that the template includes.
 
     Raises:
         InputError: There is no such kind, or its first line is not `{# version: N #}`.
@@ -44,7 +48,10 @@ def version(kind: str) -> str:
     first = text.partition("\n")[0]
     if not (first.startswith("{# version: ") and first.endswith(" #}")):
         raise InputError(file.name, "line 1", repr(first), "{# version: N #}")
-    return f"{first[12:-3].strip()}+{hashlib.sha256(text.encode()).hexdigest()[:8]}"
+    included = "".join(
+        (FOLDER / name).read_text(encoding="utf-8") for name in re.findall(r'{% include "([\w/.-]+)" %}', text)
+    )
+    return f"{first[12:-3].strip()}+{hashlib.sha256((text + included).encode()).hexdigest()[:8]}"
 
 
 def render(kind: str, context: Mapping[str, Any] | None = None, /, **more: Any) -> tuple[str, str]:
@@ -78,7 +85,11 @@ def render_rejections(rejections: Sequence[Rejection]) -> str:
     """
     if not rejections:
         return ""
-    lines = [f"{number}. {rejection.reason}" for number, rejection in enumerate(rejections, start=1)]
+    lines = []
+    for number, rejection in enumerate(rejections, start=1):
+        lines.append(f"{number}. {rejection.reason}")
+        if rejection.listing and number == len(rejections):  # earlier programs would only fill the prompt
+            lines += ["The refused program:", "```", rejection.listing, "```"]
     return "\n".join(
         [
             "Earlier answers to this question were checked and refused. The pictures are new; the reasons:",

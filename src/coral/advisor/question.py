@@ -57,6 +57,8 @@ class Rejection:
     """Stable identifier for logs and tests, such as "backward" or "not-json"."""
     reason: str
     details: Mapping[str, Any] = field(default_factory=dict)
+    listing: str = ""
+    """What was written in the refused answer, with the faults beside it: prompts show it below the reason."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError, CostWorker
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.plan.contact_regions import RegionsAnswer
-from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy, verify_plan
+from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
+from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.rehearsal import sample_states
 from coral.contact.scene.observation import Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
+from coral.contact.thinker.diagnosis import PlanNote
 from coral.contact.thinker.strategist import FixedStrategist, NoStrategy, PlanReport
 from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.exam.contact_scenes import trial_from_json
@@ -53,6 +53,7 @@ class PlanFollower(FixedStrategist):
         self._plan, self._load = plan, load
         self.taken: list[Transition] = []
         self.costs: list[tuple[float, float]] = []
+        self.notes: list[PlanNote] = []
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Set the beliefs and make a strategy of the plan.
@@ -62,8 +63,7 @@ class PlanFollower(FixedStrategist):
         """
         plan, sizes = self._plan, {name: trial.size(name) for name in trial.objects}
         world.believe(plan.beliefs)
-        samples = sample_states(world, first, sizes, np.random.default_rng([trial.seed, 3]))
-        refusal = verify_plan(plan.answer, world.schema, samples, self._load)
+        refusal = verify_plan(plan.answer, world.schema, sample_states(world, first, sizes), self._load)
         if refusal is not None:
             raise NoStrategy(refusal.code)
         return make_strategy("answer", plan.answer, plan.regions, world.schema, sizes, self._load)
@@ -72,6 +72,7 @@ class PlanFollower(FixedStrategist):
         """Record the transitions taken and the plan's cost."""
         self.taken += report.taken
         self.costs.append((report.now.time_s, report.plan.cost))
+        self.notes.append(PlanNote(report.now.time_s, report.stage, dict(report.plan.terms), dict(report.touched)))
         return None
 
 

@@ -18,6 +18,7 @@ from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.episode.episode import Episode
 from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advisor_camera, to_picture
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.scene_labels import PictureLabels, label_picture
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
@@ -27,9 +28,10 @@ from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
-from coral.contact.thinker.diagnosis import diagnose, recent
+from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent, recent_terms
 from coral.contact.thinker.pose_question import pose_facts, pose_prompt
-from coral.contact.thinker.scene_facts import interface_text, scene_facts
+from coral.contact.thinker.scene_facts import scene_facts
+from coral.contact.thinker.scene_text import world_prompt
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt
 from coral.contact.worlds.registry import make_world
@@ -41,8 +43,6 @@ from coral.exam.item import ExamItem
 TASKS = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
 SHORT = ("flip-box", "pick-box", "push-force")
 """Tasks that a plan finishes in a few seconds: only these are used where an episode scores the answer."""
-HIDDEN = ("solid_share", "parts")
-"""Facts of an object that prompts leave out: only the default advisor reads them."""
 BAD_S, PUSHED_S = 2.0, 4.0
 """Simulated time of the question about a bad plan, and of the question about a wrong belief."""
 Say = Callable[[str], None]
@@ -63,6 +63,11 @@ class Seen:
     def pictures(self) -> tuple[Picture, ...]:
         """Return the camera's pictures."""
         return (to_picture(self.frame),)
+
+    @property
+    def labelled(self) -> Picture:
+        """Return the picture with names and axes drawn in."""
+        return label_picture(self.frame, PictureLabels.of(self.trial.task, self.now))
 
     @property
     def believed(self) -> dict[str, Any]:
@@ -164,16 +169,15 @@ def _regions(task: str, seed: int) -> ExamItem:
     seen = _observe(made_of(load_task(task), seed))
     facts = _plan_facts(seen)
     facts["stages"] = _apply_rules(facts)[0].names
-    prompt = {"task": facts["instruction"], "objects": _prompt_objects(facts), "stages": facts["stages"]}
+    prompt = {**_shared_prompt(seen, facts), "stages": facts["stages"]}
     return _item("contact-regions", prompt, facts, {"touches": touches(seen.trial)}, *seen.pictures)
 
 
 def _plan(task: str, seed: int) -> ExamItem:
     seen = _observe(sample_trial(load_task(task), seed))
     facts = _plan_facts(seen)
-    poses = {name: item["pose"] for name, item in facts["objects"].items()} | {"hand": facts["hand"]["pose"]}
-    prompt = {**_shared_prompt(seen, facts), "poses": poses, "parameters": _prompt_objects(facts)}
-    return _item("cost-function", prompt, facts, _plan_key(seen.trial, seen, _apply_rules(facts)[1]))
+    key = _plan_key(seen.trial, seen, _apply_rules(facts)[1])
+    return _item("cost-function", _shared_prompt(seen, facts), facts, key, seen.labelled)
 
 
 def _unified(task: str, seed: int) -> ExamItem:
@@ -181,18 +185,17 @@ def _unified(task: str, seed: int) -> ExamItem:
     facts = {**seen.facts, "diagnoses": [], "contact_strategy": True}
     prompt = {
         **_shared_prompt(seen, facts),
-        "objects": {name: {"mass_kg": None, "friction": None, **item} for name, item in _prompt_objects(facts).items()},
-        "hand": facts["hand"],
         "places": True,
         "code": "",
         "error": "",
+        "diagnosis": "",
     }
     key = {
         "trial": trial_to_json(seen.trial),
         "parameters": _true_parameters(seen.trial),
         "touches": touches(seen.trial),
     }
-    return _item("unified", prompt, facts, key, *seen.pictures)
+    return _item("unified", prompt, facts, key, seen.labelled)
 
 
 def _repair(task: str, seed: int) -> ExamItem | None:
@@ -209,17 +212,22 @@ def _repair(task: str, seed: int) -> ExamItem | None:
         seen.trial,
         objects={key: replace(item, pose=now.objects[key]) for key, item in seen.trial.objects.items()},
     )
-    after = replace(seen, trial=later, now=now)
-    facts = {**_plan_facts(after), "diagnoses": [diagnose(steps, name, 0, 0.0)]}
+    after = replace(seen, trial=later, now=now, frame=felt.frame)
+    diagnosis, notes = diagnose(steps, name, 0, 0.0), felt.follower.notes
+    facts = {**_plan_facts(after), "diagnoses": [diagnosis]}
     prompt = {
         **_shared_prompt(after, facts),
-        "world": _prompt_objects(facts),
         "attempts": 15,
-        "history": recent(steps, felt.follower.costs, name),
-        "code": bad.text(),
+        "stage": notes[-1].stage,
+        "diagnosis": f"Diagnosis: {TEXTS[diagnosis]}.",
+        "corrected": [],
+        "advice": [],
+        "history": recent(steps, felt.follower.costs, name, notes=notes),
+        "terms": recent_terms(notes),
+        "code": bad.text(numbered=True),
         "error": "",
     }
-    return _item("cost-repair", prompt, facts, _plan_key(later, after, regions))
+    return _item("cost-repair", prompt, facts, _plan_key(later, after, regions), after.labelled)
 
 
 def _correction(task: str, seed: int) -> ExamItem | None:
@@ -247,10 +255,9 @@ def _shared_prompt(seen: Seen, facts: Mapping[str, Any]) -> dict[str, Any]:
     """Return the part of the prompt that all questions about a plan share."""
     world = PlanningWorld(seen.trial, seen.beliefs, seen.now, PlanningCfg(), np.random.default_rng(0))
     try:
-        interface = interface_text(world.schema)
+        return world_prompt(facts, seen.trial.task, world.schema, ThinkCfg(), world.cfg.step_s)
     finally:
         world.close()
-    return {"task": facts["instruction"], "interface": interface, "contact_strategy": True}
 
 
 def _plan_facts(seen: Seen) -> dict[str, Any]:
@@ -263,13 +270,6 @@ def _apply_rules(facts: Mapping[str, Any]) -> tuple[PlanAnswer, RegionsAnswer]:
     regions = RULES["contact-regions"]({**facts, "stages": plan.names}, ())
     assert isinstance(regions, RegionsAnswer)
     return plan, regions
-
-
-def _prompt_objects(facts: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        name: {key: value for key, value in item.items() if key not in HIDDEN}
-        for name, item in facts["objects"].items()
-    }
 
 
 def _plan_key(trial: Trial, seen: Seen, regions: RegionsAnswer) -> dict[str, Any]:
@@ -297,6 +297,7 @@ class _Interrupted:
 
     follower: PlanFollower
     now: Observation
+    frame: RgbdFrame
 
 
 class _RecordingAsker:
@@ -341,10 +342,12 @@ def _follow_for(
 
     class Stop:
         reached = False
+        frame: RgbdFrame | None = None
 
         def tick(self, episode: Episode) -> None:
             if not self.reached and episode.t >= seconds:
                 self.reached = True
+                self.frame = episode.look()
                 if then is not None:
                     then(episode, follower)
 
@@ -355,4 +358,4 @@ def _follow_for(
     with tempfile.TemporaryDirectory() as folder:
         episode = Episode(trial, "hand", follower, episode_cfg(), Path(folder) / "run", variant="exam")
         episode.run([stop])
-    return _Interrupted(follower, episode.now) if stop.reached else None
+    return None if stop.frame is None else _Interrupted(follower, episode.now, stop.frame)

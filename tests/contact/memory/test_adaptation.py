@@ -6,7 +6,7 @@ import numpy as np
 from experiences import experience
 
 from coral.contact.memory.adaptation import adapt, renamed
-from coral.contact.plan.cost_plan import verify_plan
+from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.region_validation import verify_regions
 
 

@@ -1,15 +1,17 @@
 import textwrap
 
 import numpy as np
+import pytest
 from cost_oracles import SCHEMA
 from hand_rollouts import rolled_out
 
 from coral.contact.cost_program import CostProgram
-from coral.contact.plan.barrier_check import contact_barriers, path_barriers
+from coral.contact.plan.attraction import at_rest, follow_cost
+from coral.contact.plan.barrier_check import gate_barriers, nearest_object, touch_barriers
 from coral.contact.plan.cost_check import pooled
 from coral.contact.plan.cost_fault import CostCheckCfg
-from coral.contact.plan.reach_check import find_reach_terms, with_quantities
 
+CFG = CostCheckCfg()
 GATE = """
     def state_cost(self):
         d = norm(self.ee_pos - self.box_pos)
@@ -18,10 +20,17 @@ GATE = """
             cost += {change}  # close
         return cost
 """
-SLOPE = """
+ABSOLUTE = """
     def state_cost(self):
-        d = norm(self.ee_pos - self.box_pos)
-        return {{'reach': 2.0 * d, 'fear': {change}}}
+        away = self.ee_pos - self.box_pos
+        d = (away[0] ** 2 + away[1] ** 2 + away[2] ** 2) ** 0.5
+        return 5.0 * d + (({change}) if d < 0.05 else 0.0)
+"""
+DESCEND = """
+    def state_cost(self):
+        beside = norm(self.ee_pos[:2] - self.box_pos[:2])
+        height = self.box_pos[2] + 0.1 * clip01(beside / 0.05)
+        return {{'over it': 5.0 * beside, 'come down': 10.0 * abs(self.ee_pos[2] - height)}}
 """
 TOUCH = """
     def state_cost(self):
@@ -36,49 +45,73 @@ def states():
     return pooled(rolled_out(np.random.default_rng(0)), 200)
 
 
-def found(check, source, pool, **change):
-    cost = CostProgram(textwrap.dedent(source).strip().format(**change), SCHEMA)
-    return check(cost, pool, find_reach_terms(cost, pool), CostCheckCfg())
+def program(source, **change):
+    return CostProgram(textwrap.dedent(source).strip().format(**change), SCHEMA)
 
 
-def test_a_penalty_that_begins_near_the_target_is_a_barrier():
-    (fault,) = found(path_barriers, GATE, states(), change="0.5")
+def gates(source, **change):
+    cost, values = program(source, **change), at_rest(states())
+    return gate_barriers(cost, values, follow_cost(cost, values), CFG)
+
+
+def touches(**change):
+    cost, pool = program(TOUCH, **change), states()
+    return touch_barriers(cost, pool, follow_cost(cost, at_rest(pool)), CFG)
+
+
+@pytest.mark.parametrize("penalty", ["0.5", "3.0", "100.0"])
+def test_a_penalty_near_the_target_that_outweighs_the_rest_of_the_way_is_a_barrier(penalty):
+    (fault,) = gates(GATE, change=penalty)
     assert (fault.code, fault.line, fault.fatal) == ("barrier", 5, True)
-    assert "'close' begins only when the hand is near its target and adds up to 0.5 there" in fault.reason
+    assert f"jumps up by {float(penalty):.3g}" in fault.reason
+    assert "towards the box" in fault.reason
+    assert "0.0" in fault.reason
 
 
-def test_a_bonus_or_a_small_penalty_near_the_target_is_no_barrier():
-    assert found(path_barriers, GATE, states(), change="-0.5") == []
-    assert found(path_barriers, GATE, states(), change="0.02") == []
+def test_the_same_cost_written_otherwise_gets_the_same_verdict():
+    for change in ("0.5", "3.0", "0.2", "-0.5"):
+        assert bool(gates(GATE, change=change)) == bool(gates(ABSOLUTE, change=change))
 
 
-def test_a_term_that_rises_all_the_way_begins_nowhere():
-    assert found(path_barriers, SLOPE, states(), change="0.3 * exp(-10.0 * d)") == []
-    assert found(path_barriers, SLOPE, states(), change="0.3 * near(d, 0.03)") != []
+@pytest.mark.parametrize("change", ["-0.5", "0.02", "0.2"])
+def test_a_bonus_or_a_penalty_that_the_rest_of_the_way_outweighs_is_none(change):
+    assert gates(GATE, change=change) == []
 
 
-def test_a_cost_of_one_term_that_rises_near_its_target_is_a_barrier():
-    source = "def state_cost(self):\n    return abs(norm(self.ee_pos - self.box_pos) - 0.05)"
-    (fault,) = found(path_barriers, source, states())
-    assert fault.line == 2
-    assert "the cost rises by 0.0" in fault.reason
+def test_coming_down_while_coming_nearer_is_no_barrier():
+    assert gates(DESCEND) == []
 
 
-def test_a_hand_that_never_was_far_from_the_target_shows_no_barrier():
-    pool = states()
-    near = with_quantities(pool, {"ee_pos": pool["box_pos"] + np.array([0.0, 0.0, 0.1])})
-    assert found(path_barriers, GATE, near, change="0.5") == []
+def test_an_intended_distance_is_no_barrier():
+    assert gates("def state_cost(self):\n    return abs(norm(self.ee_pos - self.box_pos) - 0.05)") == []
+
+
+def test_a_penalty_on_a_hand_that_is_turned_wrongly_is_no_barrier():
+    assert gates(GATE, change="9.0 * (1.0 + quat_axis(self.ee_quat, 2)[2])") == []
 
 
 def test_a_term_that_begins_with_the_touch_of_the_target_is_a_barrier():
-    (fault,) = found(contact_barriers, TOUCH, states(), target="box", change="50.0")
-    assert fault.line == 4
-    assert "'carry' begins when the hand touches the box" in fault.reason
+    (fault,) = touches(target="box", change="50.0")
+    assert (fault.line, fault.fatal) == (4, True)
+    assert "rises by" in fault.reason
+    assert "touches it" in fault.reason
 
 
 def test_a_bonus_for_the_touch_is_no_barrier():
-    assert found(contact_barriers, TOUCH, states(), target="box", change="-50.0") == []
+    assert touches(target="box", change="-50.0") == []
+
+
+def test_a_touch_that_costs_less_than_the_way_gains_is_no_barrier():
+    assert touches(target="box", change="0.1") == []
 
 
 def test_a_touch_of_what_the_hand_is_not_sent_to_may_be_dear():
-    assert found(contact_barriers, TOUCH, states(), target="board", change="50.0") == []
+    assert touches(target="board", change="50.0") == []
+
+
+def test_the_nearest_object_is_found_with_its_distance():
+    values = at_rest(states())
+    at = values["box_pos"][0, 0]
+    name, distance = nearest_object(values, at)
+    assert (name, round(distance, 6)) == ("box", -0.02)
+    assert nearest_object(values, at + np.array([0.0, 0.0, 1.0]))[1] > 0.5

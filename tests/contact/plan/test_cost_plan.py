@@ -4,41 +4,13 @@ from pydantic import ValidationError
 
 from coral.contact.cost_program import CostError
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
-from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, compile_plan, condition, make_strategy, verify_plan
+from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, compile_plan, condition, make_strategy
 
 CODE = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)"
 
 
 def stage(**more):
     return StageAnswer.model_validate({"name": "a", "code": CODE, **more})
-
-
-@pytest.mark.parametrize(
-    ("plan", "code", "words"),
-    [
-        (PlanAnswer(code="x = 1"), "no_return", "return"),
-        (PlanAnswer(code="def state_cost(self):\n    return self.cup_pos[0]"), "unknown_state", "cup_pos"),
-        (PlanAnswer(code="def state_cost(self):\n    return 1.0"), "constant", "same"),
-        (PlanAnswer(stages=[stage(done="1 > 0"), stage()]), "stages", "same name"),
-        (PlanAnswer(stages=[stage(), stage(name="b")]), "stages", "never ends"),
-        (PlanAnswer(stages=[stage(back_to="z", lost="1 > 0")]), "stages", "back_to"),
-        (PlanAnswer(stages=[stage(back_to="a")]), "stages", "go together"),
-        (PlanAnswer(stages=[stage(stiffness=49.0)]), "stages", "within 50 and 3000 N/m"),
-        (PlanAnswer(stages=[stage(noise=3.1)]), "stages", "noise within 0.05 and 3"),
-        (PlanAnswer(stages=[stage(done="self.nothing > 1"), stage(name="b")]), "unknown_state", "nothing"),
-    ],
-)
-def test_unusable_plans_are_refused_with_a_reason(scene, plan, code, words):
-    one = scene("pick-box")
-    found = verify_plan(plan, one.world.schema, one.samples)
-    assert found.code == code
-    assert words in found.reason
-
-
-def test_a_usable_plan_of_stages_is_accepted(scene):
-    one = scene("pick-box")
-    plan = PlanAnswer(stages=[stage(done="self.box_pos[2] > 0.1"), stage(name="b", back_to="a", lost="self.time > 9")])
-    assert verify_plan(plan, one.world.schema, one.samples) is None
 
 
 def test_a_plan_is_one_function_or_stages():

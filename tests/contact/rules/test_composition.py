@@ -5,7 +5,8 @@ import pytest
 
 from coral.contact.cost.stages import Progress
 from coral.contact.plan.contact_regions import tool_quaternion
-from coral.contact.plan.cost_plan import make_strategy, verify_plan
+from coral.contact.plan.cost_plan import make_strategy
+from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.rules.adjustments import adjustment_after
 from coral.contact.rules.composition import NoRule, compose

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coral.contact.cost_program import CostProgram
-from coral.contact.plan.cost_plan import verify_plan
+from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.touchable_points import Scenery
 from coral.contact.rules.composition import NoRule, compose

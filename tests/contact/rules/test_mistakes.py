@@ -3,7 +3,8 @@ import pytest
 
 from coral.advisor.question import Question
 from coral.contact.plan.contact_regions import RegionsAnswer
-from coral.contact.plan.cost_plan import PlanAnswer, verify_plan
+from coral.contact.plan.cost_plan import PlanAnswer
+from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.rules.answers import RULES
 from coral.contact.rules.mistakes import CONTACT_MISTAKES, PLANS

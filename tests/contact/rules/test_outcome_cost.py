@@ -4,7 +4,7 @@ import pytest
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.cost_program import CostProgram
-from coral.contact.plan.cost_plan import verify_plan
+from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.rehearsal import sample_states
 from coral.contact.rules.outcome_cost import outcome_plan
 from coral.contact.scene.geometry import from_rotvec, multiply
@@ -24,7 +24,7 @@ def scene(name):
     return (
         scene_facts(trial, first, stated_beliefs(trial)),
         world,
-        sample_states(world, first, sizes, np.random.default_rng(0)),
+        sample_states(world, first, sizes),
     )
 
 

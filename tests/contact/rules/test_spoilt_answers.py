@@ -4,7 +4,8 @@ from pydantic import ValidationError
 
 from coral.advisor.question import Question
 from coral.contact.plan.contact_regions import RegionsAnswer
-from coral.contact.plan.cost_plan import PlanAnswer, verify_plan
+from coral.contact.plan.cost_plan import PlanAnswer
+from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.rules.answers import RULES
 from coral.contact.rules.spoilt_answers import SPOILT, spoil

@@ -96,7 +96,7 @@ def test_every_attempt_is_reported_with_its_verdict_and_cost(made):
 def test_a_picture_is_taken_only_for_a_question_that_wants_one(made):
     before, now = (Picture(name=name, png=b"") for name in ("before", "now"))
     advisor = Scripted(2.0, 2.0)
-    asker = made(advisor, pictures=lambda: (now,))
+    asker = made(advisor, pictures=lambda labels: (now,))
     ask(asker, pictures=(before,))
     ask(asker, pictures=(before,), with_picture=True)
     assert [question.pictures for question in advisor.questions] == [(before,), (before, now)]

@@ -26,15 +26,15 @@ class Scripted:
 
     name = "scripted"
 
-    def __init__(self, masses=()):
-        self.masses, self.questions, self.reasons = list(masses), [], []
+    def __init__(self, masses=(), friction=0.3):
+        self.masses, self.friction, self.questions, self.reasons = list(masses), friction, [], []
 
     async def answer(self, question, rejections):
         self.questions.append(question)
         self.reasons += [rejection.reason for rejection in rejections[-1:]]
         if not self.masses:
             return Reply(value=RULES[question.kind](question.facts, rejections), raw="")
-        one = ObjectParameters(label="box", mass=self.masses.pop(0), friction=0.3)
+        one = ObjectParameters(label="box", mass=self.masses.pop(0), friction=self.friction)
         return Reply(value=ParametersAnswer(objects=[one]), raw="")
 
 
@@ -108,6 +108,25 @@ def test_what_explains_it_no_better_is_refused_with_both_errors(correct):
     error = f"{abs(before - 0.4):.2f}"
     assert f"error {error}, now {error}" in advisor.reasons[0]
     assert told[0][1]["refused"] == advisor.reasons
+
+
+def test_values_that_are_kept_are_accepted_without_a_replay_and_correct_nothing(correct):
+    before = correct.one.world.beliefs[0]["box"]
+    advisor = Scripted([before.mass_kg], friction=before.friction)
+    done, _, after, told = correct(advisor, pushed(correct.one))
+    assert (done, after) == (False, before)
+    assert advisor.reasons == []
+    ((_, fields),) = told
+    assert (fields["accepted"], fields["failure"], fields["text"]) == (False, "", "the values were kept")
+
+
+def test_the_question_shows_the_expected_motion_beside_the_measured_one(correct):
+    advisor = Scripted()
+    correct(advisor, pushed(correct.one))
+    (question,) = advisor.questions
+    assert '"measured_moved_mm": [22.0, 0.0, 0.0]' in question.prompt or '"measured_moved_mm": [24.0' in question.prompt
+    assert '"expected_moved_mm": [' in question.prompt
+    assert '"expected_force_n": [' in question.prompt
 
 
 def test_values_out_of_bounds_are_refused_before_anything_is_replayed(correct):

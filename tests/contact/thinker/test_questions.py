@@ -1,19 +1,18 @@
 """What goes with each question, and what becomes of refused answers; the way through them is in test_thinker.py."""
 
-import numpy as np
 import pytest
 
 from coral.advisor.question import AdvisorUnavailable, Reply
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
 from coral.contact.rules.answers import RULES
+from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.diagnosis import TEXTS
 from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
-
-HIDDEN = ("solid_share",)
 
 
 class Careless:
@@ -43,7 +42,6 @@ def ask(scene):
             one.trial,
             one.world,
             ThinkCfg(**cfg),
-            np.random.default_rng(0),
             in_process,
             fallback,
             lambda event, **fields: told.append((event, fields)),
@@ -62,15 +60,70 @@ def test_masses_are_in_the_facts_once_something_is_believed(ask):
     assert questions.facts["objects"]["box"]["mass_kg"] == round(questions.beliefs["box"].mass_kg, 5)
 
 
-@pytest.mark.parametrize("kind", ["cost-function", "contact-regions"])
-def test_prompts_hold_the_scene_but_not_what_only_the_rules_need(ask, kind):
+def leaves(value, skipped=("task", "contact_strategy", "diagnoses", "stages", "refused")):
+    if isinstance(value, dict):
+        return [leaf for key, item in value.items() if key not in skipped for leaf in leaves(item)]
+    return [leaf for item in value for leaf in leaves(item)] if isinstance(value, list) else [value]
+
+
+def shown(leaf):
+    return leaf if isinstance(leaf, str) else f"{leaf:.10g}"
+
+
+@pytest.mark.parametrize("kind", ["cost-function", "cost-repair", "contact-regions"])
+@pytest.mark.parametrize("task", ["push-pick-board", "pick-clutter", "push-force", "flip-wall"])
+def test_the_rules_know_nothing_that_the_prompt_does_not_show(ask, kind, task):
     advisor = Careless()
-    one, questions, _ = ask(advisor)
-    questions.ask_regions(questions.ask_plan(one.now))
+    one, questions, _ = ask(advisor, task)
+    questions.ask_parameters({})
+    questions.update_facts(one.now)
+    questions.diagnoses.append("slipped")
+    history = dict.fromkeys(("stage", "diagnosis", "code", "error"), "") | dict.fromkeys(
+        ("corrected", "history", "terms"), ()
+    )
+    plan = questions.ask_repair(one.now, {**history, "attempts": 3, "diagnosis": TEXTS["slipped"]})
+    questions.ask_plan(one.now)
+    questions.ask_regions(plan)
     question = advisor.asked(kind)
-    assert set(HIDDEN) <= set(question.facts["objects"]["box"])
-    assert "size_m" in question.prompt
-    assert not any(key in question.prompt for key in HIDDEN)
+    assert [leaf for leaf in leaves(question.facts) if leaf is not None and shown(leaf) not in question.prompt] == []
+    if kind == "cost-repair":
+        assert all(TEXTS[diagnosis] in question.prompt for diagnosis in question.facts["diagnoses"])
+
+
+@pytest.mark.parametrize("task", shipped_tasks())
+def test_prompts_have_fewer_than_3000_tokens(ask, task):
+    advisor = Careless()
+    one, questions, _ = ask(advisor, task)
+    questions.ask_plan(one.now)
+    assert len(advisor.asked("cost-function").prompt) / 4 < 3000  # some four characters to a token of English and code
+
+
+def test_what_is_advised_of_an_accepted_plan_is_told_and_shown_in_its_repair(ask):
+    class Deep(Careless):
+        async def answer(self, question, rejections):
+            self.questions.append(question)
+            below = "norm(self.ee_pos - (self.box_init_pos - np.array([0.0, 0.0, 0.06])))"
+            return Reply(value=PlanAnswer(code=f"def state_cost(self):\n    return {below}"), raw="")
+
+    advisor = Deep()
+    one, questions, told = ask(advisor)
+    assert questions.ask_plan(one.now) is not None
+    (advice,) = dict(told)["plan_answer"]["advice"]
+    assert "inside the table" in advice
+    questions.ask_repair(
+        one.now,
+        {
+            "attempts": 3,
+            "stage": "",
+            "diagnosis": "",
+            "corrected": [],
+            "history": [],
+            "terms": [],
+            "code": "",
+            "error": "",
+        },
+    )
+    assert advice in advisor.asked("cost-repair").prompt
 
 
 def test_regions_are_asked_for_the_plan_that_held_and_its_stages(ask):
@@ -105,7 +158,8 @@ def test_a_question_about_the_plan_carries_what_went_wrong_so_far(ask):
     advisor = Careless()
     one, questions, _ = ask(advisor)
     questions.diagnoses.append("slipped")
-    questions.ask_repair(one.now, {"attempts": 3, "history": [], "code": "x = 1", "error": ""})
+    known = {"stage": "", "diagnosis": "", "corrected": [], "terms": []}
+    questions.ask_repair(one.now, {**known, "attempts": 3, "history": [], "code": "x = 1", "error": ""})
     assert advisor.asked("cost-repair").facts["diagnoses"] == ["slipped"]
     assert "x = 1" in advisor.asked("cost-repair").prompt
 

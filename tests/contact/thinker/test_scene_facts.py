@@ -1,5 +1,6 @@
 import dataclasses
 import json
+import re
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from contact_bench import body, make_trial, plain, seen
 
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.cost.context import Quantity
+from coral.contact.cost.schema import object_quantities
 from coral.contact.scene.trial import PhysicalParameters, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import interface_text, scene_facts
@@ -92,19 +94,35 @@ def test_another_truth_makes_no_other_facts():
 
 
 def test_the_interface_names_every_quantity():
-    schema = task_schema_of(load_task("pick-clutter"))
+    task = load_task("pick-clutter")
+    schema = task_schema_of(task)
     text = interface_text(schema)
-    assert all(f"self.{name} " in text for name in schema)
+    named = set(re.findall(r"self\.(\w+)", text))
+    for item in task.objects:
+        named |= {name.replace("NAME", item.name) for name in named if name.startswith("NAME_")}
+    assert set(schema) <= named
+    assert {name for name in named if "NAME" not in name} <= set(schema)
+
+
+def test_an_object_whose_name_begins_like_another_keeps_its_own_quantities():
+    schema = {
+        **object_quantities("box", [], ["table"], ["box_lid"]),
+        **object_quantities("box_lid", ["knob"], ["table"]),
+    }
+    text = interface_text(schema)
+    assert "For each of box, box_lid" in text
+    assert "self.box_lid_knob_pos" in text
+    assert "self.box_box_lid_contact" in text
 
 
 def test_the_interface_tells_the_kind_and_the_unit_of_a_quantity():
     schema = {
-        "box_pos": Quantity(3, "m", "Its place."),
+        "goal_pos": Quantity(3, "m", "Its place."),
         "lit": Quantity(0, "", "Whether it is lit.", truth=True),
         "count": Quantity(0, "", "How many."),
     }
     assert interface_text(schema).splitlines()[:3] == [
-        "- self.box_pos (vector of 3, m): Its place.",
+        "- self.goal_pos (vector of 3, m): Its place.",
         "- self.lit (true or false): Whether it is lit.",
-        "- self.count (number): How many.",
+        "- self.count: How many.",
     ]

@@ -7,6 +7,7 @@ from coral.contact.plan.touchable_points import Scenery
 from coral.contact.rules.answers import RULES
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.scene_text import world_prompt
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.unified_question import UnifiedAnswer, ask_unified
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
@@ -36,11 +37,11 @@ def ask(scene):
 
     def run(advisor, wrong_plan=lambda answer: None, history=None, **cfg):
         facts = {**one.facts, "diagnoses": [], "contact_strategy": True}
-        shown = {"box": {"label": "cardboard box"}}
+        shown = world_prompt(one.facts, one.trial.task, one.world.schema, ThinkCfg(), one.world.cfg.step_s)
         asker = Asker(advisor)
         try:
             return ask_unified(
-                asker, facts, shown, one.world, wrong_plan, ThinkCfg(**cfg), Scenery.of(one.trial), history
+                asker, facts, shown, one.world, wrong_plan, ThinkCfg(**cfg), Scenery.of(one.trial), None, history
             )
         finally:
             asker.close()

@@ -53,6 +53,18 @@ def test_a_correction_of_one_object_leaves_the_others_as_they_were_believed():
     assert BELIEVED["box"] == PhysicalParameters(1.0, 0.5)
 
 
+def test_two_entries_for_one_object_are_no_answer():
+    with pytest.raises(ValidationError, match="two entries for box"):
+        answer(("box", 0.4, 0.3), ("cup", 0.2, 0.4), ("box", 0.5, 0.3))
+
+
+def test_values_are_kept_if_they_are_those_that_a_prompt_shows():
+    assert answer(("box", 1.0, 0.5)).keeps(BELIEVED)
+    assert answer(("box", 1.004, 0.501), ("cup", 0.2, 0.4)).keeps(BELIEVED)
+    assert not answer(("box", 1.05, 0.5)).keeps(BELIEVED)
+    assert not answer(("mug", 1.0, 0.5)).keeps(BELIEVED)
+
+
 def test_an_answer_corrects_at_least_one_object_and_at_most_eight():
     for objects in ([], [("box", 0.4, 0.3)] * 9):
         with pytest.raises(ValidationError, match="objects"):

@@ -183,6 +183,15 @@ class PlanningWorld:
         context, _ = self.rollout(now, still, step)
         return context.first() if len(self.models) > 1 else context
 
+    def placed(self, now: Observation) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        """Return the model under the best belief, and its data with everything where it is measured."""
+        model, data = self.models[0], self._scratch
+        mujoco.mj_resetData(model, data)
+        put_state(model, data, now)
+        _shift_fingers(model, data)
+        mujoco.mj_fwdPosition(model, data)
+        return model, data
+
     def _is_inland(self, now: Observation) -> bool:
         """Check whether nothing will come near an edge of the table for a while."""
         table = self._trial.task.table

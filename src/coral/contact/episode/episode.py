@@ -13,6 +13,7 @@ import numpy as np
 
 from coral.config import checked, to_mapping, whole_steps
 from coral.contact.control.hand_controllers import HandController, MakeHandController, hand_controller_maker
+from coral.contact.control.measured_contacts import touched_by, with_measured_contacts
 from coral.contact.control.mppi_controller import HandPlan
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.reactive import Reactive
@@ -101,6 +102,7 @@ class Episode:
         self.listeners: list[Callable[[Mapping[str, Any]], None]] = []
         self._without_plan = 0
         self._taken: list[Transition] = []
+        self._touched: dict[str, tuple[str, ...]] = {}
         self._wall = 0.0
         self._late: InputError | RunError | None = None
         self._before_s, self._thought_s = 0.0, 0.0
@@ -227,7 +229,7 @@ class Episode:
             return None
         taken, self._taken = tuple(self._taken), []
         try:
-            report = PlanReport(self.step, self.now, plan, stage.name, taken)
+            report = PlanReport(self.step, self.now, plan, stage.name, taken, self._touched)
             other = self._ask_strategist(lambda: self.strategist.on_plan(report))
         except CostError as error:
             self._cost_error(error, stage.name)
@@ -255,7 +257,8 @@ class Episode:
         stage = self.progress.stage
         begun = time.perf_counter()
         plan = self.controller.plan(self.now, stage, self.step)
-        changed = self.progress.update(plan.now)
+        self._touched = touched_by(self.planner, self.now, self._still.opening_m)
+        changed = self.progress.update(with_measured_contacts(plan.now, self.now, self._touched))
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
         self.emit(
             "plan",
@@ -266,6 +269,7 @@ class Episode:
             ok=plan.update.ok,
             terms={name: _number(value) for name, value in plan.terms.items()},
             aim=numbers(plan.targets[-1].position, 4),
+            touched=sorted({name for names in self._touched.values() for name in names}),
         )
         if not all(
             np.isfinite([*target.position, *target.quaternion, target.opening_m]).all()

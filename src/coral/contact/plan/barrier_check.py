@@ -1,132 +1,184 @@
-"""Check whether approaching or touching an object raises the cost: the barrier of a penalty gated on a later phase."""
+"""Check whether coming near an object, or touching it, raises the cost: a penalty gated on a later phase is a barrier.
+
+Only a jump that the planner cannot get over counts: nothing within its reach beyond the jump is cheaper. A smooth
+rise is no barrier, since a stand-off may be intended.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from coral.contact.cost.context import Array, Context, Terms
+from coral.contact.cost.context import Array, Context, Cost
 from coral.contact.cost_program.state import objects_of
-from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable
-from coral.contact.plan.reach_check import ReachTerm, total_cost, with_quantities
+from coral.contact.plan.attraction import DIRECTIONS, STRIDES, Attraction, at_rest, cost_at, descend, total_cost
+from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable, quoted
+from coral.contact.scene.geometry import from_rotvec, multiply, rotation_of
 
-STEPS = 33
-FAR_M = 0.12
-"""Approaches begin at least this far away, so that a gate near the target lies in their second half."""
+SPACING_M = 0.004
+"""Distance between the examined places on a ray."""
+EDGE_M = 0.016
+"""A barrier begins within this distance of where the descent ended."""
+FINE_M = 1e-4
+"""A rise that is still there over this distance is a jump."""
+BEYOND, CLEAR_M = 160, 0.02
+"""Number of places at this distance and more, the cheapest ones, from which a place cheaper than before the jump is
+searched."""
+DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+"""The palm pointing down."""
+TURNS: tuple[Array, ...] = tuple(
+    multiply(from_rotvec(np.array([0.0, 0.0, heading])), tip)
+    for tip in (DOWN, multiply(from_rotvec(np.array([0.0, np.pi / 2, 0.0])), DOWN))
+    for heading in (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4, np.pi, -np.pi / 2)
+)
+"""Orientations of the hand: the palm down and level, at several headings."""
 
 
-def path_barriers(cost: Traceable, pool: Context, reach_terms: list[ReachTerm], cfg: CostCheckCfg) -> list[CostFault]:
-    """Return faults for terms that start near a target and rise there (the second pitfall).
+def gate_barriers(
+    cost: Cost, values: Mapping[str, Array], attraction: Attraction, cfg: CostCheckCfg
+) -> list[CostFault]:
+    """Return faults for penalties that begin near an object and keep the hand away from it (the second pitfall).
 
-    The hand is moved in a straight line to each target to which the cost attracts it; everything else stays as it is.
+    Args:
+        cost: The cost.
+        values: Quantities of the state in which the stage begins.
+        attraction: Where the cost leads the hand there.
+        cfg: Thresholds.
     """
-    faults, named = [], set()
-    for item in reach_terms:
-        terms = _along_path(cost, pool, item, cfg)
-        if terms is None:
+    least = cfg.jump * attraction.span
+    if least <= 0.0:
+        return []
+    met: dict[str, list[tuple[float, int, Array, Array]]] = {}
+    for end, reached in zip(attraction.ends, attraction.reached, strict=True):
+        wall = _wall_around(cost, dict(values), end, float(reached), least, cfg)
+        if wall is not None:
+            before, after, rise = wall
+            name, _ = nearest_object(values, after)
+            line = _risen_line(cost, values, before, after)
+            met.setdefault(name, []).append((rise, line, before, after))
+    faults = []
+    for name, walls in met.items():
+        if 2 * len(walls) < len(attraction.ends):
             continue
-        total = total_cost(terms)
-        climb = (total - np.minimum.accumulate(total, axis=1)).max(axis=1)
-        if np.median(climb) <= cfg.rise * np.median(np.ptp(total, axis=1)) + 1e-9:
-            continue
-        for name, term in terms.items():
-            rise = _gated_rise(np.asarray(term))
-            if np.median(rise) >= 0.5 * np.median(climb) and name not in named:
-                named.add(name)
-                line = cost.term_line(name) or item.line
-                faults.append(
-                    CostFault(
-                        "barrier",
-                        line,
-                        f"line {line} (`{cost.line(line)}`): the term {name!r} begins only "
-                        f"when the hand is near its target and adds up to {np.median(rise):.3g} there, so "
-                        "coming near gets dearer; subtract a bonus for what you want there instead",
-                    )
-                )
-        if len(terms) == 1 and len(reach_terms) == 1 and not faults:
-            line = item.line
-            faults.append(
-                CostFault(
-                    "barrier",
-                    line,
-                    f"line {line} (`{cost.line(line)}`): the cost rises by "
-                    f"{np.median(climb):.3g} when the hand comes near the target of this distance; write "
-                    "what begins there as a bonus that is subtracted",
-                )
+        rise, line, before, _ = sorted(walls, key=lambda wall: wall[0])[len(walls) // 2]
+        _, distance = nearest_object(values, before)
+        faults.append(
+            CostFault(
+                "barrier",
+                line,
+                f"{quoted(cost, line)}the cost leads the hand towards the {name} and jumps up by {rise:.3g} when it is "
+                f"{max(distance, 0.0):.2f} m away, and nothing nearer is cheaper, so the hand stays outside; subtract "
+                "a bonus for what you want there instead",
             )
+        )
     return faults
 
 
-def _along_path(cost: Traceable, pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> Terms | None:
-    """Evaluate the terms on straight approaches of the hand to the target, each Shape=(paths, STEPS)."""
-    start = np.asarray(pool["ee_pos"])[:, 0, :]
-    far = np.linalg.norm(item.target - start, axis=-1)
-    chosen = np.flatnonzero(far > FAR_M)
-    if not len(chosen):
+def _wall_around(
+    cost: Cost, values: dict[str, Array], end: Array, reached: float, least: float, cfg: CostCheckCfg
+) -> tuple[Array, Array, float] | None:
+    """Return the places before and after a jump of the cost next to the end of a descent, and the rise; or None."""
+    away = SPACING_M * np.arange(1, round(cfg.beyond_m / SPACING_M) + 1)
+    rays = end + away[None, :, None] * DIRECTIONS[:, None, :]
+    found = cost_at(cost, values, rays.reshape(-1, 3)).reshape(rays.shape[:2])
+    if found.min() < reached - 0.1 * least:
         return None
-    chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, cfg.paths).astype(int))]
-    values = {name: np.asarray(pool[name])[chosen] for name in pool.names()}
-    share = np.linspace(0.0, 1.0, STEPS)[None, :, None]
-    values["ee_pos"] = (1.0 - share) * start[chosen, None, :] + share * item.target[chosen, None, :]
-    for name in values:
-        if name.endswith(("_hand_contact", "_left_contact", "_right_contact")) or name in ("ee_force", "ee_torque"):
-            values[name] = np.zeros_like(values[name])
-    terms = cost.trace(Context(values, (len(chosen), STEPS))).terms
-    return {name: np.broadcast_to(term, (len(chosen), STEPS)) for name, term in terms.items()}
-
-
-def _gated_rise(term: Array) -> Array:
-    """Compute how much a term that starts flat rises later, Shape=(paths,); 0 for a term that does not start flat."""
-    half = STEPS // 2
-    span = np.ptp(term, axis=1)
-    flat = np.ptp(term[:, :half], axis=1) <= 0.1 * span
-    rise = term[:, half:].max(axis=1) - term[:, 0]
-    return np.where(flat, np.maximum(rise, 0.0), 0.0)
-
-
-def contact_barriers(
-    cost: Traceable, pool: Context, reach_terms: list[ReachTerm], cfg: CostCheckCfg
-) -> list[CostFault]:
-    """Return faults for terms that raise the cost once the hand touches an object to which the cost attracts it."""
-    faults = []
-    for thing in objects_of(pool.names()):
-        flags = [f"{thing}_{part}_contact" for part in ("hand", "left", "right") if f"{thing}_{part}_contact" in pool]
-        if not flags or not _is_target(pool, thing, reach_terms):
+    path = np.concatenate([np.full((len(found), 1), reached), found], axis=1)
+    near = round(EDGE_M / SPACING_M)
+    rises = np.diff(path[:, : near + 1], axis=1)
+    for ray, step in np.argwhere(rises >= least):
+        begin = end + step * SPACING_M * DIRECTIONS[ray]
+        if nearest_object(values, begin)[1] > cfg.near_m or not _goes_to_object(values, begin, DIRECTIONS[ray]):
             continue
-        free = np.flatnonzero(np.all([np.asarray(pool[name])[:, 0] == 0 for name in flags], axis=0))
+        fine = begin + np.arange(0.0, SPACING_M + FINE_M, FINE_M)[:, None] * DIRECTIONS[ray]
+        change = np.diff(cost_at(cost, values, fine))
+        at = int(change.argmax())
+        if change[at] >= 0.5 * rises[ray, step] and _stands_when_turned(cost, values, fine[at], fine[at + 1], least):
+            deep = away >= CLEAR_M
+            order = np.argsort(found[:, deep].ravel(), kind="stable")[:BEYOND]
+            lowest = descend(cost, values, rays[:, deep].reshape(-1, 3)[order], STRIDES[1:])[2].min()
+            return None if lowest < reached - 0.1 * least else (fine[at], fine[at + 1], float(change[at]))
+    return None
+
+
+def _stands_when_turned(cost: Cost, values: dict[str, Array], before: Array, after: Array, least: float) -> bool:
+    """Check whether a jump is there however the hand is turned: a penalty on a bad alignment is none."""
+    turned = [{**values, "ee_quat": turn[None, None]} for turn in TURNS] if "ee_quat" in values else [values]
+    both = np.stack([before, after])
+    return all(float(np.diff(cost_at(cost, one, both))[0]) >= least for one in turned)
+
+
+def _goes_to_object(values: Mapping[str, Array], point: Array, direction: Array) -> bool:
+    name, _ = nearest_object(values, point)
+    return bool(name) and float((values[f"{name}_pos"][0, 0] - point) @ direction) > 0.0
+
+
+def nearest_object(values: Mapping[str, Array], point: Array) -> tuple[str, float]:
+    """Return the movable object whose bounding box is nearest to a point, and its distance (m); negative inside."""
+    found = []
+    for name in objects_of(values):
+        size = values[f"{name}_size"][0, 0] if f"{name}_size" in values else np.zeros(3)
+        local = np.abs(rotation_of(values[f"{name}_quat"][0, 0]).T @ (point - values[f"{name}_pos"][0, 0])) - size / 2
+        outside = float(np.linalg.norm(np.maximum(local, 0.0)))
+        found.append((outside if outside > 0.0 else float(local.max()), name))
+    return (min(found)[1], min(found)[0]) if found else ("", np.inf)
+
+
+def _risen_line(cost: Cost, values: Mapping[str, Array], before: Array, after: Array) -> int:
+    """Return the line of the term that rises most from one place to another; 0 if unknown."""
+    if not isinstance(cost, Traceable):
+        return 0
+    terms = cost(Context({**values, "ee_pos": np.stack([before, after])[:, None, :]}, (2, 1)))
+    name = max(terms, key=lambda term: float(np.ptp(np.broadcast_to(np.asarray(terms[term]), (2, 1)))))
+    return cost.term_line(name)
+
+
+def touch_barriers(cost: Cost, pool: Context, attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
+    """Return faults for costs that begin to count something else once the hand touches what it is led to.
+
+    A constant penalty on the touch is none: a stage may forbid it.
+
+    Args:
+        cost: The cost.
+        pool: Various states, Shape=(n, 1).
+        attraction: Where the cost leads the hand in the state in which the stage begins.
+        cfg: Thresholds.
+    """
+    faults = []
+    values = {name: np.asarray(pool[name]) for name in pool.names()}
+    first = at_rest(pool)
+    for thing in objects_of(values):
+        flags = [name for part in ("hand", "left", "right") if (name := f"{thing}_{part}_contact") in values]
+        led = [
+            nearest_object(first, end)[0] == thing and nearest_object(first, end)[1] < 0.005 for end in attraction.ends
+        ]
+        if not flags or 2 * sum(led) < len(led):
+            continue
+        free = np.flatnonzero(np.all([values[name][:, 0] == 0 for name in flags], axis=0))
         if len(free) < 4:
             continue
-        values = {name: np.asarray(pool[name])[free] for name in pool.names()}
-        apart = Context(values, (len(free), 1))
-        touching = with_quantities(apart, {name: np.ones((len(free), 1)) for name in flags})
-        before, after = cost.trace(apart).terms, cost.trace(touching).terms
-        rise = np.median(total_cost(after) - total_cost(before))
-        if rise <= cfg.rise * np.ptp(total_cost(before)) + 1e-9:
+        apart = {name: value[free] if len(value) == len(values["ee_pos"]) else value for name, value in values.items()}
+        shape = (len(free), 1)
+        touching = {**apart, **{name: np.ones(shape) for name in flags}}
+        terms = cost(Context(touching, shape))
+        rise = (total_cost(terms, shape) - total_cost(cost(Context(apart, shape)), shape))[:, 0]
+        if np.median(rise) <= max(cfg.jump, 0.5) * attraction.span or np.ptp(rise) <= 1e-9:
             continue
-        for name, term in after.items():
-            begun = np.asarray(term)
-            if (
-                np.abs(before.get(name, np.zeros(1))).max() <= 1e-12
-                and np.median(begun) >= 0.5 * rise
-                and np.ptp(begun) > 1e-9
-            ):
-                line = cost.term_line(name)
-                faults.append(
-                    CostFault(
-                        "barrier",
-                        line,
-                        f"line {line} (`{cost.line(line)}`): the term {name!r} begins when "
-                        f"the hand touches the {thing} and adds {np.median(begun):.3g}, so touching gets "
-                        "dearer; let it count before the touch too, or subtract a larger bonus for it",
-                    )
-                )
+        before = cost(Context(apart, shape))
+        line = 0
+        if isinstance(cost, Traceable):
+            grown = {
+                name: float(np.median(np.asarray(terms[name]) - np.asarray(before.get(name, 0.0)))) for name in terms
+            }
+            line = cost.term_line(max(grown, key=lambda name: grown[name]))
+        faults.append(
+            CostFault(
+                "barrier",
+                line,
+                f"{quoted(cost, line)}the cost leads the hand to the {thing} and rises by {np.median(rise):.3g} when "
+                "it touches it, more than the way there gains, so the hand stays away; let what begins there count "
+                "before the touch too, or subtract a larger bonus for it",
+            )
+        )
     return faults
-
-
-def _is_target(pool: Context, thing: str, reach_terms: list[ReachTerm]) -> bool:
-    """Check whether a distance that raises the cost ends at the object."""
-    centre = np.asarray(pool[f"{thing}_pos"])[:, 0, :]
-    size = np.asarray(pool[f"{thing}_size"])[:, 0, :] if f"{thing}_size" in pool else np.full_like(centre, 0.1)
-    return any(
-        np.median(np.linalg.norm(item.target - centre, axis=-1) - np.linalg.norm(size, axis=-1) / 2) < 0.05
-        for item in reach_terms
-    )

@@ -1,8 +1,9 @@
 """Checks of a cost before the planner uses it; each fault is a sentence for the author of the cost.
 
-The samples are states from rollouts of the planning world, so they show what the hand can reach. Two mistakes make a
-planner fail although the cost runs: a reach term with a target that the hand cannot reach because something solid is in
-the way, and a term that begins only near the object and penalises coming near.
+A cost is judged by its values alone, so equal costs get equal verdicts however they are written, and no random number
+is drawn, so one cost gets one verdict. Two mistakes make a planner fail although the cost runs: a term that begins
+near the object and penalises coming near, which is refused, and a place inside something solid to which the cost
+leads the hand, which the planner copes with and the author is told of.
 """
 
 from __future__ import annotations
@@ -14,20 +15,24 @@ from numpy.typing import NDArray
 
 from coral.contact.cost.context import Array, Context, Cost, Terms
 from coral.contact.cost_program.errors import CostError
-from coral.contact.plan.barrier_check import contact_barriers, path_barriers
+from coral.contact.plan.attraction import at_rest, follow_cost
+from coral.contact.plan.barrier_check import gate_barriers, touch_barriers
 from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable
-from coral.contact.plan.reach_check import find_reach_terms, unreachable
+from coral.contact.plan.reach_check import unreachable
+
+STATES = 200
+"""Number of sampled states in which a touch is tried."""
 
 
 def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None = None) -> list[CostFault]:
-    """Return the faults of a cost; an empty list means that it may be used.
+    """Return the faults of a cost; it may be used if none of them is fatal.
 
     Args:
-        cost: The cost. Reach terms and barriers are searched only if it can be traced, as a program can.
-        samples: Batches of rolled-out states, varied enough to contain both good and bad rollouts.
+        cost: The cost.
+        samples: Batches of rolled-out states, varied enough to contain both good and bad rollouts; their first state is
+            the one in which the stage begins.
         cfg: Thresholds.
     """
-    cfg = cfg or CostCheckCfg()
     evaluated: list[tuple[Context, Terms]] = []
     for sample in samples:
         try:
@@ -43,20 +48,26 @@ def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None
     faults = _constant_faults(cost, evaluated)
     if faults:
         return faults
-    notes = _idle_faults(cost, evaluated)
-    if not isinstance(cost, Traceable) or any("ee_pos" not in sample for sample in samples):
-        return notes
-    pool = pooled(samples, cfg.states)
+    return [*verify_approach(cost, samples, cfg), *_idle_faults(cost, evaluated)]
+
+
+def verify_approach(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None = None) -> list[CostFault]:
+    """Return the faults of the way on which a cost leads the hand; see `verify_cost`."""
+    cfg = cfg or CostCheckCfg()
+    if any("ee_pos" not in sample for sample in samples):
+        return []
+    values = at_rest(samples[0])
     try:
-        reach_terms = find_reach_terms(cost, pool)
-        reach_faults = [
-            *unreachable(cost, pool, reach_terms, cfg),
-            *path_barriers(cost, pool, reach_terms, cfg),
-            *contact_barriers(cost, pool, reach_terms, cfg),
+        attraction = follow_cost(cost, values)
+        return [
+            *gate_barriers(cost, values, attraction, cfg),
+            *touch_barriers(cost, pooled(samples, STATES), attraction, cfg),
+            *unreachable(cost, values, attraction, cfg),
         ]
     except CostError as error:
+        if error.code == "not_finite":  # at a place where no sampled motion has been
+            return []
         return [CostFault(error.code, error.line, str(error))]
-    return [*reach_faults, *notes]
 
 
 def pooled(samples: Sequence[Context], count: int) -> Context:

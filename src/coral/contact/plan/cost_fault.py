@@ -27,20 +27,16 @@ class CostFault:
 class CostCheckCfg:
     """Thresholds of the checks."""
 
-    states: int = 600
-    """Number of sampled states that are examined."""
     reach_m: float = 0.015
-    """A reach term that falls below this may approach zero; a fingertip is about as thick."""
-    near_m: float = 0.06
-    """The closest states must be within this distance for a contact there to be what stops the hand."""
-    force_n: float = 0.5
-    """Force on the hand that counts as contact."""
+    """Depth in a solid from which a place counts as out of reach; a fingertip is about as thick."""
     opening_m: float = 0.08
-    """Widest opening of the fingers (Panda hand); they cannot straddle anything wider."""
-    rise: float = 0.05
-    """Rise of the cost on the path to a target that counts as a barrier, relative to its range on the path."""
-    paths: int = 16
-    """Number of approaches tried."""
+    """Widest opening of the fingers (Panda hand); they can straddle a narrower object."""
+    jump: float = 0.05
+    """Rise of the cost at one place that counts as a barrier, relative to its fall on the way there."""
+    near_m: float = 0.06
+    """A barrier around an object lies at most this far from its surface."""
+    beyond_m: float = 0.12
+    """The planner finds its way through a barrier if something within this distance is cheaper."""
 
 
 @runtime_checkable
@@ -58,3 +54,8 @@ class Traceable(Protocol):
     def term_line(self, term: str) -> int:
         """Return the line of a term."""
         ...
+
+
+def quoted(cost: object, line: int) -> str:
+    """Return "line N (`text`): " for the start of a reason; "" if the line is unknown."""
+    return f"line {line} (`{cost.line(line)}`): " if line and isinstance(cost, Traceable) else ""

@@ -1,4 +1,4 @@
-"""A plan as an advisor gives it: cost programs as text, stage by stage; verified, and compiled to a strategy."""
+"""A plan as an advisor gives it: cost programs as text, stage by stage, compiled to a strategy."""
 
 from __future__ import annotations
 
@@ -11,13 +11,10 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, Field, model_validator
 
-from coral.advisor.question import Rejection
 from coral.contact.cost.context import Context, Cost, Schema
 from coral.contact.cost.stages import Guide, Stage, Strategy, Test
 from coral.contact.cost_program import CostError, CostProgram
 from coral.contact.plan.contact_regions import Array, RegionsAnswer, guide
-from coral.contact.plan.cost_check import verify_cost
-from coral.contact.plan.cost_fault import CostCheckCfg
 from coral.contact.plan.last_good_cost import LastGoodCost
 
 Loader = Callable[[str, Schema, str], Cost]
@@ -86,10 +83,19 @@ class PlanAnswer(BaseModel):
         """Return the names of the stages."""
         return [stage.name for stage in self.each()]
 
-    def text(self) -> str:
-        """Return all programs as text, for a prompt."""
+    def text(self, numbered: bool = False) -> str:
+        """Return all programs as text.
+
+        Args:
+            numbered: Whether to number the lines of each program, as faults count them.
+        """
+
+        def shown(code: str) -> str:
+            lines = code.strip().split("\n")
+            return "\n".join(f"{k:2d}  {line}" for k, line in enumerate(lines, 1)) if numbered else code.strip()
+
         if not self.stages:
-            return self.code
+            return shown(self.code) if numbered else self.code
         parts = []
         for stage in self.stages:
             head = [f"# stage {stage.name!r}"] + [
@@ -97,7 +103,7 @@ class PlanAnswer(BaseModel):
                 for key, value in (("done", stage.done), ("back_to", stage.back_to), ("lost", stage.lost))
                 if value
             ]
-            parts.append("\n".join([*head, stage.code.strip()]))
+            parts.append("\n".join([*head, shown(stage.code)]))
         return "\n\n".join(parts)
 
 
@@ -137,76 +143,32 @@ def compile_plan(answer: PlanAnswer, schema: Schema, load: Loader = in_process) 
     Raises:
         CostError: A program is not of the accepted language; the text names the stage and the field.
     """
-    compiled = []
-    for stage in answer.each():
-        made: dict[str, Cost | None] = {}
-        for field, source in (
-            ("code", stage.code),
-            ("done", stage.done and condition(stage.done)),
-            ("lost", stage.lost and condition(stage.lost)),
-            ("toward", stage.toward and vector(stage.toward)),
-        ):
-            try:
-                made[field] = load(source, schema, stage.name) if source else None
-            except CostError as error:
-                raise CostError(
-                    error.code, f"{field} of stage {stage.name!r}: {error.text}", error.line, error.shown
-                ) from None
-        cost = made["code"]
-        if cost is None:
-            raise CostError("empty", f"stage {stage.name!r} has no code")
-        compiled.append(Compiled(stage, cost, made["done"], made["lost"], made["toward"]))
-    return compiled
+    return [compile_stage(stage, schema, load) for stage in answer.each()]
 
 
-def verify_plan(
-    answer: PlanAnswer,
-    schema: Schema,
-    samples: Sequence[Context],
-    load: Loader = in_process,
-    cfg: CostCheckCfg | None = None,
-) -> Rejection | None:
-    """Return why a plan cannot be used, or None: checks names, programs, and their values on rolled-out states.
+def compile_stage(stage: StageAnswer, schema: Schema, load: Loader = in_process) -> Compiled:
+    """Compile the programs of a stage.
 
-    Args:
-        answer: The plan.
-        schema: The quantities of the state.
-        samples: Rolled-out batches.
-        load: Loads programs.
-        cfg: Thresholds of the check of costs.
+    Raises:
+        CostError: A program is not of the accepted language; the text names the stage and the field.
     """
-    names = answer.names
-    if len(set(names)) < len(names):
-        return Rejection(code="stages", reason=f"two stages have the same name: {', '.join(names)}")
-    for stage in answer.each():
-        if bool(stage.back_to) != bool(stage.lost) or (stage.back_to and stage.back_to not in names):
-            return Rejection(
-                code="stages",
-                reason=f"stage {stage.name!r}: back_to and lost go together, and back_to is one of {', '.join(names)}",
-            )
-        if not 50 <= stage.stiffness <= 3000 or not 0.05 <= stage.noise <= 3:
-            return Rejection(
-                code="stages",
-                reason=f"stage {stage.name!r}: stiffness lies within 50 and 3000 N/m, noise within 0.05 and 3",
-            )
-        if stage is not answer.each()[-1] and not stage.done and answer.stages:
-            return Rejection(
-                code="stages",
-                reason=f"stage {stage.name!r} never ends, so that those after it never begin: say when it is done",
-            )
-    try:
-        for made in compile_plan(answer, schema, load):
-            where = f"stage {made.answer.name!r}: " if answer.stages else ""
-            for fault in verify_cost(made.cost, samples, cfg):
-                if fault.fatal:
-                    return Rejection(code=fault.code, reason=where + fault.reason, details={"stage": made.answer.name})
-            for program in (made.done, made.lost, made.toward):
-                for sample in samples[:1]:
-                    if program is not None:
-                        program(sample)
-    except CostError as error:
-        return Rejection(code=error.code, reason=str(error))
-    return None
+    made: dict[str, Cost | None] = {}
+    for field, source in (
+        ("code", stage.code),
+        ("done", stage.done and condition(stage.done)),
+        ("lost", stage.lost and condition(stage.lost)),
+        ("toward", stage.toward and vector(stage.toward)),
+    ):
+        try:
+            made[field] = load(source, schema, stage.name) if source else None
+        except CostError as error:
+            raise CostError(
+                error.code, f"{field} of stage {stage.name!r}: {error.text}", error.line, error.shown
+            ) from None
+    cost = made["code"]
+    if cost is None:
+        raise CostError("empty", f"stage {stage.name!r} has no code")
+    return Compiled(stage, cost, made["done"], made["lost"], made["toward"])
 
 
 def make_strategy(

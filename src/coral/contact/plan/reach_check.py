@@ -1,162 +1,87 @@
-"""Check whether the hand can reach the targets of a cost.
+"""Check whether the place to which a cost leads the hand lies inside something solid.
 
-The distances that a program computes are compared with and without a small shift of the hand: those that change with it
-are distances of the hand to some target, however the program computed them.
+The planner copes with such a cost: the hand presses against the surface. A condition that waits for the hand to arrive
+never holds, though, so the author is told how deep the place lies and in what.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
-from coral.contact.cost.context import Array, Context, Terms
+from coral.contact.cost.context import Array, Context, Cost
 from coral.contact.cost_program.state import objects_of
-from coral.contact.cost_program.trace import Distance
-from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable
+from coral.contact.plan.attraction import Attraction
+from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable, quoted
+from coral.contact.scene.geometry import rotation_of
 
-SHIFT = np.array([0.011, -0.017, 0.013])
-"""A shift of the hand, m; its components differ so that they can be told apart."""
-
-
-MOST = 24
-"""Maximum number of distances examined, so that a program with many of them does not delay the planner."""
+TABLE = "table"
 
 
-@dataclass(frozen=True, eq=False)
-class ReachTerm:
-    """A distance from the hand to a target that raises the cost."""
-
-    index: int
-    """Number of the distance in the trace."""
-    line: int
-    """Line of the program."""
-    target: Array
-    """Target position of the hand, Shape=(n, 3), m."""
-    value: Array
-    """Distance, Shape=(n,), m."""
-    saved: Array
-    """Decrease of the cost if the distance were 0, Shape=(n,)."""
-
-
-def with_quantities(state: Context, values: Mapping[str, Array], shape: tuple[int, int] | None = None) -> Context:
-    """Return the batch with some quantities replaced."""
-    return Context({**{name: state[name] for name in state.names()}, **values}, shape or state.shape)
-
-
-def total_cost(terms: Terms) -> Array:
-    """Sum the terms of every state."""
-    total: Array = np.sum([np.asarray(term) for term in terms.values()], axis=0)
-    return total
-
-
-def find_reach_terms(cost: Traceable, pool: Context) -> list[ReachTerm]:
-    """Find the distances from the hand to a target that raise the cost.
+def unreachable(cost: Cost, values: Mapping[str, Array], attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
+    """Return a note for each body inside which the cost leads the hand (the first pitfall).
 
     Args:
         cost: The cost.
-        pool: States, Shape=(n, 1).
-
-    Raises:
-        CostError: The cost cannot be evaluated.
+        values: Quantities of the state in which the stage begins.
+        attraction: Where the cost leads the hand there.
+        cfg: Thresholds.
     """
-    base = cost.trace(pool)
-    hand = np.asarray(pool["ee_pos"])
-    moved = cost.trace(with_quantities(pool, {"ee_pos": hand + SHIFT}))
-    if len(moved.distances) != len(base.distances):
-        return []
-    total = total_cost(base.terms)
-    reach_terms: list[ReachTerm] = []
-    for index, (before, after) in enumerate(zip(base.distances, moved.distances, strict=True)):
-        target = _target(before, after, hand[:, 0, :])
-        if target is None or len(reach_terms) >= MOST:
+    found: dict[str, list[float]] = {}
+    inside = [containing_body(values, end, cfg) for end in attraction.ends]
+    for body, depth in inside:
+        if body:
+            found.setdefault(body, []).append(depth)
+    notes = []
+    for body, depths in found.items():
+        if 2 * len(depths) <= len(attraction.ends):
             continue
-        saved = total - total_cost(cost.trace(pool, zeroed=index).terms)
-        value = np.broadcast_to(before.value, total.shape)[:, 0]
-        if np.median(saved) > 1e-9 * (1.0 + np.abs(total).max()):
-            reach_terms.append(ReachTerm(index, before.line, target, value, saved[:, 0]))
-    return reach_terms
-
-
-def _target(before: Distance, after: Distance, hand: Array) -> Array | None:
-    """Return the position of the other end of a distance, Shape=(n, 3); None if the hand is at neither end."""
-    size = len(before.vector)
-    if size not in (2, 3):
-        return None
-    moves = [np.broadcast_to(b - a, (len(hand), 1))[:, 0] for a, b in zip(before.vector, after.vector, strict=True)]
-    for sign in (1.0, -1.0):
-        if all(np.allclose(move, sign * SHIFT[i], rtol=0, atol=1e-9) for i, move in enumerate(moves)):
-            vector = np.stack([np.broadcast_to(part, (len(hand), 1))[:, 0] for part in before.vector], axis=-1)
-            target = hand.copy()
-            target[:, :size] -= sign * vector
-            return target
-    return None
-
-
-def unreachable(cost: Traceable, pool: Context, reach_terms: list[ReachTerm], cfg: CostCheckCfg) -> list[CostFault]:
-    """Return faults for targets from which a solid keeps the hand away (the first pitfall)."""
-    faults, lines = [], set()
-    for item in reach_terms:
-        if item.line in lines:
-            continue
-        reason = _inside_fault(pool, item, cfg) or _contact_fault(pool, item, cfg)
-        if reason:
-            lines.add(item.line)
-            faults.append(CostFault("unreachable", item.line, f"line {item.line} (`{cost.line(item.line)}`): {reason}"))
-    return faults
-
-
-def _inside_fault(pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> str:
-    """Check whether the target lies inside an object too wide for the fingers to straddle."""
-    for thing in objects_of(pool.names()):
-        names = [f"{thing}_pos", f"{thing}_quat", f"{thing}_size"]
-        if not all(name in pool for name in names):
-            continue
-        centre, quat, size = (np.asarray(pool[name])[:, 0, :] for name in names)
-        offset = np.einsum("nji,nj->ni", rotations(quat), item.target - centre)
-        depth = (size / 2.0 - np.abs(offset)).min(axis=1)
-        if size.min() > cfg.opening_m and np.median(depth) > cfg.reach_m and np.median(item.saved) > 0.0:
-            return (
-                f"the target lies {np.median(depth):.3f} m inside the {thing}, which is too wide for the fingers "
-                f"to straddle, so this distance cannot come near 0; aim at a point on the surface of the {thing}"
+        line = _line_of_target(cost, values, attraction, np.array([name == body for name, _ in inside]))
+        notes.append(
+            CostFault(
+                "unreachable",
+                line,
+                f"{quoted(cost, line)}the cost leads the hand to a place {np.median(depths):.3f} m inside the {body}, "
+                f"which it cannot enter: it will press against the surface and stop there; aim at the surface, and "
+                f"let no condition wait for the hand to come nearer than {np.median(depths) + cfg.reach_m:.2f} m",
+                fatal=False,
             )
-    return ""
+        )
+    return notes
 
 
-def _contact_fault(pool: Context, item: ReachTerm, cfg: CostCheckCfg) -> str:
-    """Check whether, in the closest states, a contact pushes the hand away from the target."""
-    closest = np.argsort(item.value, kind="stable")[: max(8, len(item.value) // 50)]
-    least = float(item.value[closest[0]])
-    if not cfg.reach_m < least < cfg.near_m or "ee_force" not in pool:
-        return ""
-    force = np.asarray(pool["ee_force"])[closest, 0, :]
-    towards = item.target[closest] - np.asarray(pool["ee_pos"])[closest, 0, :]
-    size = np.linalg.norm(force, axis=-1)
-    against = (force * towards).sum(axis=-1) / (size * np.linalg.norm(towards, axis=-1) + 1e-12)
-    stopped = (size > cfg.force_n) & (against < -0.3)
-    saved = item.saved[closest]
-    if stopped.mean() < 0.5 or np.median(saved) <= 1e-9 * (1.0 + np.abs(item.saved).max()):
-        return ""
-    return (
-        f"this distance cannot come below {least:.3f} m: in the closest sampled states something solid pushes "
-        f"the hand back; aim at a point the fingertips can get to, or use max(0.0, distance - {least + 0.005:.2f})"
-    )
-
-
-def rotations(quat: Array) -> Array:
-    """Compute the rotation matrices of unit quaternions.
+def containing_body(values: Mapping[str, Array], point: Array, cfg: CostCheckCfg) -> tuple[str, float]:
+    """Return the body that keeps the fingertips from a point, and how deep the point lies in it; "" if none does.
 
     Args:
-        quat: Shape=(n, 4), (w, x, y, z).
-
-    Returns:
-        Shape=(n, 3, 3).
+        values: Quantities of one state.
+        point: Shape=(3,) m, in the world.
+        cfg: Thresholds; an object that the open fingers can straddle is no obstacle.
     """
-    w, x, y, z = (quat / np.linalg.norm(quat, axis=-1, keepdims=True)).T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), -1, 0)
+    deepest, name = cfg.reach_m, ""
+    movable = objects_of(values)
+    for thing in (item.removesuffix("_size") for item in values if item.endswith("_size")):
+        size, centre = values[f"{thing}_size"][0, 0], values[f"{thing}_pos"][0, 0]
+        if thing in movable and size.min() < cfg.opening_m:
+            continue
+        turn = rotation_of(values[f"{thing}_quat"][0, 0]) if f"{thing}_quat" in values else np.eye(3)
+        depth = float((size / 2 - np.abs(turn.T @ (point - centre))).min())
+        if depth > deepest:
+            deepest, name = depth, thing
+    if "table_min" in values and not name:
+        low, high = values["table_min"][0, 0], values["table_max"][0, 0]
+        depth = float(min((point - low)[:2].min(), (high - point).min()))
+        if depth > deepest and point[2] > low[2]:
+            deepest, name = depth, TABLE
+    return name, deepest
+
+
+def _line_of_target(cost: Cost, values: Mapping[str, Array], attraction: Attraction, which: Array) -> int:
+    """Return the line of the distance that vanishes where the cost leads the hand; 0 if none does."""
+    if not isinstance(cost, Traceable):
+        return 0
+    ends = attraction.ends[which]
+    traced = cost.trace(Context({**values, "ee_pos": ends[:, None, :]}, (len(ends), 1)))
+    near = [(float(np.median(item.value)), item.line) for item in traced.distances]
+    return min(near)[1] if near and min(near)[0] < 0.01 else 0

@@ -17,6 +17,8 @@ from coral.contact.scene.observation import BodyState, Observation
 
 Array = NDArray[np.float64]
 ABOVE_M = 0.06
+COMMON_SEED = 20_260
+"""Seed of the random paths on which every program is checked."""
 HALF_TURN = np.array([0.0, 0.0, 0.0, 1.0])
 """Half a turn about the palm's axis."""
 DOWNWARD = np.array([0.0, 0.0, -1.0])
@@ -26,24 +28,22 @@ def sample_states(
     world: PlanningWorld,
     now: Observation,
     sizes: Mapping[str, Array],
-    rng: np.random.Generator,
     count: int = 24,
     horizon: int = 60,
 ) -> list[Context]:
     """Sample rolled-out states around the hand and the objects, varied enough to tell good futures from bad ones.
 
-    Half of them approach the objects: each from above, and down beside each side and against it. The others are random.
-    Without the approaches, a reachability check would depend on luck.
+    Half of them approach the objects: each from above, pressed down on, and down beside each side and against it. The
+    others are random, but the same ones at every call (common random numbers): one program gets one verdict.
 
     Args:
         world: The planning world with its beliefs.
         now: First state of the rollouts.
         sizes: Full extents of the objects, m.
-        rng: Samples the paths.
         count: Number of random rollouts.
         horizon: Control steps of each rollout.
     """
-    paths = _sample_paths(now, sizes, rng, count)
+    paths = _sample_paths(now, sizes, np.random.default_rng(COMMON_SEED), count)
     share = np.linspace(0, 1, horizon)
     position = np.stack([_interpolate_path(now.tool.position, path[0], share) for path in paths])
     quaternion = np.stack([_interpolate_rotation(now.tool.quaternion, path[1], share) for path in paths])
@@ -65,21 +65,22 @@ def _approach_paths(body: BodyState, size: Array, now: Observation) -> list[Tool
     rotation = rotation_of(body.quaternion)
     up = int(np.argmax(np.abs(rotation[2])))
     top = body.position + np.array([0, 0, size[up] / 2])
-    paths: list[ToolPath] = []
+    over = top + np.array([0, 0, ABOVE_M])
+    paths: list[ToolPath] = [([over, top, top - np.array([0, 0, 0.02])], now.tool.quaternion, 0.0)]
     for axis in (k for k in range(3) if k != up):
         side = rotation[:, axis]
         if size[axis] < MAX_OPENING_M - 0.004:
             grasp = body.position + np.array([0, 0, max(0.0, size[up] / 2 - 0.025, 0.012 - size[up] / 2)])
             turn = tool_quaternion(DOWNWARD, side, now.tool.quaternion)
-            paths.append(([top + np.array([0, 0, ABOVE_M]), grasp, grasp], turn, MAX_OPENING_M))
+            paths.append(([over, grasp, grasp], turn, MAX_OPENING_M))
         for sign in (1.0, -1.0):
             turn = tool_quaternion(DOWNWARD, np.cross(side, DOWNWARD), now.tool.quaternion)
             for high in (-0.6, 0.6):
                 face = body.position + sign * side * (size[axis] / 2 + PAD_M) + np.array([0, 0, high * size[up] / 2])
                 face[2] = max(face[2], 0.012)
                 beside = face + sign * side * 0.02
-                over = np.array([beside[0], beside[1], top[2] + ABOVE_M])
-                paths.append(([over, beside, face - sign * side * 0.06], turn, 0.03))
+                high_up = np.array([beside[0], beside[1], top[2] + ABOVE_M])
+                paths.append(([high_up, beside, face - sign * side * 0.06], turn, 0.03))
     return paths
 
 

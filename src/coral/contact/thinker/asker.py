@@ -16,6 +16,7 @@ from coral.advisor.inner_loop import run_on
 from coral.advisor.latency import LatencyCfg
 from coral.advisor.prompt import render
 from coral.advisor.question import Advisor, Picture, Question, Rejection
+from coral.contact.perception.scene_labels import PictureLabels
 from coral.contact.thinker.thinking_clock import ThinkingClock
 
 A = TypeVar("A", bound=BaseModel)
@@ -44,7 +45,7 @@ class Asker:
         advisor: Advisor,
         budget: BudgetCfg | None = None,
         log: Callable[[Attempt], None] | None = None,
-        pictures: Callable[[], tuple[Picture, ...]] | None = None,
+        pictures: Callable[[PictureLabels | None], tuple[Picture, ...]] | None = None,
         clock: ThinkingClock | None = None,
     ) -> None:
         self.advisor, self.budget = advisor, (budget or BudgetCfg()).within(DEADLINE_S)
@@ -70,6 +71,7 @@ class Asker:
         verify: Callable[[A], Rejection | None],
         with_picture: bool = False,
         pictures: tuple[Picture, ...] = (),
+        labels: PictureLabels | None = None,
     ) -> Outcome[A]:
         """Ask, verify the answer, and ask again with the reasons of its refusal.
 
@@ -81,13 +83,14 @@ class Asker:
             verify: Returns why an answer is refused, or None.
             with_picture: Whether to add a picture taken now.
             pictures: Pictures taken before, to add as well.
+            labels: What to write into the picture taken now; None leaves it as the camera sees it.
 
         Raises:
             EpisodeOver: The episode ended while the advisor was answering.
         """
         text, version = render(kind, prompt)
         if with_picture and self.pictures is not None:
-            pictures = (*pictures, *self.pictures())
+            pictures = (*pictures, *self.pictures(labels))
         question: Question[A] = Question(
             kind=kind, prompt=text, answer_type=answer_type, facts=facts, pictures=pictures, prompt_version=version
         )

@@ -18,7 +18,7 @@ from coral.contact.thinker.question_facts import CorrectionFacts, FittedFacts, Q
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.force_balance import balances
 from coral.contact.world_model.history import windows
-from coral.contact.world_model.history_replay import HistoryReplay
+from coral.contact.world_model.history_replay import HistoryReplay, compare_motions
 from coral.contact.world_model.identification import fit_by_balance, fit_by_replay, replay_errors
 from coral.contact.world_model.parameter_correction import ParametersAnswer, verify_parameters
 
@@ -60,7 +60,7 @@ def correct_beliefs(
         emit: Event sink.
 
     Returns:
-        Whether the beliefs were corrected.
+        Whether the beliefs were corrected; an advisor may also keep them.
     """
     # A rollout that begins inside the table throws the object out: replay only windows that begin at a possible pose.
     stretches = windows(
@@ -85,9 +85,15 @@ def correct_beliefs(
             fit = fit_by_balance(found, replay, name, believed, cfg.identify)
         tried = [fit.error_before, fit.error_after]
 
+        told = {
+            key: {"mass": float(f"{one.mass_kg:.4g}"), "friction": float(f"{one.friction:.4g}")}
+            for key, one in believed.items()
+        }
+        kept = f"mass {told[name]['mass']:g}, friction {told[name]['friction']:g} for {name}"
+
         def wrong(answer: ParametersAnswer) -> Rejection | None:
             refusal = verify_parameters(answer, believed, cfg.belief)
-            if refusal is not None:
+            if refusal is not None or answer.keeps(believed):
                 return refusal
             before, after = tried[:] = replay_errors(
                 replay, name, believed, answer.physical(believed), cfg.identify, found
@@ -97,7 +103,8 @@ def correct_beliefs(
             return Rejection(
                 code="replay",
                 reason=f"replayed with your values, the history is explained no better "
-                f"(error {after:.2f}, now {before:.2f}); propose others, or say so by keeping them",
+                f"(error {after:.2f}, now {before:.2f}); propose others, or keep the values by giving them as they "
+                f"are: {kept}",
             )
 
         fitted: FittedFacts = {
@@ -106,25 +113,32 @@ def correct_beliefs(
             "friction": fit.after.friction,
             "better": fit.accepted,
         }
-        told = {key: {"mass": one.mass_kg, "friction": one.friction} for key, one in believed.items()}
         asked: CorrectionFacts = {**facts, "fitted": fitted}
+        replayed = compare_motions(replay, name, believed)
         outcome = asker.ask(
             "parameter-repair",
             ParametersAnswer,
             asked,
-            {"task": facts["instruction"], "parameters": told, "history": past.recent},
+            {
+                "task": facts["instruction"],
+                "parameters": told,
+                "object": name,
+                "replayed": replayed,
+                "history": past.recent,
+            },
             wrong,
         )
     finally:
         finer.close()
-    if outcome.answer is not None:
+    kept_values = outcome.answer is not None and outcome.answer.keeps(believed)
+    if outcome.answer is not None and not kept_values:
         world.believe(outcome.answer.physical(believed))
     after = world.beliefs[0][name]
     emit(
         "correction",
         object=name,
-        accepted=outcome.answer is not None,
-        text=fit.words(cfg.identify.known),
+        accepted=outcome.answer is not None and not kept_values,
+        text="the values were kept" if kept_values else fit.words(cfg.identify.known),
         **({} if outcome.answer is None else {"decided": "correction", "source": asker.source}),
         failure=outcome.failure,
         errors=[round(error, 4) for error in tried],
@@ -132,4 +146,4 @@ def correct_beliefs(
         after=[after.mass_kg, after.friction],
         refused=[rejection.reason for rejection in outcome.rejections],
     )
-    return outcome.answer is not None
+    return outcome.answer is not None and not kept_values

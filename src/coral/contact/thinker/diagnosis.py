@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal, TypedDict
+from dataclasses import dataclass
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 
@@ -37,16 +38,37 @@ BLOCKED_N = 20.0
 """More than friction takes to push anything that the hand could lift, and half of what it yields to."""
 
 
+@dataclass(frozen=True)
+class PlanNote:
+    """What is known of one plan of the inner loop."""
+
+    time_s: float
+    """Time of the plan."""
+    stage: str
+    """The planned stage."""
+    terms: Mapping[str, float]
+    """Expected value of each term of its cost over the horizon."""
+    touched: Mapping[str, tuple[str, ...]]
+    """What the parts of the hand touched, as measured."""
+
+
 class HistoryRow(TypedDict):
-    """One control step as prompts and events show it: metres, newtons, world frame; a `cost` of None is unknown."""
+    """One control step as prompts and events show it: metres, newtons, world frame, quaternions (w, x, y, z).
+
+    `touches` names what the fingers ("left", "right") and the palm ("hand") touch, as measured; a `cost` of None is
+    unknown.
+    """
 
     time_s: float
     object_pos: list[float]
+    object_quat: list[float]
     object_moved_mm: float
     hand_pos: list[float]
+    hand_quat: list[float]
     hand_told_to: list[float]
     opening_told_m: float
     force_on_hand_n: list[float]
+    touches: list[str]
     cost: float | None
 
 
@@ -110,7 +132,11 @@ def _blocked(steps: Sequence[Transition], name: str) -> bool:
 
 
 def recent(
-    steps: Sequence[Transition], costs: Sequence[tuple[float, float]], name: str, most: int = 5
+    steps: Sequence[Transition],
+    costs: Sequence[tuple[float, float]],
+    name: str,
+    most: int = 5,
+    notes: Sequence[PlanNote] = (),
 ) -> list[HistoryRow]:
     """Summarise the latest history in a few rows, as the prompts show it (the paper's last five steps).
 
@@ -119,6 +145,7 @@ def recent(
         costs: Costs of plans, each after the time of the plan.
         name: The object to report.
         most: Maximum number of rows.
+        notes: Notes about the plans, each after the time of the plan.
     """
     if not steps:
         return []
@@ -131,11 +158,14 @@ def recent(
             {
                 "time_s": round(step.after.time_s, 2),
                 "object_pos": [round(float(v), 4) for v in body.position],
+                "object_quat": [round(float(v), 3) for v in body.quaternion],
                 "object_moved_mm": round(1e3 * float(np.linalg.norm(body.position - before.position)), 2),
                 "hand_pos": [round(float(v), 4) for v in step.after.tool.position],
+                "hand_quat": [round(float(v), 3) for v in step.after.tool.quaternion],
                 "hand_told_to": [round(float(v), 4) for v in step.command.position],
                 "opening_told_m": round(step.command.opening_m, 4),
                 "force_on_hand_n": [round(float(v), 2) for v in step.after.wrench[:3]],
+                "touches": _touches_at(notes, step.after.time_s),
                 "cost": _cost_at(costs, step.before.time_s),
             }
         )
@@ -146,3 +176,33 @@ def _cost_at(costs: Sequence[tuple[float, float]], time_s: float) -> float | Non
     """Return the cost of the latest plan made by that time."""
     made = [cost for when, cost in costs if when <= time_s + 1e-9] or [cost for _, cost in costs[:1]]
     return round(made[-1], 4) if made else None
+
+
+def _touches_at(notes: Sequence[PlanNote], time_s: float) -> list[str]:
+    """Return what was touched at the latest plan made by that time, as "part on thing"."""
+    made = [note for note in notes if note.time_s <= time_s + 1e-9]
+    return [f"{part} on {name}" for part, names in made[-1].touched.items() for name in names] if made else []
+
+
+def recent_terms(notes: Sequence[PlanNote], most: int = 5, largest: int = 6) -> list[dict[str, Any]]:
+    """Show which terms held the cost up over time.
+
+    Args:
+        notes: Notes about the plans.
+        most: Maximum number of rows.
+        largest: Maximum number of terms in a row, the largest ones.
+    """
+    if not notes:
+        return []
+    rows = []
+    for index in np.unique(np.linspace(0, len(notes) - 1, most).astype(int)):
+        note = notes[int(index)]
+        terms = sorted(note.terms.items(), key=lambda item: -abs(item[1]))[:largest]
+        rows.append(
+            {
+                "time_s": round(note.time_s, 2),
+                "stage": note.stage,
+                "terms": {name: float(f"{value:.3g}") for name, value in terms},
+            }
+        )
+    return rows

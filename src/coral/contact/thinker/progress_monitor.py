@@ -10,6 +10,7 @@ import numpy as np
 
 from coral.config import Count, Fraction, NonNegative, Positive
 from coral.contact.scene.observation import Array, Transition
+from coral.contact.thinker.diagnosis import PlanNote
 from coral.contact.thinker.strategist import PlanReport
 
 
@@ -56,6 +57,8 @@ class ProgressMonitor:
     """Control steps of the last `history_s`."""
     costs: list[tuple[float, float]] = field(default_factory=list)
     """Costs of the plans, each after the time of the plan."""
+    notes: list[PlanNote] = field(default_factory=list)
+    """Stage, terms and contacts of the plans of the last `history_s`."""
     surprise_m: Mapping[str, float] = field(default_factory=dict)
     """By object, the distance between its position after a plan's first step and the predicted one, summed with a decay
     of `surprise_tau_s`."""
@@ -68,6 +71,11 @@ class ProgressMonitor:
     _expected: Mapping[str, Array] = field(default_factory=dict)
     _start: Mapping[str, Array] = field(default_factory=dict)
     _farthest_m: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def stage(self) -> str:
+        """Return the name of the stage of the latest plan; "" before the first."""
+        return self.notes[-1].stage if self.notes else ""
 
     def update(self, report: PlanReport) -> bool:
         """Add a plan; return True after n_retry attempts without progress."""
@@ -109,12 +117,15 @@ class ProgressMonitor:
     def _remember(self, report: PlanReport) -> None:
         self.steps += report.taken
         self.costs.append((report.now.time_s, report.plan.cost))
+        self.notes.append(PlanNote(report.now.time_s, report.stage, dict(report.plan.terms), dict(report.touched)))
         self._add_surprises(report)
         horizon = report.now.time_s - self.cfg.history_s
         while self.steps and self.steps[0].before.time_s < horizon:
             self.steps.pop(0)
         while self.costs and self.costs[0][0] < horizon:
             self.costs.pop(0)
+        while self.notes and self.notes[0].time_s < horizon:
+            self.notes.pop(0)
 
     def _add_surprises(self, report: PlanReport) -> None:
         # Sums of control periods differ in their last bits; the decay of a surprise must not.

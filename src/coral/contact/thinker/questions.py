@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, cast
 
 import numpy as np
@@ -12,17 +12,22 @@ from coral.advisor.consult import Outcome
 from coral.advisor.question import AdvisorUnavailable, Rejection
 from coral.advisor.rules import Rule
 from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.cost.context import Context
+from coral.contact.perception.scene_labels import PictureLabels
 from coral.contact.plan.contact_regions import RegionsAnswer
-from coral.contact.plan.cost_plan import Loader, PlanAnswer, verify_plan
+from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, make_strategy
+from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.rehearsal import sample_states
+from coral.contact.plan.stage_beginnings import stage_beginnings
 from coral.contact.plan.touchable_points import Scenery, candidates_of
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import Diagnosis
 from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
-from coral.contact.thinker.scene_facts import interface_text, scene_facts
+from coral.contact.thinker.scene_facts import scene_facts
+from coral.contact.thinker.scene_text import world_prompt
 from coral.contact.thinker.stand_in import fall_back
 from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
@@ -41,7 +46,6 @@ class Questions:
         trial: The trial.
         world: The planning world; its beliefs are set.
         cfg: Which parts are enabled.
-        rng: Draws the states on which programs are checked.
         load: Loads cost programs.
         fallback: Rules that answer if the advisor gives no plan, by kind of question.
         emit: Event sink; receives every outcome.
@@ -53,6 +57,7 @@ class Questions:
         scenery: Their true shapes.
         diagnoses: Diagnoses so far; questions about the plan include them.
         stood_in: Which current decisions are not the advisor's: parameters, plan, regions.
+        advice: What the last check of a plan noted without refusing it.
     """
 
     def __init__(
@@ -61,7 +66,6 @@ class Questions:
         trial: Trial,
         world: PlanningWorld,
         cfg: ThinkCfg,
-        rng: np.random.Generator,
         load: Loader,
         fallback: Mapping[str, Rule],
         emit: Emit,
@@ -72,8 +76,9 @@ class Questions:
         self.diagnoses: list[Diagnosis] = []
         self.stood_in: set[str] = set()
         self._asker, self._trial, self._world, self._cfg = asker, trial, world, cfg
-        self._rng, self.load, self._fallback, self._emit = rng, load, fallback, emit
+        self.load, self._fallback, self._emit = load, fallback, emit
         self._unanswered = ""
+        self.advice: tuple[str, ...] = ()
 
     @property
     def beliefs(self) -> dict[str, PhysicalParameters]:
@@ -117,13 +122,11 @@ class Questions:
 
     def ask_plan(self, now: Observation) -> PlanAnswer | None:
         """Ask for a plan; None without an answer."""
-        objects = self.facts["objects"]
-        poses = {name: item["pose"] for name, item in objects.items()} | {"hand": self.facts["hand"]["pose"]}
-        return self._ask_for_plan("cost-function", now, {"poses": poses, "parameters": self._prompt_objects()})
+        return self._ask_for_plan("cost-function", now, {})
 
     def ask_repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
         """Ask for another plan, given the history of the last one; None without an answer."""
-        return self._ask_for_plan("cost-repair", now, {"world": self._prompt_objects(), **history})
+        return self._ask_for_plan("cost-repair", now, {"advice": list(self.advice), **history})
 
     def plan_by_rules(self) -> PlanAnswer:
         """Make the plan by rules, if the policy lets them answer for the advisor.
@@ -165,7 +168,7 @@ class Questions:
             "contact-regions",
             RegionsAnswer,
             asked,
-            {"task": self.facts["instruction"], "objects": self._prompt_objects(), "stages": plan.names},
+            {**self.world_prompt(), "stages": plan.names},
             lambda answer: self.check_regions(answer, plan),
             with_picture=True,
         )
@@ -215,11 +218,12 @@ class Questions:
         outcome = ask_unified(
             self._asker,
             self._plan_facts(),
-            self._prompt_objects(),
+            self.world_prompt(),
             self._world,
             lambda answer: self.check_plan(answer, self.present(now)),
             self._cfg,
             self.scenery,
+            self.labels(now),
             history,
         )
         found, self._unanswered = outcome.answer, outcome.failure
@@ -239,18 +243,29 @@ class Questions:
             now: The present state.
             load: Loads its programs, if not as for answers.
         """
-        samples = sample_states(self._world, now, self.sizes, self._rng)
-        return verify_plan(plan, self._world.schema, samples, load or self.load)
+        loader = load or self.load
+
+        def beginnings(compiled: Sequence[Compiled]) -> dict[str, list[Context]]:
+            followed = make_strategy("rehearsal", plan, None, self._world.schema, self.sizes, loader)
+            names = [made.answer.name for made in compiled]
+            found = stage_beginnings(self._world, followed, now, names)
+            return {name: sample_states(self._world, start, self.sizes) for name, start in found.items()}
+
+        verdict = judge_plan(
+            plan, self._world.schema, sample_states(self._world, now, self.sizes), loader, beginnings=beginnings
+        )
+        self.advice = verdict.advice
+        return verdict.refusal
 
     def _ask_for_plan(self, kind: str, now: Observation, about: Mapping[str, Any]) -> PlanAnswer | None:
-        prompt = {
-            "task": self.facts["instruction"],
-            "interface": interface_text(self._world.schema),
-            "contact_strategy": self._cfg.strategy,
-            **about,
-        }
         outcome = self._asker.ask(
-            kind, PlanAnswer, self._plan_facts(), prompt, lambda plan: self.check_plan(plan, self.present(now))
+            kind,
+            PlanAnswer,
+            self._plan_facts(),
+            {**self.world_prompt(), **about},
+            lambda plan: self.check_plan(plan, self.present(now)),
+            with_picture=True,
+            labels=self.labels(now),
         )
         if self.present(now) is not now:  # the episode continued while the advisor answered
             self.update_facts(self.present(now))
@@ -287,19 +302,20 @@ class Questions:
             **self._decided_fields(what, outcome),
             explanation="" if plan is None else plan.explanation,
             code="" if plan is None else plan.text(),
+            advice=[] if plan is None else list(self.advice),
         )
 
     def _plan_facts(self) -> PlanFacts:
         """Return the facts of a question about the plan."""
         return {**self.facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}
 
-    def _prompt_objects(self) -> dict[str, Any]:
-        """Return the objects as prompts show them, without the default advisor's own facts."""
-        hidden = ("solid_share", "parts")
-        return {
-            name: {key: value for key, value in item.items() if key not in hidden}
-            for name, item in self.facts["objects"].items()
-        }
+    def world_prompt(self) -> dict[str, Any]:
+        """Return what every question about a plan shows of task, scene, hand, planner and cost language."""
+        return world_prompt(self.facts, self._trial.task, self._world.schema, self._cfg, self._world.cfg.step_s)
+
+    def labels(self, now: Observation) -> PictureLabels:
+        """Return what is written into pictures: where things are believed to be."""
+        return PictureLabels.of(self._trial.task, now)
 
 
 def _rejection_reasons(outcome: Outcome[Any]) -> list[str]:

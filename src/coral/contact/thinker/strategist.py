@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from coral.contact.control.mppi_controller import HandPlan
@@ -43,6 +43,8 @@ class PlanReport:
     """Name of the planned stage."""
     taken: tuple[Transition, ...] = ()
     """Control steps since the previous plan."""
+    touched: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """What the left and the right finger and the rest of the hand touch, as measured."""
 
 
 class NoStrategy(RuntimeError):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from coral.advisor.question import Rejection
+from coral.advisor.question import Picture, Rejection
 from coral.advisor.rules import Rule
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Cost
@@ -17,6 +17,7 @@ from coral.contact.cost_program import CostError, CostWorker
 from coral.contact.memory.adaptation import adapt
 from coral.contact.memory.memory import Experience, Match, Memory, scene_numbers
 from coral.contact.perception.advisor_camera import Look, to_picture
+from coral.contact.perception.scene_labels import PictureLabels, label_picture
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
 from coral.contact.plan.last_good_cost import LastGoodCost
@@ -26,7 +27,7 @@ from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
 from coral.contact.thinker.correction_schedule import CorrectionSchedule
-from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent
+from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent, recent_terms
 from coral.contact.thinker.pose_question import ask_poses
 from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
@@ -82,6 +83,7 @@ class Thinker:
         self._match: Match | None = None
         self._recalled: PlanAnswer | None = None
         self._history: list[Transition] = []
+        self._corrected: list[str] = []
         self._trial: Trial
         self._world: PlanningWorld
         self._plan: PlanAnswer
@@ -113,7 +115,14 @@ class Thinker:
     def attach_camera(self, look: Look) -> None:
         """See `Strategist.attach_camera`."""
         self._camera = look
-        self.asker.pictures = lambda: tuple(to_picture(frame) for frame in (look(),) if frame is not None)
+
+        def take(labels: PictureLabels | None) -> tuple[Picture, ...]:
+            frame = look()
+            if frame is None:
+                return ()
+            return (to_picture(frame) if labels is None else label_picture(frame, labels),)
+
+        self.asker.pictures = take
 
     def guess_poses(self, trial: Trial, first: Observation) -> dict[str, BodyState]:
         """See `Strategist.guess_poses`."""
@@ -125,9 +134,7 @@ class Thinker:
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Perceive, recall or ask, verify, and make the strategy."""
         self._trial, self._world = trial, world
-        self._questions = Questions(
-            self.asker, trial, world, self.cfg, self._rng, self._load, self._fallback, self._emit
-        )
+        self._questions = Questions(self.asker, trial, world, self.cfg, self._load, self._fallback, self._emit)
         self._questions.update_facts(first, believed=False)
         strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
         self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
@@ -278,8 +285,12 @@ class Thinker:
         name = most_informative_object(steps) or next(iter(self._questions.sizes))
         history = {
             "attempts": self._monitor.attempts,
-            "history": recent(steps, costs, name),
-            "code": self._plan.text(),
+            "stage": self._monitor.stage,
+            "diagnosis": self._diagnosis_text(),
+            "corrected": list(self._corrected),
+            "history": recent(steps, costs, name, notes=self._monitor.notes),
+            "terms": recent_terms(self._monitor.notes),
+            "code": self._plan.text(numbered=True),
             "error": error,
         }
         if self.cfg.unified:
@@ -318,8 +329,12 @@ class Thinker:
         return self._repaired_strategy()
 
     def _correct(self, name: str, now: Observation) -> bool:
-        past = TouchHistory(tuple(self._history), recent(self._monitor.steps, self._monitor.costs, name))
-        return correct_beliefs(
+        past = TouchHistory(
+            tuple(self._history),
+            recent(self._monitor.steps, self._monitor.costs, name, notes=self._monitor.notes),
+        )
+        before = self._questions.beliefs[name]
+        corrected = correct_beliefs(
             self.asker,
             name,
             now,
@@ -331,12 +346,25 @@ class Thinker:
             self._rng,
             self._emit,
         )
+        if corrected:
+            after = self._questions.beliefs[name]
+            self._corrected.append(
+                f"mass of the {name} {before.mass_kg:.3g} to {after.mass_kg:.3g} kg, "
+                f"friction {before.friction:.2g} to {after.friction:.2g}."
+            )
+        return corrected
 
     def _correct_if_due(self, last: bool = False) -> None:
         """Correct the world model if a correction is due, stuck or not; plan and stage continue."""
         name = self._correction_schedule.due(self._history, last)
         if name is not None:
             self._correct(name, self._now)
+
+    def _diagnosis_text(self) -> str:
+        """Return the last diagnosis as a sentence; "" before the first."""
+        if not self._questions.diagnoses:
+            return ""
+        return f"Diagnosis: {TEXTS[self._questions.diagnoses[-1]]}."
 
     def _experience(self) -> Experience:
         task = self._trial.task

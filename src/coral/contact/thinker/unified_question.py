@@ -14,13 +14,13 @@ from pydantic import Field
 from coral.advisor.consult import Outcome
 from coral.advisor.question import Rejection
 from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.perception.scene_labels import PictureLabels
 from coral.contact.plan.contact_regions import ObjectRegions, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.touchable_points import Scenery
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.question_facts import PlanFacts
-from coral.contact.thinker.scene_facts import interface_text
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimate, ParameterEstimates, verify_estimates
 
@@ -62,6 +62,7 @@ def ask_unified(
     wrong_plan: Callable[[UnifiedAnswer], Rejection | None],
     cfg: ThinkCfg,
     scenery: Scenery,
+    labels: PictureLabels | None = None,
     history: Mapping[str, Any] | None = None,
 ) -> Outcome[UnifiedAnswer]:
     """Ask the single question. While an answer is checked, the planning world adopts its beliefs.
@@ -69,22 +70,20 @@ def ask_unified(
     Args:
         asker: The advisor.
         facts: Facts of the scene.
-        shown: The objects as prompts show them.
+        shown: Task, scene, hand, planner and cost language as prompts show them.
         world: The planning world.
         wrong_plan: Returns why the plan's programs cannot be used, or None.
         cfg: Thresholds.
         scenery: True shapes of the objects.
+        labels: What to write into the picture.
         history: For a repair: attempts, history, code and error.
     """
-    objects = {name: {"mass_kg": None, "friction": None, **item} for name, item in shown.items()}
     prompt = {
-        "task": facts["instruction"],
-        "objects": objects,
-        "hand": facts["hand"],
-        "interface": interface_text(world.schema),
+        **shown,
         "places": cfg.regions,
         "code": "",
         "error": "",
+        "diagnosis": "",
         **(history or {}),
     }
     sizes = {name: item["size_m"] for name, item in facts["objects"].items()}
@@ -99,4 +98,4 @@ def ask_unified(
             refusal = verify_regions(answer.places, facts, answer.names, cfg.region, scenery)
         return refusal
 
-    return asker.ask(KIND, UnifiedAnswer, facts, prompt, wrong, with_picture=True)
+    return asker.ask(KIND, UnifiedAnswer, facts, prompt, wrong, with_picture=True, labels=labels)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypedDict
 
 import mujoco
 import numpy as np
@@ -80,18 +81,22 @@ class HistoryReplay:
         np.divide(parts, 1.0 + floor, out=share, where=np.broadcast_to(np.isfinite(floor), parts.shape))
         return np.asarray(np.square(np.minimum(share, self.cfg.most)).mean(axis=-1))
 
-    def _parts(self, window: Window, name: str, count: int) -> Array:
-        cfg, steps = self.cfg, window.steps
+    def controls(self, window: Window) -> ControlSequences:
+        """Return the commands of a window as one control sequence."""
+        steps = window.steps
         stiffness = float(np.median([step.command.stiffness for step in steps]))
         # A rollout has constant stiffness and no added force: both become displacements with the same pull.
         position = np.array([_pulled_position(step.before.tool.position, step.command, stiffness) for step in steps])
-        controls = ControlSequences(
+        return ControlSequences(
             position[None],
             np.array([step.command.quaternion for step in steps])[None],
             np.array([[step.command.opening_m for step in steps]]),
             stiffness,
         )
-        states, sane = self.world.rollout(window.start, controls)
+
+    def _parts(self, window: Window, name: str, count: int) -> Array:
+        cfg, steps = self.cfg, window.steps
+        states, sane = self.world.rollout(window.start, self.controls(window))
         measured = [step.after.objects[name] for step in steps]
         place = np.array([body.position for body in measured])
         turn = np.array([body.quaternion for body in measured])
@@ -113,6 +118,58 @@ class HistoryReplay:
             axis=-1,
         )
         return np.where(sane[:, None], found, np.inf)
+
+
+class ComparedMotion(TypedDict):
+    """One window of a history, as it was expected and as it was measured: world axes."""
+
+    from_s: float
+    to_s: float
+    expected_moved_mm: list[float]
+    measured_moved_mm: list[float]
+    expected_turned_deg: float
+    measured_turned_deg: float
+    expected_force_n: list[float]
+    measured_force_n: list[float]
+
+
+def compare_motions(
+    replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters], most: int = 6
+) -> list[ComparedMotion]:
+    """Replay windows of a history under a belief, and compare the object's motion with the measured one.
+
+    Args:
+        replay: Replay of the history.
+        name: The object.
+        believed: Beliefs about all objects.
+        most: Maximum number of windows, the first ones; windows that diverge are left out.
+    """
+    replay.world.believe([believed])
+    rows: list[ComparedMotion] = []
+    for window in replay.windows[:most]:
+        states, sane = replay.world.rollout(window.start, replay.controls(window))
+        if not sane[0]:
+            continue
+        before, after = window.start.objects[name], window.steps[-1].after.objects[name]
+        force = np.mean([step.after.wrench[:3] for step in window.steps], axis=0)
+        end = np.asarray(states[f"{name}_quat"])[0, -1]
+        rows.append(
+            {
+                "from_s": round(window.start.time_s, 2),
+                "to_s": round(window.steps[-1].after.time_s, 2),
+                "expected_moved_mm": _tenths(1e3 * (np.asarray(states[f"{name}_pos"])[0, -1] - before.position)),
+                "measured_moved_mm": _tenths(1e3 * (after.position - before.position)),
+                "expected_turned_deg": round(float(np.degrees(angle_between(end, before.quaternion))), 1),
+                "measured_turned_deg": round(float(np.degrees(angle_between(after.quaternion, before.quaternion))), 1),
+                "expected_force_n": _tenths(np.asarray(states["ee_force"])[0].mean(axis=0)),
+                "measured_force_n": _tenths(force),
+            }
+        )
+    return rows
+
+
+def _tenths(values: Array) -> list[float]:
+    return [round(float(value), 1) + 0.0 for value in values]
 
 
 def _rms(error: Array) -> Array:

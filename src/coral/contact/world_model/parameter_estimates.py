@@ -103,6 +103,9 @@ def belief_prompt(facts: SceneFacts) -> dict[str, Any]:
                 "label": item["label"],
                 "pose_estimated": item["pose"],
                 "size_m": item["size_m"],
+                "shapes": item["shapes"],
+                "solid_share": item["solid_share"],
+                **({"parts": item["parts"]} if len(item["parts"]) > 1 else {}),
                 "mass_kg": None,
                 "friction_coeff": None,
             }

@@ -1,0 +1,184 @@
+"""How often the check of costs accepts costs that are known to be good.
+
+    python benchmarks/contact_checks.py --trials 100      # some 20 minutes on one core
+
+The costs: the example of the prompt, adapted to each scene; the paper's listing for the board; the experts' costs, as
+one stage and as state machines; the plans that the rules make; the plans of the recorded reader. Every stage of them is
+checked in the opening scene of each trial, and every cost twice: one cost has one verdict.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import textwrap
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from coral.advisor.recorded_attempts import SHIPPED, read_attempts
+from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.cost.context import Context, Cost, Schema, Terms
+from coral.contact.cost_program import CostProgram
+from coral.contact.experts import expert
+from coral.contact.plan.cost_check import verify_cost
+from coral.contact.plan.cost_fault import CostFault
+from coral.contact.plan.cost_plan import PlanAnswer, compile_plan
+from coral.contact.plan.rehearsal import sample_states
+from coral.contact.rules.composition import compose
+from coral.contact.rules.outcome_cost import outcome_plan
+from coral.contact.scene.prior_beliefs import stated_beliefs
+from coral.contact.scene.trial import Trial, sample_trial
+from coral.contact.tasks import load_task
+from coral.contact.thinker.scene_facts import scene_facts
+from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+
+TASKS = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
+EXAMPLE = textwrap.dedent("""
+    def state_cost(self):
+        cost = 10.0 * np.linalg.norm(self.{name}_pos[:2] - {goal}[:2])
+        cost += 2.0 * np.linalg.norm(self.ee_pos - self.{name}_pos)
+        cost += 0.001 * np.dot(self.last_action, self.last_action)
+        return cost
+""").strip()
+"""The shortest cost that a person would write: the goal, the way to the object, a little effort."""
+ABSOLUTE = textwrap.dedent("""
+    def state_cost(self):
+        away = self.ee_pos - self.{name}_pos
+        gone = self.{name}_pos - {goal}
+        cost = 10.0 * (abs(gone[0]) + abs(gone[1]))
+        return cost + 2.0 * (abs(away[0]) + abs(away[1]) + abs(away[2]))
+""").strip()
+"""The same with absolute values in place of norms."""
+BOARD = textwrap.dedent("""
+    def state_cost(self):
+        pos, ori = p.getBasePositionAndOrientation(self.board, physicsClientId=self.cid)
+        pos = np.array(pos)
+        hand_pos = np.array(p.getLinkState(self.panda, self.grasp_link, physicsClientId=self.cid)[0])
+        speed, spin = p.getBaseVelocity(self.board, physicsClientId=self.cid)
+        forward = np.array([0.0, 1.0, 0.0])
+        grip = np.array(self.board_handle_pos)
+        beyond = np.dot(grip - np.array([grip[0], self.table_max[1], grip[2]]), forward)
+        done = max(0.0, min(1.0, float(beyond / self.overhang)))
+        motion = np.linalg.norm(speed) + 0.4 * np.linalg.norm(spin)
+        calm = np.exp(-2.5 * motion)
+        s = 1.0 / (1.0 + np.exp(-10.0 * (0.6 * done + 0.4 * calm - 0.5)))
+        press = pos + 0.5 * self.overhang * forward
+        cost = 11.0 * (1.0 - s) * np.linalg.norm(hand_pos - press)  # press
+        cost += 19.0 * s * np.linalg.norm(hand_pos - grip)  # grip
+        cost -= 15.0 * (1.0 - s) * done  # push
+        touching = bool(self.board_hand_contact)
+        cost += (20.0 * (1.0 - s)) * (0.0 if touching else 1.0)  # touch
+        moved = pos - np.array(self.board_init_pos)
+        along = np.dot(moved, forward) * forward
+        cost += 9.0 * (1.0 - s) * np.linalg.norm(moved - along)  # drift
+        lift = pos[2] - self.board_init_pos[2]
+        cost -= (30.0 * s) * max(0.0, float(lift))  # lift
+        cost += 0.001 * np.linalg.norm(self.last_action) ** 2  # effort
+        return cost
+""").strip()
+"""The paper's Listing 1 (A.6) in our own words: press and push, then grip and lift, blended by a sigmoid."""
+
+
+class Opening:
+    """The opening scene of one trial.
+
+    Args:
+        task: The task.
+        seed: Of the trial.
+    """
+
+    def __init__(self, task: str, seed: int) -> None:
+        self.trial = sample_trial(load_task(task), seed)
+        world = HandWorld(self.trial, HandWorldCfg())
+        self.now = world.reset()
+        world.close()
+        beliefs = stated_beliefs(self.trial)
+        self.planner = PlanningWorld(self.trial, beliefs, self.now, PlanningCfg(threads=1))
+        self.facts = scene_facts(self.trial, self.now, beliefs)
+        sizes = {name: self.trial.size(name) for name in self.trial.objects}
+        self.samples: list[Context] = sample_states(self.planner, self.now, sizes)
+        self.schema: Schema = self.planner.schema
+
+    def close(self) -> None:
+        """Stop the planning world's threads."""
+        self.planner.close()
+
+
+class _Written:
+    """An expert's function as a cost."""
+
+    def __init__(self, name: str, function: object) -> None:
+        self.name, self._function = name, function
+
+    def __call__(self, state: Context) -> Terms:
+        return self._function(state)  # type: ignore[operator,no-any-return]
+
+
+def good_costs(opening: Opening, task: str) -> Iterator[tuple[str, Cost]]:
+    """Yield the costs that are known to be good, by what they are."""
+    name = next(iter(opening.trial.objects))
+    goal = _goal(opening.trial, name)
+    for kind, text in (("example", EXAMPLE), ("example, with abs", ABSOLUTE)):
+        yield kind, CostProgram(text.format(name=name, goal=goal), opening.schema)
+    if task == "push-pick-board":
+        yield "listing", CostProgram(BOARD, opening.schema)
+    for kind in ("expert", "expert-fsm"):
+        for stage in expert(opening.trial.task, kind).stages:
+            yield kind, _Written(stage.name, stage.cost)
+    plans = [("rules", compose(opening.facts).plan), ("rules, unguided", outcome_plan(opening.facts))]
+    plans += [("reader", plan) for plan in _reader_plans(task)]
+    for kind, plan in plans:
+        if plan is not None:
+            for made in compile_plan(plan, opening.schema):
+                yield kind, made.cost
+
+
+def _goal(trial: Trial, name: str) -> str:
+    places = list(trial.task.places)
+    return f"self.{places[0]}_pos" if places else f"(self.{name}_init_pos + np.array([0.1, 0.0, 0.1]))"
+
+
+def _reader_plans(task: str) -> list[PlanAnswer]:
+    path = Path(SHIPPED / f"contact-{task}.jsonl")
+    if not path.exists():
+        return []
+    kept = [one for one in read_attempts(path, task) if one["kind"] in ("cost-function", "cost-repair")]
+    return [PlanAnswer.model_validate(one["answer"]) for one in kept if one["verdict"] == "accepted"]
+
+
+def fatal(cost: Cost, samples: list[Context]) -> list[CostFault]:
+    """Return the faults that refuse a cost."""
+    return [fault for fault in verify_cost(cost, samples) if fault.fatal]
+
+
+def main() -> None:
+    """Print accepted and checked costs by kind and task, and how many had two verdicts."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--trials", type=int, default=10, help="trials of each task")
+    parser.add_argument("--tasks", default=",".join(TASKS))
+    parser.add_argument("--verbose", action="store_true", help="print every refusal")
+    args = parser.parse_args()
+    counts: dict[tuple[str, str], list[int]] = defaultdict(lambda: [0, 0, 0])
+    for task in args.tasks.split(","):
+        for seed in range(args.trials):
+            opening = Opening(task, seed)
+            for kind, cost in good_costs(opening, task):
+                first, second = fatal(cost, opening.samples), fatal(cost, opening.samples)
+                row = counts[kind, task]
+                row[0] += not first
+                row[1] += 1
+                row[2] += first != second
+                if first and args.verbose:
+                    print(json.dumps([task, seed, kind, cost.name, [fault.reason for fault in first]]))
+            opening.close()
+    print("| cost | task | accepted | checked | two verdicts |\n|---|---|---|---|---|")
+    for (kind, task), (good, all_, two) in sorted(counts.items()):
+        print(f"| {kind} | {task} | {good} | {all_} | {two} |")
+    print(f"accepted {np.sum([row[0] for row in counts.values()])} of {np.sum([row[1] for row in counts.values()])}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,100 @@
+"""What the hand touches in the running episode, from what the robot measures: poses, the wrench, the fingers' opening.
+
+A rehearsal knows contacts from its own simulation, which believes in wrong masses and in poses that are off by
+millimetres. In the episode a part of the hand touches what it is next to if a force is felt or the fingers are held
+apart.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import mujoco
+import numpy as np
+
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.cost.context import Array, Context, Lazy
+from coral.contact.scene.observation import Observation
+
+GAP_M = 0.004
+"""A gap that the errors of tracked poses explain."""
+FELT_N = 0.5
+"""A force of the surroundings on the hand above this is a touch."""
+HELD_M = 0.003
+"""Fingers that stay this much wider than commanded are held apart."""
+PARTS = ("left", "right", "hand")
+"""The fingers, and the palm with the wrist."""
+
+
+def touched_by(world: PlanningWorld, now: Observation, commanded_opening_m: float) -> dict[str, tuple[str, ...]]:
+    """Return what each part of the hand touches: objects, fixtures, the table.
+
+    Args:
+        world: The planning world; only its shapes are used.
+        now: The measured state.
+        commanded_opening_m: The opening last commanded.
+    """
+    felt = float(np.linalg.norm(now.wrench[:3])) > FELT_N
+    held = now.opening_m > max(commanded_opening_m, 0.0) + HELD_M
+    if not felt and not held:
+        return dict.fromkeys(PARTS, ())
+    model, data = world.placed(now)
+    parts = _geoms_of(model, PARTS)
+    things = {name: _geoms_of(model, (name,))[name] for name in now.objects}
+    things |= {
+        model.geom(geom).name: [geom]
+        for geom in range(model.ngeom)
+        if model.geom_bodyid[geom] == 0 and model.geom(geom).name and model.geom_contype[geom]
+    }
+    near = {
+        part: tuple(name for name, others in things.items() if _gap(model, data, own, others) < GAP_M)
+        for part, own in parts.items()
+    }
+    if felt:
+        return near
+    # Squeezing alone leaves no net force, and tells of nothing but what both fingers hold.
+    both = tuple(name for name in near["left"] if name in near["right"] and name in now.objects)
+    return {"left": both, "right": both, "hand": ()}
+
+
+def _geoms_of(model: mujoco.MjModel, bodies: tuple[str, ...]) -> dict[str, list[int]]:
+    ids = {name: model.body(name).id for name in bodies}
+    return {name: [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == ids[name]] for name in bodies}
+
+
+def _gap(model: mujoco.MjModel, data: mujoco.MjData, first: list[int], second: list[int]) -> float:
+    """Return the smallest distance (m) between two sets of geoms, at most 5 cm."""
+    ends = np.zeros(6)
+    return min(
+        (mujoco.mj_geomDistance(model, data, one, other, 0.05, ends) for one in first for other in second), default=0.05
+    )
+
+
+def with_measured_contacts(state: Context, now: Observation, touched: dict[str, tuple[str, ...]]) -> Context:
+    """Return a state with the measured contacts and forces of the hand in place of the rehearsed ones.
+
+    Args:
+        state: A batch of one.
+        now: The measured state.
+        touched: From `touched_by`.
+    """
+    values: dict[str, Array] = {
+        "ee_force": now.wrench[None, None, :3],
+        "ee_torque": now.wrench[None, None, 3:],
+    }
+    alone = {name for names in touched.values() for name in names}
+    for name in now.objects:
+        for part in ("left", "right"):
+            values[f"{name}_{part}_contact"] = np.full((1, 1), float(name in touched[part]))
+        any_part = any(name in names for names in touched.values())
+        values[f"{name}_hand_contact"] = np.full((1, 1), float(any_part))
+        if not any_part:
+            values[f"{name}_hand_force"] = np.zeros((1, 1, 3))
+        elif alone == {name}:
+            values[f"{name}_hand_force"] = -now.wrench[None, None, :3]
+    makers = {name: partial(_value_of, state, values, name) for name in state.names()}
+    return Context(Lazy(makers), state.shape)
+
+
+def _value_of(state: Context, values: dict[str, Array], name: str) -> Array:
+    return values[name] if name in values else state[name]

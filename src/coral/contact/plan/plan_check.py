@@ -1,0 +1,184 @@
+"""Check of a plan before the planner follows it: all faults at once, each beside its line, and advice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from coral.advisor.question import Rejection
+from coral.contact.cost.context import Context, Schema
+from coral.contact.cost_program import CostError
+from coral.contact.plan.cost_check import verify_cost
+from coral.contact.plan.cost_fault import CostCheckCfg, CostFault
+from coral.contact.plan.cost_plan import (
+    Compiled,
+    Loader,
+    PlanAnswer,
+    StageAnswer,
+    compile_stage,
+    in_process,
+)
+
+STIFFNESS_N_M = (50.0, 3000.0)
+NOISE = (0.05, 3.0)
+Beginnings = Callable[[Sequence[Compiled]], Mapping[str, Sequence[Context]]]
+"""States around those in which the later stages begin, by the stage's name; a stage that is never reached has none."""
+
+
+@dataclass(frozen=True)
+class StageFault:
+    """A fault of one stage."""
+
+    stage: str
+    """Name of the stage."""
+    fault: CostFault
+
+
+@dataclass(frozen=True)
+class PlanVerdict:
+    """The verdict on a plan."""
+
+    refusal: Rejection | None
+    """Why the plan cannot be used; None if it can."""
+    advice: tuple[str, ...] = ()
+    """What its author should know although it is no reason to refuse the plan."""
+
+
+def judge_plan(
+    answer: PlanAnswer,
+    schema: Schema,
+    samples: Sequence[Context],
+    load: Loader = in_process,
+    cfg: CostCheckCfg | None = None,
+    beginnings: Beginnings | None = None,
+) -> PlanVerdict:
+    """Judge a plan: its stages, its programs, and their values on rolled-out states.
+
+    Args:
+        answer: The plan.
+        schema: The quantities of the state.
+        samples: Rolled-out batches, the first state of which is the present one.
+        load: Loads programs.
+        cfg: Thresholds of the check of costs.
+        beginnings: Finds the states in which later stages begin; asked only if a later stage looks wrong in the present
+            state. Without it, later stages are judged by what holds in every state.
+    """
+    structure = structure_faults(answer)
+    compiled, broken = _compile_each(answer, schema, load)
+    found = [StageFault("", fault) for fault in structure] + broken
+    unsure: dict[str, list[CostFault]] = {}
+    for index, made in enumerate(compiled):
+        name = made.answer.name
+        faults = [*verify_cost(made.cost, samples, cfg), *_condition_faults(made, samples)]
+        if index == 0:
+            found += [StageFault(name, fault) for fault in faults]
+            continue
+        found += [StageFault(name, fault) for fault in faults if fault.code not in ("unreachable", "barrier")]
+        later = [fault for fault in faults if fault.code in ("unreachable", "barrier")]
+        if later:
+            unsure[name] = later
+    if unsure and beginnings is not None and not any(one.fault.fatal for one in found):
+        states = beginnings(compiled)
+        for made in compiled:
+            name = made.answer.name
+            if name in unsure and states.get(name):
+                found += [
+                    StageFault(name, fault)
+                    for fault in verify_cost(made.cost, states[name], cfg)
+                    if fault.code in ("unreachable", "barrier")
+                ]
+    return _verdict(answer, found)
+
+
+def verify_plan(
+    answer: PlanAnswer,
+    schema: Schema,
+    samples: Sequence[Context],
+    load: Loader = in_process,
+    cfg: CostCheckCfg | None = None,
+) -> Rejection | None:
+    """Return why a plan cannot be used, or None; see `judge_plan`."""
+    return judge_plan(answer, schema, samples, load, cfg).refusal
+
+
+def structure_faults(answer: PlanAnswer) -> list[CostFault]:
+    """Return the faults of a plan's stages, apart from their programs."""
+    names, stages, faults = answer.names, answer.each(), []
+    for name in sorted({name for name in names if names.count(name) > 1}):
+        faults.append(f"two stages have the same name: {name!r}")
+    for stage in stages:
+        where = f"stage {stage.name!r}"
+        if bool(stage.back_to) != bool(stage.lost) or (stage.back_to and stage.back_to not in names):
+            faults.append(f"{where}: back_to and lost go together, and back_to is one of {', '.join(names)}")
+        if not STIFFNESS_N_M[0] <= stage.stiffness <= STIFFNESS_N_M[1]:
+            faults.append(f"{where}: stiffness lies within {STIFFNESS_N_M[0]:g} and {STIFFNESS_N_M[1]:g} N/m")
+        if not NOISE[0] <= stage.noise <= NOISE[1]:
+            faults.append(f"{where}: noise lies within {NOISE[0]:g} and {NOISE[1]:g}")
+        if stage is not stages[-1] and not stage.done and answer.stages:
+            faults.append(f"{where} never ends, so that those after it never begin: say when it is done")
+    return [CostFault("stages", 0, text) for text in faults]
+
+
+def _compile_each(answer: PlanAnswer, schema: Schema, load: Loader) -> tuple[list[Compiled], list[StageFault]]:
+    """Compile the stages; those that cannot be compiled are faults."""
+    compiled, broken = [], []
+    for stage in answer.each():
+        try:
+            compiled.append(compile_stage(stage, schema, load))
+        except CostError as error:
+            broken.append(StageFault(stage.name, CostFault(error.code, error.line, str(error))))
+    return compiled, broken
+
+
+def _condition_faults(made: Compiled, samples: Sequence[Context]) -> list[CostFault]:
+    """Return the faults of a stage's conditions and of its point on rolled-out states."""
+    faults = []
+    for field, program in (("done", made.done), ("lost", made.lost), ("toward", made.toward)):
+        if program is None:
+            continue
+        try:
+            for sample in samples[:1]:
+                program(sample)
+        except CostError as error:
+            faults.append(CostFault(error.code, 0, f"`{field}`: {error.text}"))
+    return faults
+
+
+def _verdict(answer: PlanAnswer, found: Sequence[StageFault]) -> PlanVerdict:
+    def told(one: StageFault) -> str:
+        return f"stage {one.stage!r}: {one.fault.reason}" if one.stage and answer.stages else one.fault.reason
+
+    fatal = [one for one in found if one.fault.fatal]
+    advice = tuple(told(one) for one in found if not one.fault.fatal)
+    if not fatal:
+        return PlanVerdict(None, advice)
+    reasons = [told(one) for one in fatal]
+    reason = reasons[0] if len(reasons) == 1 else " ".join(f"({k}) {text}" for k, text in enumerate(reasons, 1))
+    if advice:
+        reason += f" Also worth knowing, though no reason to refuse: {'; '.join(advice)}."
+    return PlanVerdict(
+        Rejection(
+            code=fatal[0].fault.code,
+            reason=reason,
+            details={"stage": fatal[0].stage, "faults": [one.fault.code for one in fatal]},
+            listing=list_program(answer, fatal),
+        ),
+        advice,
+    )
+
+
+def list_program(answer: PlanAnswer, faults: Sequence[StageFault]) -> str:
+    """Return the stages that have faults with numbered lines, each fault below its line."""
+    marked = {one.stage for one in faults}
+    parts = [_list_stage(stage, faults) for stage in answer.each() if stage.name in marked]
+    return "\n".join(parts)
+
+
+def _list_stage(stage: StageAnswer, faults: Sequence[StageFault]) -> str:
+    lines = [f"stage {stage.name!r}"]
+    own = [one.fault for one in faults if one.stage == stage.name]
+    for number, text in enumerate(stage.code.split("\n"), 1):
+        lines.append(f"{number:3d} | {text}")
+        lines += [f"    ^ {fault.code}" for fault in own if fault.line == number]
+    lines += [f"    {field}: {text}" for field in ("done", "lost", "toward") if (text := getattr(stage, field))]
+    return "\n".join(lines)

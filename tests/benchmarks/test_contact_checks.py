@@ -1,0 +1,67 @@
+import importlib.util
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+from coral.advisor.prompt import FOLDER
+from coral.contact.cost_program import CostProgram
+from coral.contact.plan.cost_plan import PlanAnswer
+from coral.contact.plan.plan_check import judge_plan
+
+spec = importlib.util.spec_from_file_location(
+    "contact_checks", Path(__file__).parents[2] / "benchmarks" / "contact_checks.py"
+)
+contact_checks = importlib.util.module_from_spec(spec)
+sys.modules[spec.name] = contact_checks
+spec.loader.exec_module(contact_checks)
+
+
+@pytest.fixture
+def opening():
+    made = []
+
+    def make(task, seed=0):
+        made.append(contact_checks.Opening(task, seed))
+        return made[-1]
+
+    yield make
+    for one in made:
+        one.close()
+
+
+@pytest.mark.parametrize("task", contact_checks.TASKS)
+def test_costs_that_are_known_to_be_good_are_accepted(opening, task):
+    one = opening(task)
+    costs = list(contact_checks.good_costs(one, task))
+    assert {"example", "example, with abs", "expert", "expert-fsm", "rules"} <= {kind for kind, _ in costs}
+    assert [(kind, cost.name) for kind, cost in costs if contact_checks.fatal(cost, one.samples)] == []
+
+
+def prompt_example():
+    text = (FOLDER / "parts" / "plan-example.md").read_text()
+    return json.loads(re.search(r"```json\n(.*?)\n```", text, re.DOTALL)[1])
+
+
+@pytest.mark.parametrize("task", contact_checks.TASKS)
+def test_the_example_of_the_prompt_passes_every_check_without_advice(opening, task):
+    one = opening(task)
+    name = next(iter(one.trial.objects))
+    text = json.dumps(prompt_example()).replace("puck", name)
+    if "goal" not in one.trial.task.places:
+        text = text.replace("self.goal_pos", f"(self.{name}_init_pos + np.array([0.1, 0.0, 0.0]))")
+    verdict = judge_plan(PlanAnswer.model_validate_json(text), one.schema, one.samples)
+    assert (verdict.refusal, verdict.advice) == (None, ())
+
+
+def test_one_cost_has_one_verdict_a_hundred_times(opening):
+    one = opening("push-force")
+    gate = """def state_cost(self):
+    d = norm(self.ee_pos - self.block_pos)
+    return 5.0 * d + (4.0 if d < 0.12 else 0.0)"""
+    cost = CostProgram(gate, one.schema)
+    first = contact_checks.fatal(cost, one.samples)
+    assert [fault.code for fault in first] == ["barrier"]
+    assert all(contact_checks.fatal(cost, one.samples) == first for _ in range(99))
