@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts.terms import axis, dot, near, norm
-from coral.contact.scene.conditions import Grasped, Lifted
 from coral.contact.scene.geometry import conjugate, multiply, rotate, rotation_of
+from coral.contact.scene.state_conditions import Grasped, Lifted
 from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts import pick
 from coral.contact.experts.terms import axis, level, near, norm
-from coral.contact.scene.conditions import At, Inside, Released
+from coral.contact.scene.state_conditions import At, Inside, Released
 from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
