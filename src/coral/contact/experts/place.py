@@ -9,7 +9,7 @@ from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts import pick
 from coral.contact.experts.terms import axis, level, near, norm
-from coral.contact.scene.state_conditions import At, Inside, Released
+from coral.contact.scene.state_conditions import At, Inside, Released, Resting
 from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
@@ -101,6 +101,7 @@ def fsm(task: Task) -> Strategy:
     """Reach, close, raise, carry, lower, release, retreat; return to reaching if the object is lost."""
     name = task.objects[0].name
     carry_m = task.numbers.get("carry_height", CARRY_M)
+    below = [one.thing for one in task.success.conditions if isinstance(one, Resting) and one.object == name]
     picking = pick.fsm(task)
     reach, close = picking.stages[:2]
 
@@ -191,7 +192,7 @@ def fsm(task: Task) -> Strategy:
                 (guide("down"),),
                 sigma=0.7,
                 back=back,
-                until=lambda now: any(now[f"{name}_{thing}_contact"][0, 0] > 0 for thing in task.things),
+                until=lambda now: any(now[f"{name}_{thing}_contact"][0, 0] > 0 for thing in {*task.things, *below}),
             ),
             Stage(
                 "release",

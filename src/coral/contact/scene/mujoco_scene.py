@@ -25,6 +25,8 @@ FINGER_FRICTION = 1.0
 TORSION, ROLLING = 0.005, 0.0001
 ROUND_ROLLING = 0.0005
 """Rolling friction (m) of round parts and meshes: without it a bottle on its side creeps on for ever."""
+HARD_FRICTION = [0.999, 0.9999, 0.001, 0.5, 2.0]
+"""Impedance of joint friction: with MuJoCo's own a drawer held by friction creeps with a centimetre per second."""
 JOINT_DAMPING = {"hinge": 0.02, "slide": 1.0}
 """Viscous damping of joints, N m s or N s/m, besides their friction."""
 
@@ -116,6 +118,7 @@ def _add_joint(spec: mujoco.MjSpec, body: mujoco.MjsBody, joint: Joint, found: T
         ref=np.degrees(found.joint_start) if hinge and not in_radians else found.joint_start,
         frictionloss=joint.friction,
         damping=JOINT_DAMPING[joint.kind],
+        solimp_friction=HARD_FRICTION,
     )
     # The range keeps it from what it is built into: a drawer would jam on the walls of its chest.
     spec.add_exclude(bodyname1="world", bodyname2=body.name)

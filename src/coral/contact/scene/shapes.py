@@ -123,8 +123,8 @@ class Movable(TaskPart):
         mass_kg, friction: Drawn anew in each trial; unknown to the planner.
         scale: Factors on the three axes of all parts and points, drawn anew; the planner knows the result (known
             meshes).
-        x, y: Where its frame's origin stands; z follows from resting on the table, or is `z`. With `on`, x and y are
-            those from the origin of that object, named before, on whose top it stands.
+        x, y: Where its frame's origin stands; z follows from resting on the table, or is `z`. With `stands_on`, x and
+            y are those from the origin of that object, on whose top it stands.
         yaw_deg: Its heading; `rpy_deg` turns it before that, as to lay it on a side.
         points: Named points on it, in its frame.
         symmetry: Which turns leave it looking the same.
@@ -140,7 +140,7 @@ class Movable(TaskPart):
     x: PositionRange
     y: PositionRange
     z: Coordinate | None = None
-    on: Name | None = None
+    stands_on: Name | None = None
     yaw_deg: AngleRange = (0.0, 0.0)
     rpy_deg: Turn = (0.0, 0.0, 0.0)
     points: dict[Name, Vector] = Field(default_factory=dict)
@@ -150,8 +150,8 @@ class Movable(TaskPart):
 
     @model_validator(mode="after")
     def _placed_once(self) -> Movable:
-        if self.z is not None and self.on is not None:
-            raise ValueError("z or on, not both")
+        if self.z is not None and self.stands_on is not None:
+            raise ValueError("z or stands_on, not both")
         if self.joint is not None and any(axis != (1.0, 1.0) for axis in self.scale):
             raise ValueError("a scale of 1 for an object on a joint")
         return self

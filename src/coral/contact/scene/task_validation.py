@@ -87,10 +87,15 @@ def _check_names(task: Task, where: str) -> None:
 
 
 def _check_place(task: Task, item: Movable, where: str, field: str) -> None:
-    if item.on is not None:
-        names = [one.name for one in task.objects]
-        check_known(item.on, names[: names.index(item.name)], where, f"{field}.on")
-    if item.z is not None or item.on is not None:
+    if item.stands_on is not None:
+        check_known(item.stands_on, [one.name for one in task.objects if one is not item], where, f"{field}.stands_on")
+        below, seen = item, set()
+        while below.stands_on is not None and below.stands_on in [one.name for one in task.objects]:
+            if below.name in seen:
+                raise InputError(where, f"{field}.stands_on", item.stands_on, "a stack that ends on the table")
+            seen.add(below.name)
+            below = task.object(below.stands_on)
+    if item.z is not None or item.stands_on is not None:
         return
     table = task.table
     for axis, ends in (("x", item.x), ("y", item.y)):

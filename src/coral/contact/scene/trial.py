@@ -132,8 +132,9 @@ def sample_trial(task: Task, seed: int, where: str = "") -> Trial:
     clash = None
     for _ in range(100):
         objects: dict[str, TrialObject] = {}
-        for item in task.objects:
+        for item in _from_below(task):
             objects[item.name] = _sample_object(item, task, objects, rng)
+        objects = {item.name: objects[item.name] for item in task.objects}
         trial = Trial(task, seed, objects)
         _check_heights(trial, where)
         clash = _find_clash(trial)
@@ -143,8 +144,19 @@ def sample_trial(task: Task, seed: int, where: str = "") -> Trial:
         where,
         "objects",
         f"{clash} in each other's place",
-        "ranges of x, y and yaw_deg with room for all beside each other, or on for one that stands on another",
+        "ranges of x, y and yaw_deg with room for all beside each other, or stands_on for one on top of another",
     )
+
+
+def _from_below(task: Task) -> list[Movable]:
+    """Order the objects so that what stands on another one comes after it."""
+    found: list[Movable] = []
+    left = list(task.objects)
+    while left:
+        ready = [item for item in left if item.stands_on is None or item.stands_on in [one.name for one in found]]
+        found += ready
+        left = [item for item in left if item not in ready]
+    return found
 
 
 def _sample_object(
@@ -157,9 +169,12 @@ def _sample_object(
     x, y, yaw = rng.uniform(*item.x), rng.uniform(*item.y), np.radians(rng.uniform(*item.yaw_deg))
     quaternion = multiply(from_rotvec([0, 0, yaw]), from_rpy_deg(item.rpy_deg))
     floor = 0.0
-    if item.on is not None:
-        below = placed[item.on]
-        top = corners(task.object(item.on), below.scale) @ rotation_of(below.pose.quaternion).T + below.pose.position
+    if item.stands_on is not None:
+        below = placed[item.stands_on]
+        top = (
+            corners(task.object(item.stands_on), below.scale) @ rotation_of(below.pose.quaternion).T
+            + below.pose.position
+        )
         x, y, floor = x + below.pose.position[0], y + below.pose.position[1], float(top[:, 2].max())
     z = item.z if item.z is not None else floor - (corners(item, scale) @ rotation_of(quaternion).T)[:, 2].min()
     pose = BodyState(np.array([x, y, z]), quaternion)
@@ -184,15 +199,15 @@ def _check_heights(trial: Trial, where: str) -> None:
 def _find_clash(trial: Trial, gap_m: float = 0.01) -> str | None:
     """Name two objects that are too close, or an object inside a fixture; None if there are none.
 
-    Objects that the ranges scatter over the table are `gap_m` apart. One whose height the file gives, by `z` or `on`,
-    was placed on purpose: it may touch the others, as in a stack, or stand in a hollow of another, part beside part.
+    Objects that the ranges scatter over the table are `gap_m` apart. One whose height the file gives, by `z` or
+    `stands_on`, was placed on purpose: it may touch the others, as in a stack, or stand in a hollow of another.
     """
     placed = {
         name: trial.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
         for name, item in trial.objects.items()
     }
     names = list(placed)
-    scattered = [item.name for item in trial.task.objects if item.z is None and item.on is None]
+    scattered = [item.name for item in trial.task.objects if item.z is None and item.stands_on is None]
     for k, name in enumerate(names):
         for other in names[k + 1 :]:
             apart = gap_m if name in scattered and other in scattered else -PRESSED_M
