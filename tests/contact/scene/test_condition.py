@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from contact_bench import body, plain, touch, truth, written
 
-from coral.contact.scene.condition import Clock, degrees_between, hand_force, touches
+from coral.contact.scene.condition import StepClock, degrees_between, hand_force, touches
 from coral.contact.scene.observation import HandForce, Truth
 from coral.errors import InputError
 
@@ -27,7 +27,7 @@ def test_a_force_measured_over_the_step_counts_before_the_contacts_at_its_end():
 
 
 def test_the_clock_does_not_count_the_time_before_its_first_call():
-    clock = Clock()
+    clock = StepClock()
     assert [clock.advance(truth(t)) for t in (5.0, 5.5, 5.6)] == pytest.approx([0.0, 0.5, 0.1])
 
 

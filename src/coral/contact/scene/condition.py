@@ -106,7 +106,7 @@ def hand_force(truth: Truth, name: str) -> float | None:
     return float(np.linalg.norm(total)) if touching else None
 
 
-class Clock:
+class StepClock:
     """Time between the calls of a monitor; the first call has no predecessor, so its time does not count."""
 
     def __init__(self) -> None:

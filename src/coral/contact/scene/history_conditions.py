@@ -11,8 +11,8 @@ from coral.contact.scene.condition import (
     AngleBand,
     Axis,
     BaseCondition,
-    Clock,
     Monitor,
+    StepClock,
     axis_of,
     degrees_between,
     hand_force,
@@ -42,7 +42,7 @@ class TouchedWhileTurning(BaseCondition):
         """See `BaseCondition.monitor`."""
         before = axis_of(trial.objects[self.object].pose.quaternion, self.axis)
         low, high = self.between_deg
-        clock = Clock()
+        clock = StepClock()
         touched, against, reached, touching = 0.0, 0.0, low, False
 
         def holds(truth: Truth) -> bool:
@@ -86,7 +86,7 @@ class SteadyForce(BaseCondition):
     def monitor(self, trial: Trial) -> Monitor:
         """See `BaseCondition.monitor`."""
         recent: list[tuple[float, float]] = []
-        clock = Clock()
+        clock = StepClock()
         counted, within, squares = 0.0, 0.0, 0.0
         most = np.inf if self.deviation_n is None else self.deviation_n
 
@@ -201,7 +201,7 @@ class KeptTouching(BaseCondition):
 
     def monitor(self, trial: Trial) -> Monitor:
         """See `BaseCondition.monitor`."""
-        clock = Clock()
+        clock = StepClock()
         apart, left = 0.0, False
 
         def holds(truth: Truth) -> bool:
@@ -247,7 +247,7 @@ class Slid(BaseCondition):
     def monitor(self, trial: Trial) -> Monitor:
         """See `BaseCondition.monitor`."""
         way, before = 0.0, trial.objects[self.object].pose.position
-        since_touch, clock = PUSHED_S + 1.0, Clock()
+        since_touch, clock = PUSHED_S + 1.0, StepClock()
 
         def holds(truth: Truth) -> bool:
             nonlocal way, before, since_touch
