@@ -96,6 +96,7 @@ class PandaWorld:
         self.data.time = 0.0
         mujoco.mj_forward(self.model, self.data)
         self._watch.reset(self.data)
+        self._forces.begin()
         return self._observe(np.zeros(6))
 
     def step(self, target: HandTarget) -> Observation:
