@@ -23,7 +23,7 @@ def test_the_recipes_name_files():
 @pytest.mark.parametrize(
     ("module", "names"),
     [
-        ("coral.contact.scene.conditions", ["BaseCondition"]),
+        ("coral.contact.scene.condition", ["BaseCondition"]),
         ("coral.contact.perception.tracker_registry", ["TRACKERS", "TrackerCfgs"]),
         ("coral.contact.perception.tracker", ["PoseTracker"]),
         ("coral.contact.worlds.registry", ["WORLDS"]),

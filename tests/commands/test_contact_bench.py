@@ -5,7 +5,7 @@ from contact_bench import changed
 
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
-from coral.commands.contact_bench import ContactBench, read_memory
+from coral.commands.contact_bench import ContactBench, named_tasks, read_memory
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.tasks import load_task
 from coral.errors import InputError
@@ -16,6 +16,14 @@ SKIP = ["--no-preflight", "--model.max-retries", "0", "--model.format-repairs", 
 
 def answer(capsys):
     return json.loads(capsys.readouterr().out)
+
+
+def test_suites_have_a_name():
+    assert "pick-box" in named_tasks("all")
+    assert set(named_tasks("unseen")) == {*named_tasks("unseen:development"), *named_tasks("unseen:test")}
+    assert named_tasks("pick-box,a.yaml") == ("pick-box", "a.yaml")
+    with pytest.raises(InputError, match="one of development, test"):
+        named_tasks("unseen:none")
 
 
 @pytest.fixture(scope="module")

@@ -5,20 +5,24 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+import yaml
+from pydantic import TypeAdapter
 
 from coral.contact.scene.conditions import Condition
-from coral.contact.scene.shapes import Fixture, Movable, Shape
+from coral.contact.scene.shapes import Fixture, Joint, Movable, Shape
 from coral.contact.scene.task import Task
+from coral.contact.scene.task_file import UNSEEN_HALVES, unseen_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 PAGE = (Path(__file__).parents[2] / "docs" / "contact-tasks.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
 KINDS = get_args(get_args(Condition)[0])
 
 
 def test_the_example_is_a_task_that_can_be_simulated(tmp_path):
-    [example] = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
+    example, *_ = BLOCKS
     path = tmp_path / "drawer-stop.yaml"
     path.write_text(example, encoding="utf-8")
     task = load_task(path)
@@ -38,7 +42,18 @@ def test_every_condition_has_its_row_with_its_keys(kind):
             assert f"({field.default:g}" in row or f"({field.default}" in row
 
 
-@pytest.mark.parametrize("part", [Task, Movable, Shape, Fixture])
+def test_the_pieces_of_files_are_valid():
+    _, conditions, joint = map(yaml.safe_load, BLOCKS)
+    assert [TypeAdapter(Condition).validate_python(one).kind for one in conditions] == ["sequence"]
+    assert Joint.model_validate(joint["joint"]).kind == "hinge"
+
+
+def test_the_unseen_suite_is_listed_by_half():
+    for half in UNSEEN_HALVES:
+        assert sorted(re.findall(rf"^\| `([\w-]+)` \| {half} \|", PAGE, re.MULTILINE)) == list(unseen_tasks(half))
+
+
+@pytest.mark.parametrize("part", [Task, Movable, Shape, Fixture, Joint])
 def test_every_key_is_on_the_page(part):
     hidden = {"format", "friction"} if part is Fixture else {"format"}
     assert [key for key in part.model_fields if key not in hidden and f"`{key}`" not in PAGE] == []

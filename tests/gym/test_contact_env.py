@@ -7,7 +7,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import coral.gym  # noqa: F401  (registers)
-from coral.contact.scene.conditions import BaseCondition
+from coral.contact.scene.condition import BaseCondition
 from coral.contact.tasks import load_task
 from coral.errors import InputError
 from coral.gym.contact_env import ContactEnv

@@ -8,7 +8,8 @@ import pytest
 import coral
 from coral.cli import main
 from coral.contact.control.mppi_controller import Controller
-from coral.contact.scene.conditions import BaseCondition, Lifted
+from coral.contact.scene.condition import BaseCondition
+from coral.contact.scene.state_conditions import Lifted
 from coral.errors import InputError
 from coral.interface.task import with_conditions
 

@@ -50,7 +50,7 @@ from coral.contact.perception.tracker_registry import drop_addresses
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.rules.mistakes import CONTACT_MISTAKES
 from coral.contact.scene.task import Task
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.thinking_clock import thinking_latency
@@ -106,7 +106,8 @@ class ContactBench(CampaignFlags):
     policies: str = ""
     """Served policies to compare, NAME=ws://HOST:PORT, separated by commas."""
     tasks: str = "all"
-    """Shipped tasks or task files, separated by commas; all: the shipped ones."""
+    """Shipped tasks or task files, separated by commas; all: the six of the paper; unseen: the unseen suite, or
+    unseen:development or unseen:test for half of it."""
     worlds: str = "panda"
     """Evaluation worlds, separated by commas: panda, hand."""
     seeds: str = "0-9"
@@ -150,7 +151,7 @@ class ContactBench(CampaignFlags):
             with store.lock():
                 return self._collect(store, None)
         check_jobs(self.jobs)
-        names = shipped_tasks() if self.tasks == "all" else parse_names(self.tasks, "--tasks")
+        names = named_tasks(self.tasks)
         tasks = {name: load_task(name) for name in names}
         cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
         cfg = checked(cfg, "--cfg")
@@ -328,6 +329,20 @@ class ContactBench(CampaignFlags):
         words += config_words(self.cfg, episode_alone(), self.config)
         words += config_words(self.model, contact_model(), None, "model")
         return shlex.join(words)
+
+
+def named_tasks(text: str) -> tuple[str, ...]:
+    """Return the tasks that `--tasks` names.
+
+    Raises:
+        InputError: The unseen suite has no such half.
+    """
+    if text == "all":
+        return shipped_tasks()
+    suite, _, half = text.partition(":")
+    if suite == "unseen" and "," not in text:
+        return unseen_tasks(half)
+    return parse_names(text, "--tasks")
 
 
 def _task_digest(task: Task) -> str:

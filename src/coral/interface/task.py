@@ -30,7 +30,7 @@ from coral.contact.episode.resolution import (
 )
 from coral.contact.episode.variants import ALONE, AdvisorSetup, contact_model, make_strategist
 from coral.contact.rules.mistakes import CONTACT_MISTAKES
-from coral.contact.scene.conditions import BaseCondition
+from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_validation import check_task
 from coral.contact.scene.trial import sample_trial

@@ -291,3 +291,30 @@ def test_a_light_box_held_still_stays_between_the_fingers():
         box = body(rng.normal([0.0, 0.0, 0.3], 0.001), rng.normal(scale=0.6, size=3))
         context, _ = planner.rollout(seen(trial, tool=(0.0, 0.0, 0.305), opening_m=0.0595, box=box), still)
         assert np.linalg.norm(context.box_pos[0, -1] - context.ee_pos[0, -1]) < 0.02
+
+
+def test_a_drawer_is_rehearsed_along_its_slide_and_sleeps_until_it_is_touched():
+    slide = {"kind": "slide", "axis": [1, 0, 0], "range": [-0.1, 0.1], "friction": 0.5}
+    drawer = plain()["objects"][0] | {"joint": slide}
+    tin = plain()["objects"][0] | {"name": "tin", "y": 0.2}
+    trial = make_trial(objects=[drawer, tin])
+    beliefs = {name: PhysicalParameters(0.2, 0.4) for name in ("box", "tin")}
+    planner = world(trial, beliefs)
+    away = np.broadcast_to([-0.2, 0.0, 0.03], (1, 12, 3))
+    context, sane = planner.rollout(beside(trial), controls(np.concatenate([pushes(1), away])))
+    assert sane.all()
+    assert context.box_pos[0, -1, 0] > 0.005
+    assert context.box_vel[0, -1, 0] > 0.01
+    assert np.abs(context.box_pos[0, :, 1:] - [0.0, 0.03]).max() < 1e-6
+    assert context.box_corner_pos[0] == pytest.approx(context.box_pos[0] + [0.03, 0.03, 0.03])
+    assert np.abs(context.box_pos[1]).max() == pytest.approx(0.03, abs=1e-6)
+    assert np.abs(context.box_angvel).max() < 1e-6
+
+
+def test_a_drawers_slide_is_where_it_was_first_seen():
+    slide = {"kind": "slide", "axis": [1, 0, 0], "range": [-0.1, 0.1]}
+    trial = make_trial(objects=[plain()["objects"][0] | {"joint": slide}])
+    first = seen(trial, box=body((0.0, 0.01, 0.03)))
+    planner = PlanningWorld(trial, LIGHT, first, CFG)
+    moved = replace(first, objects={"box": body((0.04, 0.02, 0.03))})
+    assert planner.present(moved).box_pos[0, 0] == pytest.approx([0.04, 0.01, 0.03], abs=1e-4)

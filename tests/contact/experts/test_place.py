@@ -122,3 +122,29 @@ def test_the_next_guide_of_one_cost_is_the_grasp_then_up_then_over_then_down(hel
     assert [len(onward(state)) for state in (low, high, over)] == [2, 1, 2]
     down = onward(over)[0] - (over.ee_pos - over.can_pos)[0, 0]
     assert down == pytest.approx([0.1, -0.2, 0.004 + np.asarray(over.can_size)[0, 0, 2] / 2])
+
+
+@pytest.mark.parametrize(("tip_m", "released"), [(0.005, True), (0.02, False)])
+def test_a_peg_is_released_once_it_is_deep_enough_and_not_at_the_rim(tip_m, released, state_of):
+    progress = Progress(fsm(load_task("insert-peg")))
+    progress.index = 4
+    peg = np.array([0.1, -0.12, tip_m + 0.055])
+    now = state_of(
+        "insert-peg",
+        peg_pos=peg,
+        peg_tip_pos=peg - [0, 0, 0.055],
+        peg_well_left_contact=1,
+        ee_pos=pick.grasp_point(state_of("insert-peg", peg_pos=peg), "peg"),
+    )
+    assert progress.stage.name == "lower"
+    progress.update(now)
+    assert (progress.stage.name == "release") is released
+
+
+def test_a_block_is_released_on_the_block_that_it_is_stacked_on(state_of):
+    progress = Progress(fsm(load_task("stack-blocks")))
+    progress.index = 4
+    top = np.array([0.08, -0.1, 0.08])
+    changed = {"top_pos": top, "ee_pos": pick.grasp_point(state_of("stack-blocks", top_pos=top), "top")}
+    assert not progress.update(state_of("stack-blocks", top_table_contact=0, **changed))
+    assert progress.update(state_of("stack-blocks", top_table_contact=0, top_base_contact=1, **changed))

@@ -208,3 +208,17 @@ def test_where_one_coordinate_of_a_place_counts_the_object_is_set_down_as_where_
 
     assert heights(axes)[0] == heights("xy")[0]
     assert heights(axes)[1][1].split(" < ")[-1] == heights("xy")[1][1].split(" < ")[-1]
+
+
+def test_limits_and_what_comes_with_another_goal_move_nothing_by_themselves(scene):
+    lifted = {"kind": "lifted", "object": "brick", "height_m": 0.1}
+    slid = {"kind": "slid", "object": "brick", "distance_m": 0.1}
+    limits = [
+        {"kind": "peak-force", "object": "brick", "newtons": 10.0},
+        {"kind": "kept-level", "object": "brick"},
+        {"kind": "never-touched", "object": "brick", "thing": "table"},
+    ]
+    facts = scene(task(lifted, slid, *limits)).facts
+    assert [goal["kind"] for goal in movement_goals(facts["goals"], facts)] == ["lifted"]
+    alone = scene(task(slid, *limits)).facts
+    assert [goal["kind"] for goal in movement_goals(alone["goals"], alone)] == ["slid"]

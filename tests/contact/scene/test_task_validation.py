@@ -123,3 +123,27 @@ def test_a_file_that_is_no_mesh_is_refused(tmp_path, name, content):
     field, text = refusal(meshed(tmp_path / name))
     assert field == "objects[0].parts[0].file"
     assert name in text
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [("step", "a column of the run's logs"), ("palm", "a part of the robot"), ("wall", "also fixtures[0].name")],
+)
+def test_a_name_that_is_taken_is_refused_with_the_reason(name, reason):
+    objects = [BOX | {"name": name}]
+    _, text = refusal(plain() | {"objects": objects, "success": {"conditions": [GOOD | {"object": name}]}})
+    assert text.endswith(f"expected a name that is not taken: this one is {reason}")
+
+
+@pytest.mark.parametrize(
+    ("others", "expected"),
+    [({"a": "c"}, "one of a_b, b"), ({"a": "a"}, "one of a_b, b"), ({"a": "b", "b": "a"}, "ends on the table")],
+)
+def test_a_stack_stands_on_other_objects_and_on_the_table(others, expected):
+    content = three()
+    for item in content["objects"]:
+        if item["name"] in others:
+            item["stands_on"] = others[item["name"]]
+    field, text = refusal(content)
+    assert field == "objects[0].stands_on"
+    assert expected in text

@@ -140,3 +140,47 @@ def test_an_even_scale_keeps_any_shape():
 def test_extents(part, size):
     trial = sample_trial(Task.model_validate(changed("objects.0.parts", [part])), 0)
     assert trial.size("box") == pytest.approx(size)
+
+
+BASE = {
+    "parts": [{"size": [0.08, 0.08, 0.04]}],
+    "mass_kg": 0.3,
+    "friction": 0.5,
+    "name": "base",
+    "x": [0, 0.1],
+    "y": 0.1,
+}
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_stack_begins_in_contact_whichever_object_comes_first(order):
+    top = plain()["objects"][0] | {"stands_on": "base", "x": [-0.01, 0.01]}
+    trial = make_trial(objects=[top, BASE][::order])
+    top, base = trial.objects["box"].pose.position, trial.objects["base"].pose.position
+    assert top[2] == pytest.approx(0.04 + 0.03)
+    assert np.abs((top - base)[:2]).max() <= 0.01
+    assert list(trial.objects) == ["box", "base"][::order]
+
+
+@pytest.mark.parametrize(("z", "fits"), [(0.07, True), (0.0695, True), (0.06, False)])
+def test_a_height_of_ones_own_may_touch_but_not_penetrate(z, fits):
+    objects = [plain()["objects"][0] | {"z": z}, BASE | {"x": 0, "y": 0}]
+    if fits:
+        assert make_trial(objects=objects).objects["box"].pose.position[2] == z
+    else:
+        with pytest.raises(InputError, match="box and base in each other's place"):
+            make_trial(objects=objects)
+
+
+def test_an_object_may_stand_in_the_hollow_of_another():
+    ring = [{"size": [0.02, 0.12, 0.04], "position": [x, 0, 0]} for x in (-0.06, 0.06)]
+    objects = [plain()["objects"][0] | {"z": 0.03}, BASE | {"parts": ring, "x": 0, "y": 0}]
+    assert make_trial(objects=objects).objects["box"].pose.position[2] == 0.03
+
+
+def test_a_joint_starts_where_its_range_says_and_may_be_built_into_a_fixture():
+    slide = {"kind": "slide", "axis": [1, 0, 0], "range": [-0.3, 0], "start": [-0.2, -0.1]}
+    trial = make_trial(objects=[plain()["objects"][0] | {"x": 0.25, "joint": slide}])
+    start = trial.objects["box"].joint_start
+    assert -0.2 <= start <= -0.1
+    assert trial.objects["box"].pose.position[0] == pytest.approx(0.25 + start)

@@ -126,3 +126,11 @@ def test_the_interface_tells_the_kind_and_the_unit_of_a_quantity():
         "- self.lit (true or false): Whether it is lit.",
         "- self.count: How many.",
     ]
+
+
+def test_a_joint_is_told_with_where_it_stands():
+    hinge = {"kind": "hinge", "axis": [0, 0, 1], "point": [-0.03, 0, 0], "range": [0, 90], "start": 30}
+    found = box_facts(joint=hinge)["joint"]
+    assert found.pop("now") == pytest.approx(30)
+    assert found == {"kind": "hinge", "axis": [0, 0, 1], "point": [-0.03, 0, 0], "range": [0, 90], "friction": 0.02}
+    assert "joint" not in box_facts()

@@ -14,6 +14,13 @@ from coral.contact.scene.trial import Trial
 FOUND, FORCE, TORQUE, PLACE, NET = 1, 2, 4, 16, 3
 """Bits of a contact sensor's data, and its reduction of several contacts."""
 
+MOTION = {
+    "pos": mujoco.mjtSensor.mjSENS_FRAMEPOS,
+    "quat": mujoco.mjtSensor.mjSENS_FRAMEQUAT,
+    "vel": mujoco.mjtSensor.mjSENS_FRAMELINVEL,
+    "angvel": mujoco.mjtSensor.mjSENS_FRAMEANGVEL,
+}
+"""Sensors of an object on a joint."""
 SWING_RAD = 0.8
 """Maximum rotation of a finger on its spring in one step. A finger of 50 g rotates by 1.4 rad in 10 ms: a squeezed
 box of 0.1 kg was thrown out within a second in 22 of 33 rehearsals that only held it (measured), with the limit in
@@ -86,6 +93,9 @@ def _add_sensors(spec: mujoco.MjSpec, trial: Trial) -> None:
     contact("hand_anything", (subtree, "hand"), None, FOUND | FORCE | TORQUE | PLACE)
     fixed = set(trial.task.things)
     for item in trial.task.objects:
+        if item.joint is not None:
+            for kind, sensor in MOTION.items():
+                spec.add_sensor(name=pair(item.name, kind), type=sensor, objtype=subtree, objname=item.name)
         contact(pair("hand", item.name), (subtree, "hand"), (subtree, item.name), FOUND | FORCE)
         for side in ("left", "right"):
             contact(pair(side, item.name), (body, side), (body, item.name), FOUND)
@@ -95,17 +105,19 @@ def _add_sensors(spec: mujoco.MjSpec, trial: Trial) -> None:
 
 
 class Index:
-    """Indices into the state and the sensor vectors."""
+    """Indices into the state and the sensor vectors; an object on a joint has sensors instead of a pose."""
 
     def __init__(self, model: mujoco.MjModel, names: Sequence[str]) -> None:
         self.nq, self.nv = model.nq, model.nv
         self.left, self.right = (int(model.joint(f"{side}_slide").qposadr[0]) for side in ("left", "right"))
         self.pose, self.speed = {}, {}
-        for name in names:
+        free = [name for name in names if model.jnt_type[model.body(name).jntadr[0]] == mujoco.mjtJoint.mjJNT_FREE]
+        for name in free:
             joint = model.joint(f"{name}_free")
             self.pose[name] = slice(int(joint.qposadr[0]), int(joint.qposadr[0]) + 7)
             self.speed[name] = slice(int(joint.dofadr[0]), int(joint.dofadr[0]) + 6)
         ends = zip(model.sensor_adr, model.sensor_adr + model.sensor_dim, strict=True)
         self.sensor = {model.sensor(k).name: slice(int(low), int(high)) for k, (low, high) in enumerate(ends)}
-        linear = [k for name in names for k in range(self.speed[name].start, self.speed[name].start + 3)]
-        self.speeds = np.array(linear) + 1 + model.nq
+        linear = [k for name in free for k in range(self.speed[name].start, self.speed[name].start + 3)]
+        jointed = [int(model.joint(f"{name}_joint").dofadr[0]) for name in names if name not in free]
+        self.speeds = np.array(linear + jointed) + 1 + model.nq

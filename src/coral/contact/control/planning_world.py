@@ -6,6 +6,7 @@ cores by `mujoco.rollout`. Sensors read the contacts, since a rollout returns no
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -18,12 +19,13 @@ from pydantic import Field
 
 from coral.config import NonNegative, Positive, TimeStep, whole_steps
 from coral.contact.control.hand_model import HandCfg, set_stiffness
-from coral.contact.control.planning_model import Index, build_model, pair
+from coral.contact.control.planning_model import MOTION, Index, build_model, pair
 from coral.contact.control.quantities import constants, task_schema_of
 from coral.contact.control.rollouts import FULL, SLEEP, Rollouts, RolloutStart
 from coral.contact.control.uncertainty import UncertaintyCfg, sample_beliefs
 from coral.contact.cost.context import Context, Lazy, Quantity
 from coral.contact.scene.geometry import multiply, rotate
+from coral.contact.scene.joint_motion import joint_speed
 from coral.contact.scene.mujoco_scene import contact_pairs
 from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
@@ -97,7 +99,7 @@ class PlanningWorld:
     ) -> None:
         self.cfg = cfg
         self._rng = rng or np.random.default_rng(0)
-        self._trial, self._start = trial, start
+        self._trial, self._start = _as_first_seen(trial, start), start
         self.edges = False
         """Whether the table has edges regardless of their distance."""
         self._substeps = whole_steps(cfg.step_s, cfg.physics_dt_s, "--cfg", "planning.physics_dt_s")
@@ -187,7 +189,7 @@ class PlanningWorld:
         """Return the model under the best belief, and its data with everything where it is measured."""
         model, data = self.models[0], self._scratch
         mujoco.mj_resetData(model, data)
-        put_state(model, data, now)
+        put_state(model, data, now, self._trial)
         _shift_fingers(model, data)
         mujoco.mj_fwdPosition(model, data)
         return model, data
@@ -209,7 +211,7 @@ class PlanningWorld:
         model, data = self.models[0], self._scratch
         mujoco.mj_resetData(model, data)
         data.time = now.time_s
-        put_state(model, data, now)
+        put_state(model, data, now, self._trial)
         _shift_fingers(model, data)
         state = np.zeros(mujoco.mj_stateSize(model, FULL))
         mujoco.mj_getState(model, data, state, FULL)
@@ -229,6 +231,8 @@ class PlanningWorld:
             return np.asarray((sensors[..., index.sensor[name].start] > 0).astype(float))
 
         def placed(name: str, local: Array) -> Array:
+            if name not in index.pose:
+                return np.asarray(sensed(pair(name, "pos")) + rotate(sensed(pair(name, "quat")), local))
             start = index.pose[name].start
             return np.asarray(qpos[..., start : start + 3] + rotate(qpos[..., start + 3 : start + 7], local))
 
@@ -251,11 +255,14 @@ class PlanningWorld:
             "last_action": lambda: _action(controls, len(self.models), self.cfg.step_s),
         }
         for name in self._names:
-            pose, speed = index.pose[name].start, index.speed[name].start
-            makers[f"{name}_pos"] = partial(_part, qpos, slice(pose, pose + 3))
-            makers[f"{name}_quat"] = partial(_part, qpos, slice(pose + 3, pose + 7))
-            makers[f"{name}_vel"] = partial(_part, qvel, slice(speed, speed + 3))
-            makers[f"{name}_angvel"] = partial(spin, name)
+            if name in index.pose:
+                pose, speed = index.pose[name].start, index.speed[name].start
+                makers[f"{name}_pos"] = partial(_part, qpos, slice(pose, pose + 3))
+                makers[f"{name}_quat"] = partial(_part, qpos, slice(pose + 3, pose + 7))
+                makers[f"{name}_vel"] = partial(_part, qvel, slice(speed, speed + 3))
+                makers[f"{name}_angvel"] = partial(spin, name)
+            else:
+                makers |= {f"{name}_{kind}": partial(sensed, pair(name, kind)) for kind in MOTION}
             makers[f"{name}_hand_contact"] = partial(touches, pair("hand", name))
             makers[f"{name}_hand_force"] = partial(sensed, pair("hand", name), FORCE)
             for side in ("left", "right"):
@@ -275,6 +282,16 @@ class PlanningWorld:
         return self._fixed[total]
 
 
+def _as_first_seen(trial: Trial, start: Observation) -> Trial:
+    """Place objects on joints where they were first seen: their axes follow from that."""
+    seen = {
+        item.name: dataclasses.replace(trial.objects[item.name], pose=start.objects[item.name])
+        for item in trial.task.objects
+        if item.joint is not None
+    }
+    return dataclasses.replace(trial, objects={**trial.objects, **seen})
+
+
 def _part(values: Array, part: slice) -> Array:
     return values[..., part]
 
@@ -283,8 +300,8 @@ def _identity(value: Array) -> Array:
     return value
 
 
-def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation) -> None:
-    """Write a measured state into a model with the floating hand."""
+def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation, trial: Trial) -> None:
+    """Write a measured state into a model with the floating hand; joints of objects get the nearest position."""
     start = int(model.joint("hand_x").qposadr[0])
     data.qpos[start : start + 3] = now.tool.position
     data.qpos[start + 3 : start + 7] = now.tool.quaternion
@@ -294,6 +311,12 @@ def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation) -> N
     for side in ("left", "right"):
         data.qpos[int(model.joint(f"{side}_slide").qposadr[0])] = now.opening_m / 2
     for name, body in now.objects.items():
+        held = trial.task.object(name).joint
+        if held is not None:
+            own = model.joint(f"{name}_joint")
+            data.qpos[own.qposadr[0]] = np.clip(trial.joint_position(name, body), *own.range)
+            data.qvel[own.dofadr[0]] = joint_speed(held, trial.objects[name].pose, body)
+            continue
         joint = model.joint(f"{name}_free")
         place, speed = int(joint.qposadr[0]), int(joint.dofadr[0])
         data.qpos[place : place + 3] = body.position

@@ -60,7 +60,8 @@ class RolloutStart:
         sleeping = data.tree_asleep[model.dof_treeid] >= 0
         state[1 + model.nq : 1 + model.nq + model.nv][sleeping] = 0.0
         for joint in np.flatnonzero(sleeping[model.jnt_dofadr]):  # bit for bit: a sleeper that was moved wakes up
-            place = slice(int(model.jnt_qposadr[joint]), int(model.jnt_qposadr[joint]) + 7)
+            width = 7 if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE else 1
+            place = slice(int(model.jnt_qposadr[joint]), int(model.jnt_qposadr[joint]) + width)
             state[1 : 1 + model.nq][place] = data.qpos[place]
         return cls(model, state, data)
 

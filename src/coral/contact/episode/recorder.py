@@ -10,7 +10,7 @@ import numpy as np
 
 from coral.config import Positive
 from coral.contact.perception.pose_difference import PoseDifference
-from coral.contact.scene.conditions import hand_force
+from coral.contact.scene.condition import hand_force
 from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Array, BodyState, Contact, HandTarget, Observation, Truth
 from coral.contact.worlds.evaluation_world import EvaluationWorld

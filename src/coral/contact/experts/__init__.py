@@ -9,7 +9,7 @@ import numpy as np
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Strategy
-from coral.contact.experts import board, flip, pick, place, push, wall
+from coral.contact.experts import board, drawer, flip, lid, pick, place, push, wall
 from coral.contact.scene.task import Task
 from coral.errors import InputError
 
@@ -29,7 +29,14 @@ _FSM = {
     "push-force": push.fsm,
     "flip-box": flip.fsm,
     "flip-wall": wall.fsm,
+    "open-drawer": drawer.opening,
+    "close-drawer": drawer.closing,
+    "close-lid": lid.fsm,
+    "push-gently": push.fsm,
+    "push-past-glass": push.fsm,
+    "topple-gently": flip.fsm,
 }
+"""State machines of the paper's tasks and of the unseen suite; its other tasks are to pick or to place."""
 
 
 def expert(task: Task, kind: Kind) -> Strategy:

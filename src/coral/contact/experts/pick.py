@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts.terms import axis, dot, near, norm
-from coral.contact.scene.conditions import Grasped, Lifted
 from coral.contact.scene.geometry import conjugate, multiply, rotate, rotation_of
+from coral.contact.scene.state_conditions import Grasped, Lifted, Still, Upright
 from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
@@ -22,11 +22,11 @@ ENOUGH_M = 0.02
 
 
 def picks(task: Task) -> bool:
-    """Check whether the task's only goal is to lift its first object."""
+    """Check whether the task's only goal is to lift its first object and to hold it as it stood."""
     return all(
-        isinstance(condition, Lifted | Grasped) and condition.object == task.objects[0].name
+        isinstance(condition, Lifted | Grasped | Upright | Still) and condition.object == task.objects[0].name
         for condition in task.success.conditions
-    )
+    ) and any(isinstance(condition, Lifted | Grasped) for condition in task.success.conditions)
 
 
 def across(state: Context, name: str) -> Array:

@@ -9,7 +9,8 @@ from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts import pick
 from coral.contact.experts.terms import axis, level, near, norm
-from coral.contact.scene.conditions import At, Inside, Released
+from coral.contact.scene.relative_conditions import Inserted
+from coral.contact.scene.state_conditions import At, Inside, Released, Resting
 from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
@@ -101,6 +102,9 @@ def fsm(task: Task) -> Strategy:
     """Reach, close, raise, carry, lower, release, retreat; return to reaching if the object is lost."""
     name = task.objects[0].name
     carry_m = task.numbers.get("carry_height", CARRY_M)
+    wells = [one for one in task.success.conditions if isinstance(one, Inserted) and one.object == name and one.place]
+    aside_m = 0.012 if wells else 0.02  # into a well, where a rim would stop it on the way, more exactly
+    below = [one.thing for one in task.success.conditions if isinstance(one, Resting) and one.object == name]
     picking = pick.fsm(task)
     reach, close = picking.stages[:2]
 
@@ -155,6 +159,12 @@ def fsm(task: Task) -> Strategy:
     def lost(now: Context) -> bool:
         return bool(norm(now.ee_pos - pick.grasp_point(now, name))[0, 0] > 0.05)
 
+    def landed(now: Context) -> bool:
+        if wells:
+            deep = [now[f"{well.place}_pos"] - now[f"{name}_{well.point}_pos"] for well in wells]
+            return all(way[0, 0, 2] > well.depth_m + 0.002 for way, well in zip(deep, wells, strict=True))
+        return any(now[f"{name}_{thing}_contact"][0, 0] > 0 for thing in {*task.things, *below})
+
     def guide(goal: str) -> Guide:
         def points(now: Context) -> Array:
             offset = now.ee_pos[0] - now[f"{name}_pos"][0]
@@ -183,7 +193,12 @@ def fsm(task: Task) -> Strategy:
                 until=lambda now: bool(now[f"{name}_pos"][0, 0, 2] > carry_m - 0.03),
             ),
             Stage(
-                "carry", carry, (guide("over"),), sigma=0.7, back=back, until=lambda now: bool(aside(now)[0, 0] < 0.02)
+                "carry",
+                carry,
+                (guide("over"),),
+                sigma=0.7,
+                back=back,
+                until=lambda now: bool(aside(now)[0, 0] < aside_m),
             ),
             Stage(
                 "lower",
@@ -191,7 +206,7 @@ def fsm(task: Task) -> Strategy:
                 (guide("down"),),
                 sigma=0.7,
                 back=back,
-                until=lambda now: any(now[f"{name}_{thing}_contact"][0, 0] > 0 for thing in task.things),
+                until=landed,
             ),
             Stage(
                 "release",

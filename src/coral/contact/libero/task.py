@@ -17,9 +17,9 @@ from coral.contact.libero.object_model import Array, Box, Model, read_model
 from coral.contact.libero.package import Package, find_package
 from coral.contact.libero.problem import Problem, read_problem
 from coral.contact.libero.simplification import SolidCfg, simplified
-from coral.contact.scene.conditions import Grasped, Inside, Lifted
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.shapes import Fixture, Movable, Shape, TableTop
+from coral.contact.scene.state_conditions import Grasped, Inside, Lifted
 from coral.contact.scene.task import Success, Task
 from coral.contact.scene.task_validation import check_task
 from coral.contact.scene.trial import corners

@@ -42,6 +42,7 @@ class PosedScene:
         T_world_camera: Array | None = None,
         colours: Colours = "none",
     ) -> None:
+        self._trial = trial
         spec = mujoco.MjSpec()
         add_scene(spec, trial)
         add_hand(spec, HandCfg())
@@ -56,7 +57,7 @@ class PosedScene:
         """Take a picture of one moment of a motion."""
         objects = {name: matrix_to_body(T) for name, T in moment.objects.items()}
         now = Observation(time_s, matrix_to_body(moment.tool), moment.opening_m, np.zeros(6), objects)
-        put_state(self.model, self._data, now)
+        put_state(self.model, self._data, now, self._trial)
         self._data.time = time_s
         mujoco.mj_kinematics(self.model, self._data)
         return self.camera.take(self._data, rng)

@@ -21,6 +21,8 @@ from coral.contact.plan.cost_plan import (
 
 STIFFNESS_N_M = (50.0, 3000.0)
 NOISE = (0.05, 3.0)
+OF_THE_PLACE = ("unreachable", "barrier")
+"""Faults that depend on where things stand: a later stage has them only where it begins."""
 Beginnings = Callable[[Sequence[Compiled]], Mapping[str, Sequence[Context]]]
 """States around those in which the later stages begin, by the stage's name; a stage that is never reached has none."""
 
@@ -73,8 +75,8 @@ def judge_plan(
         if index == 0:
             found += [StageFault(name, fault) for fault in faults]
             continue
-        found += [StageFault(name, fault) for fault in faults if fault.code not in ("unreachable", "barrier")]
-        later = [fault for fault in faults if fault.code in ("unreachable", "barrier")]
+        found += [StageFault(name, fault) for fault in faults if fault.code not in OF_THE_PLACE]
+        later = [fault for fault in faults if fault.code in OF_THE_PLACE]
         if later:
             unsure[name] = later
     if unsure and beginnings is not None and not any(one.fault.fatal for one in found):
@@ -85,7 +87,7 @@ def judge_plan(
                 found += [
                     StageFault(name, fault)
                     for fault in verify_cost(made.cost, states[name], cfg)
-                    if fault.code in ("unreachable", "barrier")
+                    if fault.code in OF_THE_PLACE
                 ]
     return _verdict(answer, found)
 

@@ -10,8 +10,14 @@ from coral.contact.rules.scene_reading import Thing
 from coral.contact.rules.support import other_things, rests_on, top_height
 from coral.contact.scene.facts import AtGoal, Goal, GoalsByKind, InsideGoal, RestingGoal, SceneFacts
 
-KEPT = ("undisturbed", "upright", "released")
-"""Goals that an untouched object meets; a plan that moves an object releases it as it stood anyway."""
+KEPT = (
+    *("undisturbed", "upright", "released", "still"),
+    *("peak-force", "speed-limit", "kept-level", "kept-touching", "never-touched"),
+)
+"""Goals that an untouched object meets: a plan that moves an object releases it as it stood, and the others limit how
+it moves. The skills do not plan for these limits."""
+BESIDES = {"pointing": "flipped", "slid": "lifted", "sequence": "lifted"}
+"""Goals that a skill for another kind of goal meets by the way: on which side a box falls, that a board is pushed."""
 
 FLAT_M = 0.01
 
@@ -36,6 +42,8 @@ def moves(goal: Goal, facts: SceneFacts) -> bool:
 def movement_goals(asked: Sequence[Goal], facts: SceneFacts) -> list[Goal]:
     """Return those goals of one object that require it to be moved."""
     found = [goal for goal in asked if moves(goal, facts)]
+    kinds = {goal["kind"] for goal in found}
+    found = [goal for goal in found if BESIDES.get(goal["kind"]) not in kinds]
     if any(goal["kind"] != "resting" for goal in found):
         # An object that is turned, pushed or put down comes to rest on the table or on something flat anyway.
         found = [goal for goal in found if goal["kind"] != "resting" or _top_height(goal["thing"], facts) > FLAT_M]

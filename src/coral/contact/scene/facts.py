@@ -22,6 +22,17 @@ class PartFacts(TypedDict):
     position: list[float]
 
 
+class JointFacts(TypedDict):
+    """What holds an object: `axis` and `point` in its frame; `range` and friction in degrees and N m, or m and N."""
+
+    kind: str
+    axis: list[float]
+    point: list[float]
+    range: list[float]
+    now: float
+    friction: float
+
+
 class ObjectFacts(TypedDict):
     """One movable object.
 
@@ -34,6 +45,7 @@ class ObjectFacts(TypedDict):
         parts: The parts that are neither meshes nor rotated.
         points: Named points in its frame.
         middle_m: Centre of its box in its frame; missing if it is the origin.
+        joint: What holds it; missing if it moves freely.
         mass_kg, friction: Beliefs; missing before the first belief.
     """
 
@@ -45,6 +57,7 @@ class ObjectFacts(TypedDict):
     parts: list[PartFacts]
     points: dict[str, list[float]]
     middle_m: NotRequired[list[float]]
+    joint: NotRequired[JointFacts]
     mass_kg: NotRequired[float]
     friction: NotRequired[float]
 
@@ -72,29 +85,32 @@ class HandFacts(TypedDict):
 
 
 class LiftedGoal(TypedDict):
-    """See `conditions.Lifted`."""
+    """See `state_conditions.Lifted`."""
 
     object: str
     kind: Literal["lifted"]
     height_m: float
+    most_m: float | None
 
 
 class GraspedGoal(TypedDict):
-    """See `conditions.Grasped`."""
+    """See `state_conditions.Grasped`."""
 
     object: str
     kind: Literal["grasped"]
+    point: str | None
+    within_m: float
 
 
 class ReleasedGoal(TypedDict):
-    """See `conditions.Released`."""
+    """See `state_conditions.Released`."""
 
     object: str
     kind: Literal["released"]
 
 
 class AtGoal(TypedDict):
-    """See `conditions.At`."""
+    """See `state_conditions.At`."""
 
     object: str
     kind: Literal["at"]
@@ -105,16 +121,17 @@ class AtGoal(TypedDict):
 
 
 class InsideGoal(TypedDict):
-    """See `conditions.Inside`."""
+    """See `state_conditions.Inside`."""
 
     object: str
     kind: Literal["inside"]
     low: list[float]
     high: list[float]
+    point: str | None
 
 
 class RestingGoal(TypedDict):
-    """See `conditions.Resting`."""
+    """See `state_conditions.Resting`."""
 
     object: str
     kind: Literal["resting"]
@@ -122,7 +139,7 @@ class RestingGoal(TypedDict):
 
 
 class FlippedGoal(TypedDict):
-    """See `conditions.Flipped`."""
+    """See `state_conditions.Flipped`."""
 
     object: str
     kind: Literal["flipped"]
@@ -132,7 +149,7 @@ class FlippedGoal(TypedDict):
 
 
 class UprightGoal(TypedDict):
-    """See `conditions.Upright`."""
+    """See `state_conditions.Upright`."""
 
     object: str
     kind: Literal["upright"]
@@ -140,7 +157,7 @@ class UprightGoal(TypedDict):
 
 
 class TouchedWhileTurningGoal(TypedDict):
-    """See `conditions.TouchedWhileTurning`."""
+    """See `history_conditions.TouchedWhileTurning`."""
 
     object: str
     kind: Literal["touched-while-turning"]
@@ -151,7 +168,7 @@ class TouchedWhileTurningGoal(TypedDict):
 
 
 class SteadyForceGoal(TypedDict):
-    """See `conditions.SteadyForce`."""
+    """See `history_conditions.SteadyForce`."""
 
     object: str
     kind: Literal["steady-force"]
@@ -161,17 +178,146 @@ class SteadyForceGoal(TypedDict):
     moving_m_s: float
     window_s: float
     for_s: float
+    deviation_n: float | None
 
 
 class UndisturbedGoal(TypedDict):
-    """See `conditions.Undisturbed`."""
+    """See `state_conditions.Undisturbed`."""
 
     object: str
     kind: Literal["undisturbed"]
     tolerance_m: float
+    tolerance_deg: float
 
 
-Goal = (
+class TouchingGoal(TypedDict):
+    """See `state_conditions.Touching`."""
+
+    object: str
+    kind: Literal["touching"]
+    thing: str
+
+
+class StillGoal(TypedDict):
+    """See `state_conditions.Still`."""
+
+    object: str
+    kind: Literal["still"]
+    speed_m_s: float
+    turn_rad_s: float
+
+
+class PointingGoal(TypedDict):
+    """See `state_conditions.Pointing`."""
+
+    object: str
+    kind: Literal["pointing"]
+    axis: str
+    direction: list[float]
+    tolerance_deg: float
+    either_way: bool
+
+
+class LeaningGoal(TypedDict):
+    """See `state_conditions.Leaning`."""
+
+    object: str
+    kind: Literal["leaning"]
+    thing: str
+    axis: str
+    between_deg: list[float]
+
+
+class AtObjectGoal(TypedDict):
+    """See `relative_conditions.AtObject`."""
+
+    object: str
+    kind: Literal["at-object"]
+    other: str
+    point: str | None
+    other_point: str | None
+    offset: list[float]
+    tolerance_m: float
+    axes: str
+    tolerance_deg: float | None
+
+
+class InsertedGoal(TypedDict):
+    """See `relative_conditions.Inserted`."""
+
+    object: str
+    kind: Literal["inserted"]
+    point: str
+    place: str | None
+    other: str | None
+    other_point: str | None
+    into: str
+    depth_m: float
+    tolerance_m: float
+
+
+class OpenedGoal(TypedDict):
+    """See `relative_conditions.Opened`."""
+
+    object: str
+    kind: Literal["opened"]
+    between_deg: list[float] | None
+    between_m: list[float] | None
+
+
+class PeakForceGoal(TypedDict):
+    """See `history_conditions.PeakForce`."""
+
+    object: str
+    kind: Literal["peak-force"]
+    newtons: float
+    window_s: float
+
+
+class SpeedLimitGoal(TypedDict):
+    """See `history_conditions.SpeedLimit`."""
+
+    object: str
+    kind: Literal["speed-limit"]
+    speed_m_s: float
+
+
+class KeptLevelGoal(TypedDict):
+    """See `history_conditions.KeptLevel`."""
+
+    object: str
+    kind: Literal["kept-level"]
+    axis: str
+    tolerance_deg: float
+
+
+class KeptTouchingGoal(TypedDict):
+    """See `history_conditions.KeptTouching`."""
+
+    object: str
+    kind: Literal["kept-touching"]
+    thing: str
+    for_s: float
+
+
+class NeverTouchedGoal(TypedDict):
+    """See `history_conditions.NeverTouched`."""
+
+    object: str
+    kind: Literal["never-touched"]
+    thing: str
+
+
+class SlidGoal(TypedDict):
+    """See `history_conditions.Slid`."""
+
+    object: str
+    kind: Literal["slid"]
+    thing: str
+    distance_m: float
+
+
+SingleGoal = (
     LiftedGoal
     | GraspedGoal
     | ReleasedGoal
@@ -183,7 +329,33 @@ Goal = (
     | TouchedWhileTurningGoal
     | SteadyForceGoal
     | UndisturbedGoal
+    | TouchingGoal
+    | StillGoal
+    | PointingGoal
+    | LeaningGoal
+    | AtObjectGoal
+    | InsertedGoal
+    | OpenedGoal
+    | PeakForceGoal
+    | SpeedLimitGoal
+    | KeptLevelGoal
+    | KeptTouchingGoal
+    | NeverTouchedGoal
+    | SlidGoal
 )
+"""A condition other than a sequence."""
+
+
+class SequenceGoal(TypedDict):
+    """See `conditions.EventSequence`."""
+
+    object: str
+    kind: Literal["sequence"]
+    events: list[list[SingleGoal]]
+    for_s: float
+
+
+Goal = SingleGoal | SequenceGoal
 """A condition of the task file as JSON; `kind` is its kind."""
 
 GoalsByKind = TypedDict(
@@ -200,6 +372,20 @@ GoalsByKind = TypedDict(
         "touched-while-turning": TouchedWhileTurningGoal,
         "steady-force": SteadyForceGoal,
         "undisturbed": UndisturbedGoal,
+        "touching": TouchingGoal,
+        "still": StillGoal,
+        "pointing": PointingGoal,
+        "leaning": LeaningGoal,
+        "at-object": AtObjectGoal,
+        "inserted": InsertedGoal,
+        "opened": OpenedGoal,
+        "peak-force": PeakForceGoal,
+        "speed-limit": SpeedLimitGoal,
+        "kept-level": KeptLevelGoal,
+        "kept-touching": KeptTouchingGoal,
+        "never-touched": NeverTouchedGoal,
+        "slid": SlidGoal,
+        "sequence": SequenceGoal,
     },
     total=False,
 )

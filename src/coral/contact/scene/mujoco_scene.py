@@ -9,18 +9,26 @@ import mujoco
 import numpy as np
 
 from coral.contact.scene.geometry import from_rotvec, from_rpy_deg
-from coral.contact.scene.shapes import Movable, Shape
+from coral.contact.scene.shapes import Joint, Movable, Shape
 from coral.contact.scene.trial import Trial, TrialObject, part_size
 
 # MuJoCo's default for a warning is to print it and to write a file into the working directory.
 mujoco.set_mju_user_warning(logging.getLogger(__name__).debug)
 
+ROLLING_CONDIM = 6
+"""Contact dimension that also resists rolling; it costs more than sliding alone, so only round parts have it."""
 OBJECT_PRIORITY = 1
 """An object's friction overrides that of table and walls: it is the one that the robot estimates."""
 FINGER_PRIORITY = 2
 FINGER_FRICTION = 1.0
 """Rubber pads; between finger and object the pads' friction counts."""
 TORSION, ROLLING = 0.005, 0.0001
+ROUND_ROLLING = 0.0005
+"""Rolling friction (m) of round parts and meshes: without it a bottle on its side creeps on for ever."""
+HARD_FRICTION = [0.999, 0.9999, 0.001, 0.5, 2.0]
+"""Impedance of joint friction: with MuJoCo's own a drawer held by friction creeps with a centimetre per second."""
+JOINT_DAMPING = {"hinge": 0.02, "slide": 1.0}
+"""Viscous damping of joints, N m s or N s/m, besides their friction."""
 
 _GEOMS = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
@@ -67,7 +75,10 @@ def add_scene(spec: mujoco.MjSpec, trial: Trial, condim: int = 4) -> None:
 
 def _add_object(spec: mujoco.MjSpec, item: Movable, found: TrialObject, condim: int) -> None:
     body = spec.worldbody.add_body(name=item.name, pos=found.pose.position, quat=found.pose.quaternion)
-    body.add_freejoint(name=f"{item.name}_free")
+    if item.joint is None:
+        body.add_freejoint(name=f"{item.name}_free")
+    else:
+        _add_joint(spec, body, item.joint, found)
     volumes = np.array([_volume(part, found.scale) for part in item.parts])
     for index, (part, share) in enumerate(zip(item.parts, volumes / volumes.sum(), strict=True)):
         size = part_size(part, found.scale)
@@ -77,9 +88,9 @@ def _add_object(spec: mujoco.MjSpec, item: Movable, found: TrialObject, condim: 
             pos=np.asarray(part.position) * found.scale,
             quat=from_rpy_deg(part.rpy_deg),
             mass=found.physical.mass_kg * share,
-            condim=condim,
+            condim=condim if part.shape == "box" else ROLLING_CONDIM,
             priority=OBJECT_PRIORITY,
-            friction=[found.physical.friction, TORSION, ROLLING],
+            friction=[found.physical.friction, TORSION, ROLLING if part.shape == "box" else ROUND_ROLLING],
             rgba=[*item.color, 1],
         )
         if part.shape == "box":
@@ -92,6 +103,25 @@ def _add_object(spec: mujoco.MjSpec, item: Movable, found: TrialObject, condim: 
             mesh = spec.add_mesh(name=f"{item.name}/{index}", file=str(part.file))
             mesh.scale = size
             geom.meshname = mesh.name
+
+
+def _add_joint(spec: mujoco.MjSpec, body: mujoco.MjsBody, joint: Joint, found: TrialObject) -> None:
+    hinge = joint.kind == "hinge"
+    in_radians = hinge and not spec.compiler.degree
+    body.add_joint(
+        name=f"{body.name}_joint",
+        type=mujoco.mjtJoint.mjJNT_HINGE if hinge else mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=np.asarray(joint.axis) / np.linalg.norm(joint.axis),
+        pos=joint.point,
+        range=np.radians(joint.range) if in_radians else joint.range,
+        limited=True,
+        ref=np.degrees(found.joint_start) if hinge and not in_radians else found.joint_start,
+        frictionloss=joint.friction,
+        damping=JOINT_DAMPING[joint.kind],
+        solimp_friction=HARD_FRICTION,
+    )
+    # The range keeps it from what it is built into: a drawer would jam on the walls of its chest.
+    spec.add_exclude(bodyname1="world", bodyname2=body.name)
 
 
 def _volume(part: Shape, scale: np.ndarray) -> float:

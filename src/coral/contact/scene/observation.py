@@ -79,6 +79,16 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class HandForce:
+    """The hand's true force on an object over the last control step, all its physics steps counted."""
+
+    mean: Array | None
+    """Mean net force, Shape=(3,) N, world axes; None if the hand never touched the object in that time."""
+    peak: float
+    """Largest norm of the net force in a physics step (N)."""
+
+
+@dataclass(frozen=True)
 class Truth:
     """The true state of the world, for the judge."""
 
@@ -87,6 +97,9 @@ class Truth:
     opening_m: float
     objects: Mapping[str, BodyState]
     contacts: tuple[Contact, ...]
+    hand_forces: Mapping[str, HandForce] = field(default_factory=dict)
+    """By object; empty where the world does not measure it. A blow is shorter than a control step, and the contacts at
+    the step's end miss it."""
 
 
 @dataclass(frozen=True)

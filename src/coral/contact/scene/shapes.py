@@ -44,6 +44,7 @@ Extents = tuple[Metres, Metres, Metres]
 Turn = tuple[Degrees, Degrees, Degrees]
 Color = tuple[Shade, Shade, Shade]
 PositionRange = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(_as_range), AfterValidator(in_order)]
+JointRange = Annotated[tuple[Degrees, Degrees], BeforeValidator(_as_range), AfterValidator(in_order)]
 AngleRange = Annotated[tuple[Degrees, Degrees], BeforeValidator(_as_range), AfterValidator(in_order)]
 MassRange = Annotated[tuple[Mass, Mass], BeforeValidator(_as_range), AfterValidator(in_order)]
 FrictionRange = Annotated[tuple[Friction, Friction], BeforeValidator(_as_range), AfterValidator(in_order)]
@@ -81,6 +82,39 @@ class Shape(TaskPart):
         return self
 
 
+class Joint(TaskPart):
+    """What holds an object: a hinge (door, lid) or a slide (drawer), fixed to the world.
+
+    Args:
+        kind: Hinge or slide.
+        axis: Its direction in the object's frame.
+        point: A point on a hinge's axis, in the object's frame.
+        range: Its ends, in degrees or metres, measured from how the file places the object.
+        start: Where it stands at first, sampled in each trial.
+        friction: Its friction, N m or N.
+    """
+
+    kind: Literal["hinge", "slide"]
+    axis: Vector
+    point: Vector = (0.0, 0.0, 0.0)
+    range: JointRange
+    start: JointRange = (0.0, 0.0)
+    friction: float = Field(default=0.02, ge=0, le=50, strict=True)
+
+    @model_validator(mode="after")
+    def _possible(self) -> Joint:
+        most = 170.0 if self.kind == "hinge" else 1.0
+        if not any(self.axis):
+            raise ValueError("an axis, not all zero")
+        if self.kind == "slide" and any(self.point):
+            raise ValueError("a point only with a hinge")
+        if not -most <= self.range[0] < self.range[1] <= most:
+            raise ValueError(f"a range within -{most:g} to {most:g}, not empty")
+        if not self.range[0] <= self.start[0] <= self.start[1] <= self.range[1]:
+            raise ValueError("a start within the range")
+        return self
+
+
 class Movable(TaskPart):
     """An object that moves.
 
@@ -89,10 +123,12 @@ class Movable(TaskPart):
         mass_kg, friction: Drawn anew in each trial; unknown to the planner.
         scale: Factors on the three axes of all parts and points, drawn anew; the planner knows the result (known
             meshes).
-        x, y: Where its frame's origin stands; z follows from resting on the table, or is `z`.
+        x, y: Where its frame's origin stands; z follows from resting on the table, or is `z`. With `stands_on`, x and
+            y are those from the origin of that object, on whose top it stands.
         yaw_deg: Its heading; `rpy_deg` turns it before that, as to lay it on a side.
         points: Named points on it, in its frame.
         symmetry: Which turns leave it looking the same.
+        joint: What holds it; it then passes through fixed things, and its range keeps it from them.
     """
 
     name: Name
@@ -104,11 +140,21 @@ class Movable(TaskPart):
     x: PositionRange
     y: PositionRange
     z: Coordinate | None = None
+    stands_on: Name | None = None
     yaw_deg: AngleRange = (0.0, 0.0)
     rpy_deg: Turn = (0.0, 0.0, 0.0)
     points: dict[Name, Vector] = Field(default_factory=dict)
     symmetry: Literal["none", "box", "square-box", "cube", "cylinder", "sphere"] = "none"
+    joint: Joint | None = None
     color: Color = (0.76, 0.6, 0.42)
+
+    @model_validator(mode="after")
+    def _placed_once(self) -> Movable:
+        if self.z is not None and self.stands_on is not None:
+            raise ValueError("z or stands_on, not both")
+        if self.joint is not None and any(axis != (1.0, 1.0) for axis in self.scale):
+            raise ValueError("a scale of 1 for an object on a joint")
+        return self
 
 
 class Fixture(TaskPart):

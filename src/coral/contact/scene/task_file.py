@@ -18,6 +18,7 @@ from coral.errors import InputError, nearest
 from coral.validation_errors import input_error
 
 TASKS_DIR = Path(__file__).parent / "tasks"
+UNSEEN_HALVES = ("development", "test")
 
 
 def shipped_tasks() -> tuple[str, ...]:
@@ -27,20 +28,42 @@ def shipped_tasks() -> tuple[str, ...]:
     return tuple(name for name in order if name in known) + tuple(sorted(known - set(order)))
 
 
+def unseen_tasks(half: str = "") -> tuple[str, ...]:
+    """Return the names of the unseen suite, in alphabetical order.
+
+    Args:
+        half: "development", to be looked at while the method is built, or "test", kept for its measurement; both by
+            default.
+
+    Raises:
+        InputError: There is no such half.
+    """
+    if half and half not in UNSEEN_HALVES:
+        raise InputError("task", "", half, f"one of {', '.join(UNSEEN_HALVES)}{nearest(half, UNSEEN_HALVES)}")
+    return tuple(sorted(name for name, path in _unseen().items() if half in ("", path.parent.name)))
+
+
+def _unseen() -> dict[str, Path]:
+    return {path.stem: path for half in UNSEEN_HALVES for path in (TASKS_DIR / "unseen" / half).glob("*.yaml")}
+
+
 def load_task_file(name_or_path: str | Path) -> Task:
-    """Load a shipped task by its name, or a task file.
+    """Load a shipped task by its name, one of the unseen suite included, or a task file.
 
     Raises:
         InputError: There is no such task, or the file is invalid; the error names the field.
     """
     shipped = shipped_tasks()
     text = str(name_or_path)
+    unseen = _unseen()
     if text in shipped:
         path = TASKS_DIR / f"{text}.yaml"
+    elif text in unseen:
+        path = unseen[text]
     else:
         path = Path(name_or_path)
         if path.suffix not in (".yaml", ".yml") and not path.exists():
-            close = nearest(text, shipped)
+            close = nearest(text, (*shipped, *unseen))
             raise InputError("task", "", text, f"one of {', '.join(shipped)}{close}, or a YAML file")
     try:
         task = Task.model_validate(read_yaml(path))

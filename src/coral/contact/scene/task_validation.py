@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from coral.contact.cost.schema import HAND, object_quantities
+from coral.contact.scene.condition import check_known
 from coral.contact.scene.mesh import mesh_vertices
 from coral.errors import InputError
 
@@ -14,34 +15,18 @@ if TYPE_CHECKING:
     from coral.contact.scene.shapes import Movable
     from coral.contact.scene.task import Task
 
-RESERVED = frozenset(
-    {
-        "table",
-        "hand",
-        "left",
-        "right",
-        "robot",
-        "target",
-        "world",
-        "palm",
-        "wrist",
-        "tool",
-        "ee",
-        "gripper",
-        "left_finger",
-        "right_finger",
-        "cmd",
-        "self",
-        "event",
-        "step",
-        "t",
-        "source",
-        "attempts",
-        "refused",
-        "failure",
-    }
-)
-"""Names that models, costs and records use for the robot, its surroundings and events."""
+RESERVED = {
+    **dict.fromkeys(
+        ("hand", "left", "right", "robot", "palm", "wrist", "tool", "ee", "gripper"), "a part of the robot"
+    ),
+    **dict.fromkeys(("left_finger", "right_finger"), "a part of the robot"),
+    "table": "the table",
+    **dict.fromkeys(("world", "target"), "a body of the simulation"),
+    "self": "the state in a cost program",
+    **dict.fromkeys(("cmd", "event", "step", "t"), "a column of the run's logs"),
+    **dict.fromkeys(("source", "attempts", "refused", "failure"), "a field of the run's logs"),
+}
+"""Names that models, costs and records use already, and for what."""
 SMALLEST_M, LARGEST_M = 0.001, 5
 """Bounds of a mesh's edges."""
 RESERVED_BEGINNINGS = ("robot0", "gripper0", "mount0", "fixed_mount0", "left_eef", "right_eef")
@@ -70,13 +55,14 @@ def check_task(task: Task, where: str) -> None:
 
 
 def _check_names(task: Task, where: str) -> None:
-    taken = set(RESERVED)
+    taken = dict(RESERVED)
     names = [(f"fixtures[{index}].name", fixture.name) for index, fixture in enumerate(task.fixtures)]
     names += [(f"objects[{index}].name", item.name) for index, item in enumerate(task.objects)]
     for field, name in names:
-        if name in taken or name.startswith(RESERVED_BEGINNINGS):
-            raise InputError(where, field, repr(name), "a name that is not taken")
-        taken.add(name)
+        meaning = taken.get(name, "a part of the robot" if name.startswith(RESERVED_BEGINNINGS) else None)
+        if meaning is not None:
+            raise InputError(where, field, repr(name), f"a name that is not taken: this one is {meaning}")
+        taken[name] = f"also {field}"
     # Costs read all quantities by flat names such as box_pos: no two may be the same.
     others = [item.name for item in task.objects]
     found = [(key, "") for key in (*HAND, "table_min", "table_max")]
@@ -101,7 +87,15 @@ def _check_names(task: Task, where: str) -> None:
 
 
 def _check_place(task: Task, item: Movable, where: str, field: str) -> None:
-    if item.z is not None:
+    if item.stands_on is not None:
+        check_known(item.stands_on, [one.name for one in task.objects if one is not item], where, f"{field}.stands_on")
+        below, seen = item, set()
+        while below.stands_on is not None and below.stands_on in [one.name for one in task.objects]:
+            if below.name in seen:
+                raise InputError(where, f"{field}.stands_on", item.stands_on, "a stack that ends on the table")
+            seen.add(below.name)
+            below = task.object(below.stands_on)
+    if item.z is not None or item.stands_on is not None:
         return
     table = task.table
     for axis, ends in (("x", item.x), ("y", item.y)):

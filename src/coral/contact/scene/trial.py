@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import from_rotvec, from_rpy_deg, multiply, rotate, rotation_of
+from coral.contact.scene.joint_motion import joint_motion, move_joint
 from coral.contact.scene.mesh import mesh_vertices
 from coral.contact.scene.observation import BodyState
 from coral.contact.scene.shapes import Movable, Shape
@@ -18,6 +19,8 @@ from coral.errors import InputError
 Array = NDArray[np.float64]
 SUNK_M = 0.005
 """Tolerance of heights in files, for rounding."""
+PRESSED_M = 1e-3
+"""Touching things may begin this deep in each other."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,8 @@ class TrialObject:
     """Its true mass and friction."""
     pose: BodyState
     """Its pose at the start."""
+    joint_start: float = 0.0
+    """Where its joint stands at the start (rad or m); 0 without a joint."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,12 @@ class Trial:
         """Return a named point on the object, in the world, Shape=(3,)."""
         local = np.asarray(self.task.object(name).points[point]) * self.objects[name].scale
         return np.asarray(body.position + rotate(body.quaternion, local))
+
+    def joint_position(self, name: str, body: BodyState) -> float:
+        """Compute where the object's joint stands (rad or m); 0 is how the task file places the object."""
+        start, joint = self.objects[name], self.task.object(name).joint
+        assert joint is not None, f"{name} has no joint"
+        return start.joint_start + joint_motion(joint, start.pose, body)
 
     def lowest_point(self, name: str, body: BodyState) -> float:
         """Return the height (m) of the object's lowest point above the table's top."""
@@ -120,7 +131,10 @@ def sample_trial(task: Task, seed: int, where: str = "") -> Trial:
     rng = np.random.default_rng([seed, *task.name.encode()])
     clash = None
     for _ in range(100):
-        objects = {item.name: _sample_object(item, rng) for item in task.objects}
+        objects: dict[str, TrialObject] = {}
+        for item in _from_below(task):
+            objects[item.name] = _sample_object(item, task, objects, rng)
+        objects = {item.name: objects[item.name] for item in task.objects}
         trial = Trial(task, seed, objects)
         _check_heights(trial, where)
         clash = _find_clash(trial)
@@ -130,25 +144,50 @@ def sample_trial(task: Task, seed: int, where: str = "") -> Trial:
         where,
         "objects",
         f"{clash} in each other's place",
-        "ranges of x, y and yaw_deg with room for all beside each other",
+        "ranges of x, y and yaw_deg with room for all beside each other, or stands_on for one on top of another",
     )
 
 
-def _sample_object(item: Movable, rng: np.random.Generator) -> TrialObject:
+def _from_below(task: Task) -> list[Movable]:
+    """Order the objects so that what stands on another one comes after it."""
+    found: list[Movable] = []
+    left = list(task.objects)
+    while left:
+        ready = [item for item in left if item.stands_on is None or item.stands_on in [one.name for one in found]]
+        found += ready
+        left = [item for item in left if item not in ready]
+    return found
+
+
+def _sample_object(
+    item: Movable, task: Task, placed: Mapping[str, TrialObject], rng: np.random.Generator
+) -> TrialObject:
     scale = np.array([rng.uniform(*axis) for axis in item.scale])
     physical = PhysicalParameters(
         mass_kg=float(rng.uniform(*item.mass_kg)), friction=float(rng.uniform(*item.friction))
     )
     x, y, yaw = rng.uniform(*item.x), rng.uniform(*item.y), np.radians(rng.uniform(*item.yaw_deg))
     quaternion = multiply(from_rotvec([0, 0, yaw]), from_rpy_deg(item.rpy_deg))
-    z = item.z if item.z is not None else -(corners(item, scale) @ rotation_of(quaternion).T)[:, 2].min()
-    return TrialObject(scale, physical, BodyState(np.array([x, y, z]), quaternion))
+    floor = 0.0
+    if item.stands_on is not None:
+        below = placed[item.stands_on]
+        top = (
+            corners(task.object(item.stands_on), below.scale) @ rotation_of(below.pose.quaternion).T
+            + below.pose.position
+        )
+        x, y, floor = x + below.pose.position[0], y + below.pose.position[1], float(top[:, 2].max())
+    z = item.z if item.z is not None else floor - (corners(item, scale) @ rotation_of(quaternion).T)[:, 2].min()
+    pose = BodyState(np.array([x, y, z]), quaternion)
+    if item.joint is None:
+        return TrialObject(scale, physical, pose)
+    start = rng.uniform(*item.joint.start) * (np.pi / 180 if item.joint.kind == "hinge" else 1.0)
+    return TrialObject(scale, physical, move_joint(item.joint, pose, start), start)
 
 
 def _check_heights(trial: Trial, where: str) -> None:
     for index, item in enumerate(trial.task.objects):
         lowest = trial.lowest_point(item.name, trial.objects[item.name].pose)
-        if item.z is not None and lowest < -SUNK_M:
+        if item.z is not None and item.joint is None and lowest < -SUNK_M:
             raise InputError(
                 where,
                 f"objects[{index}].z",
@@ -158,23 +197,52 @@ def _check_heights(trial: Trial, where: str) -> None:
 
 
 def _find_clash(trial: Trial, gap_m: float = 0.01) -> str | None:
-    """Name two objects whose bounding boxes are too close, or an object inside a fixture; None if there are none."""
+    """Name two objects that are too close, or an object inside a fixture; None if there are none.
+
+    Objects that the ranges scatter over the table are `gap_m` apart. One whose height the file gives, by `z` or
+    `stands_on`, was placed on purpose: it may touch the others, as in a stack, or stand in a hollow of another.
+    """
     placed = {
         name: trial.corners(name) @ rotation_of(item.pose.quaternion).T + item.pose.position
         for name, item in trial.objects.items()
     }
     names = list(placed)
+    scattered = [item.name for item in trial.task.objects if item.z is None and item.stands_on is None]
     for k, name in enumerate(names):
         for other in names[k + 1 :]:
-            if not _separated(placed[name], placed[other], np.eye(3), gap_m):
+            apart = gap_m if name in scattered and other in scattered else -PRESSED_M
+            if not _separated(placed[name], placed[other], np.eye(3), apart) and (
+                apart > 0 or _parts_clash(trial, name, other)
+            ):
                 return f"{name} and {other}"
-        for fixture in trial.task.fixtures:
+        for fixture in trial.task.fixtures if trial.task.object(name).joint is None else ():
             turn = rotation_of(from_rotvec([0, 0, np.radians(fixture.yaw_deg)]))
             walls = box_corners(np.asarray(fixture.size)) @ turn.T + fixture.position
             # It may stand on a fixture or against it, but not in it.
-            if not _separated(placed[name], walls, np.concatenate([np.eye(3), turn.T]), -1e-3):
+            if not _separated(placed[name], walls, np.concatenate([np.eye(3), turn.T]), -PRESSED_M):
                 return f"{name} and {fixture.name}"
     return None
+
+
+def _parts_clash(trial: Trial, first: str, second: str) -> bool:
+    """Check whether any part of an object is in a part of the other one."""
+
+    def boxes(name: str) -> list[tuple[Array, Array]]:
+        item, found = trial.task.object(name), trial.objects[name]
+        turn = rotation_of(found.pose.quaternion)
+        return [
+            (
+                corners(item.model_copy(update={"parts": (part,)}), found.scale) @ turn.T + found.pose.position,
+                (turn @ rotation_of(from_rpy_deg(part.rpy_deg))).T,
+            )
+            for part in item.parts
+        ]
+
+    return any(
+        not _separated(one, other, np.concatenate([np.eye(3), axes, others]), -PRESSED_M)
+        for one, axes in boxes(first)
+        for other, others in boxes(second)
+    )
 
 
 def _separated(first: Array, second: Array, axes: Array, gap_m: float) -> bool:

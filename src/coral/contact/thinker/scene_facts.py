@@ -51,6 +51,16 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
         if np.abs(middle).max() > 0.001:
             objects[name]["middle_m"] = _round(middle)
+        if item.joint is not None:
+            at = trial.joint_position(name, now.objects[name])
+            objects[name]["joint"] = {
+                "kind": item.joint.kind,
+                "axis": list(item.joint.axis),
+                "point": list(item.joint.point),
+                "range": list(item.joint.range),
+                "now": round(float(np.degrees(at)) if item.joint.kind == "hinge" else at, 4),
+                "friction": item.joint.friction,
+            }
         if beliefs is not None:
             objects[name]["mass_kg"] = round(beliefs[name].mass_kg, 5)
             objects[name]["friction"] = round(beliefs[name].friction, 4)

@@ -12,7 +12,7 @@ from typing import Any
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.cost.context import Schema
-from coral.contact.scene.conditions import BaseCondition
+from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.facts import ObjectFacts, SceneFacts
 from coral.contact.scene.task import Task
 from coral.contact.thinker.scene_facts import interface_text
@@ -133,12 +133,23 @@ def _object_line(name: str, item: ObjectFacts | Mapping[str, Any]) -> str:
         parts.append(f"centre of the box at {_vector(item['middle_m'])} in its frame")
     if "mass_kg" in item:
         parts.append(f"believed mass {item['mass_kg']:g} kg, friction {item['friction']:g}")
+    if "joint" in item:
+        parts.append(_joint_text(item["joint"]))
     if len(item["parts"]) > 1 or (item["parts"] and _differs(item)):
         parts += [f"part {_vector(part['size_m'])} at {_vector(part['position'])}" for part in item["parts"]]
     parts += [
         f"its {point} (self.{name}_{point}_pos) at {_vector(at)} in its frame" for point, at in item["points"].items()
     ]
     return "; ".join(parts)
+
+
+def _joint_text(joint: Mapping[str, Any]) -> str:
+    unit, force = ("deg", "N m") if joint["kind"] == "hinge" else ("m", "N")
+    now, friction = _number(joint["now"]), _number(joint["friction"])
+    return (
+        f"on a {joint['kind']} along {_vector(joint['axis'])} through {_vector(joint['point'])} in its frame, from "
+        f"{_range(joint['range'])} {unit}, now at {now}, friction {friction} {force}"
+    )
 
 
 def _differs(item: ObjectFacts | Mapping[str, Any]) -> bool:
@@ -154,6 +165,8 @@ def _range(ends: Sequence[float]) -> str:
 def _value(value: Any) -> str:
     if isinstance(value, float):
         return _number(value)
+    if isinstance(value, Mapping):
+        return condition_text(value, brief=True)
     return _vector(value) if isinstance(value, list | tuple) else str(value)
 
 

@@ -19,6 +19,7 @@ from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import Simulation, WorldError
+from coral.contact.worlds.hand_forces import HandForces, add_hand_force_sensors
 from coral.contact.worlds.merged_contacts import merged_contacts
 
 
@@ -55,10 +56,12 @@ class HandWorld:
         spec.option.impratio = 10
         add_scene(spec, trial)
         add_hand(spec, cfg.hand)
+        add_hand_force_sensors(spec, "hand", trial)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
         self._substeps = whole_steps(cfg.control_period_s, cfg.physics_dt_s, "hand", "physics_dt_s")
         self._stiffness = 0.0
+        self._forces = HandForces(self.model, self.data, trial)
 
     @property
     def simulation(self) -> Simulation:
@@ -70,15 +73,19 @@ class HandWorld:
         mujoco.mj_resetData(self.model, self.data)
         start = BodyState(np.asarray(self.cfg.start_m, dtype=float), DOWN)
         objects = {name: item.pose for name, item in self._trial.objects.items()}
-        put_state(self.model, self.data, Observation(0.0, start, 0.08, np.zeros(6), objects))
+        put_state(self.model, self.data, Observation(0.0, start, 0.08, np.zeros(6), objects), self._trial)
         self._pull(HandTarget(start.position, start.quaternion, 0.08, self.cfg.hand.stiffness_n_m))
         mujoco.mj_forward(self.model, self.data)
+        self._forces.begin()
         return self._observe()
 
     def step(self, target: HandTarget) -> Observation:
         """See `EvaluationWorld.step`."""
         self._pull(target)
-        mujoco.mj_step(self.model, self.data, self._substeps)
+        self._forces.begin()
+        for _ in range(self._substeps):
+            mujoco.mj_step(self.model, self.data)
+            self._forces.add()
         bad = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
         if not np.isfinite(self.data.qvel).all() or any(self.data.warning[int(kind)].number for kind in bad):
             raise WorldError("diverged", f"the simulation diverged at {self.data.time:.2f} s")
@@ -94,6 +101,7 @@ class HandWorld:
             observed.opening_m,
             observed.objects,
             merged_contacts(self.model, self.data, part_of),
+            self._forces.read(),
         )
 
     def close(self) -> None:

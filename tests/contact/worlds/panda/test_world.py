@@ -5,6 +5,9 @@ import pytest
 from inverse_kinematics import tool_rotation
 
 from coral.contact.scene.observation import HandTarget
+from coral.contact.scene.trial import sample_trial
+from coral.contact.tasks import load_task
+from coral.contact.worlds.panda.world import PandaWorld
 
 
 def test_it_begins_with_the_hand_above_the_table_and_the_objects_at_rest(world):
@@ -101,3 +104,22 @@ def test_a_target_that_is_no_number_is_refused(world):
     tool = world.reset().tool
     with pytest.raises(ValueError, match="no pose"):
         world.step(HandTarget(np.array([np.nan, 0, 0]), tool.quaternion, 0.08, 600.0))
+
+
+def test_the_judge_is_told_of_the_hands_force_on_the_box(world, go):
+    assert world.truth().hand_forces == {}
+    go((-0.1, 0.1, 0.15), 40, opening=0.0)
+    assert world.truth().hand_forces["box"].mean is None
+    go((-0.1, 0.1, 0.05), 60, opening=0.0)
+    pressed = world.truth().hand_forces["box"]
+    assert pressed.mean[2] < -3
+    assert pressed.peak >= np.linalg.norm(pressed.mean)
+
+
+def test_a_lid_stays_open_on_its_hinge():
+    trial = sample_trial(load_task("close-lid"), 0)
+    world = PandaWorld(trial)
+    lid = world.reset().objects["lid"]
+    assert trial.joint_position("lid", lid) == pytest.approx(trial.objects["lid"].joint_start, abs=1e-3)
+    assert np.linalg.norm(lid.velocity) < 1e-3
+    world.close()

@@ -13,11 +13,20 @@ from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import Simulation
+from coral.contact.worlds.hand_forces import HandForces, add_hand_force_sensors
 from coral.contact.worlds.merged_contacts import merged_contacts
 from coral.contact.worlds.panda.environment import RobotCfg, make_environment
 from coral.contact.worlds.panda.failure_monitor import FailureMonitor, FailureMonitorCfg
 from coral.contact.worlds.panda.impedance import Impedance, ImpedanceCfg
-from coral.contact.worlds.panda.names import FINGER_JOINTS, JOINTS, PAD_OVERLAP_M, SITE, TOOL_IN_SITE, part_of
+from coral.contact.worlds.panda.names import (
+    FINGER_JOINTS,
+    HAND_BODY,
+    JOINTS,
+    PAD_OVERLAP_M,
+    SITE,
+    TOOL_IN_SITE,
+    part_of,
+)
 from coral.contact.worlds.panda.wrist_wrench import WristWrench
 
 
@@ -59,7 +68,7 @@ class PandaWorld:
         self.control_period_s = cfg.control_period_s
         self._trial = trial
         self._env = make_environment(
-            lambda spec: add_scene(spec, trial), cfg.robot, cfg.control_period_s, self._before_physics_step
+            lambda spec: _add_trial(spec, trial), cfg.robot, cfg.control_period_s, self._before_physics_step
         )
         self.model: mujoco.MjModel = self._env.sim.model._model
         self.data: mujoco.MjData = self._env.sim.data._data
@@ -71,6 +80,7 @@ class PandaWorld:
         self._place_robot()
         self._impedance = Impedance(model, self.data, cfg.impedance, np.array(cfg.robot.joints))
         self._wrist = WristWrench(model, self.data)
+        self._forces = HandForces(model, self.data, trial)
         self._watch = FailureMonitor(model, cfg.watch, tuple(self._objects.values()))
         self._start = self._settle()
 
@@ -86,6 +96,7 @@ class PandaWorld:
         self.data.time = 0.0
         mujoco.mj_forward(self.model, self.data)
         self._watch.reset(self.data)
+        self._forces.begin()
         return self._observe(np.zeros(6))
 
     def step(self, target: HandTarget) -> Observation:
@@ -109,6 +120,7 @@ class PandaWorld:
             self._opening(),
             {name: self._body(name) for name in self._objects},
             merged_contacts(self.model, self.data, part_of),
+            self._forces.read(),
         )
 
     def close(self) -> None:
@@ -142,9 +154,11 @@ class PandaWorld:
     def _advance(self, target: HandTarget) -> None:
         self._impedance.aim(target)
         self._wrist.begin()
+        self._forces.begin()
         self._first = True
         self._env.step(target)
         self._wrist.add()
+        self._forces.add()
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
 
@@ -153,6 +167,7 @@ class PandaWorld:
             self._first = False
         else:
             self._wrist.add()
+            self._forces.add()
         self._impedance.act()
 
     def _observe(self, wrench: Array) -> Observation:
@@ -176,5 +191,14 @@ class PandaWorld:
         body = self._objects[name]
         dof = int(self.model.body_dofadr[body])
         quaternion: Array = self.data.xquat[body].copy()
+        if self._trial.task.object(name).joint is not None:
+            motion = np.zeros(6)
+            mujoco.mj_objectVelocity(self.model, self.data, int(mujoco.mjtObj.mjOBJ_XBODY), body, motion, 0)
+            return BodyState(self.data.xpos[body].copy(), quaternion, motion[3:].copy(), motion[:3].copy())
         spin = self.data.xmat[body].reshape(3, 3) @ self.data.qvel[dof + 3 : dof + 6]
         return BodyState(self.data.xpos[body].copy(), quaternion, self.data.qvel[dof : dof + 3].copy(), spin)
+
+
+def _add_trial(spec: mujoco.MjSpec, trial: Trial) -> None:
+    add_scene(spec, trial)
+    add_hand_force_sensors(spec, HAND_BODY, trial)

@@ -1,0 +1,119 @@
+"""What every success condition has: an object, a check of the names in it, and a monitor of the true state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from coral.contact.scene.geometry import rotate
+from coral.contact.scene.observation import Array, Truth
+from coral.contact.scene.shapes import in_order
+from coral.errors import InputError, nearest
+
+if TYPE_CHECKING:
+    from coral.contact.scene.task import Task
+    from coral.contact.scene.trial import Trial
+
+Monitor = Callable[[Truth], bool]
+Angle = Annotated[float, Field(ge=0, le=180, strict=True)]
+AngleBand = Annotated[tuple[Angle, Angle], AfterValidator(in_order)]
+Metre = Annotated[float, Field(ge=-10, le=10, strict=True)]
+Axis = Literal["x", "y", "z"]
+AXES = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
+HAND_PARTS = ("hand", "left", "right")
+"""Names of the hand's parts in contacts."""
+
+
+class BaseCondition(BaseModel):
+    """One condition. A subclass with a `kind` of its own is one that task files may name; nothing else lists them."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    object: str
+    kind: str
+
+    def check(self, task: Task, where: str, field: str) -> None:
+        """Check that all names in the condition exist.
+
+        Args:
+            task: The task of the condition.
+            where: The file.
+            field: Path of the condition in the file.
+
+        Raises:
+            InputError: A name does not exist.
+        """
+        objects = [item.name for item in task.objects]
+        check_known(self.object, objects, where, f"{field}.object")
+        point = getattr(self, "point", None)
+        if point is not None:
+            check_known(point, task.object(self.object).points, where, f"{field}.point")
+        thing = getattr(self, "thing", None)
+        if thing is not None:
+            others = [name for name in (*task.things, *objects) if name != self.object]
+            check_known(thing, [*getattr(self, "also", ()), *others], where, f"{field}.thing")
+
+    def monitor(self, trial: Trial) -> Monitor:
+        """Make a function that tells whether the condition holds; call it with the true state at every control step."""
+        raise NotImplementedError
+
+
+def check_known(name: str, names: Iterable[str], where: str, field: str) -> None:
+    """Check that a name is one of those that exist.
+
+    Raises:
+        InputError: It is not; the error suggests the nearest one.
+    """
+    names = list(names)
+    if name not in names:
+        raise InputError(where, field, name, f"one of {', '.join(names) or 'none'}{nearest(name, names)}")
+
+
+def touches(truth: Truth, name: str, thing: str) -> bool:
+    """Check whether two named things touch; the thing "hand" stands for all parts of the hand."""
+    others = set(HAND_PARTS) if thing == "hand" else {thing}
+    return any(
+        (name == one.first and one.second in others) or (name == one.second and one.first in others)
+        for one in truth.contacts
+    )
+
+
+def axis_of(quaternion: Array, name: Axis) -> Array:
+    """Compute the direction, Shape=(3,), of an axis of an orientation."""
+    return rotate(quaternion, AXES[name])
+
+
+def degrees_between(first: Array, second: Array) -> float:
+    """Compute the angle (deg) between two unit vectors."""
+    return float(np.degrees(np.arccos(np.clip(first @ second, -1, 1))))
+
+
+def hand_force(truth: Truth, name: str) -> float | None:
+    """Compute the norm (N) of the hand's net force on an object; None without contact.
+
+    It is the mean over the last control step where the world measures that, otherwise the force at its end.
+    """
+    if name in truth.hand_forces:
+        mean = truth.hand_forces[name].mean
+        return None if mean is None else float(np.linalg.norm(mean))
+    total, touching = np.zeros(3), False
+    for contact in truth.contacts:
+        if name in (contact.first, contact.second) and set(HAND_PARTS) & {contact.first, contact.second}:
+            touching = True
+            total += contact.force if contact.second == name else -contact.force
+    return float(np.linalg.norm(total)) if touching else None
+
+
+class StepClock:
+    """Time between the calls of a monitor; the first call has no predecessor, so its time does not count."""
+
+    def __init__(self) -> None:
+        self._last: float | None = None
+
+    def advance(self, truth: Truth) -> float:
+        """Return the time (s) since the last call."""
+        span = 0.0 if self._last is None else truth.time_s - self._last
+        self._last = truth.time_s
+        return span

@@ -1,0 +1,147 @@
+"""Conditions on two things: an object at another one, a peg in its hole, a door on its hinge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import numpy as np
+from pydantic import AfterValidator, Field
+
+from coral.contact.scene.condition import Axis, BaseCondition, Metre, Monitor, axis_of, check_known, degrees_between
+from coral.contact.scene.geometry import conjugate, rotate
+from coral.contact.scene.observation import Array, Truth
+from coral.contact.scene.shapes import in_order
+from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from coral.contact.scene.task import Task
+    from coral.contact.scene.trial import Trial
+
+SignedAngle = Annotated[float, Field(ge=-180, le=180, strict=True)]
+FreeAxis = Literal["x", "-x", "y", "-y", "z", "-z"]
+
+
+def _check_other(condition: AtObject | Inserted, task: Task, where: str, field: str) -> None:
+    """Check the names of the other object and of the point on it."""
+    if condition.other is None:
+        return
+    names = [item.name for item in task.objects if item.name != condition.object]
+    check_known(condition.other, names, where, f"{field}.other")
+    if condition.other_point is not None:
+        check_known(condition.other_point, task.object(condition.other).points, where, f"{field}.other_point")
+
+
+def _frame(trial: Trial, name: str, point: str | None, truth: Truth) -> Array:
+    body = truth.objects[name]
+    return body.position if point is None else trial.point(name, point, body)
+
+
+class AtObject(BaseCondition):
+    """The object is at another one: its centre (or `point`) within `tolerance_m` of the other's (or `other_point`).
+
+    `offset` (m) and `axes` are those of the other object's frame. With `tolerance_deg`, the two z axes are within that
+    angle of each other.
+    """
+
+    kind: Literal["at-object"] = "at-object"
+    other: str
+    point: str | None = None
+    other_point: str | None = None
+    offset: tuple[Metre, Metre, Metre] = (0.0, 0.0, 0.0)
+    tolerance_m: float = Field(gt=0, le=1, strict=True)
+    axes: Literal["xy", "xyz", "x", "y", "z"] = "xy"
+    tolerance_deg: float | None = Field(default=None, gt=0, le=180, strict=True)
+
+    def check(self, task: Task, where: str, field: str) -> None:
+        """See `BaseCondition.check`."""
+        super().check(task, where, field)
+        _check_other(self, task, where, field)
+
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
+        kept = ["xyz".index(axis) for axis in self.axes]
+
+        def holds(truth: Truth) -> bool:
+            frame, body = truth.objects[self.other].quaternion, truth.objects[self.object].quaternion
+            way = _frame(trial, self.object, self.point, truth) - _frame(trial, self.other, self.other_point, truth)
+            off = (rotate(conjugate(frame), way) - np.asarray(self.offset))[kept]
+            near = bool(np.linalg.norm(off) <= self.tolerance_m)
+            if self.tolerance_deg is None:
+                return near
+            return near and degrees_between(axis_of(frame, "z"), axis_of(body, "z")) <= self.tolerance_deg
+
+        return holds
+
+
+class Inserted(BaseCondition):
+    """The object's `point` is `depth_m` behind a mouth, and within `tolerance_m` of the line into it.
+
+    The mouth is a place of the task, or `other_point` on another object. `into` is the direction from the mouth inward,
+    along an axis of the world or of the other object.
+    """
+
+    kind: Literal["inserted"] = "inserted"
+    point: str
+    place: str | None = None
+    other: str | None = None
+    other_point: str | None = None
+    into: FreeAxis = "-z"
+    depth_m: float = Field(gt=0, le=1, strict=True)
+    tolerance_m: float = Field(default=0.02, gt=0, le=1, strict=True)
+
+    def check(self, task: Task, where: str, field: str) -> None:
+        """See `BaseCondition.check`."""
+        super().check(task, where, field)
+        if (self.place is None) == (self.other is None):
+            raise InputError(
+                where, field, "place and other" if self.place else "neither", "a place, or an other object"
+            )
+        if self.other is not None and self.other_point is None:
+            raise InputError(where, f"{field}.other_point", "nothing", "a point on the other object: the mouth")
+        if self.other is None and self.other_point is not None:
+            raise InputError(where, f"{field}.other_point", self.other_point, "none without an other object")
+        if self.place is not None:
+            check_known(self.place, task.places, where, f"{field}.place")
+        _check_other(self, task, where, field)
+
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
+        axis: Axis = self.into[-1]  # type: ignore[assignment]
+        sign = -1.0 if self.into.startswith("-") else 1.0
+
+        def holds(truth: Truth) -> bool:
+            if self.other is None:
+                mouth, turn = np.asarray(trial.task.places[str(self.place)]), np.array([1.0, 0, 0, 0])
+            else:
+                mouth, turn = _frame(trial, self.other, self.other_point, truth), truth.objects[self.other].quaternion
+            inward = sign * axis_of(turn, axis)
+            way = _frame(trial, self.object, self.point, truth) - mouth
+            depth = float(way @ inward)
+            return depth >= self.depth_m and bool(np.linalg.norm(way - depth * inward) <= self.tolerance_m)
+
+        return holds
+
+
+class Opened(BaseCondition):
+    """The object's joint is within `between_deg` (a hinge) or `between_m` (a slide); 0 is how the file places it."""
+
+    kind: Literal["opened"] = "opened"
+    between_deg: Annotated[tuple[SignedAngle, SignedAngle], AfterValidator(in_order)] | None = None
+    between_m: Annotated[tuple[Metre, Metre], AfterValidator(in_order)] | None = None
+
+    def check(self, task: Task, where: str, field: str) -> None:
+        """See `BaseCondition.check`."""
+        super().check(task, where, field)
+        joint = task.object(self.object).joint
+        if joint is None:
+            raise InputError(where, f"{field}.object", self.object, "an object with a joint")
+        wanted, other = ("between_deg", "between_m") if joint.kind == "hinge" else ("between_m", "between_deg")
+        if getattr(self, other) is not None or getattr(self, wanted) is None:
+            raise InputError(
+                where, f"{field}.{other}", f"a {joint.kind}", f"{wanted}, as {self.object} is on a {joint.kind}"
+            )
+
+    def monitor(self, trial: Trial) -> Monitor:
+        """See `BaseCondition.monitor`."""
+        low, high = np.radians(self.between_deg) if self.between_deg is not None else self.between_m or (0.0, 0.0)
+        return lambda truth: bool(low <= trial.joint_position(self.object, truth.objects[self.object]) <= high)
