@@ -21,6 +21,8 @@ from coral.reef.sea.transport import Transport, open_transport
 
 STREAMS = {30: 20.0, 32: 20.0, 74: 10.0, 193: 5.0, 1: 2.0, 65: 10.0}
 """Messages asked for, per second: ATTITUDE, LOCAL_POSITION_NED, VFR_HUD, EKF_STATUS_REPORT, SYS_STATUS, RC_CHANNELS."""
+POLL_S = 0.02
+"""The line is read for so long at a time."""
 SET_MESSAGE_INTERVAL, REQUEST_MESSAGE, SET_MODE, ARM_DISARM = 511, 512, 176, 400
 AUTOPILOT_VERSION = 148
 ACCEPTED, IN_PROGRESS = 0, 5
@@ -81,6 +83,7 @@ class MavlinkLink:
         cfg: MavlinkCfg | None = None,
         start: Pose | None = None,
         clock: Callable[[], float] = time.monotonic,
+        threaded: bool = True,
     ) -> None:
         """Open the line and begin to listen.
 
@@ -90,6 +93,7 @@ class MavlinkLink:
             start: Where the vehicle stands in the survey's frame when its first pose comes. None: poses are relative
                 to the estimator's origin, x east.
             clock: Monotonic time (s).
+            threaded: Read in a thread. Otherwise `poll` has to be called, and orders call it while they wait.
 
         Raises:
             InputError: The address cannot be used, or pymavlink is missing.
@@ -117,8 +121,9 @@ class MavlinkLink:
         self._commanded_s = self._beat_s = self._stick_s = self._asked_s = self._synced_s = -math.inf
         self._sync_sent: dict[int, float] = {}
         self._closed = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="mavlink", daemon=True)
-        self._thread.start()
+        self._thread = threading.Thread(target=self._run, name="mavlink", daemon=True) if threaded else None
+        if self._thread is not None:
+            self._thread.start()
 
     def report(self) -> VehicleReport:
         """Return the latest state."""
@@ -209,7 +214,7 @@ class MavlinkLink:
     def close(self) -> None:
         """Stop sending and free the port."""
         self._closed.set()
-        if threading.current_thread() is not self._thread:
+        if self._thread is not None and threading.current_thread() is not self._thread:
             self._thread.join(timeout=2.0)
         self._line.close()
 
@@ -237,20 +242,20 @@ class MavlinkLink:
             for attempt in range(self.cfg.tries):
                 self._acks.pop(command, None)
                 self._send(self._long(command, *parameters, confirmation=attempt))
-                if self._heard.wait_for(lambda: self._acks.get(command, (5, 0))[0] != IN_PROGRESS, self.cfg.answer_s):
+                if self._wait(lambda: self._acks.get(command, (IN_PROGRESS, 0))[0] != IN_PROGRESS, self.cfg.answer_s):
                     break
             else:
                 raise LinkRefused(f"{what}: the autopilot did not answer")
             result = self._acks[command][0]
             if result != ACCEPTED:
-                self._heard.wait_for(lambda: False, self.cfg.words_s)
+                self._wait(lambda: False, self.cfg.words_s)
                 words = [text for at, text in self._words if at >= since]
                 reason = "; ".join(dict.fromkeys(words)) or RESULTS.get(result, f"result {result}")
                 raise LinkRefused(f"{what} refused: {reason}")
 
     def _await(self, done: Callable[[], bool], what: str) -> None:
         with self._heard:
-            if not self._heard.wait_for(done, self.cfg.settle_s):
+            if not self._wait(done, self.cfg.settle_s):
                 raise LinkRefused(f"{what} was acknowledged but did not come")
 
     def _long(self, command: int, *parameters: float, confirmation: int = 0) -> Any:
@@ -264,17 +269,30 @@ class MavlinkLink:
             self._line.send(message.pack(self._out))
             self._out.seq = (self._out.seq + 1) % 256
 
+    def poll(self) -> None:
+        """Take what has come, and send what is due. The thread does nothing else."""
+        data = self._line.receive(POLL_S)
+        with self._heard:
+            now = self._clock()
+            for message in self._parse(data):
+                self._take(message, now)
+            self._watch(now)
+            self._keep_alive(now)
+            if data:
+                self._heard.notify_all()
+
     def _run(self) -> None:
         while not self._closed.is_set():
-            data = self._line.receive(0.02)
-            with self._heard:
-                now = self._clock()
-                for message in self._parse(data):
-                    self._take(message, now)
-                self._watch(now)
-                self._keep_alive(now)
-                if data:
-                    self._heard.notify_all()
+            self.poll()
+
+    def _wait(self, done: Callable[[], bool], seconds: float) -> bool:
+        """Wait until something holds, so long at most. Return whether it does. The lock is held."""
+        if self._thread is not None:
+            return self._heard.wait_for(done, seconds)
+        until = self._clock() + seconds
+        while not done() and self._clock() < until:
+            self.poll()
+        return done()
 
     def _parse(self, data: bytes) -> list[Any]:
         """Decode what is valid; garbage is skipped."""
