@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -93,6 +94,11 @@ class Belief:
     def inspect_m(self) -> float:
         """Distance from which oysters can be counted (m)."""
         return self.cfg.inspect.pixel_m * self.map.focal_px
+
+    def recall(self, tracks: Sequence[Track], trail: NDArray[np.float64]) -> None:
+        """Take over the clusters and the trajectory, Shape=(N, 2), of an earlier survey. The map recalls itself."""
+        self.tracker.recall(tracks)
+        self._trail = [(float(x), float(y)) for x, y in trail]
 
     def write_off(self, index: int) -> None:
         """Give up what is left to see of a cluster: it could not be seen from near."""

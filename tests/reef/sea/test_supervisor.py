@@ -207,3 +207,19 @@ def test_the_time_limit_ends_a_survey_that_is_held(bench):
     bench.t = 599.5
     bench.tick(seconds=2.0)
     assert "time limit" in bench.supervisor.end_reason
+
+
+def test_a_finished_survey_ends_holding_by_default(bench):
+    bench.supervisor.complete(5.0, "nothing left")
+    assert bench.supervisor.end_reason == "nothing left"
+
+
+def test_a_finished_survey_may_return_or_surface():
+    bench = Bench(on_done="return")
+    bench.supervisor.complete(5.0, "nothing left")
+    assert (bench.homeward, bench.supervisor.end_reason) == (1, "")
+    bench.tick(pose=Pose(2.3, 5.0, 0.0))
+    assert bench.supervisor.end_reason == "back at the start: nothing left"
+    bench = Bench(on_done="surface")
+    bench.supervisor.complete(5.0, "nothing left")
+    assert bench.states.state is PilotState.SURFACING

@@ -50,8 +50,10 @@ class SafetyCfg:
     """Time kept back for the way home, besides the way itself."""
     on_time: Action = "return"
     """When the time left, by the time limit or by the battery's decline, is only just enough for the way back."""
+    on_done: Action = "hold"
+    """What follows when nothing is left to explore."""
     after_return: Literal["hold", "surface"] = "hold"
-    """What the vehicle does once it is back, and at the regular end of a survey."""
+    """What the vehicle does once it is back."""
     settle_s: Positive = 2.0
     """A lost link or position must be back for so long before the survey goes on."""
 

@@ -82,6 +82,17 @@ class Supervisor:
         self._retry_order(t)
         self._follow_state(t, report, pose)
 
+    def complete(self, t: float, reason: str) -> None:
+        """End a survey that has done all it could, as configured."""
+        action = self.safety.cfg.on_done
+        if action == "return" and self.states.state is PilotState.SURVEYING:
+            self.returning = reason
+            self._go_home()
+        elif action == "surface" and self.states.move(t, Mover.VEHICLE, "must surface", reason):
+            self._order("surface")
+        elif self.states.state is not PilotState.SURFACING:
+            self.end_reason = self.end_reason or reason
+
     def finish(self) -> None:
         """Leave the vehicle holding, unless it comes up, is steered by a person, or stands on the operator's deck."""
         if self.states.state not in (PilotState.SURFACING, PilotState.TAKEN_OVER) and not self._held:
