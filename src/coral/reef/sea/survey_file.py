@@ -98,6 +98,16 @@ class SurveyArea:
             world.name, world.size_m, Pose(world.start.x, world.start.y, world.start.theta), _border(world.size_m)
         )
 
+    def begun_at(self, start: tuple[float, float, float], where: str) -> SurveyArea:
+        """Return the same area with another start: x, y (m), heading (rad).
+
+        Raises:
+            InputError: No hull fits there.
+        """
+        area = SurveyArea(self.name, self.size_m, Pose(*start), self.fence, self.keep_out)
+        check_start(area, where, "")
+        return area
+
     def breach(self, x: float, y: float) -> str:
         """Return what a position (m) violates, in words, or ""."""
         if not contains_point(self.fence, x, y):
@@ -144,12 +154,24 @@ def read_survey(path: Path) -> tuple[SurveyArea, SurveyFile]:
     )
     start = Pose(found.start.x, found.start.y, found.start.theta)
     area = SurveyArea(found.name, found.size_m, start, fence, keep_out)
+    check_start(area, where, "start")
+    return area, found
+
+
+def check_start(area: SurveyArea, where: str, field: str) -> None:
+    """Check that the hull fits at the start.
+
+    Raises:
+        InputError: It would be outside the area or the fence, or inside a keep-out.
+    """
+    start, border = area.start, _border(area.size_m)
+    if not all(map(math.isfinite, start)):
+        raise InputError(where, field, tuple(start), "finite numbers")
     for k in range(9):  # the start and eight points on the hull about it
         reach = HULL_M if k else 0.0
         x, y = start.x + reach * math.cos(k * math.pi / 4), start.y + reach * math.sin(k * math.pi / 4)
         if wrong := area.breach(x, y) or ("" if contains_point(border, x, y) else "outside the area"):
-            raise InputError(where, "start", f"({start.x:g}, {start.y:g}), {wrong}", f"a place {HULL_M:g} m inside")
-    return area, found
+            raise InputError(where, field, f"({start.x:g}, {start.y:g}), {wrong}", f"a place {HULL_M:g} m inside")
 
 
 def is_survey(path: Path) -> bool:
