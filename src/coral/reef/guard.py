@@ -25,6 +25,9 @@ Input = Literal["clock", "pose", "velocity", "camera", "attitude"]
 NEEDED: tuple[Input, ...] = ("pose", "velocity", "camera")
 """Without one of these nothing moves."""
 
+AFTER_JUMP_S = 1.0
+"""So long the vehicle may have driven on since a pose jumped: then it stands, and no jump is believed for its age."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class GuardCfg:
@@ -124,6 +127,7 @@ class SensorGuard:
         self._poses = PoseHistory(self.cfg.pose_timeout_s)
         self._reference: Stamped[Pose] | None = None
         """Pose from which the next one may not have jumped, and since when it may have moved."""
+        self._jumped = False
         self._still: tuple[Frame, Pose] | None = None
         """First of the equal pictures that the camera delivers, and where it was taken."""
         self.attitude: Attitude | None = None
@@ -168,7 +172,7 @@ class SensorGuard:
 
     def relocate(self) -> None:
         """Accept the next pose wherever it is, on a person's word."""
-        self._reference = None
+        self._reference, self._jumped = None, False
 
     def _advance(self, clock: object, refused: list[Refusal]) -> None:
         """Go to the next tick; after a jump of the clock, stamps from before it count for nothing."""
@@ -227,13 +231,14 @@ class SensorGuard:
             checks.check_covariance(covariance, cfg.max_sigma_m)
         if before is None:
             return pose
-        dt = max(stamped.t - before.t, 0.0)
+        dt = min(max(stamped.t - before.t, 0.0), AFTER_JUMP_S if self._jumped else math.inf)
         most = cfg.jump_m + cfg.max_speed_m_s * dt, cfg.jump_rad + cfg.max_yaw_rate_rad_s * dt
         try:
             checks.check_jump(before.value, pose, *most)
         except UnfitMeasurement:
-            self._reference = replace(before, t=stamped.t)  # or a jump would pass by lasting
+            self._jumped = True
             raise
+        self._jumped = False
         return pose
 
     def _check_velocity(self, stamped: Stamped[Any]) -> Velocity:
