@@ -71,10 +71,12 @@ class Belief:
         other.tracker, other._keeps_chain = self.tracker, False
         return other
 
-    def update(self, frame: Frame, pose: Pose) -> None:
-        """Take in one camera picture and the pose it was taken from."""
-        self.frame, self.pose = frame, pose
-        self.map.integrate(frame, pose)
+    def update(self, frame: Frame | None, pose: Pose) -> None:
+        """Take in the robot's pose and the camera picture taken from it; None if there is no new one."""
+        self.pose = pose
+        if frame is not None:
+            self.frame = frame
+            self.map.integrate(frame, pose)
         if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:
             self._trail.append((pose.x, pose.y))
         if self._ticks % self.cfg.chain_period == 0:

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import CellSize, Count, NonNegative
-from coral.reef.camera import CameraCfg
+from coral.errors import InputError
+from coral.reef.camera import CameraCfg, check_picture
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping_kernels import SATURATED, classify, explore, look, project
 
@@ -95,6 +96,8 @@ class OccupancyMap:
         self._whole: tuple[NDArray[np.bool_], NDArray[np.float32]] | None = None
         self._near = np.full(shape, np.inf, np.float32)
         self._near_key: tuple[int, float, float] | None = None
+        self.camera = camera
+        """The camera that takes the pictures."""
         self._rays, self._lever = pixel_rays(camera)
         lengths = _ray_lengths(camera)
         self._looks = np.ascontiguousarray(np.concatenate([self._rays, lengths[..., None]], axis=2))
@@ -104,7 +107,15 @@ class OccupancyMap:
         self._reach = np.zeros(camera.width)
 
     def integrate(self, frame: Frame, pose: Pose) -> None:
-        """Fuse a camera picture taken at `pose`, the robot's own estimate."""
+        """Fuse a camera picture taken at `pose`, the robot's own estimate.
+
+        Raises:
+            InputError: The picture is not of the configured size and type, or the pose is not finite. The kernels check
+                neither, and would write beyond their arrays.
+        """
+        check_picture(frame, self.camera)
+        if not all(map(math.isfinite, pose)):
+            raise InputError("pose", "", tuple(pose), "finite numbers")
         cfg = self.cfg
         self._pictures += 1
         project(
