@@ -141,6 +141,7 @@ class SeaMission:
         self.orders = VehicleOrders(crew.link, threaded=threaded)
         self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s)
         self._recording = True
+        self._idle: IdleCollector | None = None
 
     def align(self, start: Pose | None = None, *, trust_heading: bool) -> None:
         """Take what the vehicle reports now as the survey's start."""
@@ -154,17 +155,17 @@ class SeaMission:
 
     def run(self, observers: Sequence[Observer[SeaMission]] = ()) -> dict[str, Any]:
         """Survey until the end. The vehicle must be armed. Return metrics and timing together."""
-        self._begin()
-        try:
-            with collected_when_idle() as idle:
-                self._idle: IdleCollector | None = idle
+        with collected_when_idle() as idle:
+            self._begin()
+            self._idle = idle
+            try:
                 while not self.end_reason:
                     self.advance()
                     for observer in observers:
                         observer.tick(self)
                         self.end_reason = self.end_reason or observer.stop_requested()
-        finally:
-            result = self._finish()
+            finally:
+                result = self._finish()
         return result
 
     def advance(self) -> None:
@@ -186,7 +187,9 @@ class SeaMission:
         if self.pilot.end_reason and not self.supervisor.returning and self.states.state is not PilotState.TAKEN_OVER:
             self.supervisor.complete(self.t, self.pilot.end_reason)
         self.end_reason = self.supervisor.end_reason
-        spare_s = self.rate.finish()
+        late, spare_s = self.rate.count.late, self.rate.finish()
+        if self.rate.count.late > late:
+            self.emit("late_tick", behind_ms=round(1e3 * (self.rate.period_s - spare_s)))
         self.control_ms.append(1e3 * (self._clock() - now))
         if self._idle is not None:
             self._idle.offer(spare_s)
@@ -205,7 +208,7 @@ class SeaMission:
             self.belief, cfg.pilot.fields, render_prompt, crew.draw or (lambda belief: ()), cfg.planner
         )
         self.clock = clock
-        self._began = self._clock()
+        self._write_head()
         self.pilot = Pilot(
             self.belief,
             planner,
@@ -220,8 +223,7 @@ class SeaMission:
         self.states = self.pilot.safety.states
         self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, self._go_home)
         self.safety.accept(crew.link.report())
-        self._idle = None
-        self._write_head()
+        self._began = self._clock()
         self.rate = FixedRate(cfg.control_period_s, self._clock, self._sleep)
 
     def _write_head(self) -> None:
