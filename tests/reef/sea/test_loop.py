@@ -1,8 +1,9 @@
 import gc
+import sys
 
 import pytest
 
-from coral.reef.sea.loop import COLLECT_ALL_S, COLLECT_S, FixedRate, IdleCollector, collected_when_idle
+from coral.reef.sea.loop import COLLECT_ALL_S, COLLECT_S, FixedRate, IdleCollector, collected_when_idle, prompt_threads
 
 
 class FakeClock:
@@ -80,3 +81,10 @@ def test_the_automatic_collection_is_off_inside_and_on_again_after():
     with collected_when_idle():
         assert not gc.isenabled()
     assert gc.isenabled()
+
+
+def test_threads_switch_faster_inside_and_as_before_after():
+    before = sys.getswitchinterval()
+    with prompt_threads():
+        assert sys.getswitchinterval() < before
+    assert sys.getswitchinterval() == before

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,6 +15,8 @@ COLLECT_S = 1.0
 """Time between collections of young garbage, in the idle rest of a tick."""
 COLLECT_ALL_S = 30.0
 """Time between collections of all garbage, in the idle rest of a tick."""
+SWITCH_S = 5e-4
+"""A thread that wants to run Python code waits so long for the one that does (s)."""
 SPARE_S = 0.02
 """Least idle time for a collection; with less it waits for the next tick."""
 
@@ -115,3 +118,14 @@ def collected_when_idle() -> Iterator[IdleCollector]:
         if was_on:
             gc.enable()
         gc.unfreeze()
+
+
+@contextmanager
+def prompt_threads() -> Iterator[None]:
+    """Let the control thread wait for another one's Python code for half a millisecond at most, not for the usual five."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_S)
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(before)

@@ -32,7 +32,7 @@ from coral.reef.pilot import Command, Pilot
 from coral.reef.planner import HighLevelPlanner
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.local_frame import LocalFrame
-from coral.reef.sea.loop import FixedRate, IdleCollector, collected_when_idle
+from coral.reef.sea.loop import FixedRate, IdleCollector, collected_when_idle, prompt_threads
 from coral.reef.sea.operator import OperatorWords, VehicleOrders
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.record import SeaRecord
@@ -155,7 +155,7 @@ class SeaMission:
 
     def run(self, observers: Sequence[Observer[SeaMission]] = ()) -> dict[str, Any]:
         """Survey until the end. The vehicle must be armed. Return metrics and timing together."""
-        with collected_when_idle() as idle:
+        with collected_when_idle() as idle, prompt_threads():
             self._begin()
             self._idle = idle
             try:
@@ -203,12 +203,12 @@ class SeaMission:
 
     def _begin(self) -> None:
         cfg, crew = self.cfg.mission, self.crew
+        self._write_head()
         clock = self._decision_clock or WallClock(self._thread)
         planner = HighLevelPlanner(
             self.belief, cfg.pilot.fields, render_prompt, crew.draw or (lambda belief: ()), cfg.planner
         )
         self.clock = clock
-        self._write_head()
         self.pilot = Pilot(
             self.belief,
             planner,
