@@ -46,8 +46,8 @@ class AutopilotCfg:
     boot_s: float = 2.0
     """Silence of a restart."""
     guided_share: Fraction = 0.85
-    """Share of a wanted forward speed that GUIDED reaches. ArduSub in the loop: 0.85, 0.83, 0.84, 0.87 at 0.2, 0.3, 0.5,
-    0.6 m/s after 6 s."""
+    """Share of a wanted forward speed that GUIDED reaches. ArduSub in the loop: 0.85, 0.83, 0.84, 0.87
+    at 0.2, 0.3, 0.5, 0.6 m/s after 6 s."""
     latitude_deg: Signed = 43.0
     longitude_deg: Signed = -70.0
     """Origin of the estimator's frame: the world's (0, 0)."""
@@ -396,7 +396,9 @@ class SimulatedAutopilot:
     def _heartbeat(self) -> Any:
         mode = 81 + (8 if self.mode in POSITION_MODES else 0) + (128 if self.armed else 0)
         status = 5 if self.failsafes.lost_gcs else 4 if self.armed else 3
-        return self._dialect.MAVLink_heartbeat_message(ardusub.SUBMARINE, 3, mode, ardusub.NUMBERS[self.mode], status, 3)
+        return self._dialect.MAVLink_heartbeat_message(
+            ardusub.SUBMARINE, 3, mode, ardusub.NUMBERS[self.mode], status, 3
+        )
 
     def _system_status(self) -> Any:
         volts = max(0, round(self.seen.volts * 1000.0))
@@ -441,7 +443,9 @@ class SimulatedAutopilot:
         """SIM_STATE, as ArduPilot's simulations send it: for a camera double, and never read by the link."""
         north, east, yaw = pose_to_ned(self.body.pose)
         latitude = self.cfg.latitude_deg + math.degrees(north / EARTH_M)
-        longitude = self.cfg.longitude_deg + math.degrees(east / EARTH_M / math.cos(math.radians(self.cfg.latitude_deg)))
+        longitude = self.cfg.longitude_deg + math.degrees(
+            east / EARTH_M / math.cos(math.radians(self.cfg.latitude_deg))
+        )
         vn, ve, _ = velocity_to_ned(self.body.velocity, yaw)
         return self._dialect.MAVLink_sim_state_message(
             math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2), 0.0, 0.0, yaw, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,

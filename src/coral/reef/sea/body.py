@@ -40,7 +40,7 @@ class OpenWater:
 class Body:
     """The true state of a vehicle, and what thrust does to it.
 
-    Simplifications: sway is held at zero, and a vehicle without thrust coasts and rises but does not drift with a current.
+    Simplifications: sway is held at zero. A vehicle without thrust coasts and rises, but no current carries it.
     """
 
     def __init__(self, mover: Mover, depth_m: float = 0.0) -> None:

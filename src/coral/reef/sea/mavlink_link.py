@@ -151,7 +151,8 @@ class MavlinkLink:
                 self._send(
                     self._dialect.MAVLink_set_position_target_local_ned_message(
                         0, state.system, ardusub.AUTOPILOT_COMPONENT, self._dialect.MAV_FRAME_BODY_OFFSET_NED,
-                        VELOCITY_AND_YAW_RATE, 0.0, 0.0, 0.0, forward_m_s, 0.0, down, 0.0, 0.0, 0.0, 0.0, -yaw_rate_rad_s,
+                        VELOCITY_AND_YAW_RATE, 0.0, 0.0, 0.0, forward_m_s, 0.0, down, 0.0, 0.0, 0.0, 0.0,
+                        -yaw_rate_rad_s,
                     )
                 )  # fmt: skip
                 return
@@ -186,6 +187,7 @@ class MavlinkLink:
             mode = "GUIDED" if ardusub.has_position(state.flags) else "ALT_HOLD"
             self._axes, self._sticks.integral = NEUTRAL, 0.0
         self._enter(mode)
+        self._stick(self._clock())  # the failsafe of the pilot's input would disarm a vehicle that never had any
         self._tell_motors(True)
         with self._lock:
             self._override, self._driving = False, True
@@ -317,9 +319,8 @@ class MavlinkLink:
                 self._acks[message.command] = (message.result, now)
         elif name == "STATUSTEXT":
             self._words = [*self._words[-19:], (now, str(message.text).rstrip("\0"))]
-        elif name == "TIMESYNC":
-            if message.tc1 and message.ts1 in self._sync_sent:
-                self.telemetry.clock.synchronise(self._sync_sent.pop(message.ts1), message.tc1 * 1e-9, now)
+        elif name == "TIMESYNC" and message.tc1 and message.ts1 in self._sync_sent:
+            self.telemetry.clock.synchronise(self._sync_sent.pop(message.ts1), message.tc1 * 1e-9, now)
 
     def _watch(self, now: float) -> None:
         """See who else gives orders."""
@@ -350,7 +351,9 @@ class MavlinkLink:
         cfg, m, state = self.cfg, self._dialect, self.telemetry
         if now - self._beat_s >= cfg.heartbeat_s:
             self._beat_s = now
-            self._send(m.MAVLink_heartbeat_message(m.MAV_TYPE_GCS, m.MAV_AUTOPILOT_INVALID, 0, 0, m.MAV_STATE_ACTIVE, 3))
+            self._send(
+                m.MAVLink_heartbeat_message(m.MAV_TYPE_GCS, m.MAV_AUTOPILOT_INVALID, 0, 0, m.MAV_STATE_ACTIVE, 3)
+            )
         if not state.system:
             return
         if now - self._synced_s >= 1.0:

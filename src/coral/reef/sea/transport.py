@@ -57,7 +57,9 @@ class UdpLine:
                 self.peers = [where]
         except OSError as error:
             expected = "a port that is free" if self._listens else "a known host"
-            raise InputError("--vehicle", "", f"{address.host}:{address.port} ({first_line(error)})", expected) from None
+            raise InputError(
+                "--vehicle", "", f"{address.host}:{address.port} ({first_line(error)})", expected
+            ) from None
         self._socket.setblocking(False)
 
     @property

@@ -42,7 +42,7 @@ class TruthFeed:
         system: int = 1,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Open the line; see `MavlinkLink` for `start`. The latitude and longitude of the first state are the origin."""
+        """Open the line; see `MavlinkLink` for `start`. The first state is the origin."""
         self._dialect = ardusub.load_dialect()
         self._line = open_transport(address) if isinstance(address, Address) else address
         self._clock, self._start, self._system = clock, start, system
