@@ -3,17 +3,17 @@
 import pytest
 
 from coral.errors import InputError
-from coral.reef.sea.address import Address, parse_address
+from coral.reef.sea.address import VehicleAddress, parse_address
 
 
 @pytest.mark.parametrize(
     ("text", "address"),
     [
-        ("mavlink:udp:192.168.2.2:14550", Address("udp", "192.168.2.2", 14550)),
-        ("mavlink:udpin:0.0.0.0:14550", Address("udpin", "0.0.0.0", 14550)),
-        ("mavlink:tcp:localhost:5760", Address("tcp", "localhost", 5760)),
-        ("mavlink:tcp:[::1]:5760", Address("tcp", "::1", 5760)),
-        ("mavlink:serial:/dev/ttyACM0:115200", Address("serial", "/dev/ttyACM0", 115200)),
+        ("mavlink:udp:192.168.2.2:14550", VehicleAddress("udp", "192.168.2.2", 14550)),
+        ("mavlink:udpin:0.0.0.0:14550", VehicleAddress("udpin", "0.0.0.0", 14550)),
+        ("mavlink:tcp:localhost:5760", VehicleAddress("tcp", "localhost", 5760)),
+        ("mavlink:tcp:[::1]:5760", VehicleAddress("tcp", "::1", 5760)),
+        ("mavlink:serial:/dev/ttyACM0:115200", VehicleAddress("serial", "/dev/ttyACM0", 115200)),
     ],
 )
 def test_the_four_forms(text, address):

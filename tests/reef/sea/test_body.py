@@ -2,7 +2,8 @@
 
 import pytest
 
-from coral.reef.sea.body import Body, OpenWater
+from coral.reef.geometry import Pose
+from coral.reef.sea.body import Body, OpenWater, ReefWaters
 
 
 def moved(action, seconds, dt=0.05):
@@ -40,3 +41,20 @@ def test_it_does_not_leave_the_water():
     body = moved(lambda b, dt: b.swim(0.0, 0.0, -1.0, dt), 10)
     assert body.depth_m == 0.0
     assert body.down_m_s == 0.0
+
+
+def test_a_reef_has_obstacles_that_are_counted_and_stop_it():
+    waters = ReefWaters("s1")
+    obstacle = waters.mover.world.obstacles[0]
+    waters.vehicle.reset(Pose(obstacle.x - 1.5, obstacle.y, 0.0))
+    body = Body(waters)
+    for _ in range(200):
+        body.swim(0.5, 0.0, 0.0, 0.05)
+    assert waters.collisions == 1
+    assert 0.5 < waters.distance_m < 1.5
+
+
+def test_open_water_has_none():
+    waters = ReefWaters("")
+    waters.act((0.5, 0.0), 0.05)
+    assert waters.collisions == 0

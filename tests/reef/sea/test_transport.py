@@ -5,7 +5,7 @@ import socket
 import pytest
 
 from coral.errors import InputError
-from coral.reef.sea.address import Address
+from coral.reef.sea.address import VehicleAddress
 from coral.reef.sea.transport import PEERS, RETRY_S, StreamLine, UdpLine, open_transport
 
 
@@ -18,7 +18,7 @@ def bound():
 
 def test_udp_sends_and_receives():
     with bound() as vehicle:
-        line = open_transport(Address("udp", "127.0.0.1", vehicle.getsockname()[1]))
+        line = open_transport(VehicleAddress("udp", "127.0.0.1", vehicle.getsockname()[1]))
         line.send(b"hello")
         data, sender = vehicle.recvfrom(99)
         vehicle.sendto(b"there", sender)
@@ -29,7 +29,7 @@ def test_udp_sends_and_receives():
 
 
 def test_udpin_answers_whoever_sends_and_remembers_few():
-    line = UdpLine(Address("udpin", "127.0.0.1", 0 or bound_free()))
+    line = UdpLine(VehicleAddress("udpin", "127.0.0.1", 0 or bound_free()))
     line.send(b"to nobody")
     vehicles = [bound() for _ in range(PEERS + 2)]
     for vehicle in vehicles:
@@ -50,7 +50,7 @@ def bound_free():
 
 def test_a_port_that_is_taken_is_one_line():
     with bound() as taken, pytest.raises(InputError, match="a port that is free"):
-        open_transport(Address("udpin", "127.0.0.1", taken.getsockname()[1]))
+        open_transport(VehicleAddress("udpin", "127.0.0.1", taken.getsockname()[1]))
 
 
 def test_tcp_is_opened_again_after_the_vehicle_restarts():

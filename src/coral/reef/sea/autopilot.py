@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -106,9 +106,13 @@ class SimulatedAutopilot:
         """Let the autopilot's clock jump, without a restart."""
         self.clock_s += seconds
 
-    def leak(self) -> None:
-        """Let water in."""
-        self.seen.leak_until_s = self.time_s + LEAK_S
+    def leak(self, seconds: float = 0.0) -> None:
+        """Let water in, for so long; it is forgotten a few seconds after its last sign."""
+        self.seen.leak_until_s = self.time_s + max(seconds, LEAK_S)
+
+    def choose(self, mode: str) -> None:
+        """Enter a mode as if a pilot at another station had chosen it."""
+        self._enter(mode)
 
     def send(self) -> bytes:
         """Return what has been sent since the last call."""
@@ -273,13 +277,15 @@ class SimulatedAutopilot:
 
     def _command(self, message: Any, first: float, second: float) -> None:
         m = self._dialect
-        result = {
+        orders: dict[int, Callable[[float, float], int]] = {
             m.MAV_CMD_DO_SET_MODE: self._do_set_mode,
             m.MAV_CMD_COMPONENT_ARM_DISARM: self._do_arm,
             m.MAV_CMD_SET_MESSAGE_INTERVAL: self._do_interval,
             m.MAV_CMD_REQUEST_MESSAGE: self._do_request,
             m.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._do_reboot,
-        }.get(message.command, lambda a, b: m.MAV_RESULT_UNSUPPORTED)(first, second)
+        }
+        order = orders.get(message.command)
+        result = m.MAV_RESULT_UNSUPPORTED if order is None else order(first, second)
         acknowledge = m.MAVLink_command_ack_message(
             message.command, result, 0, 0, message.get_srcSystem(), message.get_srcComponent()
         )

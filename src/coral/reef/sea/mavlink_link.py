@@ -13,7 +13,7 @@ from typing import Any
 from coral.config import NonNegative, Positive
 from coral.reef.geometry import Pose
 from coral.reef.sea import ardusub
-from coral.reef.sea.address import Address
+from coral.reef.sea.address import VehicleAddress
 from coral.reef.sea.link import LinkRefused, VehicleReport
 from coral.reef.sea.setpoints import NEUTRAL, VELOCITY_AND_YAW_RATE, StickLoop, StickLoopCfg, climb_rate
 from coral.reef.sea.telemetry import Telemetry
@@ -79,7 +79,7 @@ class MavlinkLink:
 
     def __init__(
         self,
-        address: Address | Transport,
+        address: VehicleAddress | Transport,
         cfg: MavlinkCfg | None = None,
         start: Pose | None = None,
         clock: Callable[[], float] = time.monotonic,
@@ -100,7 +100,7 @@ class MavlinkLink:
         """
         self.cfg = cfg or MavlinkCfg()
         self._dialect = ardusub.load_dialect()
-        self._line = open_transport(address) if isinstance(address, Address) else address
+        self._line = open_transport(address) if isinstance(address, VehicleAddress) else address
         self._clock = clock
         self._lock = threading.RLock()
         self._heard = threading.Condition(self._lock)
