@@ -124,7 +124,10 @@ def test_a_hand_on_another_joystick_takes_over_at_once(vehicle):
         send(vehicle, mavlink.MAVLink_manual_control_message(1, 0, 0, 500, 400, 0))
         report = vehicle.run(0.1, AHEAD)
     assert report.manual_override
+    report = vehicle.run(2.0, AHEAD)
+    assert report.mode == "POSHOLD"
     assert report.armed
+    assert report.velocity[0] == pytest.approx(0.0, abs=0.15)
 
 
 def test_a_leak_is_reported(vehicle):
@@ -275,6 +278,38 @@ def test_the_failsafe_of_the_pilots_input_rests_while_we_drive():
     vehicle.run(2.0)
     vehicle.link.arm()
     assert vehicle.run(8.0, AHEAD).armed
+
+
+def test_it_rests_while_we_hold_too():
+    """A vehicle that was told to hold must not be disarmed, and float up, for want of a joystick."""
+    vehicle = SimulatedVehicle()
+    vehicle.autopilot.parameters.write("FS_PILOT_INPUT", 2.0)
+    vehicle.run(2.0)
+    vehicle.link.arm()
+    vehicle.link.hold()
+    report = vehicle.run(8.0)
+    assert report.armed
+    assert report.mode == "POSHOLD"
+
+
+def test_a_joystick_that_moves_while_we_hold_is_noticed(simulated):
+    simulated.link.arm()
+    simulated.run(2.0, AHEAD)
+    simulated.link.hold()
+    simulated.run(2.0)
+    for _ in range(10):
+        send(simulated, mavlink.MAVLink_manual_control_message(1, 400, 0, 500, 0, 0))
+        report = simulated.run(0.1)
+    assert report.manual_override
+
+
+def test_the_end_of_surface_is_nobodys_override(simulated):
+    simulated.link.arm()
+    simulated.run(4.0, (0.0, 0.0, 1.0))
+    simulated.link.surface()
+    report = simulated.run(12.0)
+    assert report.mode == "ALT_HOLD"
+    assert not report.manual_override
 
 
 def test_another_vehicle_on_the_line_is_not_listened_to(simulated):
