@@ -12,7 +12,7 @@ EXPECTED = "mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:POR
 
 
 @dataclass(frozen=True)
-class Address:
+class VehicleAddress:
     """A place to exchange bytes with an autopilot."""
 
     medium: Medium
@@ -23,7 +23,7 @@ class Address:
     """Port number; baud rate for serial."""
 
 
-def parse_address(text: str) -> Address:
+def parse_address(text: str) -> VehicleAddress:
     """Read `mavlink:MEDIUM:WHERE:NUMBER`.
 
     Raises:
@@ -42,4 +42,4 @@ def parse_address(text: str) -> Address:
     if len(number) > 9 or not 1 <= int(number) <= most:
         field = "baud" if medium == "serial" else "port"
         raise InputError("--vehicle", field, number, f"a number from 1 to {most}")
-    return Address(medium, host.strip("[]"), int(number))  # type: ignore[arg-type]
+    return VehicleAddress(medium, host.strip("[]"), int(number))  # type: ignore[arg-type]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,8 +46,8 @@ class AutopilotCfg:
     boot_s: float = 2.0
     """Silence of a restart."""
     guided_share: Fraction = 0.85
-    """Share of a wanted forward speed that GUIDED reaches. ArduSub in the loop: 0.85, 0.83, 0.84, 0.87 at 0.2, 0.3, 0.5,
-    0.6 m/s after 6 s."""
+    """Share of a wanted forward speed that GUIDED reaches. ArduSub in the loop: 0.85, 0.83, 0.84, 0.87
+    at 0.2, 0.3, 0.5, 0.6 m/s after 6 s."""
     latitude_deg: Signed = 43.0
     longitude_deg: Signed = -70.0
     """Origin of the estimator's frame: the world's (0, 0)."""
@@ -106,9 +106,13 @@ class SimulatedAutopilot:
         """Let the autopilot's clock jump, without a restart."""
         self.clock_s += seconds
 
-    def leak(self) -> None:
-        """Let water in."""
-        self.seen.leak_until_s = self.time_s + LEAK_S
+    def leak(self, seconds: float = 0.0) -> None:
+        """Let water in, for so long; it is forgotten a few seconds after its last sign."""
+        self.seen.leak_until_s = self.time_s + max(seconds, LEAK_S)
+
+    def choose(self, mode: str) -> None:
+        """Enter a mode as if a pilot at another station had chosen it."""
+        self._enter(mode)
 
     def send(self) -> bytes:
         """Return what has been sent since the last call."""
@@ -273,13 +277,15 @@ class SimulatedAutopilot:
 
     def _command(self, message: Any, first: float, second: float) -> None:
         m = self._dialect
-        result = {
+        orders: dict[int, Callable[[float, float], int]] = {
             m.MAV_CMD_DO_SET_MODE: self._do_set_mode,
             m.MAV_CMD_COMPONENT_ARM_DISARM: self._do_arm,
             m.MAV_CMD_SET_MESSAGE_INTERVAL: self._do_interval,
             m.MAV_CMD_REQUEST_MESSAGE: self._do_request,
             m.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._do_reboot,
-        }.get(message.command, lambda a, b: m.MAV_RESULT_UNSUPPORTED)(first, second)
+        }
+        order = orders.get(message.command)
+        result = m.MAV_RESULT_UNSUPPORTED if order is None else order(first, second)
         acknowledge = m.MAVLink_command_ack_message(
             message.command, result, 0, 0, message.get_srcSystem(), message.get_srcComponent()
         )
@@ -396,7 +402,9 @@ class SimulatedAutopilot:
     def _heartbeat(self) -> Any:
         mode = 81 + (8 if self.mode in POSITION_MODES else 0) + (128 if self.armed else 0)
         status = 5 if self.failsafes.lost_gcs else 4 if self.armed else 3
-        return self._dialect.MAVLink_heartbeat_message(ardusub.SUBMARINE, 3, mode, ardusub.NUMBERS[self.mode], status, 3)
+        return self._dialect.MAVLink_heartbeat_message(
+            ardusub.SUBMARINE, 3, mode, ardusub.NUMBERS[self.mode], status, 3
+        )
 
     def _system_status(self) -> Any:
         volts = max(0, round(self.seen.volts * 1000.0))
@@ -441,7 +449,9 @@ class SimulatedAutopilot:
         """SIM_STATE, as ArduPilot's simulations send it: for a camera double, and never read by the link."""
         north, east, yaw = pose_to_ned(self.body.pose)
         latitude = self.cfg.latitude_deg + math.degrees(north / EARTH_M)
-        longitude = self.cfg.longitude_deg + math.degrees(east / EARTH_M / math.cos(math.radians(self.cfg.latitude_deg)))
+        longitude = self.cfg.longitude_deg + math.degrees(
+            east / EARTH_M / math.cos(math.radians(self.cfg.latitude_deg))
+        )
         vn, ve, _ = velocity_to_ned(self.body.velocity, yaw)
         return self._dialect.MAVLink_sim_state_message(
             math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2), 0.0, 0.0, yaw, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,

@@ -10,8 +10,8 @@ from coral.reef.sea.autopilot import SimulatedAutopilot
 class AutopilotLine:
     """A `Transport` without a network. `clock` is the time of both ends.
 
-    Faults on command: `cut` breaks the line in both directions, `loss` drops that share of the datagrams, `garble` flips
-    bits in that share of those that come, `delay_s` keeps them back.
+    Faults on command: `cut` breaks the line in both directions, `loss` drops that share of the datagrams, `garble`
+    flips a bit in that share of those that come, `delay_s` keeps them back.
     """
 
     def __init__(self, autopilot: SimulatedAutopilot, rng: np.random.Generator | None = None) -> None:

@@ -22,7 +22,7 @@ DEFAULTS: dict[str, float] = {
     "SIM_GPS1_ENABLE": 1.0,
     "WPNAV_SPEED": 100.0,
 }
-"""As read from ArduSub 4.7.0-dev, except FS_PILOT_INPUT: there it is 2, but builds for simulation leave its check out."""
+"""As read from ArduSub 4.7.0-dev, except FS_PILOT_INPUT: there it is 2, but simulated builds leave its check out."""
 BATTERY_ACTIONS = {2: "disarm", 3: "surface"}
 """BATT_FS_LOW_ACT. 0 and 1 only tell."""
 GCS_ACTIONS = {2: "disarm", 3: "hold", 4: "surface"}

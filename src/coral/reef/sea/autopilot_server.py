@@ -7,12 +7,14 @@ import select
 import socket
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
+
+import numpy as np
 
 from coral.errors import InputError, first_line
 from coral.reef.sea.autopilot import SimulatedAutopilot
-from coral.reef.vehicle import Vehicle
+from coral.reef.sea.autopilot_faults import FaultPlan, LineCondition, LinkFault
 
 PEERS = 8
 LAG_S = 0.5
@@ -31,6 +33,7 @@ class AutopilotServer:
         medium: str = "udp",
         host: str = "127.0.0.1",
         port: int = 0,
+        faults: Iterable[LinkFault] = (),
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Open a port (0: any free one) and start.
@@ -40,7 +43,7 @@ class AutopilotServer:
         """
         if medium not in ("udp", "tcp"):
             raise InputError("autopilot", "medium", medium, "udp or tcp")
-        Vehicle().step((0.1, 0.1), autopilot.cfg.step_s)  # compiles the dynamics, which would stop the first answers
+        autopilot.step(autopilot.cfg.step_s)  # compiles the dynamics, which would keep the first peers waiting
         self.autopilot, self.lock = autopilot, threading.Lock()
         """Hold the lock to touch the autopilot from another thread."""
         self._clock = clock
@@ -57,8 +60,12 @@ class AutopilotServer:
             raise InputError("autopilot", "port", f"{host}:{port} ({first_line(error)})", "a free port") from None
         self._socket.setblocking(False)
         self.host, self.port = self._socket.getsockname()[:2]
-        self.silent = False
-        """A broken link: nothing comes in or goes out, while the vehicle goes on."""
+        self.line = LineCondition()
+        """A broken or bad line, while the vehicle goes on."""
+        self.happened: list[tuple[float, str]] = []
+        """Faults that began or ended, with the autopilot's time (s)."""
+        self._faults = FaultPlan(faults)
+        self._rng = np.random.default_rng(0)
         self._peers: list[Any] = []
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="autopilot", daemon=True)
@@ -83,13 +90,19 @@ class AutopilotServer:
             now = self._clock()
             with self.lock:
                 for data, peer in incoming:
-                    if not self.silent:
+                    if not self._lost():
                         self.autopilot.receive(data, peer)
                 self.autopilot.step(min(now - last, LAG_S))
+                self.happened += [
+                    (self.autopilot.time_s, name) for name in self._faults.apply(self.autopilot, self.line)
+                ]
                 outgoing = self.autopilot.send()
             last = now
-            if outgoing and not self.silent:
+            if outgoing and not self._lost():
                 self._send(outgoing)
+
+    def _lost(self) -> bool:
+        return self.line.silent or (self.line.loss > 0.0 and bool(self._rng.random() < self.line.loss))
 
     def _receive(self, timeout_s: float) -> list[tuple[bytes, Any]]:
         lines = [self._socket] if self._udp else [self._socket, *self._peers]

@@ -6,7 +6,11 @@ import math
 from collections.abc import Sequence
 from typing import Any, Protocol
 
+import numpy as np
+
+from coral.reef.generated import find_world
 from coral.reef.geometry import Pose
+from coral.reef.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.vehicle import Vehicle, VehicleCfg
 
 HEAVE_S = 0.5
@@ -37,10 +41,39 @@ class OpenWater:
         return ()
 
 
+class ReefWaters:
+    """A reef by name or file, or open water for "": moves a vehicle and counts what it touches."""
+
+    def __init__(self, world: str, cfg: SimulatorCfg | None = None) -> None:
+        """Put a vehicle at the start of a reef.
+
+        Raises:
+            InputError: There is no such world.
+        """
+        self.mover: Mover = OpenWater()
+        if world:
+            self.mover = ReefSimulator(find_world(world), cfg or SimulatorCfg(), np.random.default_rng(0))
+        self.collisions = 0
+        self.distance_m = 0.0
+
+    @property
+    def vehicle(self) -> Vehicle:
+        """The vehicle that swims."""
+        return self.mover.vehicle
+
+    def act(self, command: tuple[float, float], dt: float) -> Sequence[Any]:
+        """Drive for `dt` seconds. Return new contacts with obstacles."""
+        x, y = self.vehicle.state[:2]
+        contacts = self.mover.act(command, dt)
+        self.collisions += len(contacts)
+        self.distance_m += math.dist((x, y), self.vehicle.state[:2])
+        return contacts
+
+
 class Body:
     """The true state of a vehicle, and what thrust does to it.
 
-    Simplifications: sway is held at zero, and a vehicle without thrust coasts and rises but does not drift with a current.
+    Simplifications: sway is held at zero. A vehicle without thrust coasts and rises, but no current carries it.
     """
 
     def __init__(self, mover: Mover, depth_m: float = 0.0) -> None:

@@ -18,7 +18,7 @@ class BootClock:
     """Estimates the offset between the autopilot's clock and ours.
 
     A message needs at least 0 s to arrive, so the smallest of (arrival - stamp) is the best bound of the offset: the
-    fastest packet is right and the others were late. A TIMESYNC reply bounds it from both sides, by half the round trip.
+    fastest packet is right and the others were late. A TIMESYNC reply bounds it from both sides.
     """
 
     def __init__(self) -> None:

@@ -62,7 +62,7 @@ class Failsafes:
 
     def _pilot(self, now: float, seen: Circumstances, parameters: ParameterStore) -> list[Verdict]:
         enabled = parameters["FS_PILOT_INPUT"]
-        if not enabled or now - seen.pilot_heard_s < parameters["FS_PILOT_TIMEOUT"] or not seen.armed:
+        if not enabled or now - seen.pilot_heard_s < parameters["FS_PILOT_TIMEOUT"]:
             self.lost_pilot = False
             return []
         if self.lost_pilot:

@@ -40,9 +40,7 @@ def tilt_from_frd(roll_rad: float, pitch_rad: float) -> tuple[float, float]:
 def compose(frame: Pose, pose: Pose) -> Pose:
     """Return a pose that is given in a frame as seen from the world: SE(2) composition."""
     c, s = math.cos(frame.theta), math.sin(frame.theta)
-    return Pose(
-        frame.x + c * pose.x - s * pose.y, frame.y + s * pose.x + c * pose.y, wrap(frame.theta + pose.theta)
-    )
+    return Pose(frame.x + c * pose.x - s * pose.y, frame.y + s * pose.x + c * pose.y, wrap(frame.theta + pose.theta))
 
 
 def alignment(first: Pose, start: Pose) -> Pose:

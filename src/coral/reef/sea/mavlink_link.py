@@ -13,7 +13,7 @@ from typing import Any
 from coral.config import NonNegative, Positive
 from coral.reef.geometry import Pose
 from coral.reef.sea import ardusub
-from coral.reef.sea.address import Address
+from coral.reef.sea.address import VehicleAddress
 from coral.reef.sea.link import LinkRefused, VehicleReport
 from coral.reef.sea.setpoints import NEUTRAL, VELOCITY_AND_YAW_RATE, StickLoop, StickLoopCfg, climb_rate
 from coral.reef.sea.telemetry import Telemetry
@@ -74,12 +74,13 @@ class MavlinkLink:
     """A `VehicleLink` over MAVLink: a thread reads, keeps heartbeats and streams alive; commands go out at once.
 
     With a position estimate `arm` enters GUIDED, and commands are body-frame velocities with a yaw rate. Without one it
-    enters ALT_HOLD, and commands are joystick axes. The link never changes a mode by itself: only orders do.
+    enters ALT_HOLD, and commands are joystick axes. Only orders change the mode, with one exception: when a joystick
+    moves in GUIDED, the link leaves it for POSHOLD, where the stick steers.
     """
 
     def __init__(
         self,
-        address: Address | Transport,
+        address: VehicleAddress | Transport,
         cfg: MavlinkCfg | None = None,
         start: Pose | None = None,
         clock: Callable[[], float] = time.monotonic,
@@ -100,7 +101,7 @@ class MavlinkLink:
         """
         self.cfg = cfg or MavlinkCfg()
         self._dialect = ardusub.load_dialect()
-        self._line = open_transport(address) if isinstance(address, Address) else address
+        self._line = open_transport(address) if isinstance(address, VehicleAddress) else address
         self._clock = clock
         self._lock = threading.RLock()
         self._heard = threading.Condition(self._lock)
@@ -109,7 +110,7 @@ class MavlinkLink:
         self._out = self._dialect.MAVLink(None, self.cfg.own_system, self.cfg.own_component)
         self.telemetry = Telemetry(self.cfg.system, start)
         self._sticks = StickLoop(self.cfg.stick_loop)
-        self._driving = False
+        self._charge = self._driving = False  # in charge since `arm`; driving until the next order
         self._ordered = ""
         self._ordered_s = -math.inf
         self._override = False
@@ -148,16 +149,19 @@ class MavlinkLink:
             dt = min(max(now - self._commanded_s, 0.0), self.cfg.command_s)
             self._commanded_s = now
             if self._ordered == "GUIDED":
-                self._send(
-                    self._dialect.MAVLink_set_position_target_local_ned_message(
-                        0, state.system, ardusub.AUTOPILOT_COMPONENT, self._dialect.MAV_FRAME_BODY_OFFSET_NED,
-                        VELOCITY_AND_YAW_RATE, 0.0, 0.0, 0.0, forward_m_s, 0.0, down, 0.0, 0.0, 0.0, 0.0, -yaw_rate_rad_s,
-                    )
-                )  # fmt: skip
+                self._send_velocity(forward_m_s, yaw_rate_rad_s, down)
                 return
             x, y, _, r = self._sticks.axes(forward_m_s, yaw_rate_rad_s, self._fresh(now), dt)
             self._axes = (x, y, self._throttle(down), r)
             self._stick(now)
+
+    def _send_velocity(self, forward_m_s: float, yaw_rate_rad_s: float, down_m_s: float) -> None:
+        self._send(
+            self._dialect.MAVLink_set_position_target_local_ned_message(
+                0, self.telemetry.system, ardusub.AUTOPILOT_COMPONENT, self._dialect.MAV_FRAME_BODY_OFFSET_NED,
+                VELOCITY_AND_YAW_RATE, 0.0, 0.0, 0.0, forward_m_s, 0.0, down_m_s, 0.0, 0.0, 0.0, 0.0, -yaw_rate_rad_s,
+            )
+        )  # fmt: skip
 
     def _fresh(self, now: float) -> tuple[float | None, float | None]:
         limit = self.cfg.stick_loop.fresh_s
@@ -186,16 +190,17 @@ class MavlinkLink:
             mode = "GUIDED" if ardusub.has_position(state.flags) else "ALT_HOLD"
             self._axes, self._sticks.integral = NEUTRAL, 0.0
         self._enter(mode)
+        self._stick(self._clock())  # the failsafe of the pilot's input would disarm a vehicle that never had any
         self._tell_motors(True)
         with self._lock:
-            self._override, self._driving = False, True
+            self._override, self._charge, self._driving = False, True, True
             state.channels = ()
             state.foreign_stick_s = -math.inf
 
     def disarm(self) -> None:
         """Stop the thrusters; see `VehicleLink.disarm`."""
         with self._lock:
-            self._driving = False
+            self._charge = self._driving = False
         self._tell_motors(False)
 
     def hold(self) -> None:
@@ -317,40 +322,52 @@ class MavlinkLink:
                 self._acks[message.command] = (message.result, now)
         elif name == "STATUSTEXT":
             self._words = [*self._words[-19:], (now, str(message.text).rstrip("\0"))]
-        elif name == "TIMESYNC":
-            if message.tc1 and message.ts1 in self._sync_sent:
-                self.telemetry.clock.synchronise(self._sync_sent.pop(message.ts1), message.tc1 * 1e-9, now)
+        elif name == "TIMESYNC" and message.tc1 and message.ts1 in self._sync_sent:
+            self.telemetry.clock.synchronise(self._sync_sent.pop(message.ts1), message.tc1 * 1e-9, now)
 
     def _watch(self, now: float) -> None:
         """See who else gives orders."""
         state = self.telemetry
         if state.clock.reboots != self._reboots:
             self._reboots = state.clock.reboots
-            self._driving, self._asked_s, self._ordered = False, -math.inf, ""
-        if not self._driving or self._override:
+            self._charge = self._driving = False
+            self._asked_s, self._ordered = -math.inf, ""
+        if not self._charge or self._override:
             return
         settled = state.heartbeat_s > self._ordered_s + 1.0
-        ours = (2, 3, 4) if self._ordered == "ALT_HOLD" else ()
+        if (self._ordered, state.mode) == ("SURFACE", "ALT_HOLD"):
+            self._ordered = "ALT_HOLD"  # ArduSub's own end of SURFACE
+        ours = (2, 3, 4) if self._driving and self._ordered == "ALT_HOLD" else ()
         if settled and state.mode != self._ordered:
             self._taken_over(f"mode {state.mode} was chosen elsewhere")
         elif state.foreign_stick_s > self._ordered_s or (
             state.channels_s > self._ordered_s + 0.5 and state.stick_moved(ours)
         ):
             self._taken_over("the joystick moved")
+            self._hand_over()
         elif settled and not state.armed:
-            self._driving = False
+            self._charge = self._driving = False
 
     def _taken_over(self, why: str) -> None:
         self._override = True
         self._axes = NEUTRAL
         self.telemetry.tell(4, f"coral: {why}; commands stop until the operator arms again")
 
+    def _hand_over(self) -> None:
+        """Leave GUIDED for a mode in which the joystick steers: GUIDED takes only its yaw, and goes on for 3 s."""
+        if self._ordered == "GUIDED":
+            self._send_velocity(0.0, 0.0, 0.0)
+            mode = "POSHOLD" if ardusub.has_position(self.telemetry.flags) else "ALT_HOLD"
+            self._send(self._long(SET_MODE, 1.0, float(ardusub.NUMBERS[mode])))
+
     def _keep_alive(self, now: float) -> None:
         """Send what is due: heartbeat, time synchronisation, requests, neutral axes."""
         cfg, m, state = self.cfg, self._dialect, self.telemetry
         if now - self._beat_s >= cfg.heartbeat_s:
             self._beat_s = now
-            self._send(m.MAVLink_heartbeat_message(m.MAV_TYPE_GCS, m.MAV_AUTOPILOT_INVALID, 0, 0, m.MAV_STATE_ACTIVE, 3))
+            self._send(
+                m.MAVLink_heartbeat_message(m.MAV_TYPE_GCS, m.MAV_AUTOPILOT_INVALID, 0, 0, m.MAV_STATE_ACTIVE, 3)
+            )
         if not state.system:
             return
         if now - self._synced_s >= 1.0:
@@ -364,9 +381,9 @@ class MavlinkLink:
             for number, rate in STREAMS.items():
                 self._send(self._long(SET_MESSAGE_INTERVAL, float(number), 1e6 / rate))
             self._send(self._long(REQUEST_MESSAGE, float(AUTOPILOT_VERSION)))
-        if not self._driving or self._override or not state.armed:
+        if not self._charge or self._override or not state.armed:
             return
-        if self._ordered == "ALT_HOLD":
+        if self._driving and self._ordered == "ALT_HOLD":
             if now - self._commanded_s > cfg.command_s:
                 self._axes = NEUTRAL
             due = cfg.stick_s

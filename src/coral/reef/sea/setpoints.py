@@ -81,7 +81,7 @@ def _axis(value: float) -> int:
 
 
 def climb_rate(depth_m: float | None, wanted_m: float, gain_1_s: float, limit_m_s: float) -> float:
-    """Return the downward speed (m/s) that brings the vehicle to a depth; 0 while its depth is unknown."""
-    if depth_m is None or not math.isfinite(depth_m):
+    """Return the downward speed (m/s) that brings the vehicle to a depth; 0 where one of them is no number."""
+    if depth_m is None or not math.isfinite(depth_m) or not math.isfinite(wanted_m):
         return 0.0
     return min(max(gain_1_s * (wanted_m - depth_m), -limit_m_s), limit_m_s)

@@ -195,11 +195,12 @@ class Telemetry:
         self.channels_s = now
 
     def stick_moved(self, ours: tuple[int, ...]) -> bool:
-        """Check whether a channel (0 pitch, 1 roll, 2 throttle, 3 yaw, 4 forward, 5 lateral) not in `ours` is off its centre."""
+        """Check whether a channel that is not one of `ours` is off its centre.
+
+        Channels: 0 pitch, 1 roll, 2 throttle, 3 yaw, 4 forward, 5 lateral.
+        """
         return any(
-            900 <= pwm <= 2100 and abs(pwm - 1500) > STICK_PWM
-            for k, pwm in enumerate(self.channels)
-            if k not in ours
+            900 <= pwm <= 2100 and abs(pwm - 1500) > STICK_PWM for k, pwm in enumerate(self.channels) if k not in ours
         )
 
     def report(self, now: float, manual_override: bool = False) -> VehicleReport:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from coral.errors import InputError, first_line
-from coral.reef.sea.address import Address
+from coral.reef.sea.address import VehicleAddress
 
 CHUNK = 65536
 RETRY_S = 0.5
@@ -39,7 +39,7 @@ class Transport(Protocol):
 class UdpLine:
     """UDP to a host, or from whoever sends to us."""
 
-    def __init__(self, address: Address) -> None:
+    def __init__(self, address: VehicleAddress) -> None:
         """Open the socket.
 
         Raises:
@@ -57,7 +57,9 @@ class UdpLine:
                 self.peers = [where]
         except OSError as error:
             expected = "a port that is free" if self._listens else "a known host"
-            raise InputError("--vehicle", "", f"{address.host}:{address.port} ({first_line(error)})", expected) from None
+            raise InputError(
+                "--vehicle", "", f"{address.host}:{address.port} ({first_line(error)})", expected
+            ) from None
         self._socket.setblocking(False)
 
     @property
@@ -161,7 +163,7 @@ class _SerialDevice:
         self._device.close()
 
 
-def open_transport(address: Address) -> Transport:
+def open_transport(address: VehicleAddress) -> Transport:
     """Open a line to an address. TCP and serial lines may come up later.
 
     Raises:

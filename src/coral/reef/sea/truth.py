@@ -12,7 +12,7 @@ from typing import Any
 
 from coral.reef.geometry import Pose
 from coral.reef.sea import ardusub
-from coral.reef.sea.address import Address
+from coral.reef.sea.address import VehicleAddress
 from coral.reef.sea.frames import alignment, compose, pose_from_ned
 from coral.reef.sea.transport import Transport, open_transport
 
@@ -37,14 +37,14 @@ class TruthFeed:
 
     def __init__(
         self,
-        address: Address | Transport,
+        address: VehicleAddress | Transport,
         start: Pose | None = None,
         system: int = 1,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Open the line; see `MavlinkLink` for `start`. The latitude and longitude of the first state are the origin."""
+        """Open the line; see `MavlinkLink` for `start`. The first state is the origin."""
         self._dialect = ardusub.load_dialect()
-        self._line = open_transport(address) if isinstance(address, Address) else address
+        self._line = open_transport(address) if isinstance(address, VehicleAddress) else address
         self._clock, self._start, self._system = clock, start, system
         self._codec = self._dialect.MAVLink(None, 254, 191)
         self._codec.robust_parsing = True
