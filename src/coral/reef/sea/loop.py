@@ -122,7 +122,7 @@ def collected_when_idle() -> Iterator[IdleCollector]:
 
 @contextmanager
 def prompt_threads() -> Iterator[None]:
-    """Let the control thread wait for another one's Python code for half a millisecond at most, not for the usual five."""
+    """Let the control thread wait for the Python code of another for half a millisecond, not for the usual five."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(SWITCH_S)
     try:
