@@ -66,7 +66,7 @@ class FixedRate:
             self.count.late += passed - self._next
             self._next = passed
         self._due = self._start + self._next * self.period_s
-        while (rest := self._due - self._clock()) > 0.0:
+        while (rest := self._due - self._clock()) > 1e-6:  # less is the clock's own resolution
             self._sleep(rest)
         self._next += 1
         return self._due - self._start
