@@ -223,3 +223,11 @@ def test_a_finished_survey_may_return_or_surface():
     bench = Bench(on_done="surface")
     bench.supervisor.complete(5.0, "nothing left")
     assert bench.states.state is PilotState.SURFACING
+
+
+def test_a_hold_by_the_time_left_ends_at_the_time_limit():
+    bench = Bench(on_time="hold")
+    bench.t = 580.0
+    assert bench.tick(seconds=5.0) is PilotState.HOLDING
+    bench.tick(seconds=20.0)
+    assert bench.supervisor.end_reason == "time limit"

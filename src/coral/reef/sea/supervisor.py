@@ -153,6 +153,8 @@ class Supervisor:
         state = self.states.state
         if state in (PilotState.TAKEN_OVER, PilotState.STOPPED, PilotState.SURFACING):
             return
+        if t >= self.safety.time_limit_s and not (self.returning and state is PilotState.SURVEYING):
+            self.end_reason = self.end_reason or "time limit"
         breach = self.safety.check(now, t, report, pose)
         if breach is None:
             self._let_pass(t)
@@ -177,8 +179,6 @@ class Supervisor:
 
     def _begin_return(self, t: float, breach: Breach, state: PilotState) -> None:
         if self.returning or state not in (PilotState.SURVEYING, PilotState.HOLDING):
-            if breach.cause == "time" and t >= self.safety.time_limit_s:
-                self.end_reason = self.end_reason or "time limit"
             return
         self.returning = breach.reason
         self._tell_breach(breach)
