@@ -1,7 +1,5 @@
 """A survey in a simulated reef on a fake clock: nothing sleeps, and the same seed gives the same voyage."""
 
-import dataclasses
-
 import numpy as np
 
 from coral.advisor.clock import SimulatedClock
@@ -70,7 +68,7 @@ class Voyage:
         self.words = crew.words
         self.mission = SeaMission(
             self.area,
-            SailCfg(mission=mission, safety=SafetyCfg(**{"reserve_s": 0.0, "on_time": "hold", **safety})),
+            SailCfg(mission=mission, safety=SafetyCfg(**{"reserve_s": 0.0, "on_time": "none", **safety})),
             crew,
             folder,
             clock=self.clock,
@@ -98,7 +96,3 @@ class Voyage:
 
     def run(self):
         return self.mission.run([self])
-
-
-def replaced(report, **changes):
-    return dataclasses.replace(report, **changes)

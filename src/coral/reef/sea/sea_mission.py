@@ -175,8 +175,7 @@ class SeaMission:
         self.t = round(now - self._began, 6)
         report = self.report = self.crew.link.report()
         pose = self.pose = None if report.pose is None else self.frame.to_survey(report.pose)
-        for text in report.texts:
-            self.emit("vehicle_text", severity=text.severity, text=text.text)
+        self._tell_texts(report)
         command = self.pilot.tick(self._observe(report, pose))
         self.supervisor.update(now, self.t, report, pose, self.crew.words.take())
         self.command = command if self.states.state is PilotState.SURVEYING else (0.0, 0.0)
@@ -222,7 +221,9 @@ class SeaMission:
         )
         self.states = self.pilot.safety.states
         self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, self._go_home)
-        self.safety.accept(crew.link.report())
+        report = crew.link.report()
+        self.safety.accept(report)
+        self._tell_texts(report)
         self._began = self._clock()
         self.rate = FixedRate(cfg.control_period_s, self._clock, self._sleep)
 
@@ -272,6 +273,10 @@ class SeaMission:
             if level and report.depth_m is not None
             else None,
         )
+
+    def _tell_texts(self, report: VehicleReport) -> None:
+        for text in report.texts:
+            self.emit("vehicle_text", severity=text.severity, text=text.text)
 
     def _go_home(self) -> None:
         self.pilot.go_home(*self.area.start[:2])
