@@ -1,6 +1,7 @@
 """What the robot remembers: its way, the clusters it may still visit, what the others say."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from coral.reef.belief import Belief, BeliefCfg
 from coral.reef.camera import CameraCfg
 from coral.reef.chain import Component
+from coral.reef.costfield import CostFieldCfg
 from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.mapping import OccupancyMap
@@ -68,6 +70,22 @@ def test_what_was_visited_is_not_left_to_visit_and_stays_known():
     assert len(made.tracks) == 2
 
 
+def test_a_doubtful_cluster_is_left_out_until_nothing_else_is_left():
+    made = belief((14.0, 10.0), (6.0, 10.0))
+    made.tracker.tracks[0] = replace(made.tracks[0], doubtful=True)
+    assert places(made.unvisited()) == [(6.0, 10.0)]
+    made.last_look = True
+    assert len(made.unvisited()) == 2
+
+
+def test_a_cluster_where_most_pictures_show_seabed_is_doubtful():
+    made = belief()
+    made.map._targets[190:210, 270:290], made.map._ground[190:210, 270:290] = 5, 20
+    made.map.target[190:210, 270:290] = True
+    made.update(BARE, Pose(3.0, 3.0, math.pi))
+    assert [t.doubtful for t in made.tracks] == [True]
+
+
 def test_a_cluster_whose_goals_failed_too_often_is_given_up():
     made = belief((14.0, 10.0), (6.0, 10.0), cfg=BeliefCfg(max_attempts=2))
     made.goal = (14.0, 10.2)
@@ -117,3 +135,24 @@ def test_a_companion_shares_the_map_and_the_chain_and_nothing_else():
     assert second.goal is None
     assert second.failures(14.0, 10.0) == 0
     assert len(second.trajectory) == 0
+
+
+def test_a_snapshot_stays_as_it_is_while_the_robot_goes_on():
+    made = belief()
+    made.map.target[300:320, 40:60] = True
+    made.update(BARE, Pose(16.0, 4.0, 0.0))
+    made.water(CostFieldCfg())
+    still = made.snapshot()
+    cells, water = still.map.cells(), still.water(CostFieldCfg()).slowness.copy()
+    tracks, way = list(still.tracks), still.trajectory
+    made.map.obstacle[200:210, 60:70] = True
+    made.map.target[360:380, 120:140] = True
+    for k in range(1, 12):
+        made.update(BARE, Pose(16.0, 4.0 + 0.2 * k, 0.0))
+    assert made.water(CostFieldCfg()).slowness.min() < 0.0
+    assert len(made.tracks) == 2
+    np.testing.assert_array_equal(still.map.cells(), cells)
+    np.testing.assert_array_equal(still.water(CostFieldCfg()).slowness, water)
+    np.testing.assert_array_equal(still.trajectory, way)
+    assert still.tracks == tracks
+    assert still.pose == Pose(16.0, 4.0, 0.0)

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from garbage import observations
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -87,7 +88,7 @@ def test_what_is_missing_too_long_is_lost_and_back_with_the_next_good_one():
     watch = guard(frame_timeout_s=0.4)
     watch.check(good(0.0))
     lost = {k: watch.check(good(k / 10, frame=None)).lost for k in range(1, 7)}
-    assert [k for k, why in lost.items() if why] == [5, 6]
+    assert [k for k, why in lost.items() if why] == [5, 6]  # 0.4 s is not more than 0.4 s
     assert lost[5] == "camera missing, for 0.5 s"
     assert watch.check(good(0.7)).lost == ""
 
@@ -119,17 +120,13 @@ def test_after_a_gap_a_vehicle_may_have_moved_as_far_as_it_can():
     assert refusals(watch.check(good(3.0, x=8.4))) == []
 
 
-def test_an_equal_picture_of_an_oyster_after_a_move_is_frozen():
-    watch, same = guard(), picture(Label.OYSTER)
-    found = [refusals(watch.check(good(k / 10, x=5 + 0.04 * k, frame=Stamped(k / 10, same)))) for k in range(6)]
-    assert found == [[], [], [], [], [("camera", "frozen")], [("camera", "frozen")]]
-
-
-def test_equal_pictures_of_a_standing_vehicle_or_of_bare_seabed_are_not():
-    for label, step in ((Label.OYSTER, 0.0), (Label.SEABED, 0.05)):
-        watch, same = guard(), picture(label)
-        for k in range(20):
-            assert refusals(watch.check(good(k / 10, x=5 + step * k, frame=Stamped(k / 10, same)))) == []
+def test_a_camera_that_hangs_is_refused():
+    watch, same, moving = guard(), picture(Label.OYSTER), (0.3, 0.0, 0.0)
+    found = [
+        refusals(watch.check(good(k / 10, velocity=Stamped(k / 10, moving), frame=Stamped(k / 10, same))))
+        for k in range(4)
+    ]
+    assert found == [[], [], [("camera", "frozen")], [("camera", "frozen")]]
 
 
 @pytest.mark.parametrize("by", [-30.0, 30.0])
@@ -166,43 +163,8 @@ def test_a_picture_in_another_memory_layout_is_copied_and_not_refused():
     assert reading.frame.depth.flags.c_contiguous
 
 
-ANY = st.one_of(
-    st.none(), st.text(max_size=3), st.floats(), st.integers(-3, 3), st.binary(max_size=3),
-    st.tuples(st.floats(), st.floats(), st.floats()), st.lists(st.floats(-30.0, 30.0), max_size=4),
-)  # fmt: skip
-TIME = st.one_of(st.floats(-1.0, 10.0), st.floats(), st.none())
-
-
-@st.composite
-def frames(draw):
-    height, width = draw(st.sampled_from([(6, 8), (8, 6), (1, 1), (0, 8), (12, 16)]))
-    kind, labels = (
-        draw(st.sampled_from([np.float32, np.float64, np.int16])),
-        draw(st.sampled_from([np.uint8, np.int32])),
-    )
-    value = draw(st.sampled_from([5.0, -1.0, 0.0, 1e30]) if kind is np.int16 else st.floats(width=32))
-    depth = np.full((height, width), min(value, 1000.0) if kind is np.int16 else value).astype(kind)
-    return Frame(depth, np.full((height, width), draw(st.integers(0, 9)), labels), np.zeros((height, width), np.int32))
-
-
-def stamped(value):
-    return st.one_of(st.none(), ANY, st.builds(Stamped, TIME, st.one_of(value, ANY)))
-
-
-POSES = st.builds(Pose, *[st.floats(-5.0, 25.0)] * 3)
-OBSERVATIONS = st.builds(
-    VehicleObservation,
-    t=TIME,
-    pose=stamped(POSES),
-    velocity=stamped(st.tuples(*[st.floats(-2.0, 2.0)] * 3)),
-    frame=stamped(frames()),
-    covariance=st.one_of(st.none(), ANY, st.just(np.eye(3))),
-    attitude=stamped(st.builds(Attitude, roll=ANY, pitch=st.floats(), depth_m=st.floats())),
-)
-
-
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
-@given(st.lists(OBSERVATIONS, max_size=6))
+@given(st.lists(st.floats(0.0, 3.0), max_size=6).flatmap(lambda ts: st.tuples(*[observations(t, 6, 8) for t in ts])))
 def test_no_garbage_raises_and_nothing_that_is_not_finite_passes(garbage):
     watch, last = guard(), -math.inf
     for seen in garbage:

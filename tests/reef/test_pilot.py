@@ -5,6 +5,9 @@ import math
 
 import numpy as np
 import pytest
+from garbage import observations
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.question import Reply
@@ -12,6 +15,7 @@ from coral.advisor.rules import RuleAdvisor
 from coral.reef.answers import WaypointChoice
 from coral.reef.belief import Belief
 from coral.reef.camera import CameraCfg
+from coral.reef.controller import DdpMppi, MppiCfg
 from coral.reef.costfield import CostFieldCfg
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.guard import GuardCfg
@@ -207,7 +211,7 @@ def test_the_reason_of_a_hold_is_told(drive):
     (refusal,) = mission.told("sensor")
     assert (refusal["t"], refusal["input"], refusal["refused"]) == (2.0, "camera", "blind")
     held = mission.told("state")[-1]
-    assert held["reason"] == "camera blind (0.0% of the pixels have a return), for 0.5 s"
+    assert held["reason"] == "camera blind (0.0% of the pixels have a return), for 0.4 s"
 
 
 def test_a_camera_that_sees_nothing_at_first_does_not_end_the_mission(drive):
@@ -244,3 +248,20 @@ def test_the_end_of_the_survey_is_a_state(drive):
     mission.pilot.stop("time limit")
     assert mission.told("state")[-1]["state"] == "stopped"
     assert mission.tick() == (0.0, 0.0)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.lists(observations(1.0, CAMERA.height, CAMERA.width), max_size=5))
+def test_no_garbage_raises_out_of_tick_or_gives_a_command_beyond_the_limits(garbage):
+    mission = Drive(driver=DdpMppi(MppiCfg(n_rollouts=60), rng=np.random.default_rng(0))).until(1.0)
+    limits = mission.pilot.driver.vehicle
+    for seen in garbage:
+        v, omega = mission.pilot.tick(seen)
+        assert abs(v) <= limits.max_speed_m_s + 1e-9
+        assert abs(omega) <= limits.max_yaw_rate_rad_s + 1e-9
+        assert np.isfinite(mission.pilot.belief.pose).all()
+    mission.pilot.safety.guard.relocate()
+    mission.until(3.0)
+    assert mission.pilot.safety.driving
+    assert np.isfinite(mission.commands).all()
+    mission.pilot.clock.close()

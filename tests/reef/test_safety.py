@@ -69,8 +69,8 @@ def test_an_input_that_comes_and_goes_does_not_make_it_start_and_stop():
 
 
 def test_it_surfaces_after_the_configured_time_or_never():
-    assert Watched(surface_after_s=2.0).until(1.0).until(9.0, pose=None).states()[-1] == (3.5, "surfacing")
-    assert Watched(surface_after_s=None).until(1.0).until(90.0, pose=None).states()[-1] == (1.5, "holding")
+    assert Watched(surface_after_s=2.0).until(1.0).until(9.0, pose=None).states()[-1] == (3.4, "surfacing")
+    assert Watched(surface_after_s=None).until(1.0).until(90.0, pose=None).states()[-1] == (1.4, "holding")
 
 
 def test_what_is_refused_is_told_once_and_once_more_when_it_is_good_again():
@@ -82,8 +82,8 @@ def test_what_is_refused_is_told_once_and_once_more_when_it_is_good_again():
 def test_a_state_is_told_with_all_that_the_table_knows():
     one = Watched().until(1.0).until(2.0, frame=None)
     assert one.events[-1] == {
-        "t": 1.4, "event": "state", "state": "holding", "was": "surveying", "cause": "sensors lost", "by": "guard",
-        "reason": "camera missing, for 0.5 s",
+        "t": 1.3, "event": "state", "state": "holding", "was": "surveying", "cause": "sensors lost", "by": "guard",
+        "reason": "camera missing, for 0.4 s",
     }  # fmt: skip
 
 

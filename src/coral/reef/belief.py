@@ -58,6 +58,8 @@ class Belief:
         """Labels of the clusters that will be done by then, in the open question."""
         self.last_failure: tuple[int | None, str] | None = None
         """Label (None: a waypoint) and cause of the last goal that failed, until a decision after it has been made."""
+        self.last_look = False
+        """Whether doubtful clusters are goals too: nothing else is left."""
         self.others: tuple[Neighbour, ...] = ()
         """The other robots of the mission, as they describe themselves."""
         self._keeps_chain = True
@@ -119,6 +121,7 @@ class Belief:
     def _inspect(self, seen: Box | None = None) -> None:
         cells = self.map
         self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect, seen)
+        self.tracker.doubt(cells.agreement, self.cfg.inspect.sure)
 
     @property
     def inspect_m(self) -> float:
@@ -166,11 +169,16 @@ class Belief:
         return track.visited or track.index in self.closed
 
     def unvisited(self) -> list[Track]:
-        """Return the clusters still to be visited, without those whose goals failed too often or that others go to."""
+        """Return the clusters still to be visited, without those whose goals failed too often or that others go to.
+
+        Doubtful ones are left out until nothing else is left: looks on the way confirm or outvote most of them.
+        """
         return [
             t
             for t in self.tracks
-            if not (self.done(t) or self.taken(t.x, t.y, t.index)) and self.failures(t.x, t.y) < self.cfg.max_attempts
+            if not (self.done(t) or self.taken(t.x, t.y, t.index))
+            and self.failures(t.x, t.y) < self.cfg.max_attempts
+            and (self.last_look or not t.doubtful)
         ]
 
     def ahead(self, forward_m: float) -> list[Track]:

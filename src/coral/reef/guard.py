@@ -15,6 +15,7 @@ from coral.reef import checks
 from coral.reef.camera import CameraCfg
 from coral.reef.checks import UnfitMeasurement, finite_numbers
 from coral.reef.dead_reckoning import PoseHistory
+from coral.reef.frozen import FrozenCamera
 from coral.reef.geometry import Frame, Pose
 from coral.reef.loop_time import LoopTime
 from coral.reef.sensing import Attitude, Stamped, VehicleObservation, Velocity
@@ -25,6 +26,8 @@ Input = Literal["clock", "pose", "velocity", "camera", "attitude"]
 NEEDED: tuple[Input, ...] = ("pose", "velocity", "camera")
 """Without one of these nothing moves."""
 
+TINY_S = 1e-9
+"""Ticks are multiples of 0.1 s in floating point."""
 AFTER_JUMP_S = 1.0
 """So long the vehicle may have driven on since a pose jumped: then it stands, and no jump is believed for its age."""
 
@@ -33,11 +36,13 @@ AFTER_JUMP_S = 1.0
 class GuardCfg:
     """Limits within which measurements are believed, and what follows when they are not. None is from the paper."""
 
-    pose_timeout_s: Positive = 0.5
-    """Age at which a pose is lost. Until then it is moved on with the velocity: at cruise speed by 0.3 m."""
-    velocity_timeout_s: Positive = 0.5
-    frame_timeout_s: Positive = 0.4
-    """Age at which the camera is lost: four pictures at 10 Hz. The vehicle then stops within 1 s."""
+    pose_timeout_s: Positive = 0.45
+    """Age at which a pose is lost. Until then it is moved on with the velocity: at cruise speed by 0.3 m. A vehicle at
+    cruise speed then stands within 1 s of its last pose."""
+    velocity_timeout_s: Positive = 0.45
+    frame_timeout_s: Positive = 0.35
+    """Age at which the camera is lost: three pictures at 10 Hz. A camera whose pictures take 0.2 s to arrive and to be
+    labelled needs as much more."""
     future_s: NonNegative = 0.05
     """A stamp may be so far ahead of the control loop's clock: half a period."""
     gap_s: Positive = 1.0
@@ -56,10 +61,10 @@ class GuardCfg:
     """Largest roll and pitch of a vehicle that holds itself level."""
     min_seen: Fraction = 0.01
     """Share of the pixels that must have a return. The camera looks down and always sees the seabed before it."""
-    frozen_m: Positive = 0.15
+    frozen_m: Positive = 0.05
     """Equal pictures over so much way mean that the camera hangs, if they show an oyster or an obstacle. Bare seabed
     may look the same everywhere."""
-    frozen_rad: Positive = 0.1
+    frozen_rad: Positive = 0.05
     """The same for a turn."""
     recover_s: NonNegative = 1.0
     """Inputs must have passed for so long before a held vehicle goes on."""
@@ -128,8 +133,7 @@ class SensorGuard:
         self._reference: Stamped[Pose] | None = None
         """Pose from which the next one may not have jumped, and since when it may have moved."""
         self._jumped = False
-        self._still: tuple[Frame, Pose] | None = None
-        """First of the equal pictures that the camera delivers, and where it was taken."""
+        self._frozen = FrozenCamera(self.cfg.frozen_m, self.cfg.frozen_rad)
         self.attitude: Attitude | None = None
         """The last attitude that passed."""
 
@@ -149,7 +153,7 @@ class SensorGuard:
             self.attitude = attitude.value
         frame = self._take("camera", seen.frame, self._check_frame, refused)
         self._why |= {refusal.input: refusal for refusal in refused}
-        located = self._age("pose") <= self.cfg.pose_timeout_s
+        located = self._age("pose") <= self.cfg.pose_timeout_s + TINY_S
         there = self._poses.at(frame.t) if frame is not None and located else None
         return Reading(
             t=self._time.t,
@@ -217,7 +221,7 @@ class SensorGuard:
         age, last = now - finite_numbers((stamped.t,), 1)[0], self._stamps.get(name)
         if age < -self.cfg.future_s:
             raise UnfitMeasurement("from the future", f"by {-age:.2f} s")
-        if age > self._timeouts[name]:
+        if age > self._timeouts[name] + TINY_S:
             raise UnfitMeasurement("stale", f"{age:.1f} s old")
         if last is not None and stamped.t < last:
             raise UnfitMeasurement("out of order", f"{last - stamped.t:.2f} s before the last one")
@@ -256,14 +260,8 @@ class SensorGuard:
 
     def _check_frame(self, stamped: Stamped[Any]) -> Frame:
         frame = checks.check_frame(stamped.value, self._camera, self.cfg.min_seen)
-        here, first = self._poses.at(stamped.t), self._still
-        if here is not None and (first is None or not checks.same_picture(first[0], frame)):
-            self._still = frame, here
-        elif here is not None and first is not None and checks.has_landmarks(frame.labels):
-            try:
-                checks.check_jump(first[1], here, self.cfg.frozen_m, self.cfg.frozen_rad)
-            except UnfitMeasurement:
-                raise UnfitMeasurement("frozen", "the same picture while the vehicle has moved") from None
+        if self._frozen.update(Stamped(stamped.t, frame), self._poses.velocity):
+            raise UnfitMeasurement("frozen", "the same picture while the vehicle moves")
         if frame.depth.flags.c_contiguous and frame.labels.flags.c_contiguous:
             return frame
         # Kernels are compiled for contiguous arrays: another layout would compile them again, for seconds.
@@ -278,7 +276,7 @@ class SensorGuard:
         found = []
         for name in NEEDED:
             age = self._age(name)
-            if age > self._timeouts[name]:
+            if age > self._timeouts[name] + TINY_S:
                 why = self._why.get(name) or self._why.get("clock")
                 what = str(why) if why is not None else f"{name} missing"
                 found.append(what + (f", for {age:.1f} s" if math.isfinite(age) else ""))

@@ -9,8 +9,9 @@ from typing import Any
 
 from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
 from coral.errors import InputError
-from coral.reef import outcome
+from coral.reef import outcome, timeliness
 from coral.reef.attribution import attribution_of
+from coral.reef.state_metrics import clusters_left, seconds_in_states
 from coral.runs import read_events, read_rows, trajectory_name
 
 DEFINITIONS = {
@@ -46,12 +47,15 @@ DEFINITIONS = {
     "recording_failure": "Why the recording stopped during the survey; empty if it did not.",
     "recording_dropped": "Records that were dropped because too many waited.",
     "tether_turns": "Turns of the tether at the end, positive to the left.",
+    "seconds_in_state": "Time (s) in each state of the vehicle (`reef/states.py`), added up over the robots.",
+    "clusters_left": "Clusters that the robot knew of at the end and had not finished; the event `left` says why.",
     "preset": "Name of the water and sensors (`--preset`); none where it was not recorded.",
     "robots": "The number of robots; every count and the distance are sums over them, coverage is of what any of "
     "them has seen.",
     "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
     "min_separation_m": "Smallest true distance between the discs of two robots (m).",
     **outcome.DEFINITIONS,
+    **timeliness.DEFINITIONS,
 }
 
 OF_EACH = (
@@ -84,7 +88,7 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
     while (more := folder / trajectory_name(len(tables))).is_file():
         tables.append(list(read_rows(more)))
     found = metrics_of(events, tables[0]) if len(tables) == 1 else fleet_metrics(events, tables)
-    return {**found, **outcome.outcome_metrics(folder, events, tables)}
+    return {**found, **outcome.outcome_metrics(folder, events, tables), **timeliness.timeliness_of(events)}
 
 
 def covered_at(folder: Path) -> list[float]:
@@ -149,6 +153,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "path_replans": replans,
         "end_reason": end,
         "preset": preset,
+        "seconds_in_state": seconds_in_states(events, t),
+        "clusters_left": clusters_left(events),
     }
 
 

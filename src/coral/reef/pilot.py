@@ -23,10 +23,10 @@ from coral.config import Count, NonNegative
 from coral.reef.belief import Belief
 from coral.reef.chain import Track
 from coral.reef.controller import Plan
+from coral.reef.cost_to_go import CostToGo
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import Pose, to_world
 from coral.reef.guard import GuardCfg, Reading, SensorGuard
-from coral.reef.guide import Guide
 from coral.reef.monitor import MonitorCfg, PathMonitor
 from coral.reef.planner import HighLevelPlanner
 from coral.reef.route import Goal
@@ -128,9 +128,7 @@ class Pilot:
         self.trigger = SmartTrigger(self.cfg.trigger)
         self.monitor = PathMonitor(self.cfg.monitor)
         self.traffic = Traffic(self.cfg.traffic)
-        self.safety = SafetyWatch(SensorGuard(belief.map.camera, belief.map.size_m, self.cfg.guard), emit)
-        """Checks the sensors; its `states` say what the vehicle is doing, and why."""
-        self.guide = Guide(
+        self.cost_to_go = CostToGo(
             belief,
             clock,
             self.cfg.fields,
@@ -138,6 +136,8 @@ class Pilot:
             most_cells=self.cfg.field_cells,
             prepare_s=self._prepare_s,
         )
+        self.safety = SafetyWatch(SensorGuard(belief.map.camera, belief.map.size_m, self.cfg.guard), emit)
+        """Checks the sensors; its `states` say what the vehicle is doing, and why."""
         self.plan: Plan | None = None
         self.open_question: Question[Any] | None = None
         self.last_attempt: Attempt | None = None
@@ -163,7 +163,7 @@ class Pilot:
     @property
     def field(self) -> CostField | None:
         """The cost-to-go that the vehicle follows; None before the first tick."""
-        return self.guide.field
+        return self.cost_to_go.field
 
     def tick(self, seen: VehicleObservation) -> Command:
         """Run one control period: check what was measured, take it in, return the command until the next."""
@@ -194,9 +194,7 @@ class Pilot:
         self._collect()
         self.homing, self.end_reason = True, ""
         self.route.follow([Goal(x=x, y=y)], self._now)
-        self._emit(
-            "goal", x=x, y=y, source="home", decision=None, index=None, reason="the way home", violates=False
-        )
+        self._emit("goal", x=x, y=y, source="home", decision=None, index=None, reason="the way home", violates=False)
 
     def stop(self, reason: str) -> None:
         """End the survey."""
@@ -472,7 +470,7 @@ class Pilot:
     def _route(self, t: float) -> None:
         """Update the cost-to-go and the reference path; detect when the path was left."""
         belief, monitor = self.belief, self.monitor
-        if self.guide.update(t) and self.field is not None:
+        if self.cost_to_go.update(t) and self.field is not None:
             monitor.follow(self.field.path_from(belief.pose.x, belief.pose.y), new_goal=True)
         if self.field is not None and monitor.left_path(belief.pose.x, belief.pose.y):
             if monitor.exhausted:

@@ -31,10 +31,10 @@ class Water:
         j, i = min(max(int(y / self.cell_m), 0), h - 1), min(max(int(x / self.cell_m), 0), w - 1)
         j, i = nearest_free(self.slowness, j, i)
         free = self.slowness > 0.0
-        _, parts = cv2.connectedComponents(free.astype(np.uint8), connectivity=4)
+        parts = np.asarray(cv2.connectedComponents(free.astype(np.uint8), connectivity=4)[1], np.int32)
         # The search of a cost-to-go begins with the cells around the start's, joined or not.
         near = np.s_[max(j - 1, 0) : j + 2, max(i - 1, 0) : i + 2]
-        starts = np.unique(parts[near][free[near]]) if j >= 0 else np.empty(0, np.int32)
+        starts = np.asarray(np.unique(parts[near][free[near]]), np.int32) if j >= 0 else np.empty(0, np.int32)
         return Reach(parts, starts, self.cell_m)
 
 

@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from voyage import WORLD, Voyage
 
 from coral.reef.geometry import Pose
 from coral.reef.sea.sea_mission import OWN_MAP, TRUTH
 from coral.reef.sea.survey_file import SurveyArea
-from coral.runs import read_events
-
-from voyage import WORLD, Voyage
+from coral.runs import read_events, read_rows
 
 
 def events(folder, *names):
@@ -60,7 +59,7 @@ def test_the_operators_hold_stops_within_a_second_and_resume_goes_on(tmp_path):
     voyage.run()
     assert voyage.states[60] == "holding"
     assert voyage.states[105] == "surveying"
-    rows = list(csv.DictReader(open(tmp_path / "run" / "trajectory.csv")))
+    rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
     assert all(abs(float(row["u"])) < 0.03 for row in rows[70:99])
     assert float(rows[115]["u"]) > 0.1
 
@@ -116,7 +115,7 @@ def test_the_vehicle_keeps_out_of_where_it_must_not_go(tmp_path):
     area = SurveyArea("fenced", WORLD.size_m, Pose(start.x, start.y, start.theta), border.fence, (("wall", wall),))
     voyage = Voyage(tmp_path / "run", area=area, time_limit_s=25.0)
     result = voyage.run()
-    rows = list(csv.DictReader(open(tmp_path / "run" / "trajectory.csv")))
+    rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
     assert all(not area.breach(float(row["x"]), float(row["y"])) for row in rows)
     assert result["distance_m"] > 4.0
     assert events(tmp_path / "run", "limit") == []

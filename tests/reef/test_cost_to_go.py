@@ -6,9 +6,9 @@ import pytest
 from coral.advisor.clock import SimulatedClock
 from coral.reef.belief import Belief
 from coral.reef.camera import CameraCfg
+from coral.reef.cost_to_go import CostToGo
 from coral.reef.costfield import CostFieldCfg
 from coral.reef.geometry import Pose
-from coral.reef.guide import Guide
 from coral.reef.mapping import OccupancyMap
 
 
@@ -26,12 +26,12 @@ def clock():
     made.close()
 
 
-def guide_of(belief, clock, most_cells=200_000):
-    return Guide(belief, clock, CostFieldCfg(), period_s=1.0, most_cells=most_cells, prepare_s=0.3)
+def cost_to_go_of(belief, clock, most_cells=200_000):
+    return CostToGo(belief, clock, CostFieldCfg(), period_s=1.0, most_cells=most_cells, prepare_s=0.3)
 
 
 def test_a_new_goal_has_its_cost_to_go_at_once(belief, clock):
-    guide = guide_of(belief, clock)
+    guide = cost_to_go_of(belief, clock)
     assert guide.update(0.0)
     assert guide.field.lookup(5.0, 5.0) == pytest.approx(3.0, abs=0.1)
     assert not guide.update(0.1)
@@ -41,7 +41,7 @@ def test_a_new_goal_has_its_cost_to_go_at_once(belief, clock):
 
 
 def test_a_changed_map_renews_it_once_a_period(belief, clock):
-    guide = guide_of(belief, clock)
+    guide = cost_to_go_of(belief, clock)
     guide.update(0.0)
     before = guide.field
     belief.map.obstacle[90:110, 128:132] = True
@@ -54,7 +54,7 @@ def test_a_changed_map_renews_it_once_a_period(belief, clock):
 
 
 def test_a_far_goal_is_followed_once_its_cost_to_go_has_been_computed(belief, clock):
-    guide = guide_of(belief, clock, most_cells=30_000)
+    guide = cost_to_go_of(belief, clock, most_cells=30_000)
     guide.update(0.0)
     near = guide.field
     belief.goal = (28.0, 28.0)
@@ -70,7 +70,7 @@ def test_a_far_goal_is_followed_once_its_cost_to_go_has_been_computed(belief, cl
 
 
 def test_a_far_goal_that_has_been_replaced_meanwhile_is_not_followed(belief, clock):
-    guide = guide_of(belief, clock, most_cells=30_000)
+    guide = cost_to_go_of(belief, clock, most_cells=30_000)
     guide.update(0.0)
     belief.goal = (28.0, 28.0)
     guide.update(0.1)
@@ -82,7 +82,7 @@ def test_a_far_goal_that_has_been_replaced_meanwhile_is_not_followed(belief, clo
 
 
 def test_the_map_of_a_far_cost_to_go_is_that_of_the_moment_it_was_asked_for(belief, clock):
-    guide = guide_of(belief, clock, most_cells=30_000)
+    guide = cost_to_go_of(belief, clock, most_cells=30_000)
     guide.update(0.0)
     belief.goal = (28.0, 28.0)
     guide.update(0.1)

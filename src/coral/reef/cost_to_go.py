@@ -12,7 +12,7 @@ from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.water import Water
 
 
-class Guide:
+class CostToGo:
     """Keeps the cost-to-go from where the robot is to its goal.
 
     One that searches more than `most_cells` is computed on the clock's preparation thread, from the map as it was when
@@ -29,7 +29,7 @@ class Guide:
         most_cells: int,
         prepare_s: float,
     ) -> None:
-        """Set up the guide of one robot.
+        """Set up that of one robot.
 
         Args:
             belief: What the robot knows; its goal is where the cost-to-go leads.
