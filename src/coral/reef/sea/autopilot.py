@@ -48,6 +48,9 @@ class AutopilotCfg:
     guided_share: Fraction = 0.85
     """Share of a wanted forward speed that GUIDED reaches. ArduSub in the loop: 0.85, 0.83, 0.84, 0.87
     at 0.2, 0.3, 0.5, 0.6 m/s after 6 s."""
+    response_s: Positive = 0.5
+    """Time constant with which a speed follows in modes that hold a position. ArduSub in the loop falls from 0.4 to
+    0.1 m/s in 1.0 s in GUIDED and 1.7 s in POSHOLD."""
     latitude_deg: Signed = 43.0
     longitude_deg: Signed = -70.0
     """Origin of the estimator's frame: the world's (0, 0)."""
@@ -84,6 +87,7 @@ class SimulatedAutopilot:
         self.seen = Circumstances(volts=self.parameters["SIM_BATT_VOLTAGE"])
         self._used_v = 0.0
         self._fix_s = -math.inf
+        self._forward, self._followed_s = 0.0, -math.inf
         self._goal = (0.0, 0.0, 0.0)
         self._goal_s = -math.inf
         self._sticks, self._sticks_s = NEUTRAL, -math.inf
@@ -166,17 +170,25 @@ class SimulatedAutopilot:
         elif self.mode == "GUIDED":
             fresh = self.time_s - self._goal_s <= GUIDED_TIMEOUT_S
             forward, yaw_rate, down = self._goal if fresh else (0.0, 0.0, 0.0)
-            body.swim(self.cfg.guided_share * forward, turn or yaw_rate, down, dt)
+            self._follow(self.cfg.guided_share * forward, turn or yaw_rate, down, dt)
         elif self.mode == "SURFACE":
-            body.swim(0.0, turn, -0.5, dt)
+            self._follow(0.0, turn, -0.5, dt)
             if body.depth_m <= 0.1:
                 self._enter("ALT_HOLD")
         elif self.mode == "POSHOLD":
-            body.swim(0.0, turn, -climb, dt)
+            self._follow(0.0, turn, -climb, dt)
         elif self.mode == "ALT_HOLD":
             body.push(x / 1000.0 * gain, turn, -climb, dt)
         else:
             body.push(x / 1000.0 * gain, turn, 0.0 if z == 500 else -climb, dt)
+
+    def _follow(self, forward: float, yaw_rate: float, down: float, dt: float) -> None:
+        """Follow a velocity as the autopilot's controller does: with a lag."""
+        if self._followed_s < self.time_s - 1.5 * dt:
+            self._forward = self.body.velocity[0]
+        self._followed_s = self.time_s
+        self._forward += -math.expm1(-dt / self.cfg.response_s) * (forward - self._forward)
+        self.body.swim(self._forward, yaw_rate, down, dt)
 
     def _enter(self, mode: str) -> bool:
         if mode in POSITION_MODES and not self.has_position:
