@@ -286,3 +286,45 @@ def test_wall_clock_steps_without_waiting():
 
 def test_wall_clock_in_a_plain_program():
     assert asyncio.run(WallClock().reply(answer(4), 10.0)) == 4
+
+
+@pytest.mark.parametrize(("after_s", "tick"), [(0.0, 0), (0.3, 3), (0.25, 3)])
+def test_what_is_prepared_is_there_at_its_simulated_time_however_slow_the_machine_is(make_clock, after_s, tick):
+    clock, go = make_clock(), threading.Event()
+    threading.Timer(0.05, go.set).start()
+    ended, task = run(clock, clock.prepare(lambda: go.wait(60.0), after_s))
+    assert ended == tick
+    assert task.result() is True
+
+
+def test_an_exception_of_the_preparation_is_raised(make_clock):
+    clock = make_clock()
+    with pytest.raises(ZeroDivisionError):
+        run(clock, clock.prepare(lambda: 1 // 0, 0.1))
+
+
+def test_what_is_prepared_can_be_withdrawn(make_clock):
+    clock, go = make_clock(), threading.Event()
+
+    async def asking():
+        try:
+            return await clock.prepare(lambda: go.wait(60.0), 10.0)
+        except Withdrawn:
+            return "withdrawn"
+
+    task = clock.start(asking())
+    clock.withdraw()
+    go.set()
+    assert task.result() == "withdrawn"
+
+
+def test_on_the_wall_clock_what_is_prepared_is_there_when_it_is_ready():
+    clock, go = WallClock(), threading.Event()
+    task = clock.start(clock.prepare(lambda: go.wait(60.0), 1000.0))
+    clock.advance()
+    assert not task.done()
+    go.set()
+    while not task.done():
+        clock.advance()
+    assert task.result() is True
+    clock.close()

@@ -135,3 +135,30 @@ def test_fault_in_the_mission_is_not_hidden(decide):
 
     with pytest.raises(KeyError, match="map"):
         decide(Scripted(1), verify=broken)
+
+
+def test_a_question_may_take_its_time_on_the_clock():
+    clock, log = SimulatedClock("1", np.random.default_rng(0)), []
+
+    async def observe(rejections):
+        prompt = await clock.prepare(lambda: "prepared", 0.3)
+        return Question(kind="pick", prompt=prompt, answer_type=Pick, facts={})
+
+    task = clock.start(consult(Scripted(1), observe, lambda q, a: None, BudgetCfg(), clock, log.append))
+    for tick in range(20):
+        clock.advance(tick * 0.1)
+    assert task.result().answer == Pick(index=1)
+    assert (log[0].asked_at_s, log[0].answered_at_s) == pytest.approx((0.3, 1.3))
+    clock.close()
+
+
+def test_a_question_that_is_withdrawn_before_it_is_asked_ends_the_decision():
+    clock = SimulatedClock("1", np.random.default_rng(0))
+
+    async def observe(rejections):
+        return await clock.prepare(lambda: None, 5.0)
+
+    task = clock.start(consult(Scripted(1), observe, lambda q, a: None, BudgetCfg(), clock, lambda attempt: None))
+    clock.withdraw()
+    assert task.result().failure == "withdrawn"
+    clock.close()

@@ -8,6 +8,7 @@ import pytest
 from coral.reef.belief import Belief, BeliefCfg
 from coral.reef.camera import CameraCfg
 from coral.reef.chain import Component
+from coral.reef.costfield import CostFieldCfg
 from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.mapping import OccupancyMap
@@ -117,3 +118,24 @@ def test_a_companion_shares_the_map_and_the_chain_and_nothing_else():
     assert second.goal is None
     assert second.failures(14.0, 10.0) == 0
     assert len(second.trajectory) == 0
+
+
+def test_a_snapshot_stays_as_it_is_while_the_robot_goes_on():
+    made = belief()
+    made.map.target[300:320, 40:60] = True
+    made.update(BARE, Pose(16.0, 4.0, 0.0))
+    made.water(CostFieldCfg())
+    still = made.snapshot()
+    cells, water = still.map.cells(), still.water(CostFieldCfg()).slowness.copy()
+    tracks, way = list(still.tracks), still.trajectory
+    made.map.obstacle[200:210, 60:70] = True
+    made.map.target[360:380, 120:140] = True
+    for k in range(1, 12):
+        made.update(BARE, Pose(16.0, 4.0 + 0.2 * k, 0.0))
+    assert made.water(CostFieldCfg()).slowness.min() < 0.0
+    assert len(made.tracks) == 2
+    np.testing.assert_array_equal(still.map.cells(), cells)
+    np.testing.assert_array_equal(still.water(CostFieldCfg()).slowness, water)
+    np.testing.assert_array_equal(still.trajectory, way)
+    assert still.tracks == tracks
+    assert still.pose == Pose(16.0, 4.0, 0.0)

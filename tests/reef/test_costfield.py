@@ -155,3 +155,52 @@ def test_lengths_of_many_ways_are_those_of_one_at_a_time():
     assert 20 < np.isinf(single).sum() < 180
     assert field.lengths(xs, ys).tolist() == single
     assert np.all(np.isfinite(CostField.straight((200, 200), (2.0, 5.0)).lengths(xs, ys)))
+
+
+def scattered(size_m, seed, wall=False):
+    """Slowness of a square map of 0.1 m cells with round obstacles, and a wall with a gap near the edge of it."""
+    n, rng = round(size_m / 0.1), np.random.default_rng(seed)
+    obstacle = np.zeros((n, n), np.uint8)
+    for _ in range(n // 8):
+        cv2.circle(obstacle, tuple(int(a) for a in rng.integers(0, n, 2)), int(rng.integers(2, 8)), 1, -1)
+    if wall:
+        obstacle[: n - 30, n // 2 : n // 2 + 3] = 1
+    distance = cv2.distanceTransform(1 - obstacle, cv2.DIST_L2, 5) * np.float32(0.1)
+    return slowness_grid(distance, 0.1, 1, 0.35, 0.5, 3.0)
+
+
+@pytest.mark.parametrize("wall", [False, True])
+def test_a_window_is_as_good_as_the_whole_map_about_the_robot(wall):
+    slowness, rng = scattered(60.0, 3, wall), np.random.default_rng(1)
+    for _ in range(8):
+        start, goal = rng.uniform(5.0, 55.0, (2, 2)).tolist()
+        whole = CostField.over(slowness, goal, start=start)
+        part = CostField.between(slowness, start, goal)
+        assert part.failure == whole.failure
+        if not whole.ok:
+            continue
+        around = [(start[0] + 3.0 * math.cos(a), start[1] + 3.0 * math.sin(a)) for a in np.arange(8.0)]
+        near = [p for p in around if whole.reaches(*p) and whole.lookup(*p) < whole.lookup(*start) + 3.5]
+        for x, y in (start, *near):
+            assert part.lookup(x, y) == pytest.approx(whole.lookup(x, y), abs=1e-3)
+        assert part.value.shape == whole.value.shape
+        np.testing.assert_allclose(part.target, whole.target)
+
+
+def test_a_near_goal_searches_a_small_window():
+    slowness = scattered(60.0, 3)
+    field = CostField.between(slowness, (30.0, 30.0), (33.0, 30.0), most_cells=40_000)
+    assert field is not None
+    assert np.count_nonzero(field.reached) < 40_000
+
+
+def test_a_search_that_takes_too_many_cells_is_not_done():
+    slowness = scattered(60.0, 3)
+    assert CostField.between(slowness, (5.0, 5.0), (55.0, 55.0), most_cells=40_000) is None
+    assert CostField.between(slowness, (5.0, 5.0), (55.0, 55.0)) is not None
+
+
+def test_a_goal_behind_a_closed_wall_is_unreachable_in_a_window_too():
+    slowness = np.ones((400, 400), np.float32)
+    slowness[:, 200:205] = -1.0
+    assert CostField.between(slowness, (15.0, 20.0), (25.0, 20.0)).failure == UNREACHABLE

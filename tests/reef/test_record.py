@@ -1,5 +1,7 @@
 """The pictures that a run folder keeps."""
 
+import threading
+
 import cv2
 import numpy as np
 import pytest
@@ -26,7 +28,9 @@ def kept(writer):
 
 
 def test_pictures_are_read_as_they_were(writer):
-    FrameRecorder(writer, RecordCfg()).offer(7, 0.7, lambda: CELLS, FRAME)
+    recorder = FrameRecorder(writer, RecordCfg())
+    recorder.offer(7, 0.7, lambda: CELLS, FRAME)
+    recorder.close()
     read = {
         name: cv2.imread(str(writer.folder / "frames" / f"000007_{name}.png"), cv2.IMREAD_UNCHANGED)
         for name in ("map", "depth", "labels")
@@ -42,9 +46,45 @@ def test_a_set_is_kept_once_a_period(writer):
     recorder = FrameRecorder(writer, RecordCfg(frame_period_s=0.3))
     for step in range(11):
         recorder.offer(step, step * 0.1, lambda: CELLS, FRAME)
+    recorder.close()
     assert kept(writer) == [f"{step:06d}_{n}.png" for step in (0, 3, 6, 9) for n in ("depth", "labels", "map")]
 
 
 def test_without_frames_nothing_is_kept(writer):
-    FrameRecorder(writer, RecordCfg(frames=False)).offer(0, 0.0, lambda: CELLS, FRAME)
+    recorder = FrameRecorder(writer, RecordCfg(frames=False))
+    recorder.offer(0, 0.0, lambda: CELLS, FRAME)
+    recorder.close()
     assert kept(writer) == []
+
+
+class SlowDisk:
+    """A run's writer that waits until it is told to go on."""
+
+    def __init__(self):
+        self.go, self.names = threading.Event(), []
+
+    def bytes(self, name, content):
+        assert self.go.wait(60.0)
+        self.names.append(name)
+
+
+def test_a_slow_disk_delays_nobody_and_what_it_cannot_take_is_counted():
+    disk = SlowDisk()
+    recorder = FrameRecorder(disk, RecordCfg(frame_period_s=1.0), patient=False)
+    for step in range(5):
+        recorder.offer(step, float(step), lambda: CELLS, FRAME)
+    assert recorder.left_out == 3
+    disk.go.set()
+    recorder.close()
+    assert sorted({name[:13] for name in disk.names}) == ["frames/000000", "frames/000001"]
+
+
+def test_a_full_disk_is_told_at_the_next_set():
+    class FullDisk:
+        def bytes(self, name, content):
+            raise OSError("no space left")
+
+    recorder = FrameRecorder(FullDisk(), RecordCfg(frame_period_s=1.0))
+    recorder.offer(0, 0.0, lambda: CELLS, FRAME)
+    with pytest.raises(OSError, match="no space left"):
+        recorder.close()

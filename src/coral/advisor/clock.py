@@ -14,6 +14,7 @@ import numpy as np
 
 from coral.advisor.inner_loop import run_on
 from coral.advisor.latency import LatencyCfg, parse_latency
+from coral.advisor.preparation import PreparationThread
 from coral.advisor.question import AdvisorUnavailable, Withdrawn
 from coral.advisor.thread import AdvisorThread
 
@@ -83,6 +84,7 @@ class SimulatedClock:
         self.waited_s = 0.0
         """Wall time spent waiting for replies here, without the control loop's own work (s)."""
         self._loop = asyncio.new_event_loop()
+        self._preparation = PreparationThread()
         self._requests: list[_Request] = []
         self._tasks: list[asyncio.Task[Any]] = []
 
@@ -150,14 +152,35 @@ class SimulatedClock:
         if timeout_s <= 0:
             raise TimeoutError
         latency = self.latency.draw(self._rng)
+        waits = self.latency.kind != "measured"
+        result: R = await self._parked(self.thread.submit(asking), timeout_s, latency, wait=waits)
+        return result
+
+    async def prepare(self, work: Callable[[], R], after_s: float | None) -> R:
+        """Run `work` on the preparation thread and return its result.
+
+        Args:
+            work: What to do; it may read only what this thread leaves as it is.
+            after_s: Simulated seconds until the result is delivered, however fast the machine is; if it is not there
+                then, simulated time stops until it is. 0: at once. None: as soon as it is there.
+
+        Raises:
+            Withdrawn: Everything pending was withdrawn meanwhile.
+            Exception: Any exception of `work`.
+        """
+        result: R = await self._parked(self._preparation.submit(work), math.inf, after_s, wait=after_s is not None)
+        return result
+
+    async def _parked(self, future: Future[Any], timeout_s: float, latency_s: float | None, *, wait: bool) -> Any:
+        """Wait on this clock for work on another thread."""
         request = _Request(
-            future=self.thread.submit(asking),
+            future=future,
             parked=self._loop.create_future(),
             asked_s=self._now_s,
             deadline_s=self._now_s + timeout_s,
             asked_wall_s=time.monotonic(),
-            due_s=None if latency is None else self._now_s + latency,
-            wait=self.latency.kind != "measured",
+            due_s=None if latency_s is None else self._now_s + latency_s,
+            wait=wait,
         )
 
         def stamp(_: Future[Any]) -> None:
@@ -166,11 +189,10 @@ class SimulatedClock:
         request.future.add_done_callback(stamp)
         self._requests.append(request)
         try:
-            result: R = await request.parked
+            return await request.parked
         finally:
             self._requests.remove(request)
             request.future.cancel()
-        return result
 
     def stood_still(self, seconds: float) -> None:
         """Exclude a pause of `seconds` of wall time, ending now, from every latency under measurement.
@@ -201,6 +223,7 @@ class SimulatedClock:
         if self._tasks:
             run_on(self._loop, self._ended())
         self._loop.close()
+        self._preparation.close()
         if self._own_thread:
             self.thread.close()
 
@@ -332,6 +355,12 @@ class WallClock:
             return await self._stepped.reply(asking, timeout_s)
         async with asyncio.timeout(timeout_s):
             return await asking()
+
+    async def prepare(self, work: Callable[[], R], after_s: float | None) -> R:
+        """Run `work` on another thread, and return its result when it is there; `after_s` is for simulated time."""
+        if self._stepped is not None and self._stepped.owns(asyncio.get_running_loop()):
+            return await self._stepped.prepare(work, None)
+        return await asyncio.to_thread(work)
 
     def withdraw(self) -> None:
         """Cancel every request started from the control loop."""

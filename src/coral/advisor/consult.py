@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import inspect
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Generic, Literal, Protocol, TypeVar
@@ -89,7 +90,7 @@ class Clock(Protocol):
 
 async def consult(
     advisor: Advisor,
-    observe: Callable[[Sequence[Rejection]], Question[A] | None],
+    observe: Callable[[Sequence[Rejection]], Question[A] | Awaitable[Question[A] | None] | None],
     verify: Callable[[Question[A], A], Rejection | None],
     budget: BudgetCfg,
     clock: Clock,
@@ -101,7 +102,7 @@ async def consult(
     Args:
         advisor: The advisor.
         observe: Makes the question from the present world, given the reasons so far. None withdraws the question: the
-            world no longer needs an answer.
+            world no longer needs an answer. It may take its time on the clock (an awaitable).
         verify: Checks an answer against the world at the time of its arrival; None accepts it.
         budget: Bounds on attempts and time.
         clock: The clock of the world.
@@ -113,7 +114,11 @@ async def consult(
     end = clock.now() + deadline_s
     question: Question[A] | None = None
     for attempt in range(budget.max_requeries + 1):
-        question = observe(rejections)
+        try:
+            observed = observe(rejections)
+            question = await observed if inspect.isawaitable(observed) else observed
+        except Withdrawn:
+            question = None
         if question is None:
             return Outcome(answer=None, question=None, attempts=attempt, failure="withdrawn")
         asked_at = clock.now()

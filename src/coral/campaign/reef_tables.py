@@ -23,6 +23,7 @@ from coral.campaign.measures import (
     time_to_count,
 )
 from coral.campaign.presets import CLEAR, by_preset
+from coral.campaign.question_table import question_table
 from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.sweep import setting_text
 from coral.campaign.sweep_tables import sweep_tables
@@ -153,6 +154,7 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
             _by_world(by_variant[REFERENCE], advisor, source),
         ]
     tables.append(inspection_table(by_variant, name, f"Advisor: {called(advisor)}.", source))
+    tables.append(question_table(by_variant, name, f"Advisor: {called(advisor)}.", source))
     everything = (COVERAGE, coverage_time, MISSION_TIME, EFFICIENCY, DISTANCE, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
     shares = (share("advisor"), share("fallback"))
     tables.append(

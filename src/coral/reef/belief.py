@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass, field
 
@@ -9,10 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count
-from coral.reef.chain import CentroidTracker, ChainCfg, Component, InspectCfg, Track, components
+from coral.reef.chain import CentroidTracker, ChainCfg, InspectCfg, Track
+from coral.reef.changes import Box, joined
+from coral.reef.costfield import CostFieldCfg
 from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Pose, to_robot
 from coral.reef.mapping import OccupancyMap
+from coral.reef.regions import OysterRegions
+from coral.reef.water import Water, WaterMap
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,8 +63,12 @@ class Belief:
         self._trail: list[tuple[float, float]] = []
         self._failed: list[tuple[float, float]] = []
         self._ticks = 0
-        self._seen: NDArray[np.bool_] | None = None
-        self._found: list[Component] = []
+        self._regions = OysterRegions(occupancy.target, occupancy.cfg.cell_m, self.cfg.chain)
+        self._seen: Box | None = None
+        """The rectangle that has been in view since clusters were last inspected."""
+        self._waters: dict[CostFieldCfg, WaterMap] = {}
+        self._still: dict[CostFieldCfg, Water] = {}
+        """Of a snapshot."""
 
     def companion(self) -> Belief:
         """Make the belief of a further robot: the same map and chain, with what both have seen and visited.
@@ -70,24 +79,43 @@ class Belief:
         other.tracker, other._keeps_chain = self.tracker, False
         return other
 
+    def snapshot(self) -> Belief:
+        """Copy all that decisions read, for another thread to work on while this belief goes on: some milliseconds."""
+        copied = copy.copy(self)
+        copied.map, copied.tracker = self.map.snapshot(), self.tracker.snapshot()
+        copied._trail, copied._failed = self._trail.copy(), self._failed.copy()
+        copied._waters, copied._still = {}, {cfg: water.snapshot() for cfg, water in self._waters.items()}
+        return copied
+
+    def water(self, cfg: CostFieldCfg) -> Water:
+        """Return the water of the present map; a later call may change it in place."""
+        if cfg in self._still:
+            return self._still[cfg]
+        if cfg not in self._waters:
+            self._waters[cfg] = WaterMap(self.map, cfg)
+        return self._waters[cfg].now()
+
     def update(self, frame: Frame, pose: Pose) -> None:
         """Take in one camera picture and the pose it was taken from."""
         self.frame, self.pose = frame, pose
         self.map.integrate(frame, pose)
+        view = self.map.view_box(pose)
+        self._seen = view if self._seen is None else joined(self._seen, view)
         if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:
             self._trail.append((pose.x, pose.y))
         if self._ticks % self.cfg.chain_period == 0:
             if self._keeps_chain and self.cfg.centroids:
-                self.tracker.update(self._components(), self.map.hints() if self.cfg.inspect.enabled else ())
+                self.tracker.update(self._regions.update(), self.map.hints() if self.cfg.inspect.enabled else ())
             if self.cfg.inspect.enabled:
-                self._inspect()
+                self._inspect(self._seen)
+                self._seen = None
             else:
                 self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
         self._ticks += 1
 
-    def _inspect(self) -> None:
+    def _inspect(self, seen: Box | None = None) -> None:
         cells = self.map
-        self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect)
+        self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect, seen)
 
     @property
     def inspect_m(self) -> float:
@@ -105,13 +133,6 @@ class Belief:
     def track(self, index: int | None) -> Track | None:
         """Return the cluster with this label, if there still is one."""
         return next((t for t in self.tracks if t.index == index), None)
-
-    def _components(self) -> list[Component]:
-        """Find the oyster regions of the map; repeated only when an oyster cell has changed."""
-        target = self.map.target
-        if self._seen is None or not np.array_equal(self._seen, target):
-            self._seen, self._found = target.copy(), components(target, self.map.cfg.cell_m, self.cfg.chain)
-        return self._found
 
     @property
     def trajectory(self) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Fraction, Positive
+from coral.reef.changes import Box, grown, meet
 from coral.reef.mapping import Hint
 
 
@@ -101,28 +103,51 @@ def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[
     ys, xs = np.flatnonzero(target.any(axis=1)), np.flatnonzero(target.any(axis=0))
     if not ys.size:
         return []
-    width = max(1, round(cfg.closing_m / cell_m)) | 1
-    y0, x0 = max(ys[0] - width, 0), max(xs[0] - width, 0)
-    patch = target[y0 : ys[-1] + width + 1, x0 : xs[-1] + width + 1].astype(np.uint8)
+    window = grown((int(ys[0]), int(ys[-1]) + 1, int(xs[0]), int(xs[-1]) + 1), closing_width(cell_m, cfg), target.shape)
+    return [c for c, _ in label_regions(target, window, cell_m, cfg) if c.area_px >= cfg.min_area_px]
+
+
+def closing_width(cell_m: float, cfg: ChainCfg) -> int:
+    """Return the width (cells) of the structuring element that closes gaps between oysters."""
+    return max(1, round(cfg.closing_m / cell_m)) | 1
+
+
+def label_regions(target: NDArray[np.bool_], window: Box, cell_m: float, cfg: ChainCfg) -> list[tuple[Component, Box]]:
+    """Find the connected oyster regions in a window, of any size; one that crosses its edge is cut there.
+
+    Args:
+        target: Oyster cells. Shape=(NY, NX).
+        window: Where to look.
+        cell_m: Edge of a cell (m).
+        cfg: Width of the gaps that are closed.
+
+    Returns:
+        Each region with the rectangle that it lies in.
+    """
+    width = closing_width(cell_m, cfg)
+    s0, s1, t0, t1 = grown(window, width, target.shape)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
-    closed = cv2.morphologyEx(patch, cv2.MORPH_CLOSE, kernel)
+    y0, y1, x0, x1 = window
+    closed = cv2.morphologyEx(target[s0:s1, t0:t1].astype(np.uint8), cv2.MORPH_CLOSE, kernel)
+    closed = np.ascontiguousarray(closed[y0 - s0 : y1 - s0, x0 - t0 : x1 - t0])
     count, labels, stats, centroids = cv2.connectedComponentsWithStats(closed, connectivity=8)
-    iy, ix = np.nonzero(patch)
+    iy, ix = np.nonzero(target[y0:y1, x0:x1])
     of = labels[iy, ix]
     order = np.argsort(of, kind="stable")
     cells = np.stack([iy + y0, ix + x0], axis=1)[order]
     ends = np.searchsorted(of[order], np.arange(count + 1))
-    return [
-        Component(
+    found = []
+    for k in range(1, count):
+        left, top, wide, high, area = (int(v) for v in stats[k])
+        component = Component(
             x=float((centroids[k, 0] + x0 + 0.5) * cell_m),
             y=float((centroids[k, 1] + y0 + 0.5) * cell_m),
-            area_px=int(stats[k, cv2.CC_STAT_AREA]),
-            length_m=float(max(stats[k, cv2.CC_STAT_WIDTH], stats[k, cv2.CC_STAT_HEIGHT]) * cell_m),
+            area_px=area,
+            length_m=float(max(wide, high) * cell_m),
             cells=cells[ends[k] : ends[k + 1]],
         )
-        for k in range(1, count)
-        if stats[k, cv2.CC_STAT_AREA] >= cfg.min_area_px
-    ]
+        found.append((component, (top + y0, top + y0 + high, left + x0, left + x0 + wide)))
+    return found
 
 
 def order_chain(points: NDArray[np.float64]) -> list[int]:
@@ -195,6 +220,8 @@ class CentroidTracker:
         self.tracks: list[Track] = []
         self._labels = itertools.count()
         """A label means one cluster throughout a mission."""
+        self._inspected: dict[int, NDArray[np.intp]] = {}
+        """Cells of each cluster, by label, when it was last inspected."""
 
     def update(self, found: Sequence[Component], hints: Sequence[Hint] = ()) -> list[Track]:
         """Match components to tracks, closest pairs first, each at most once; start and drop tracks.
@@ -206,12 +233,15 @@ class CentroidTracker:
         cfg = self.cfg
         tracks = [t for t in self.tracks if not t.far]
         afar = [t for t in self.tracks if t.far]
-        pairs = sorted(
-            (float(np.hypot(c.x - t.x, c.y - t.y)), i, j) for i, c in enumerate(found) for j, t in enumerate(tracks)
-        )
+        apart = np.hypot(
+            np.subtract.outer([c.x for c in found], [t.x for t in tracks]),
+            np.subtract.outer([c.y for c in found], [t.y for t in tracks]),
+        ).reshape(len(found), len(tracks))
+        near = np.argwhere(apart <= cfg.merge_distance_m)
         match: dict[int, int] = {}
-        for gap, i, j in pairs:
-            if gap <= cfg.merge_distance_m and i not in match and j not in match.values():
+        for k in np.argsort(apart[near[:, 0], near[:, 1]], kind="stable"):
+            i, j = near[k].tolist()
+            if i not in match and j not in match.values():
                 match[i] = j
         kept: dict[int, Track] = {}
         for i, j in match.items():
@@ -255,7 +285,13 @@ class CentroidTracker:
         return tracks
 
     def inspect(
-        self, nearest: NDArray[np.float32], unseeable: NDArray[np.bool_], near_m: float, cell_m: float, cfg: InspectCfg
+        self,
+        nearest: NDArray[np.float32],
+        unseeable: NDArray[np.bool_],
+        near_m: float,
+        cell_m: float,
+        cfg: InspectCfg,
+        seen: Box | None = None,
     ) -> None:
         """Update how much of each cluster has been seen from near, and mark as visited where next to nothing is left.
 
@@ -265,10 +301,13 @@ class CentroidTracker:
             near_m: Distance (m) from which oysters can be counted.
             cell_m: Edge of a cell (m).
             cfg: What is left over.
+            seen: The only rectangle in which `nearest` has changed since the last call; None: anywhere.
         """
-        tracks = []
+        tracks, inspected = [], {}
         for track in self.tracks:
-            if track.far:
+            same = self._inspected.get(track.index) is track.cells
+            inspected[track.index] = track.cells
+            if track.far or (seen is not None and same and not meet(_box(track.cells), seen)):
                 tracks.append(track)
                 continue
             iy, ix = track.cells[:, 0], track.cells[:, 1]
@@ -278,7 +317,13 @@ class CentroidTracker:
             least = max(cfg.least_m2 / cell_m**2, (1.0 - cfg.share) * len(far))
             points = np.asarray((left[:, ::-1] + 0.5) * cell_m, np.float64)
             tracks.append(replace(track, inspected=share, left=points, visited=len(left) <= least))
-        self.tracks = tracks
+        self.tracks, self._inspected = tracks, inspected
+
+    def snapshot(self) -> CentroidTracker:
+        """Copy the tracks as they are; the copy is only to be read."""
+        copied = copy.copy(self)
+        copied.tracks = list(self.tracks)
+        return copied
 
     def mark_visited(self, x: float, y: float, radius_m: float) -> None:
         """Mark the tracks that the vehicle has come within `radius_m` of as visited."""
@@ -294,6 +339,14 @@ class CentroidTracker:
         if order and tracks[order[-1]].index < tracks[order[0]].index:
             order.reverse()
         return [tracks[i] for i in order]
+
+
+def _box(cells: NDArray[np.intp]) -> Box:
+    """Return the rectangle that cells lie in; empty without any."""
+    if not len(cells):
+        return 0, 0, 0, 0
+    (y0, x0), (y1, x1) = cells.min(axis=0).tolist(), cells.max(axis=0).tolist()
+    return y0, y1 + 1, x0, x1 + 1
 
 
 def _nearest(tracks: Sequence[Track], x: float, y: float, within_m: float) -> Track | None:

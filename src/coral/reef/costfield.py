@@ -14,6 +14,11 @@ from coral.reef.costfield_kernels import descend, extend, lookup, lookup_many, m
 UNREACHABLE = "goal unreachable"
 NO_FREE_CELL = "no free cell in the map"
 
+_LEAST_MARGIN_M = 6.0
+"""Least width of the rim of a window about robot and goal."""
+_AROUND_M = 4.0
+"""How much more than the robot's own cost-to-go is exact in a window: its plans look 3 m ahead."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class CostFieldCfg:
@@ -70,21 +75,104 @@ class CostField:
         slowness = slowness_grid(
             np.ascontiguousarray(distance, np.float32), cell_m, cfg.ratio, cfg.radius_m, cfg.band_m, cfg.penalty
         )
-        cell = cell_m * cfg.ratio
+        return cls.over(slowness, goal, start=start, cell_m=cell_m * cfg.ratio, cfg=cfg)
+
+    @classmethod
+    def over(
+        cls,
+        slowness: NDArray[np.float32],
+        goal: tuple[float, float],
+        *,
+        start: tuple[float, float] | None = None,
+        cell_m: float = 0.1,
+        cfg: CostFieldCfg | None = None,
+    ) -> CostField:
+        """Compute the cost-to-go over water whose cost is known.
+
+        Args:
+            slowness: Cost per metre of each cell; negative: blocked. Shape=(h, w).
+            goal: World point (m).
+            start: Position of the robot (m). If given, a goal without a path from there is a `failure`.
+            cell_m: Edge of a cell (m).
+            cfg: Clearance.
+        """
+        cfg = cfg or CostFieldCfg()
         h, w = slowness.shape
-        j0 = min(max(math.floor(goal[1] / cell), 0), h - 1)
-        i0 = min(max(math.floor(goal[0] / cell), 0), w - 1)
+        j0 = min(max(math.floor(goal[1] / cell_m), 0), h - 1)
+        i0 = min(max(math.floor(goal[0] / cell_m), 0), w - 1)
         j, i = nearest_free(slowness, j0, i0)
         if j < 0:
-            return cls(np.zeros_like(slowness), cell, goal, goal, failure=NO_FREE_CELL)
-        target = goal if (j, i) == (j0, i0) else ((i + 0.5) * cell, (j + 0.5) * cell)
-        value = march(slowness, cell, j, i, target[0], target[1], 1.0 + cfg.penalty)
+            return cls(np.zeros_like(slowness), cell_m, goal, goal, failure=NO_FREE_CELL)
+        target = goal if (j, i) == (j0, i0) else ((i + 0.5) * cell_m, (j + 0.5) * cell_m)
+        value = march(slowness, cell_m, j, i, target[0], target[1], 1.0 + cfg.penalty)
         reached = np.isfinite(value)
-        extend(value, cell, cfg.steepness)
-        field = cls(value, cell, goal, target, reached)
+        extend(value, cell_m, cfg.steepness)
+        field = cls(value, cell_m, goal, target, reached)
         if start is not None and not field.reaches(*start, within_m=2.0 * cfg.radius_m):
-            return cls(value, cell, goal, target, reached, failure=UNREACHABLE)
+            return cls(value, cell_m, goal, target, reached, failure=UNREACHABLE)
         return field
+
+    @classmethod
+    def between(
+        cls,
+        slowness: NDArray[np.float32],
+        start: tuple[float, float],
+        goal: tuple[float, float],
+        *,
+        cell_m: float = 0.1,
+        cfg: CostFieldCfg | None = None,
+        most_cells: int | None = None,
+    ) -> CostField | None:
+        """Compute the cost-to-go of a robot on its way to a goal, over a window about both.
+
+        The window is so large that no path from the robot's surroundings that leaves it can be shorter; it grows to
+        the whole map if no path is found. Outside of it the cost-to-go is a constant, larger than inside.
+
+        Args:
+            slowness: Cost per metre of each cell; negative: blocked. Shape=(h, w).
+            start: Position of the robot (m). A goal without a path from there is a `failure`.
+            goal: World point (m).
+            cell_m: Edge of a cell (m).
+            cfg: Clearance.
+            most_cells: Largest number of cells to search; None: any number.
+
+        Returns:
+            The field; None if more cells than `most_cells` have to be searched.
+        """
+        cfg = cfg or CostFieldCfg()
+        h, w = slowness.shape
+        apart, searched = math.dist(start, goal), 0
+        margin_m = max(_LEAST_MARGIN_M, 0.3 * apart + _AROUND_M)
+        while True:
+            low = [min(start[k], goal[k]) - margin_m for k in (0, 1)]
+            high = [max(start[k], goal[k]) + margin_m for k in (0, 1)]
+            i0, i1 = max(math.floor(low[0] / cell_m), 0), min(math.ceil(high[0] / cell_m), w)
+            j0, j1 = max(math.floor(low[1] / cell_m), 0), min(math.ceil(high[1] / cell_m), h)
+            searched += max(j1 - j0, 0) * max(i1 - i0, 0)
+            if (j1 - j0, i1 - i0) == (h, w) or j1 <= j0 or i1 <= i0:
+                if most_cells is not None and max(searched, h * w) > most_cells:
+                    return None
+                return cls.over(slowness, goal, start=start, cell_m=cell_m, cfg=cfg)
+            if most_cells is not None and searched > most_cells:
+                return None
+            x0, y0 = i0 * cell_m, j0 * cell_m
+            part = np.ascontiguousarray(slowness[j0:j1, i0:i1])
+            shifted = (goal[0] - x0, goal[1] - y0)
+            field = cls.over(part, shifted, start=(start[0] - x0, start[1] - y0), cell_m=cell_m, cfg=cfg)
+            # A path that leaves the window is at least as long as one to the goal mirrored at the window's edge.
+            longest_m = (field.lookup(start[0] - x0, start[1] - y0) if field.ok else math.inf) + _AROUND_M
+            if longest_m <= math.hypot(apart, 2.0 * margin_m):
+                value = np.full((h, w), field.value.max() + 1.0, np.float32)
+                value[j0:j1, i0:i1] = field.value
+                reached = np.zeros((h, w), np.bool_)
+                assert field.reached is not None
+                reached[j0:j1, i0:i1] = field.reached
+                target = goal if field.target == shifted else (field.target[0] + x0, field.target[1] + y0)
+                return cls(value, cell_m, goal, target, reached)
+            margin_m = max(
+                1.2 * margin_m,
+                2.0 * margin_m if math.isinf(longest_m) else 0.5 * math.sqrt(longest_m**2 - apart**2) + cell_m,
+            )
 
     @classmethod
     def straight(cls, shape: tuple[int, int], goal: tuple[float, float], *, cell_m: float = 0.05) -> CostField:

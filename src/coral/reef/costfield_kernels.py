@@ -11,34 +11,48 @@ from numpy.typing import NDArray
 Grid = NDArray[np.float32]
 
 
-@njit(cache=True, error_model="numpy")
-def slowness_grid(distance: Grid, fine_m: float, ratio: int, radius_m: float, band_m: float, penalty: float) -> Grid:
-    """Compute the cost per metre of the coarse cells; negative where the hull does not fit.
+@njit(cache=True, nogil=True, error_model="numpy")
+def slowness_window(
+    distance: Grid,
+    origin: tuple[int, int],
+    shape: tuple[int, int],
+    fine_m: float,
+    ratio: int,
+    radius_m: float,
+    band_m: float,
+    penalty: float,
+    out: Grid,
+    window: tuple[int, int, int, int],
+) -> None:
+    """Compute the cost per metre of the coarse cells in a window; negative where the hull does not fit.
 
     It is 1 in open water and rises quadratically over the last `band_m` to 1 + penalty where the hull would touch an
     obstacle. The edge of the map counts as an obstacle.
 
     Args:
-        distance: Shape=(H, W), distance (m) of the fine cells to the nearest obstacle cell.
+        distance: Shape=(H', W'), distance (m) of fine cells to the nearest obstacle cell, at least those of the window.
+        origin: Row and column in the map of the first of these cells.
+        shape: (H, W), fine cells of the whole map.
         fine_m: Edge of a fine cell (m).
         ratio: Fine cells per coarse cell and axis.
         radius_m: Clearance that the robot's centre needs (m).
         band_m: Width of the soft band (m).
         penalty: Extra cost per metre at contact.
+        out: Shape=(h, w), coarse cells of the whole map, written inside the window.
+        window: Rows and columns (j0, j1, i0, i1) of coarse cells.
     """
-    fine_h, fine_w = distance.shape
-    h, w = (fine_h + ratio - 1) // ratio, (fine_w + ratio - 1) // ratio
-    out = np.empty((h, w), np.float32)
+    fine_h, fine_w = shape
+    oy, ox = origin
     cell = fine_m * ratio
-    for j in range(h):
-        for i in range(w):
+    for j in range(window[0], window[1]):
+        for i in range(window[2], window[3]):
             j1, i1 = min((j + 1) * ratio, fine_h), min((i + 1) * ratio, fine_w)
+            row, col = j * ratio - oy, i * ratio - ox
             if ratio == 2 and j1 == 2 * j + 2 and i1 == 2 * i + 2:  # the default case, unrolled
-                row, col = 2 * j, 2 * i
                 total = distance[row, col] + distance[row, col + 1]
                 mean = 0.25 * (total + distance[row + 1, col] + distance[row + 1, col + 1])
             else:
-                mean = distance[j * ratio : j1, i * ratio : i1].mean()
+                mean = distance[row : j1 - oy, col : i1 - ox].mean()
             x, y = (i + 0.5) * cell, (j + 0.5) * cell
             edge = min(min(x, fine_w * fine_m - x), min(y, fine_h * fine_m - y))
             d = min(mean, edge)
@@ -49,10 +63,19 @@ def slowness_grid(distance: Grid, fine_m: float, ratio: int, radius_m: float, ba
                 out[j, i] = 1.0 + penalty * near * near
             else:
                 out[j, i] = 1.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def slowness_grid(distance: Grid, fine_m: float, ratio: int, radius_m: float, band_m: float, penalty: float) -> Grid:
+    """Compute `slowness_window` over a whole map. Shape=(h, w)."""
+    shape = distance.shape
+    h, w = (shape[0] + ratio - 1) // ratio, (shape[1] + ratio - 1) // ratio
+    out = np.empty((h, w), np.float32)
+    slowness_window(distance, (0, 0), shape, fine_m, ratio, radius_m, band_m, penalty, out, (0, h, 0, w))
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy: float, top: float) -> Grid:
     """Solve |grad V| = slowness from the goal outwards; inf where no path leads to the goal.
 
@@ -141,7 +164,7 @@ def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy
     return value.reshape((h, w))[1:-1, 1:-1].copy()
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def extend(value: Grid, cell_m: float, steepness: float) -> None:
     """Extrapolate the values of reached cells to all other cells, in place, by two rounds of two raster sweeps.
 
@@ -170,10 +193,12 @@ def extend(value: Grid, cell_m: float, steepness: float) -> None:
                 value[j, i] = min(value[j, i], value[j + 1, i] + f)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def nearest_free(slowness: Grid, j0: int, i0: int) -> tuple[int, int]:
     """Return (row, column) of the free cell nearest to a cell; (-1, -1) if none is free."""
     h, w = slowness.shape
+    if slowness[j0, i0] > 0.0:
+        return j0, i0
     best, bj, bi = 1 << 60, -1, -1
     for j in range(h):
         dj = (j - j0) * (j - j0)
@@ -187,7 +212,7 @@ def nearest_free(slowness: Grid, j0: int, i0: int) -> tuple[int, int]:
     return bj, bi
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def lookup(value: Grid, cell_m: float, x: float, y: float) -> tuple[float, float, float]:
     """Interpolate the value and its gradient (dV/dx, dV/dy) at a world point. Points outside take the edge's value."""
     h, w = value.shape
@@ -201,7 +226,7 @@ def lookup(value: Grid, cell_m: float, x: float, y: float) -> tuple[float, float
     return low + b * (high - low), gx, (high - low) / cell_m
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def lookup_many(value: Grid, cell_m: float, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the values of `lookup` at many world points. Shape=(N,)."""
     out = np.empty(xs.size)
@@ -210,7 +235,7 @@ def lookup_many(value: Grid, cell_m: float, xs: NDArray[np.float64], ys: NDArray
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def descend(value: Grid, cell_m: float, x: float, y: float, gx: float, gy: float, step_m: float, n_max: int) -> Grid:
     """Return the path of steepest descent from a point, up to the goal (gx, gy) if it gets there. Shape=(n, 2)."""
     path = np.empty((n_max + 1, 2), np.float32)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
 
@@ -11,8 +12,9 @@ from numpy.typing import NDArray
 
 from coral.config import CellSize, Count, NonNegative
 from coral.reef.camera import CameraCfg
+from coral.reef.changes import Box
 from coral.reef.geometry import Frame, Pose
-from coral.reef.mapping_kernels import classify, explore, look, project
+from coral.reef.mapping_kernels import cell_classes, classify, explore, look, project
 
 UNEXPLORED, FREE, OBSTACLE, TARGET = 0, 1, 2, 3
 """Cell classes, in the paper's colours: white, gray, black, green."""
@@ -183,10 +185,17 @@ class OccupancyMap:
 
     def cells(self) -> NDArray[np.uint8]:
         """Return the class of every cell: UNEXPLORED, FREE, OBSTACLE or TARGET. Shape=(NY, NX)."""
-        cells = self.explored.astype(np.uint8)
-        cells[self.target] = TARGET
-        cells[self.obstacle] = OBSTACLE
-        return cells
+        return np.asarray(cell_classes(self.explored, self.target, self.obstacle))
+
+    def snapshot(self) -> OccupancyMap:
+        """Copy the masks, which later pictures change in place; nothing may be integrated into the copy."""
+        copied = copy.copy(self)
+        copied.target, copied.obstacle, copied.explored = self.target.copy(), self.obstacle.copy(), self.explored.copy()
+        return copied
+
+    def view_box(self, pose: Pose) -> Box:
+        """Return a rectangle of cells that holds all that the robot's map shows of a picture taken at `pose`."""
+        return self._window(pose, self.cfg.range_m + 1.0)
 
     def distance(self) -> NDArray[np.float32]:
         """Return the distance (m) of every cell to the nearest obstacle cell, by centres. Shape=(NY, NX), read only."""

@@ -230,3 +230,16 @@ def classify(
                 changed += 1
             target_mask[iy, ix] = soft and targets[iy, ix] >= target_ratio * floor and not solid
     return changed
+
+
+@njit(cache=True, nogil=True)
+def cell_classes(
+    explored: NDArray[np.bool_], target: NDArray[np.bool_], obstacle: NDArray[np.bool_]
+) -> NDArray[np.uint8]:
+    """Return the class of every cell (`UNEXPLORED` to `TARGET` of the map): obstacle before target. Shape=(NY, NX)."""
+    ny, nx = explored.shape
+    out = np.empty((ny, nx), np.uint8)
+    for iy in range(ny):
+        for ix in range(nx):
+            out[iy, ix] = 2 if obstacle[iy, ix] else 3 if target[iy, ix] else 1 if explored[iy, ix] else 0
+    return out

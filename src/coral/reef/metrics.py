@@ -9,7 +9,7 @@ from typing import Any
 
 from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
 from coral.errors import InputError
-from coral.reef import outcome
+from coral.reef import outcome, timeliness
 from coral.reef.attribution import attribution_of
 from coral.runs import read_events, read_rows, trajectory_name
 
@@ -43,6 +43,7 @@ DEFINITIONS = {
     "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
     "min_separation_m": "Smallest true distance between the discs of two robots (m).",
     **outcome.DEFINITIONS,
+    **timeliness.DEFINITIONS,
 }
 
 OF_EACH = (
@@ -75,7 +76,7 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
     while (more := folder / trajectory_name(len(tables))).is_file():
         tables.append(list(read_rows(more)))
     found = metrics_of(events, tables[0]) if len(tables) == 1 else fleet_metrics(events, tables)
-    return {**found, **outcome.outcome_metrics(folder, events, tables)}
+    return {**found, **outcome.outcome_metrics(folder, events, tables), **timeliness.timeliness_of(events)}
 
 
 def covered_at(folder: Path) -> list[float]:

@@ -217,9 +217,12 @@ class Mission:
             finally:  # even if the disk is full
                 for robot in reversed(self.robots):  # the first one's clock owns the advisor's thread
                     robot.clock.close()
-                self.attempts.close()
-                self.writer.close()
-                self.judge.close()
+                try:
+                    self.frames.close()
+                finally:
+                    self.attempts.close()
+                    self.writer.close()
+                    self.judge.close()
             self._wall = time.perf_counter() - started - self._stood_still_s - judging
         return self._finish()
 

@@ -6,7 +6,7 @@ import asyncio
 import dataclasses
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -18,9 +18,12 @@ from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
 from coral.advisor.fallback import FOR_RUNS, Fallback, failed
 from coral.advisor.inner_loop import run_alone
-from coral.advisor.question import Advisor, Question, Rejection
+from coral.advisor.question import Advisor, Question, Rejection, Withdrawn
+from coral.config import Count, NonNegative
 from coral.reef.belief import Belief
+from coral.reef.chain import Track
 from coral.reef.controller import Plan
+from coral.reef.cost_to_go import CostToGo
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.geometry import Frame, Pose, to_world
 from coral.reef.monitor import MonitorCfg, PathMonitor
@@ -46,6 +49,7 @@ FAILURES: dict[Cause, str] = {
 """Why a goal was given up, in words for the next question."""
 
 NOTHING_LEFT = "nothing left to explore"
+NO_RULE = "the rules found no goal that passes"
 
 
 class LocalPlanner(Protocol):
@@ -83,6 +87,12 @@ class PilotCfg:
     """How far about itself the robot keeps its distances to obstacles up to date; beyond the sensing range."""
     field_period_s: float = 1.0
     """Shortest time between updates of the cost-to-go when only the map has changed."""
+    field_cells: Count = 200_000
+    """A cost-to-go that searches more cells than this (some 8 ms) is left to the preparation thread; the robot drives
+    by the last one meanwhile. On maps of up to 44 m it never does."""
+    prepare_s: NonNegative = 0.3
+    """Simulated time in which a question, or such a cost-to-go, is prepared from the belief as it was at its
+    beginning. A real vehicle gets it as soon as it is there."""
 
 
 class Pilot:
@@ -109,8 +119,15 @@ class Pilot:
         self.trigger = SmartTrigger(self.cfg.trigger)
         self.monitor = PathMonitor(self.cfg.monitor)
         self.traffic = Traffic(self.cfg.traffic)
+        self.cost_to_go = CostToGo(
+            belief,
+            clock,
+            self.cfg.fields,
+            period_s=self.cfg.field_period_s,
+            most_cells=self.cfg.field_cells,
+            prepare_s=self._prepare_s,
+        )
         self.plan: Plan | None = None
-        self.field: CostField | None = None
         self.open_question: Question[Any] | None = None
         self.last_attempt: Attempt | None = None
         self.end_reason = ""
@@ -125,9 +142,14 @@ class Pilot:
         self._mode = ""
         self._known: set[int] = set()
         """Labels of the clusters that were on a map when a question was asked."""
-        self._field_key: tuple[Any, ...] = ()
-        self._field_at = -math.inf
-        self._acting_until = self._began = -math.inf
+        self._acting_until = self._began = self._asked_s = -math.inf
+        self._by_rules = False
+        """Whether the decision under way is the fallback's."""
+
+    @property
+    def field(self) -> CostField | None:
+        """The cost-to-go that the vehicle follows; None before the first tick."""
+        return self.cost_to_go.field
 
     def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
         """Run one control period: take in the data sensed at time `t` (s), return the command until the next."""
@@ -226,8 +248,18 @@ class Pilot:
         news = any(track.index not in self._known for track in self.belief.unvisited())
         return news or self.route.to_go_s(self.field) <= self.route.lead_s
 
-    def _observe(self, rejections: Any) -> Question[Any] | None:
-        question = self.open_question = self.planner.observe(rejections, self.field)
+    async def _observe(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
+        """Have the next question prepared, from the belief as it is now."""
+        self._asked_s = self.clock.now()
+        prepared, reasons, field = self.planner.on(self.belief.snapshot()), list(rejections), self.field
+
+        def prepare() -> tuple[Question[Any] | None, list[Track]]:
+            question = prepared.observe(reasons, field)
+            return question, [] if question is None else prepared.belief.tracker.chain()
+
+        question, chain = await self.clock.prepare(prepare, self._prepare_s)
+        self.planner.take(prepared)
+        self.open_question = question
         if question is None:
             return None
         if self.planner.mode != self._mode:
@@ -246,14 +278,19 @@ class Pilot:
                     "x": round(k.x, 3),
                     "y": round(k.y, 3),
                     "visited": k.visited,
-                    **({"done_on_arrival": True} if self.belief.done(k) and not k.visited else {}),
+                    **({"done_on_arrival": True} if prepared.belief.done(k) and not k.visited else {}),
                     "inspected": round(k.inspected, 3),
                 }
-                for k in self.belief.tracker.chain()
+                for k in chain
             ],
         )
         self._attempts += 1
         return question
+
+    @property
+    def _prepare_s(self) -> float:
+        """How long a question takes to prepare, in simulated time (s)."""
+        return 0.0 if self.cfg.synchronous else self.cfg.prepare_s
 
     def _attempted(self, attempt: Attempt) -> None:
         refusal = attempt.rejection
@@ -271,7 +308,7 @@ class Pilot:
         )
         self.last_attempt = attempt
         if attempt.verdict in ("accepted", "rejected", "malformed"):
-            self.route.answered(attempt.answered_at_s - attempt.asked_at_s)
+            self.route.answered(attempt.answered_at_s - self._asked_s)
         self._log(attempt)
 
     def _collect(self) -> None:
@@ -279,12 +316,17 @@ class Pilot:
         if self._task is None or not self._task.done():
             return
         outcome, self._task, self.open_question = self._task.result(), None, None
+        by_rules, self._by_rules = self._by_rules, False
         if self.planner.finished:
             self.end_reason = NOTHING_LEFT
+        elif by_rules and outcome.failure:
+            self._hold(outcome.failure)
         elif outcome.failure and outcome.failure != "withdrawn":
             self._fall_back(outcome)
+            if self._task is not None:
+                return
         elif outcome.answer is not None and outcome.question is not None:
-            self._adopt(outcome.question, outcome.answer, source_of(self.advisor))
+            self._adopt(outcome.question, outcome.answer, "fallback" if by_rules else source_of(self.advisor))
         self._decided = True
         self.belief.arrival, self.belief.closed, self.belief.last_failure = None, frozenset(), None
         self._acting_until = self.clock.now() + self.cfg.action_s
@@ -294,22 +336,36 @@ class Pilot:
         self._emit("fallback", policy=self.cfg.fallback, failure=outcome.failure, decision=self._decision)
         if self.cfg.fallback == "fail":
             self.end_reason = failed(outcome.failure)
-            return
-        if self.cfg.fallback == "hold":
+        elif self.cfg.fallback == "hold":
             self._hold(outcome.failure)
-            return
-        rejections: list[Rejection] = []
-        for _ in range(FALLBACK_TRIES):
-            question = self.planner.observe(rejections, self.field)
-            if question is None:
-                return
-            answer = run_alone(self.fallback.answer(question, rejections)).value
-            refusal = self.planner.verify(question, answer)
-            if refusal is None:
-                self._adopt(question, answer, "fallback")
-                return
-            rejections.append(refusal)
-        self._hold("the rules found no goal that passes")
+        else:
+            self._by_rules = True
+            self._task = self.clock.start(self._ask_rules())
+            self._collect()
+
+    async def _ask_rules(self) -> Outcome[Any]:
+        """Let the rules decide, from the belief as it is now."""
+        prepared, field = self.planner.on(self.belief.snapshot()), self.field
+
+        def decide() -> Outcome[Any]:
+            rejections: list[Rejection] = []
+            for attempt in range(FALLBACK_TRIES):
+                question = prepared.observe(rejections, field)
+                if question is None:
+                    return Outcome(answer=None, question=None, attempts=attempt)
+                answer = run_alone(self.fallback.answer(question, rejections)).value
+                refusal = prepared.verify(question, answer)
+                if refusal is None:
+                    return Outcome(answer=answer, question=question, attempts=attempt + 1)
+                rejections.append(refusal)
+            return Outcome(answer=None, question=None, attempts=FALLBACK_TRIES, failure=NO_RULE)
+
+        try:
+            outcome = await self.clock.prepare(decide, self._prepare_s)
+        except Withdrawn:
+            return Outcome(answer=None, question=None, attempts=0)
+        self.planner.take(prepared)
+        return outcome
 
     def _hold(self, reason: str) -> None:
         """Keep the present goal, which also is a decision, and not the advisor's."""
@@ -352,17 +408,9 @@ class Pilot:
 
     def _route(self, t: float) -> None:
         """Update the cost-to-go and the reference path; detect when the path was left."""
-        belief, monitor, goal = self.belief, self.monitor, self.belief.goal
-        assert goal is not None
-        new_goal = not self._field_key or self._field_key[0] != goal
-        key = (goal, belief.map.version)
-        if new_goal or (key != self._field_key and t - self._field_at >= self.cfg.field_period_s - 1e-9):
-            self.field = CostField.compute(
-                belief.map.distance(), goal, start=belief.pose[:2], cell_m=belief.map.cfg.cell_m, cfg=self.cfg.fields
-            )
-            self._field_key, self._field_at = key, t
-            if new_goal:
-                monitor.follow(self.field.path_from(belief.pose.x, belief.pose.y), new_goal=True)
+        belief, monitor = self.belief, self.monitor
+        if self.cost_to_go.update(t) and self.field is not None:
+            monitor.follow(self.field.path_from(belief.pose.x, belief.pose.y), new_goal=True)
         if self.field is not None and monitor.left_path(belief.pose.x, belief.pose.y):
             if monitor.exhausted:
                 self.trigger.deviation()

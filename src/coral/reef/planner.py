@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -21,6 +22,7 @@ from coral.reef.survey import Survey, SurveyCfg, survey
 from coral.reef.topology import RemainingTour, TopologyCfg, plan_tour
 from coral.reef.trigger import separated
 from coral.reef.verify import Surroundings, VerifyCfg, stated_limits, verify_waypoint, violation
+from coral.reef.water import Reach
 
 Mode = Literal["centroid", "waypoint"]
 Prompts = Callable[[str, Mapping[str, Any]], tuple[str, str]]
@@ -85,11 +87,24 @@ class HighLevelPlanner:
         self.route = route or Route(belief, self.cfg.route)
         self.asked: AskedState | None = None
         self.mode: Mode = "centroid"
-        self._reach: tuple[tuple[int, Pose], CostField] | None = None
+        self._reach: tuple[tuple[int, Pose], Reach] | None = None
         self.finished = False
         """Nothing is left that the robot could visit or explore, and that no other robot is going to."""
         self.acceptable = 0
         """How many of the choices on offer in the last question would have passed."""
+
+    def on(self, snapshot: Belief) -> HighLevelPlanner:
+        """Return a planner of a snapshot of the belief, which may make a question on another thread."""
+        other = copy.copy(self)
+        other.belief, other.route = snapshot, self.route.on(snapshot)
+        return other
+
+    def take(self, other: HighLevelPlanner) -> None:
+        """Take over the question that a planner of a snapshot has made: answers are judged in that state."""
+        self.asked, self.mode, self.finished, self.acceptable = (
+            other.asked, other.mode, other.finished, other.acceptable,
+        )  # fmt: skip
+        self.belief.arrival, self.belief.closed = other.belief.arrival, other.belief.closed
 
     def observe(self, rejections: Sequence[Rejection], way: CostField | None = None) -> Question[Any] | None:
         """Make the question from the present map; None when nothing is left to choose.
@@ -279,7 +294,7 @@ class HighLevelPlanner:
 
     def _obstacle_to(self, goal: Goal) -> Rejection | None:
         """Return what stands in the way of a goal on the map as it is now: obstacles, or another robot."""
-        if not math.isfinite(self._now().path_m(goal.x, goal.y)):
+        if not self._reach_now().reaches(goal.x, goal.y):
             return Rejection(
                 code="blocked",
                 reason="The chosen point lies inside an obstacle, or obstacles cut it "
@@ -292,16 +307,13 @@ class HighLevelPlanner:
             )
         return None
 
-    def _now(self) -> Survey:
-        """Distances on the map as it is now, from where the robot is."""
+    def _reach_now(self) -> Reach:
+        """Find what can be reached on the map as it is now, from where the robot is."""
         belief = self.belief
         key = (belief.map.version, belief.pose)
         if self._reach is None or self._reach[0] != key:
-            cell_m = belief.map.cfg.cell_m
-            way = CostField.compute(belief.map.distance(), belief.pose[:2], cell_m=cell_m, cfg=self.fields)
-            self._reach = key, way
-        way = self._reach[1]
-        return Survey(frontiers=(), field=way, dead_end=False, gain_radius_m=0.0)
+            self._reach = key, belief.water(self.fields).reach(*belief.pose[:2])
+        return self._reach[1]
 
     def _regretted(self, goal: Goal, asked: AskedState, tour: RemainingTour) -> Rejection | None:
         """Refuse a choice that delays what is left by much more than the best one does."""

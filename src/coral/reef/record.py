@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,19 +59,59 @@ class RecordCfg:
 
 
 class FrameRecorder:
-    """Writes the known map and the camera pictures every few seconds of simulated time."""
+    """Writes the known map and the camera pictures every few seconds of simulated time, on a thread of its own."""
 
-    def __init__(self, writer: RunWriter, cfg: RecordCfg) -> None:
-        self._writer, self._cfg = writer, cfg
+    def __init__(self, writer: RunWriter, cfg: RecordCfg, *, patient: bool = True) -> None:
+        """Record into a run.
+
+        Args:
+            writer: The run's writer.
+            cfg: What is kept.
+            patient: Whether `offer` waits while two sets are still to be written, so that none is left out; if not,
+                the new one is left out.
+        """
+        self._writer, self._cfg, self._patient = writer, cfg, patient
         self._due = 0.0
+        self._thread = ThreadPoolExecutor(1, "coral-frames")
+        self._open: deque[Future[None]] = deque()
+        self.left_out = 0
+        """Sets of pictures that were left out because the disk was too slow."""
 
     def offer(self, step: int, t: float, cells: Any, frame: Frame) -> None:
-        """Write a set of pictures if it is due. `cells()` returns the classes of the map, Shape=(NY, NX)."""
+        """Write a set of pictures if it is due. `cells()` returns the classes of the map, Shape=(NY, NX).
+
+        Raises:
+            OSError: An earlier set could not be written.
+        """
         if not self._cfg.frames or t < self._due - 1e-9:
             return
         self._due = t + self._cfg.frame_period_s
+        self._finish(1)
+        if len(self._open) > 1:
+            self.left_out += 1
+            return
+        self._open.append(self._thread.submit(self._write, step, cells(), frame))
+
+    def close(self) -> None:
+        """Finish what was offered.
+
+        Raises:
+            OSError: A set could not be written.
+        """
+        self._patient = True
+        try:
+            self._finish(0)
+        finally:
+            self._thread.shutdown()
+
+    def _finish(self, leaving: int) -> None:
+        """Take note of the sets that have been written; wait until no more than `leaving` are open, if patient."""
+        while self._open and (self._open[0].done() or (self._patient and len(self._open) > leaving)):
+            self._open.popleft().result()
+
+    def _write(self, step: int, cells: NDArray[np.uint8], frame: Frame) -> None:
         millimetres = np.where(np.isfinite(frame.depth), np.minimum(frame.depth * 1000.0, 65535.0), 0.0)
-        for name, image in (("map", cells()), ("depth", millimetres.astype(np.uint16)), ("labels", frame.labels)):
+        for name, image in (("map", cells), ("depth", millimetres.astype(np.uint16)), ("labels", frame.labels)):
             self._writer.bytes(f"frames/{step:06d}_{name}.png", _png(image))
 
 

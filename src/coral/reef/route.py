@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -89,6 +90,12 @@ class Route:
         self._latencies: list[float] = []
         self._left, self._since = -1, -math.inf
         self._unexplored = 0.0
+
+    def on(self, snapshot: Belief) -> Route:
+        """Return a copy that predicts from a snapshot of the belief; the copy is only to be read."""
+        other = copy.copy(self)
+        other.belief = snapshot
+        return other
 
     def answered(self, seconds: float) -> None:
         """Learn how long an answer took (s)."""

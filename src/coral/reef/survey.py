@@ -94,7 +94,8 @@ def survey(
     """
     arrival = arrival or here(belief)
     pose = arrival.pose
-    field = CostField.compute(belief.map.distance(), (pose.x, pose.y), cell_m=belief.map.cfg.cell_m, cfg=field_cfg)
+    water = belief.water(field_cfg)
+    field = CostField.over(water.slowness, (pose.x, pose.y), cell_m=water.cell_m, cfg=field_cfg)
     left = Survey(frontiers=(), field=field, dead_end=False, gain_radius_m=cfg.gain_radius_m)
     frontiers = _frontiers(belief, left, cfg, arrival)
     near_ahead = any(

@@ -139,9 +139,9 @@ def plan_tour(
             nodes.append(Place(x=x, y=y, worth=promise))
     if not nodes:
         return None
-    distance, cell_m = belief.map.distance(), belief.map.cfg.cell_m
     coarse = replace(fields, ratio=cfg.ratio)
-    ways = tuple(CostField.compute(distance, (n.x, n.y), cell_m=cell_m, cfg=coarse) for n in nodes)
+    water = belief.water(coarse)
+    ways = tuple(CostField.over(water.slowness, (n.x, n.y), cell_m=water.cell_m, cfg=coarse) for n in nodes)
     between = np.array(
         [[0.0 if k == j else way.lookup(b.x, b.y) for j, b in enumerate(nodes)] for k, way in enumerate(ways)]
     )
