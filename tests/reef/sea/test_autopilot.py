@@ -71,6 +71,8 @@ def test_arming_is_refused_with_a_reason():
     station.autopilot.parameters.write("BATT_ARM_VOLT", 20.0)
     assert station.wait(1.0).order(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1) == 4
     assert station.texts() == ["Arm: Battery 1 below minimum arming voltage"]
+    kinds = [message.get_type() for message in station.heard]
+    assert kinds.index("COMMAND_ACK") < kinds.index("STATUSTEXT")
     assert not station.autopilot.armed
 
 

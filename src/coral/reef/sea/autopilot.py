@@ -24,8 +24,9 @@ LEAK_S = 3.0
 EARTH_M = 6_378_137.0
 EKF_GOOD, EKF_LOST, EKF_STANDING = 831, 37, 167
 """Flags as ArduSub's filter shows them: all well; the position lost; none yet."""
-FULL_TURN_RAD_S = 1.5
-"""Yaw rate of a full stick at full gain. r = 200 at gain 0.5 gave 0.15 rad/s with ArduSub."""
+TURN_RAD_S, TURN_DEAD = 3.0, 0.05
+"""Yaw rate of a full stick at full gain, and the share of the stick about its middle that turns nothing. ArduSub turned
+at 0.06 and 0.15 rad/s with r = 145 and 200 at gain 0.5."""
 DEAD_ZONE_M_S = 0.07
 """Climb rate that the throttle axis loses about its centre: z = 300 gave 0.13 m/s with ArduSub."""
 STICKS_S = 3.0
@@ -162,7 +163,7 @@ class SimulatedAutopilot:
             self._hold_sticks(NEUTRAL)
         x, _, z, r = self._sticks
         gain = self.parameters["JS_GAIN_DEFAULT"]
-        turn = -FULL_TURN_RAD_S * gain * r / 1000.0
+        turn = -math.copysign(TURN_RAD_S * max(gain * abs(r) / 1000.0 - TURN_DEAD, 0.0), r)
         climb = gain * (z - 500) / 500.0 * self.parameters["PILOT_SPEED_UP"] / 100.0
         climb = math.copysign(max(abs(climb) - DEAD_ZONE_M_S, 0.0), climb)
         if not self.armed:
@@ -297,15 +298,16 @@ class SimulatedAutopilot:
             m.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._do_reboot,
         }
         order = orders.get(message.command)
+        before, self._out = self._out, []
         result = m.MAV_RESULT_UNSUPPORTED if order is None else order(first, second)
+        words, self._out = self._out, before  # ArduSub acknowledges first and explains then
         acknowledge = m.MAVLink_command_ack_message(
             message.command, result, 0, 0, message.get_srcSystem(), message.get_srcComponent()
         )
-        if message.command == m.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN and result == m.MAV_RESULT_ACCEPTED:
-            self._say(acknowledge)
-            self.reboot()
-            return
         self._say(acknowledge)
+        self._out += words
+        if message.command == m.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN and result == m.MAV_RESULT_ACCEPTED:
+            self.reboot()
 
     def _do_set_mode(self, flags: float, number: float) -> int:
         mode = ardusub.MODES.get(int(number))
