@@ -22,6 +22,7 @@ from coral.usage import usage_error
 COMMANDS = {
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
     "reef bench": ("coral.commands.reef_bench:ReefBench", "compare variants over many missions, with tables"),
+    "reef faults": ("coral.commands.reef_faults:ReefFaults", "break the sensors and see what the vehicle does"),
     "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),
     "reef autopilot": ("coral.commands.reef_autopilot:ReefAutopilot", "simulate a BlueROV2 that speaks MAVLink"),
     "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),

@@ -123,6 +123,13 @@ def test_there_is_one_template_per_kind():
     assert set(kinds()) == set(CONTEXT)
 
 
+@pytest.mark.parametrize("kind", ["reef-centroid", "reef-waypoint"])
+def test_doubtful_dots_are_named_only_if_there_are_any(kind):
+    dots = [{"index": 4, "doubtful": True}, {"index": 5}, {"index": 7, "doubtful": True}]
+    assert "Doubtful: 4, 7." in render(kind, AHEAD, facts={**AHEAD["facts"], "centroids": dots})[0]
+    assert "Doubtful" not in render(kind, AHEAD, facts={**AHEAD["facts"], "centroids": dots[1:2]})[0]
+
+
 def test_without_a_chain_the_prompt_does_not_speak_of_one():
     text = render("reef-waypoint-without-chain", {"step_m": 6, "others": 1})[0].lower()
     assert not [word for word in ("chain", "centroid", "orange", "dots joined", "trend", "cluster") if word in text]

@@ -1,6 +1,7 @@
 """What the robot remembers: its way, the clusters it may still visit, what the others say."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -67,6 +68,22 @@ def test_what_was_visited_is_not_left_to_visit_and_stays_known():
     made.tracker.mark_visited(14.0, 10.0, 0.5)
     assert places(made.unvisited()) == [(6.0, 10.0)]
     assert len(made.tracks) == 2
+
+
+def test_a_doubtful_cluster_is_left_out_until_nothing_else_is_left():
+    made = belief((14.0, 10.0), (6.0, 10.0))
+    made.tracker.tracks[0] = replace(made.tracks[0], doubtful=True)
+    assert places(made.unvisited()) == [(6.0, 10.0)]
+    made.last_look = True
+    assert len(made.unvisited()) == 2
+
+
+def test_a_cluster_where_most_pictures_show_seabed_is_doubtful():
+    made = belief()
+    made.map._targets[190:210, 270:290], made.map._ground[190:210, 270:290] = 5, 20
+    made.map.target[190:210, 270:290] = True
+    made.update(BARE, Pose(3.0, 3.0, math.pi))
+    assert [t.doubtful for t in made.tracks] == [True]
 
 
 def test_a_cluster_whose_goals_failed_too_often_is_given_up():

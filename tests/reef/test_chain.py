@@ -136,6 +136,23 @@ def test_a_cluster_is_done_once_its_cells_were_seen_from_near():
     assert tracker.tracks[0].inspected == pytest.approx(0.5, abs=0.01)
 
 
+@pytest.mark.parametrize(("agreement", "doubtful"), [(0.2, True), (0.4, False)])
+def test_a_cluster_is_doubtful_while_pictures_disagree_about_its_cells(agreement, doubtful):
+    tracker = CentroidTracker()
+    tracker.update(components(disc(), 0.05, ChainCfg()))
+    asked = []
+    tracker.doubt(lambda cells: asked.append(len(cells)) or agreement, 0.33)
+    assert tracker.tracks[0].doubtful == doubtful
+    assert asked == [int(disc().sum())]
+
+
+def test_what_was_seen_from_afar_has_no_cells_to_doubt():
+    tracker = CentroidTracker()
+    tracker.update([], [Hint(9.0, 1.0, 0.5)])
+    tracker.doubt(lambda cells: 0.0, 0.33)
+    assert not tracker.tracks[0].doubtful
+
+
 def test_the_tree_joins_all_points_by_the_shortest_links():
     points = np.array([[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [2.0, 2.5]])
     assert {frozenset(link) for link in spanning_tree(points)} == {frozenset(p) for p in ((0, 1), (1, 2), (1, 3))}

@@ -10,6 +10,7 @@ import pytest
 from coral.errors import InputError
 from coral.reef.controller import (
     NO_FEASIBLE,
+    NOT_FINITE,
     CostCfg,
     DdpMppi,
     MppiCfg,
@@ -383,3 +384,14 @@ def test_rollouts_that_do_not_suffice_for_their_shares_are_refused():
     with pytest.raises(InputError, match="n_rollouts: found 20, expected at least 21"):
         MppiCfg(n_rollouts=20, warm_fraction=0.95, guided_fraction=0.0)
     MppiCfg(n_rollouts=20, warm_fraction=0.9, guided_fraction=0.0)
+
+
+@pytest.mark.parametrize("bad", [{"r": math.nan}, {"u": math.inf}, {"x": math.nan}])
+def test_one_state_that_is_not_finite_fails_and_spoils_no_later_plan(bad):
+    controller, field = DdpMppi(rng=np.random.default_rng(1)), CostField.compute(OPEN, (9.0, 6.0))
+    controller.plan(VehicleState(3.0, 6.0, 0.0), field, OPEN)
+    failed = controller.plan(VehicleState(3.0, 6.0, 0.0)._replace(**bad), field, OPEN)
+    assert (failed.ok, failed.command, failed.failure) == (False, (0.0, 0.0), NOT_FINITE)
+    after = controller.plan(VehicleState(3.0, 6.0, 0.0), field, OPEN)
+    assert after.ok
+    assert np.isfinite(after.controls).all()

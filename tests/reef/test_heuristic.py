@@ -50,6 +50,11 @@ def test_clusters_that_are_done_are_avoided():
     assert answer.selected_centroid_index == 1
 
 
+def test_a_doubtful_cluster_is_worth_no_visit():
+    answer = choose_centroid(facts([centroid(0, 3.0, 0.0, doubtful=True), centroid(1, 6.0, 0.0)]), ())
+    assert answer.selected_centroid_index == 1
+
+
 def test_of_two_clusters_at_one_distance_the_one_with_more_to_see_comes_first():
     answer = choose_centroid(facts([centroid(0, 4.0, 3.0, left_m2=0.1), centroid(1, 4.0, -3.0, left_m2=2.0)]), ())
     assert answer.selected_centroid_index == 1

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from coral.errors import InputError
 from coral.reef.camera import Camera, CameraCfg
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.landmarks import LandmarkCfg, LandmarkDetector, Sighting
@@ -119,3 +120,9 @@ def test_a_wrong_patch_is_no_body():
     frame = Frame(depth, labels, np.full(depth.shape, -1, np.int32))
     assert LandmarkDetector(CAMERA).detect(frame) == []
     assert LandmarkDetector(CAMERA, LandmarkCfg(sector_px=3, body_px=10)).detect(frame)
+
+
+def test_a_picture_of_another_size_is_refused():
+    large = Frame(np.ones((480, 640), np.float32), np.ones((480, 640), np.uint8), np.zeros((480, 640), np.int32))
+    with pytest.raises(InputError, match="camera: depth"):
+        LandmarkDetector(CAMERA).detect(large)

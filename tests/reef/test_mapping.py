@@ -1,8 +1,10 @@
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
+from coral.errors import InputError
 from coral.reef.camera import CameraCfg, T_world_camera
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.mapping import FREE, OBSTACLE, TARGET, UNEXPLORED, MapCfg, OccupancyMap, distance_to
@@ -109,6 +111,24 @@ def test_wrong_obstacle_pixels_are_outvoted_by_the_seabed():
     assert grid.version > version
 
 
+@pytest.mark.parametrize(("wrong", "believed"), [(6, False), (40, True)])
+def test_oysters_in_a_few_of_many_pictures_are_outvoted_by_the_seabed(wrong, believed):
+    grid, views = OccupancyMap((10.0, 10.0), CAMERA), empty_frame()
+    views.depth[25, 20] = 1.0
+    for k in range(100):
+        views.labels[25, 20] = Label.OYSTER if k % 100 < wrong else Label.SEABED
+        grid.integrate(views, Pose(4.0, 5.0, 0.0))
+    assert grid.target.any() == believed
+
+
+def test_agreement_is_the_mean_share_of_the_pictures_with_oysters():
+    grid = OccupancyMap((10.0, 10.0), CAMERA)
+    grid._targets[4, 5], grid._ground[4, 5] = 3, 1
+    grid._targets[4, 6], grid._ground[4, 6] = 2, 6
+    assert grid.agreement(np.array([[4, 5], [4, 6]])) == pytest.approx(0.5)
+    assert grid.agreement(np.empty((0, 2), np.intp)) == grid.agreement(np.array([[9, 9]])) == 1.0
+
+
 def test_local_distances_agree_with_the_whole_map():
     rng = np.random.default_rng(0)
     grid = OccupancyMap((20.0, 20.0), CAMERA)
@@ -154,3 +174,24 @@ def test_cells_are_classified_as_their_counts_say():
     assert np.array_equal(obstacle, solid)
     assert np.array_equal(target, soft)
     assert changed == np.count_nonzero(before != solid)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"depth": np.ones((480, 640), np.float32), "labels": np.ones((480, 640), np.uint8)},
+        {"labels": np.ones((29, 40), np.uint8)},
+        {"depth": np.ones((30, 40))},
+        {"labels": np.ones((30, 40), np.int64)},
+    ],
+)
+def test_a_picture_of_another_size_or_type_never_reaches_the_kernels(change):
+    cells = OccupancyMap((4.0, 4.0), CAMERA)
+    with pytest.raises(InputError, match=r"float32 of shape \(30, 40\)|uint8 of shape \(30, 40\)"):
+        cells.integrate(dataclasses.replace(empty_frame(), **change), Pose(2.0, 2.0, 0.0))
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_a_pose_that_is_not_finite_never_reaches_the_kernels(bad):
+    with pytest.raises(InputError, match="pose"):
+        OccupancyMap((4.0, 4.0), CAMERA).integrate(empty_frame(), Pose(2.0, bad, 0.0))

@@ -12,6 +12,7 @@ from coral.errors import InputError
 from coral.reef.answers import CentroidChoice
 from coral.reef.controller import shift_matrix
 from coral.reef.costfield import CostField
+from coral.reef.guard import GuardCfg
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.metrics import compute_metrics
 from coral.reef.mission import Mission, MissionCfg
@@ -198,3 +199,26 @@ def test_left_alone_the_robot_goes_on_until_nothing_is_left(pond, tmp_path):
     cfg = dataclasses.replace(QUIET, time_limit_s=400.0, stop_when_covered=False, latency="0")
     result = run(pond, tmp_path / "run", cfg=cfg)
     assert (result["end_reason"], result["coverage"]) == ("nothing left to explore", 1.0)
+
+
+def test_a_mission_without_its_camera_ends_with_the_vehicle_at_the_surface(pond, tmp_path):
+    pilot = dataclasses.replace(QUIET.pilot, guard=GuardCfg(surface_after_s=2.0))
+    cfg = dataclasses.replace(QUIET, pilot=pilot, faults=("blind-camera@2:100",))
+    result = run(pond, tmp_path / "run", cfg=cfg)
+    assert result["end_reason"].startswith("surfaced: held for 2 s: camera blind")
+    assert result["sim_time_s"] == pytest.approx(4.4)
+    assert result["seconds_in_state"] == {"surveying": 2.3, "holding": 2.0, "surfacing": 0.1}
+    assert result["collisions"] == 0
+
+
+def test_what_is_left_is_told_at_the_end(finished, pond, tmp_path):
+    cut = run(pond, tmp_path / "run", cfg=dataclasses.replace(QUIET, time_limit_s=3.0))
+    (left,) = events(tmp_path / "run", "left")
+    assert cut["clusters_left"] == len(left["clusters"]) > 0
+    assert all(one["why"] for one in left["clusters"])
+
+
+def test_a_fault_that_there_is_not_is_refused_before_anything_is_written(pond, tmp_path):
+    with pytest.raises(InputError, match="nan-pose"):
+        run(pond, tmp_path / "run", cfg=dataclasses.replace(QUIET, faults=("nan-poses@1:1",)))
+    assert not (tmp_path / "run").exists()

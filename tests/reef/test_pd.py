@@ -52,3 +52,8 @@ def test_the_shown_path_is_the_line_to_the_goal_and_ends_there():
     assert found.path[0, 0] == 1.0
     assert found.path[-1, 0] == pytest.approx(2.5)
     assert (np.diff(found.path[:, 0]) >= 0.0).all()
+
+
+def test_a_state_that_is_not_finite_fails():
+    failed = plan((5.0, math.nan, 0.0), (9.0, 6.0))
+    assert (failed.ok, failed.command) == (False, (0.0, 0.0))

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -66,6 +67,30 @@ def test_nothing_left_finishes():
     planner = planner_for(belief)
     assert planner.observe(()) is None
     assert planner.finished
+
+
+def test_a_doubtful_cluster_is_looked_at_last():
+    belief = belief_with([(12.0, 10.0), (14.0, 13.0)])
+    belief.tracker.tracks[0] = replace(belief.tracks[0], doubtful=True)
+    planner = planner_for(belief)
+    facts = planner.observe(()).facts["centroids"]
+    assert [c.get("doubtful", False) for c in sorted(facts, key=lambda c: c["index"])] == [True, False]
+    see(belief, 1)
+    question = planner.observe(())  # nothing else is left: now it is a dot like others
+    assert not any(c.get("doubtful") for c in question.facts["centroids"])
+    assert planner.acceptable == 1
+    assert not planner.finished
+
+
+def test_the_last_look_of_a_snapshot_is_taken_over():
+    belief = belief_with([(12.0, 10.0)])
+    belief.tracker.tracks[0] = replace(belief.tracks[0], doubtful=True)
+    planner = planner_for(belief)
+    prepared = planner.on(belief.snapshot())
+    assert prepared.observe(()) is not None
+    assert belief.unvisited() == []
+    planner.take(prepared)
+    assert [track.index for track in belief.unvisited()] == [0]
 
 
 def test_without_centroid_selection_only_waypoints_are_asked_for():

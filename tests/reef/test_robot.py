@@ -63,8 +63,9 @@ def robot():
 def test_it_senses_decides_and_drives(robot):
     one = robot()
     assert one.position == (3.0, 5.0)
-    one.sense(0.0)
-    assert one.think(0.0, ()) >= 0.0
+    one.sense(0.0, 0.0)
+    one.localize(0.0)
+    assert one.think(()) >= 0.0
     assert one.command[0] > 0.0
     one.act(1.0, ())
     x, y = one.position
@@ -91,8 +92,9 @@ def test_only_one_of_several_names_itself_in_its_events(robot, alone, named):
 
 def test_it_tells_the_others_where_it_is_and_where_it_goes(robot):
     one = robot()
-    one.sense(0.0)
-    one.think(0.0, ())
+    one.sense(0.0, 0.0)
+    one.localize(0.0)
+    one.think(())
     said = one.says()
     assert said.pose == one.sensed.pose
     assert said.radius_m == 0.3
@@ -104,9 +106,10 @@ def test_it_tells_the_others_where_it_is_and_where_it_goes(robot):
 
 def test_one_that_has_nothing_to_do_claims_no_goal(robot):
     one = robot()
-    one.sense(0.0)
+    one.sense(0.0, 0.0)
     assert one.says().path.shape == (0, 2)
-    one.think(0.0, ())
+    one.localize(0.0)
+    one.think(())
     one.pilot.end_reason = NOTHING_LEFT
     assert one.says().goal is None
     assert one.says().index is None

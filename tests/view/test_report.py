@@ -149,3 +149,25 @@ def test_the_headline_says_when_someone_else_than_the_advisor_decided(fresh):
     config = (fresh / "config.yaml").read_text() + "mission: {pilot: {fallback: hold}}\n"
     (fresh / "config.yaml").write_text(config)
     assert "The advisor decided 1 of 3 goals, nobody 2 (hold)." in page(fresh)
+
+
+def append(folder, **event):
+    with open(folder / "events.jsonl", "a", encoding="utf-8") as log:
+        log.write(json.dumps({"step": 1, "t": 0.1, **event}) + "\n")
+
+
+def test_a_vehicle_that_was_held_has_its_states_listed(fresh):
+    append(fresh, event="state", state="surveying", by="guard", reason="sensors good")
+    assert "States of the vehicle" not in page(fresh)
+    append(fresh, event="state", state="holding", by="guard", reason="camera <blind>, for 0.4 s")
+    html = page(fresh)
+    assert "States of the vehicle" in html
+    assert "camera &lt;blind&gt;, for 0.4 s" in html
+
+
+def test_what_the_robot_left_is_listed_with_its_reason(fresh):
+    assert "What is left" not in page(fresh)
+    append(fresh, event="left", clusters=[{"index": 7, "x": 1.5, "y": 2.0, "why": "seen from afar only"}])
+    html = page(fresh)
+    assert "7 at (1.5, 2.0) m" in html
+    assert "seen from afar only" in html

@@ -59,6 +59,9 @@ class ReefRun:
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
     """Seed of all random numbers."""
+    fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
+    """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. `coral reef faults`
+    lists them."""
     out: Path | None = None
     """Run folder, new or empty; by default the next free runs/WORLD-NNN."""
     config: Path | None = None
@@ -105,6 +108,7 @@ class ReefRun:
         cfg, world = apply_preset(self.preset, self.cfg, world, keep)
         cfg = cfg if self.robots is None else dataclasses.replace(cfg, robots=self.robots)
         cfg = with_fallback(cfg, self.fallback)
+        cfg = dataclasses.replace(cfg, faults=(*cfg.faults, *self.fault))
         if not 1 <= cfg.robots <= MOST_ROBOTS:
             raise InputError("--robots", "", cfg.robots, f"a number from 1 to {MOST_ROBOTS}")
         cfg = checked(apply_variant(self.variant, cfg), "--cfg")
@@ -183,11 +187,24 @@ class ReefRun:
             f"{many(result['advisor_calls'], 'advisor call')} ({many(result['requeries'], 're-query', 're-queries')}), "
             f"{result['sim_time_s']:.0f} s simulated in "
             f"{result['wall_time_s']:.0f} s; ended: {result['end_reason']}",
+            *still_left(result),
             f"run folder: {result['run']}",
         ]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
         lines += [str(result["decided"])] if result["decided"] else []
         return "\n".join(lines)
+
+
+def still_left(result: Mapping[str, Any]) -> list[str]:
+    """Return a line about what the robot knew of and did not finish, and one about the time it did not survey."""
+    left, states = result.get("clusters_left"), result.get("seconds_in_state") or {}
+    stood = ", ".join(
+        f"{state} {states[state]:.0f} s" for state in ("holding", "surfacing", "taken over") if state in states
+    )
+    return [
+        *([f"not finished, by the robot's own map: {many(left, 'cluster')}"] if left else []),
+        *([f"not surveying: {stood}"] if stood else []),
+    ]
 
 
 class FallbackNotice:

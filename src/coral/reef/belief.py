@@ -57,6 +57,8 @@ class Belief:
         """Labels of the clusters that will be done by then, in the open question."""
         self.last_failure: tuple[int | None, str] | None = None
         """Label (None: a waypoint) and cause of the last goal that failed, until a decision after it has been made."""
+        self.last_look = False
+        """Whether doubtful clusters are goals too: nothing else is left."""
         self.others: tuple[Neighbour, ...] = ()
         """The other robots of the mission, as they describe themselves."""
         self._keeps_chain = True
@@ -95,12 +97,14 @@ class Belief:
             self._waters[cfg] = WaterMap(self.map, cfg)
         return self._waters[cfg].now()
 
-    def update(self, frame: Frame, pose: Pose) -> None:
-        """Take in one camera picture and the pose it was taken from."""
-        self.frame, self.pose = frame, pose
-        self.map.integrate(frame, pose)
-        view = self.map.view_box(pose)
-        self._seen = view if self._seen is None else joined(self._seen, view)
+    def update(self, frame: Frame | None, pose: Pose) -> None:
+        """Take in the robot's pose and the camera picture taken from it; None if there is no new one."""
+        self.pose = pose
+        if frame is not None:
+            self.frame = frame
+            self.map.integrate(frame, pose)
+            view = self.map.view_box(pose)
+            self._seen = view if self._seen is None else joined(self._seen, view)
         if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:
             self._trail.append((pose.x, pose.y))
         if self._ticks % self.cfg.chain_period == 0:
@@ -116,6 +120,7 @@ class Belief:
     def _inspect(self, seen: Box | None = None) -> None:
         cells = self.map
         self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect, seen)
+        self.tracker.doubt(cells.agreement, self.cfg.inspect.sure)
 
     @property
     def inspect_m(self) -> float:
@@ -156,11 +161,16 @@ class Belief:
         return track.visited or track.index in self.closed
 
     def unvisited(self) -> list[Track]:
-        """Return the clusters still to be visited, without those whose goals failed too often or that others go to."""
+        """Return the clusters still to be visited, without those whose goals failed too often or that others go to.
+
+        Doubtful ones are left out until nothing else is left: looks on the way confirm or outvote most of them.
+        """
         return [
             t
             for t in self.tracks
-            if not (self.done(t) or self.taken(t.x, t.y, t.index)) and self.failures(t.x, t.y) < self.cfg.max_attempts
+            if not (self.done(t) or self.taken(t.x, t.y, t.index))
+            and self.failures(t.x, t.y) < self.cfg.max_attempts
+            and (self.last_look or not t.doubtful)
         ]
 
     def ahead(self, forward_m: float) -> list[Track]:

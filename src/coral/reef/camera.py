@@ -53,6 +53,20 @@ class CameraCfg:
         return focal, focal, (self.width - 1) / 2, (self.height - 1) / 2
 
 
+def check_picture(frame: Frame, cfg: CameraCfg) -> None:
+    """Check that a picture has the camera's size and the types that kernels are compiled for.
+
+    Raises:
+        InputError: It has not.
+    """
+    for name, image, dtype in (("depth", frame.depth, np.float32), ("labels", frame.labels, np.uint8)):
+        if image.shape != (cfg.height, cfg.width) or image.dtype != dtype:
+            raise InputError(
+                "camera", name, f"{image.dtype} of shape {image.shape}",
+                f"{np.dtype(dtype)} of shape ({cfg.height}, {cfg.width}), the configured height and width",
+            )  # fmt: skip
+
+
 def T_world_camera(
     pose: Pose,
     cfg: CameraCfg,

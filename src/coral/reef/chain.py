@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import cv2
@@ -28,6 +28,10 @@ class InspectCfg:
     """Share of a cluster's cells that must have been seen from there; the rest is edges that no pixel hit."""
     least_m2: float = 0.04
     """Less than this is not worth a visit: a few oysters."""
+    sure: Fraction = 0.33
+    """A cluster is doubtful while the pictures agree less than this that oysters lie in its cells
+    (`OccupancyMap.agreement`). Along one mission on s1 in `hard` water, with 1, 3 and 6 % of the seabed taken for
+    oysters, true clusters had 0.54, 0.53 and 0.35 or more in 99 of 100 updates, false ones at most 0.31."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +90,8 @@ class Track:
     """Seen from afar only, beyond the map's range; a cluster that the map then shows there keeps the label."""
     inspected: float = 0.0
     """Share of its cells that were seen from near enough to count oysters."""
+    doubtful: bool = False
+    """Most pictures show seabed where this cluster should be. Looks on the way will confirm or outvote it."""
     cells: NDArray[np.intp] = field(default_factory=_no_cells, repr=False, compare=False)
     """Its oyster cells (iy, ix). Shape=(M, 2)."""
     left: NDArray[np.float64] = field(default_factory=_no_points, repr=False, compare=False)
@@ -324,6 +330,17 @@ class CentroidTracker:
         copied = copy.copy(self)
         copied.tracks = list(self.tracks)
         return copied
+
+    def doubt(self, agreement: Callable[[NDArray[np.intp]], float], sure: float) -> None:
+        """Mark the clusters of which the pictures do not agree that there are any.
+
+        Args:
+            agreement: Tells from 0 to 1 how far they agree on oysters in some cells.
+            sure: Agreement from which a cluster is taken for true.
+        """
+        self.tracks = [
+            replace(t, doubtful=agreement(t.cells) < sure) if len(t.cells) and not t.far else t for t in self.tracks
+        ]
 
     def mark_visited(self, x: float, y: float, radius_m: float) -> None:
         """Mark the tracks that the vehicle has come within `radius_m` of as visited."""

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 COSTS = ("goal", "obstacle", "speed", "path", "heading", "smooth")
 NO_FEASIBLE = "no feasible rollout"
+NOT_FINITE = "the state is not finite"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -240,6 +241,8 @@ class DdpMppi:
             distance_map: Distance (m) to the nearest known obstacle, inf without any. Shape=(H, W), float32.
             cell_m: Edge of a cell of `distance_map` (m); cell (0, 0) at the world's origin.
         """
+        if not all(map(math.isfinite, state)):
+            return self._stop(VehicleState(0.0, 0.0, 0.0), NOT_FINITE, ok=False)
         if not cost_field.ok:
             return self._stop(state, cost_field.failure, ok=False)
         if math.hypot(cost_field.target[0] - state.x, cost_field.target[1] - state.y) < self.cfg.hold_m:

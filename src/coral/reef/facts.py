@@ -78,6 +78,7 @@ def _centroids(belief: Belief, left: Survey, pose: Pose) -> list[dict[str, Any]]
                 "path_m": _finite(left.path_m(t.x, t.y)),
                 "visited": belief.done(t),
                 **({"far": True} if t.far else {}),
+                **({"doubtful": True} if t.doubtful and not belief.last_look else {}),
                 "inspected": round(t.inspected, 2),
                 "left_m2": None if t.far else round(len(t.left) * cell_m**2, 2),
                 **({"taken": belief.taken(t.x, t.y, t.index)} if belief.others else {}),

@@ -170,7 +170,7 @@ def _places(facts: Fact) -> list[_Place]:
     dots = [
         _place(facts, c, DOT + _left_m2(c), f"cluster {c['index']}", c["index"], c["failed_attempts"])
         for c in facts["centroids"]
-        if not c["visited"] and not c.get("taken") and c["path_m"] is not None
+        if not (c["visited"] or c.get("taken") or c.get("doubtful")) and c["path_m"] is not None
     ]
     places = sorted(dots, key=lambda p: p.path_m)[:MOST_PLACES]
     water = [

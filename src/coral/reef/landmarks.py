@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count, Positive
-from coral.reef.camera import CameraCfg
+from coral.reef.camera import CameraCfg, check_picture
 from coral.reef.geometry import Frame
 from coral.reef.landmarks_kernels import scan
 from coral.reef.mapping import pixel_rays
@@ -84,6 +84,7 @@ class LandmarkDetector:
 
     def __init__(self, camera: CameraCfg, cfg: LandmarkCfg | None = None) -> None:
         self.cfg = cfg = cfg or LandmarkCfg()
+        self._camera = camera
         rays, _ = pixel_rays(camera)
         self._length: NDArray[np.float64] = np.hypot(rays[..., 0], rays[..., 1])
         self._step = math.radians(cfg.sector_deg)
@@ -94,7 +95,12 @@ class LandmarkDetector:
         self._counts = np.empty(2 * self._half, np.int64)
 
     def detect(self, frame: Frame) -> list[Sighting]:
-        """Return the standing bodies of a picture, those that are seen whole first."""
+        """Return the standing bodies of a picture, those that are seen whole first.
+
+        Raises:
+            InputError: The picture is not of the configured size and type.
+        """
+        check_picture(frame, self._camera)
         cfg, ranges = self.cfg, self._ranges
         limits = (cfg.range_m, cfg.sector_px, cfg.split_m)
         scan(frame.depth, frame.labels, self._sector, self._length, limits, ranges, self._counts)

@@ -145,6 +145,10 @@ class Localizer:
             self._close_loop()
         return self._corrected(odometry)
 
+    def locate(self, odometry: Pose) -> Pose:
+        """Correct a pose by odometry with the error that was last known."""
+        return self._corrected(odometry) if self.active else odometry
+
     def _corrected(self, odometry: Pose) -> Pose:
         x, y, theta = self._state[:3].tolist()
         return Pose(odometry.x - x, odometry.y - y, wrap(odometry.theta - theta))

@@ -11,6 +11,7 @@ from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
 from coral.errors import InputError
 from coral.reef import outcome, timeliness
 from coral.reef.attribution import attribution_of
+from coral.reef.state_metrics import clusters_left, seconds_in_states
 from coral.runs import read_events, read_rows, trajectory_name
 
 DEFINITIONS = {
@@ -37,6 +38,8 @@ DEFINITIONS = {
     "planner_failures": "Control ticks at which no rollout was feasible and the vehicle braked.",
     "path_replans": "Reference paths planned anew because the vehicle had left the old one.",
     "end_reason": "Why the mission ended.",
+    "seconds_in_state": "Time (s) in each state of the vehicle (`reef/states.py`), added up over the robots.",
+    "clusters_left": "Clusters that the robot knew of at the end and had not finished; the event `left` says why.",
     "preset": "Name of the water and sensors (`--preset`); none where it was not recorded.",
     "robots": "The number of robots; every count and the distance are sums over them, coverage is of what any of "
     "them has seen.",
@@ -139,6 +142,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "path_replans": replans,
         "end_reason": end,
         "preset": preset,
+        "seconds_in_state": seconds_in_states(events, t),
+        "clusters_left": clusters_left(events),
     }
 
 

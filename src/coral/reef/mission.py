@@ -27,9 +27,11 @@ from coral.reef.belief import Belief, BeliefCfg
 from coral.reef.bound import oracle_bound
 from coral.reef.controller import DdpMppi, MppiCfg
 from coral.reef.encounter import Encounters
+from coral.reef.faults import FaultySensors, parse_fault
 from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.judge import MissionJudge
+from coral.reef.leftover import what_is_left
 from coral.reef.localization import LocalizationCfg, Localizer
 from coral.reef.mapping import MapCfg, OccupancyMap
 from coral.reef.metrics import compute_metrics
@@ -72,6 +74,8 @@ class MissionCfg:
     """Distance between the lanes of a blind sweep (m)."""
     robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 1
     """Number of robots that survey the reef together with one shared map (not in the paper)."""
+    faults: tuple[str, ...] = ()
+    """Faults of the sensors, each NAME@START:DURATION in seconds (`--fault`); all robots have them."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
     localization: LocalizationCfg = field(default_factory=LocalizationCfg)
     map: MapCfg = field(default_factory=MapCfg)
@@ -141,6 +145,7 @@ class Mission:
             for k in range(cfg.robots)
         ]
         commands = planned(world, cfg)
+        faults = [parse_fault(text) for text in cfg.faults]
         # All inputs have been validated: create the folder only now.
         self.writer = RunWriter(folder, COLUMNS, cfg.robots)
         self.judge = MissionJudge(world, first.imaging, folder)
@@ -173,7 +178,7 @@ class Mission:
             return pilot
 
         self.robots = [
-            Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1)
+            Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1, faults=FaultySensors(faults))
             for k, parts in enumerate(zip(simulators, beliefs, localizers, drivers, clocks, strict=True))
         ]
         lead = self.robots[0]
@@ -212,6 +217,8 @@ class Mission:
             try:
                 for robot in self.robots:
                     robot.clock.withdraw()
+                    robot.pilot.stop(self.end_reason or "failed")
+                self.emit("left", clusters=what_is_left(self.belief))
                 judging = self._judged()
                 self.emit("end", reason=self.end_reason or "failed")
             finally:  # even if the disk is full
@@ -231,9 +238,8 @@ class Mission:
         cfg, dt, robots = self.cfg, self.cfg.control_period_s, self.robots
         begun, waited = time.perf_counter(), 0.0
         for robot in robots:
-            robot.sense(dt if self.step else 0.0)
-        assert robots[0].sensed is not None
-        self.frames.offer(self.step, self.t, self.belief.map.cells, robots[0].sensed.frame)
+            robot.sense(self.t, dt if self.step else 0.0)
+        self.frames.offer(self.step, self.t, self.belief.map.cells, robots[0].picture)
         located_ms = []
         for robot in robots:  # all of them first: each tells the others where it is
             thinking = time.perf_counter()
@@ -242,7 +248,7 @@ class Mission:
         for robot, already_ms in zip(robots, located_ms, strict=True):
             thinking = time.perf_counter()
             # The wait for a due reply, while simulated time stands still, is no part of the control period.
-            idle = robot.think(self.t, (other.says() for other in robots if other is not robot))
+            idle = robot.think(other.says() for other in robots if other is not robot)
             waited += idle
             self.control_ms.append(already_ms + 1e3 * (time.perf_counter() - thinking - idle))
         self.step += 1
@@ -269,7 +275,10 @@ class Mission:
         """Return why no robot continues, or "". A robot without a task waits: others may still find one for it."""
         reasons = [robot.pilot.end_reason for robot in self.robots]
         failed = [reason for reason in reasons if reason not in ("", NOTHING_LEFT)]
-        return failed[0] if failed else reasons[0] if all(reasons) else ""
+        if failed:
+            return failed[0]
+        reasons = [robot.surfaced or reason for robot, reason in zip(self.robots, reasons, strict=True)]
+        return reasons[0] if all(reasons) else ""
 
     def _cover(self) -> None:
         fractions = self.simulator.coverage.fractions

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.controller import Plan
+from coral.reef.controller import NOT_FINITE, Plan
 from coral.reef.costfield import CostField
 from coral.reef.geometry import wrap
 from coral.reef.vehicle import VehicleCfg, VehicleState
@@ -51,6 +51,8 @@ class PdController:
     ) -> Plan:
         """Compute the command towards `cost_field.goal`. The field's values and the map are ignored."""
         cfg = self.cfg
+        if not all(map(math.isfinite, state)):
+            return Plan((0.0, 0.0), False, NOT_FINITE, np.zeros((11, 3)), np.zeros((10, 2)), np.zeros(11))
         dx, dy = cost_field.goal[0] - state.x, cost_field.goal[1] - state.y
         distance = math.hypot(dx, dy)
         bearing = wrap(math.atan2(dy, dx) - state.theta)

@@ -25,10 +25,14 @@ from coral.reef.chain import Track
 from coral.reef.controller import Plan
 from coral.reef.cost_to_go import CostToGo
 from coral.reef.costfield import CostField, CostFieldCfg
-from coral.reef.geometry import Frame, Pose, to_world
+from coral.reef.geometry import Pose, to_world
+from coral.reef.guard import GuardCfg, Reading, SensorGuard
 from coral.reef.monitor import MonitorCfg, PathMonitor
 from coral.reef.planner import HighLevelPlanner
 from coral.reef.route import Goal
+from coral.reef.safety import SafetyWatch
+from coral.reef.sensing import VehicleObservation, Velocity
+from coral.reef.states import Mover
 from coral.reef.traffic import Traffic, TrafficCfg
 from coral.reef.trigger import Cause, Firing, SmartTrigger, TriggerCfg
 from coral.reef.vehicle import VehicleState
@@ -61,6 +65,10 @@ class LocalPlanner(Protocol):
         """Command for the next tick, from the cost-to-go and the distances (m) to known obstacles."""
         ...
 
+    def reset(self) -> None:
+        """Forget the previous plan: the vehicle has stood still since."""
+        ...
+
 
 @dataclass(frozen=True, kw_only=True)
 class PilotCfg:
@@ -70,6 +78,7 @@ class PilotCfg:
     monitor: MonitorCfg = field(default_factory=MonitorCfg)
     fields: CostFieldCfg = field(default_factory=CostFieldCfg)
     traffic: TrafficCfg = field(default_factory=TrafficCfg)
+    guard: GuardCfg = field(default_factory=GuardCfg)
     budget: BudgetCfg = field(default_factory=BudgetCfg)
     fallback: Fallback = FOR_RUNS
     """What happens when a decision was not reached within its budget: the rules decide, hold keeps the last goal and
@@ -127,6 +136,8 @@ class Pilot:
             most_cells=self.cfg.field_cells,
             prepare_s=self._prepare_s,
         )
+        self.safety = SafetyWatch(SensorGuard(belief.map.camera, belief.map.size_m, self.cfg.guard), emit)
+        """Checks the sensors; its `states` say what the vehicle is doing, and why."""
         self.plan: Plan | None = None
         self.open_question: Question[Any] | None = None
         self.last_attempt: Attempt | None = None
@@ -143,6 +154,7 @@ class Pilot:
         self._known: set[int] = set()
         """Labels of the clusters that were on a map when a question was asked."""
         self._acting_until = self._began = self._asked_s = -math.inf
+        self._now, self._stood = 0.0, False
         self._by_rules = False
         """Whether the decision under way is the fallback's."""
 
@@ -151,9 +163,47 @@ class Pilot:
         """The cost-to-go that the vehicle follows; None before the first tick."""
         return self.cost_to_go.field
 
-    def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
-        """Run one control period: take in the data sensed at time `t` (s), return the command until the next."""
-        self.belief.update(frame, pose)
+    def tick(self, seen: VehicleObservation) -> Command:
+        """Run one control period: check what was measured, take it in, return the command until the next."""
+        return self.drive(self.sense(seen))
+
+    def sense(self, seen: VehicleObservation) -> Reading:
+        """Check what was measured. What it means for the vehicle's state is decided here."""
+        return self.safety.update(seen)
+
+    def drive(self, reading: Reading) -> Command:
+        """Take in a checked reading, whose poses a robot may have corrected; return the command until the next."""
+        if reading.frame is not None and reading.frame_pose is not None:
+            self.belief.update(reading.frame, reading.frame_pose)
+            self.belief.pose = reading.pose or reading.frame_pose
+        elif reading.pose is not None:
+            self.belief.update(None, reading.pose)
+        if not self.safety.driving:
+            return self._stand(reading.t)
+        if self._stood:
+            self._stood = False
+            self.driver.reset()
+            self.trigger.new_goal()  # to be held is not to be stuck
+        return self._steer(reading.t, self.belief.pose, reading.velocity)
+
+    def stop(self, reason: str) -> None:
+        """End the survey."""
+        self.safety.states.move(self._now, Mover.MISSION, "end", reason)
+
+    def _stand(self, t: float) -> Command:
+        """Stand still; an open question goes on."""
+        self._stood, self.plan = True, None
+        self._advance(t)
+        return 0.0, 0.0
+
+    def _advance(self, t: float) -> None:
+        """Advance the clock of the questions, and take over what has been decided."""
+        self._now = t
+        self.clock.advance(t) if isinstance(self.clock, SimulatedClock) else self.clock.advance()
+        self._collect()
+
+    def _steer(self, t: float, pose: Pose, velocity: Velocity) -> Command:
+        """Decide when it matters and plan the next command, at time `t` (s)."""
         if self.belief.goal is None:
             self._began = t
             x, y = self._initial(pose)
@@ -168,8 +218,7 @@ class Pilot:
                 reason="initial waypoint",
                 violates=False,
             )
-        self.clock.advance(t) if isinstance(self.clock, SimulatedClock) else self.clock.advance()
-        self._collect()
+        self._advance(t)
         if self.planner.cfg.route.ahead and self.route.update(t):
             self.trigger.new_goal()
         self._route(t)

@@ -14,6 +14,7 @@ from coral.advisor.question import Picture, Question, Rejection
 from coral.config import Count
 from coral.reef.answers import CentroidChoice, WaypointChoice
 from coral.reef.belief import Belief
+from coral.reef.chain import Track
 from coral.reef.costfield import CostField, CostFieldCfg
 from coral.reef.facts import describe, waypoint_options
 from coral.reef.geometry import Pose, to_robot, to_world
@@ -104,7 +105,8 @@ class HighLevelPlanner:
         self.asked, self.mode, self.finished, self.acceptable = (
             other.asked, other.mode, other.finished, other.acceptable,
         )  # fmt: skip
-        self.belief.arrival, self.belief.closed = other.belief.arrival, other.belief.closed
+        mine, theirs = self.belief, other.belief
+        mine.arrival, mine.closed, mine.last_look = theirs.arrival, theirs.closed, theirs.last_look
 
     def observe(self, rejections: Sequence[Rejection], way: CostField | None = None) -> Question[Any] | None:
         """Make the question from the present map; None when nothing is left to choose.
@@ -114,9 +116,13 @@ class HighLevelPlanner:
             way: The robot's way to its present goal.
         """
         belief, cfg = self.belief, self.cfg
-        asked = self.asked = self._look(way)
-        left = asked.left
-        reachable = [t for t in belief.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
+        belief.last_look = False
+        asked = self._look(way)
+        if not asked.left.frontiers and not self._dots(asked) and any(t.doubtful for t in belief.tracks):
+            belief.last_look = True
+            asked = self._look(way)
+        self.asked, left = asked, asked.left
+        reachable = self._dots(asked)
         nothing = not reachable and not left.frontiers
         self.finished = nothing and not self.route.goals
         if nothing:
@@ -182,10 +188,14 @@ class HighLevelPlanner:
         hollow = frozenset(t.index for t in belief.tracks if belief.done(t))
         return AskedState(arrival=arrival, left=left, around=around, tour=tour, hollow=hollow)
 
+    def _dots(self, asked: AskedState) -> list[Track]:
+        """Return the clusters still to be visited that the robot can reach."""
+        return [t for t in self.belief.unvisited() if math.isfinite(asked.left.path_m(t.x, t.y))]
+
     def _acceptable(self, asked: AskedState, steps: Sequence[Mapping[str, float]] | None) -> int:
         """Count the choices on offer that would pass."""
         if steps is None:
-            dots = [t for t in self.belief.unvisited() if math.isfinite(asked.left.path_m(t.x, t.y))]
+            dots = self._dots(asked)
             return sum(self._objection(Goal(x=t.x, y=t.y, index=t.index), asked) is None for t in dots)
         points = np.array([to_world(asked.arrival.pose, s["forward_m"], s["left_m"]) for s in steps]).reshape(-1, 2)
         if self._by_regret(asked) is not None and len(points):
@@ -350,8 +360,8 @@ class HighLevelPlanner:
 
     def _exempt(self, asked: AskedState) -> Surroundings:
         """Return the inputs of the verifiers. If no remaining choice would pass, turning round is allowed."""
-        belief, cfg, around = self.belief, self.cfg.verify, asked.around
-        aims = [(t.x, t.y) for t in belief.unvisited() if math.isfinite(asked.left.path_m(t.x, t.y))]
+        cfg, around = self.cfg.verify, asked.around
+        aims = [(t.x, t.y) for t in self._dots(asked)]
         if self.mode == "waypoint":
             steps = self._steps(asked.left, around.pose) or ()
             aims += [to_world(around.pose, o["forward_m"], o["left_m"]) for o in steps]

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from coral.advisor.clock import SimulatedClock
 from coral.reef.belief import Belief
+from coral.reef.faults import FaultySensors
 from coral.reef.fleet import Neighbour
-from coral.reef.geometry import Pose
+from coral.reef.geometry import Frame, Pose
+from coral.reef.guard import Reading
 from coral.reef.localization import Localizer
 from coral.reef.pilot import Command, LocalPlanner, Pilot
+from coral.reef.sensing import VehicleObservation
 from coral.reef.simulator import ReefSimulator, Sensed
+from coral.reef.states import PilotState
 
 Build = Callable[["Robot"], Pilot]
 """Builds the pilot of a robot."""
@@ -33,12 +38,19 @@ class Robot:
         emit: Callable[..., None],
         build: Build,
         alone: bool,
+        faults: FaultySensors | None = None,
     ) -> None:
         self.number, self.simulator, self.belief, self.driver, self.clock = number, simulator, belief, driver, clock
         self.localizer, self.pose = localizer, simulator.pose
         """Where the robot believes it is: the odometry, corrected. It knows its start."""
         self._emit, self._alone = emit, alone
         self.sensed: Sensed | None = None
+        """What the simulator measured, before any fault."""
+        self.faults = faults or FaultySensors(())
+        self.seen: VehicleObservation
+        """What reached the pilot."""
+        self._reading: Reading
+        self._unlocated_s = 0.0
         self.command: Command = (0.0, 0.0)
         self.pilot = build(self)
 
@@ -46,22 +58,38 @@ class Robot:
         """Emit an event, with the number of the robot if it is not alone."""
         self._emit(event, **(fields if self._alone else {"robot": self.number, **fields}))
 
-    def sense(self, dt: float) -> Sensed:
-        """Take a picture `dt` seconds after the last one."""
-        self.sensed = self.simulator.sense(dt)
-        return self.sensed
+    def sense(self, t: float, dt: float) -> VehicleObservation:
+        """Measure at time `t` (s), `dt` seconds after the last time. Faults that are due spoil what is measured."""
+        sensed = self.sensed = self.simulator.sense(dt)
+        self.seen = self.faults.apply(VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame))
+        return self.seen
+
+    @property
+    def picture(self) -> Frame:
+        """The last picture, as it reached the pilot if it is one of this camera, for the record."""
+        assert self.sensed is not None
+        exact, seen = self.sensed.frame, self.seen.frame
+        return seen.value if seen is not None and seen.value.depth.shape == exact.depth.shape else exact
 
     def localize(self, dt: float) -> Pose:
-        """Correct the odometry of the last picture, `dt` seconds after the one before."""
-        assert self.sensed is not None
-        self.pose = self.localizer.update(self.sensed.frame, self.sensed.pose, dt)
+        """Check the last observation, `dt` seconds after the one before, and correct its odometry."""
+        reading = self.pilot.sense(self.seen)
+        self._unlocated_s += dt
+        if reading.frame is not None and reading.frame_pose is not None:
+            self.localizer.update(reading.frame, reading.frame_pose, self._unlocated_s)
+            self._unlocated_s = 0.0
+        if reading.pose is not None:
+            locate = self.localizer.locate
+            self.pose = locate(reading.pose)
+            there = None if reading.frame_pose is None else locate(reading.frame_pose)
+            reading = replace(reading, pose=self.pose, frame_pose=there)
+        self._reading = reading
         return self.pose
 
-    def think(self, t: float, others: Iterable[Neighbour]) -> float:
-        """Choose the next command at time `t` (s). Return the wall time spent waiting for a reply (s)."""
-        assert self.sensed is not None
+    def think(self, others: Iterable[Neighbour]) -> float:
+        """Choose the next command. Return the wall time spent waiting for a reply (s)."""
         waited, self.belief.others = self.clock.waited_s, tuple(others)
-        self.command = self.pilot.tick(t, self.sensed.frame, self.pose, self.sensed.velocity)
+        self.command = self.pilot.drive(self._reading)
         return self.clock.waited_s - waited
 
     def act(self, dt: float, others: Iterable[tuple[float, float]]) -> None:
@@ -83,6 +111,12 @@ class Robot:
             path=path,
             times=times,
         )
+
+    @property
+    def surfaced(self) -> str:
+        """Why it gave up the survey and came up, or "". The simulated vehicle keeps its depth: this ends its survey."""
+        states = self.pilot.safety.states
+        return f"surfaced: {states.reason}" if states.state is PilotState.SURFACING else ""
 
     @property
     def position(self) -> tuple[float, float]:

@@ -8,8 +8,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.geometry import Frame, Pose
+from coral.reef.geometry import Pose
 from coral.reef.pilot import Command, Pilot
+from coral.reef.sensing import Velocity
 from coral.reef.tour_kernels import follow
 from coral.reef.vehicle import VehicleCfg
 
@@ -18,15 +19,14 @@ BORDER_M = 1.0
 
 
 class TourPilot(Pilot):
-    """Executes planned commands and ignores the sensors. The map is kept for the report alone."""
+    """Executes planned commands while the sensors are good. The map is kept for the report alone."""
 
     commands: NDArray[np.float64] = np.empty((0, 2))
     """Forward speed (m/s) and yaw rate (rad/s) of each tick. Shape=(K, 2)."""
     _next = 0
 
-    def tick(self, t: float, frame: Frame, pose: Pose, velocity: tuple[float, float, float]) -> Command:
+    def _steer(self, t: float, pose: Pose, velocity: Velocity) -> Command:
         """Return the next command of the plan."""
-        self.belief.update(frame, pose)
         if self._next >= len(self.commands):
             self.end_reason = "the tour is done"
             return 0.0, 0.0

@@ -111,6 +111,8 @@ def render_report(run: RunFolder) -> str:
         each=_robot_table(metrics),
         robots=[color_of(k) for k in range(1, len(run.fleet) + 1)],
         truth=_truth_counts(run),
+        states=_states(run),
+        left=_left(run),
         collisions=collisions,
         provenance=_provenance(run, start),
         config=yaml.safe_dump(dict(run.config), sort_keys=False, allow_unicode=True) if run.config else "",
@@ -299,6 +301,26 @@ def _truth_counts(run: RunFolder) -> tuple[int, int]:
     total = len(clusters) if isinstance(clusters, list) else 0
     covered = len({str(e.get("name")) for e in run.select("cluster_covered")})
     return covered, max(0, total - covered)
+
+
+def _states(run: RunFolder) -> list[tuple[float, str, str, str]]:
+    """Return (time, state, who, why) of every change; nothing if the vehicle surveyed from start to end."""
+    changes = [
+        (float(e["t"]), str(e.get("state", "")), str(e.get("by", "")), str(e.get("reason", "")))
+        for e in run.select("state")
+    ]
+    return changes if any(state not in ("surveying", "stopped") for _, state, _, _ in changes) else []
+
+
+def _left(run: RunFolder) -> list[tuple[str, str]]:
+    """Return (name, reason) of every cluster that the robot knew of and did not finish."""
+    told = run.select("left")
+    clusters = told[-1].get("clusters") if told else None
+    return [
+        (f"{one.get('index')} at ({one.get('x')}, {one.get('y')}) m", str(one.get("why", "")))
+        for one in (clusters if isinstance(clusters, list) else [])
+        if isinstance(one, dict)
+    ]
 
 
 def _provenance(run: RunFolder, start: Record) -> list[tuple[str, str]]:

@@ -64,3 +64,9 @@ def test_numbers_tell_good_from_bad(coverage, tone):
     assert found["collisions"] == ("1", "bad")
     assert found["advisor calls"] == ("4 (1 again)", "plain")
     assert found["speed"] == ("0.13 m/s", "plain")
+
+
+@pytest.mark.parametrize(("state", "tone"), [("surveying", "plain"), ("holding", "bad"), ("surfacing", "bad")])
+def test_the_state_of_the_vehicle_is_shown(state, tone):
+    shown = reef_scene.numbers(Story(state=state), 0.5, 0.0)[-1]
+    assert (shown.name, shown.value, shown.tone) == ("state", state, tone)

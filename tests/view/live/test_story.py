@@ -24,3 +24,11 @@ def test_the_story_counts_and_forgets_what_is_old():
     assert len(story.log) == 6
     assert story.log[0].endswith("rejected: centroid 19")
     assert told(story, event(30, "something new")) is story
+
+
+def test_the_state_of_the_vehicle_and_its_reason_are_told():
+    story = told(Story(), event(2.0, "sensor", input="camera", refused="blind", detail=""))
+    story = told(story, event(2.3, "state", state="holding", reason="camera blind, for 0.4 s"))
+    story = told(story, event(6.0, "sensor", input="camera", refused=""))
+    assert story.state == "holding"
+    assert story.log == ("0:06 camera is good again", "0:02 holding: camera blind, for 0.4 s", "0:02 camera blind")

@@ -11,7 +11,7 @@ from coral.reef.geometry import Frame, Pose
 from coral.reef.scene import RECTANGLE, Footprints, Scene
 from coral.reef.world import ReefWorld
 from coral.view.cameraview import camera_picture
-from coral.view.live.state import Ground, Line, LiveBody, LivePart, Marker, Number
+from coral.view.live.state import Ground, Line, LiveBody, LivePart, Marker, Number, Tone
 from coral.view.live.story import Story
 from coral.view.live.strokes import NONE, arrow, bundle, crosshair, oval, path, rectangle, ring
 from coral.view.mapframe import BLUE, CELL_COLORS, MAGENTA, OBSTACLE, ORANGE, OYSTER, PALE_ORANGE, RED, YELLOW
@@ -161,4 +161,9 @@ def numbers(story: Story, coverage: float, speed_m_s: float) -> tuple[Number, ..
         Number(name="collisions", value=str(story.collisions), tone="bad" if story.collisions else "plain"),
         Number(name="advisor calls", value=f"{story.calls}{repeated}"),
         Number(name="speed", value=f"{speed_m_s:.2f} m/s"),
+        *([Number(name="state", value=story.state, tone=_tone(story.state))] if story.state else []),
     )
+
+
+def _tone(state: str) -> Tone:
+    return "plain" if state in ("ready", "surveying", "stopped") else "bad"

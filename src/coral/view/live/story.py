@@ -34,6 +34,8 @@ class Story:
     covered: int = 0
     clusters: int = 0
     ended: str = ""
+    state: str = ""
+    """State of the vehicle; of several robots, that of the last one that changed it."""
     cause: str = ""
     log: tuple[str, ...] = ()
     """Lines of the log, newest first."""
@@ -104,6 +106,16 @@ def _end(story: Story, event: Record) -> Story:
     return _note(replace(story, asked=None, ended=reason), event, f"ended: {reason}")
 
 
+def _state(story: Story, event: Record) -> Story:
+    state, reason = str(event.get("state", "")), str(event.get("reason", ""))
+    return _note(replace(story, state=state), event, f"{state}: {reason}")
+
+
+def _sensor(story: Story, event: Record) -> Story:
+    refused = event.get("refused")
+    return _note(story, event, f"{event.get('input', 'sensor')} {refused or 'is good again'}")
+
+
 def _note(story: Story, event: Record, text: str) -> Story:
     if story.log and story.log[0].partition(" ")[2] == text:  # a lasting failure is reported at every tick
         return story
@@ -120,6 +132,8 @@ _FOLDS: dict[str, Callable[[Story, Record], Story]] = {
     "collision": _collision,
     "robot_collision": _collision,
     "end": _end,
+    "state": _state,
+    "sensor": _sensor,
     "planner_failure": lambda s, e: _note(s, e, f"no way found: {e.get('reason', '')}"),
     "held": lambda s, e: _note(s, e, "the goal is kept"),
     "fallback": lambda s, e: _note(s, e, f"the advisor failed ({e.get('failure', '')})"),

@@ -1,0 +1,177 @@
+"""The guard of the sensors, fed with observations made by hand."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from garbage import observations
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from coral.reef.camera import CameraCfg
+from coral.reef.geometry import Frame, Label, Pose
+from coral.reef.guard import GuardCfg, SensorGuard
+from coral.reef.sensing import Attitude, Stamped, VehicleObservation
+
+CAMERA = CameraCfg(width=8, height=6)
+STILL = (0.0, 0.0, 0.0)
+
+
+def picture(label=Label.SEABED, depth=5.0):
+    shape = (CAMERA.height, CAMERA.width)
+    return Frame(np.full(shape, depth, np.float32), np.full(shape, label, np.uint8), np.full(shape, -1, np.int32))
+
+
+def good(t, x=5.0, **changes):
+    return dataclasses.replace(VehicleObservation.at(t, Pose(x, 5.0, 0.0), STILL, picture()), **changes)
+
+
+def guard(**cfg):
+    return SensorGuard(CAMERA, (20.0, 20.0), GuardCfg(**cfg))
+
+
+def refusals(reading):
+    return [(refusal.input, refusal.reason) for refusal in reading.refusals]
+
+
+def test_what_is_good_passes_as_it_is():
+    seen = good(0.3)
+    reading = guard().check(seen)
+    assert (reading.t, reading.pose, reading.velocity) == (0.3, Pose(5.0, 5.0, 0.0), STILL)
+    assert reading.frame is seen.frame.value
+    assert reading.frame_pose == reading.pose
+    assert (reading.refusals, reading.lost) == ((), "")
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"pose": Stamped(1.0, Pose(math.nan, 0, 0))}, ("pose", "not finite")),
+        ({"pose": Stamped(1.0, Pose(9.0, 5.0, 0))}, ("pose", "jumped")),
+        ({"pose": Stamped(1.0, Pose(90.0, 5.0, 0))}, ("pose", "outside")),
+        ({"pose": Stamped(0.2, Pose(5.0, 5.0, 0))}, ("pose", "stale")),
+        ({"pose": Stamped(0.8, Pose(5.0, 5.0, 0))}, ("pose", "out of order")),
+        ({"pose": Stamped(1.2, Pose(5.0, 5.0, 0))}, ("pose", "from the future")),
+        ({"pose": Stamped(math.nan, Pose(5.0, 5.0, 0))}, ("pose", "not finite")),
+        ({"pose": Pose(5.0, 5.0, 0)}, ("pose", "wrong type")),
+        ({"covariance": np.diag([9.0, 0.0, 0.0])}, ("pose", "uncertain")),
+        ({"velocity": Stamped(1.0, (0.0, math.inf, 0.0))}, ("velocity", "not finite")),
+        ({"velocity": Stamped(1.0, (5.0, 0.0, 0.0))}, ("velocity", "too fast")),
+        ({"frame": Stamped(1.0, picture(depth=math.inf))}, ("camera", "blind")),
+        ({"frame": Stamped(0.5, picture())}, ("camera", "stale")),
+        ({"attitude": Stamped(1.0, Attitude(roll=1.5, pitch=0.0, depth_m=2.0))}, ("attitude", "too far tilted")),
+        ({"attitude": Stamped(1.0, "level")}, ("attitude", "wrong type")),
+        ({"t": -5.0}, ("clock", "jumped")),
+        ({"t": math.nan}, ("clock", "not finite")),
+    ],
+)
+def test_what_is_wrong_is_refused_by_name_and_the_last_good_one_is_used(changes, expected):
+    watch = guard()
+    watch.check(good(0.9))
+    reading = watch.check(dataclasses.replace(good(1.0), **changes))
+    assert expected in refusals(reading)
+    assert reading.lost == ""
+    assert reading.pose == pytest.approx((5.0, 5.0, 0.0))
+    assert reading.t > 0.9
+
+
+def test_an_input_slower_than_the_loop_is_no_fault():
+    watch, first = guard(), good(0.0)
+    watch.check(first)
+    for t in (0.1, 0.2, 0.3):
+        reading = watch.check(dataclasses.replace(first, t=t))
+        assert (reading.refusals, reading.lost, reading.frame) == ((), "", None)
+
+
+def test_what_is_missing_too_long_is_lost_and_back_with_the_next_good_one():
+    watch = guard(frame_timeout_s=0.4)
+    watch.check(good(0.0))
+    lost = {k: watch.check(good(k / 10, frame=None)).lost for k in range(1, 7)}
+    assert [k for k, why in lost.items() if why] == [5, 6]  # 0.4 s is not more than 0.4 s
+    assert lost[5] == "camera missing, for 0.5 s"
+    assert watch.check(good(0.7)).lost == ""
+
+
+def test_before_the_first_measurements_all_are_lost():
+    reading = guard().check(VehicleObservation(t=0.0))
+    assert reading.lost == "pose missing; velocity missing; camera missing"
+    assert reading.pose is None
+
+
+def test_a_picture_without_a_known_pose_is_not_used():
+    assert guard().check(good(0.0, pose=None)).frame is None
+
+
+def test_a_lasting_jump_is_not_believed_until_a_person_says_so():
+    watch = guard()
+    watch.check(good(0.0))
+    readings = [watch.check(good(k / 10, x=9.0)) for k in range(1, 100)]
+    assert all(refusals(reading) == [("pose", "jumped")] for reading in readings)
+    watch.relocate()
+    assert watch.check(good(10.0, x=9.0)).pose == Pose(9.0, 5.0, 0.0)
+
+
+def test_after_a_gap_a_vehicle_may_have_moved_as_far_as_it_can():
+    watch = guard(max_speed_m_s=1.0, jump_m=0.5)
+    watch.check(good(0.0))
+    for k in range(1, 30):
+        watch.check(good(k / 10, pose=None))
+    assert refusals(watch.check(good(3.0, x=8.4))) == []
+
+
+def test_a_camera_that_hangs_is_refused():
+    watch, same, moving = guard(), picture(Label.OYSTER), (0.3, 0.0, 0.0)
+    found = [
+        refusals(watch.check(good(k / 10, velocity=Stamped(k / 10, moving), frame=Stamped(k / 10, same))))
+        for k in range(4)
+    ]
+    assert found == [[], [], [("camera", "frozen")], [("camera", "frozen")]]
+
+
+@pytest.mark.parametrize("by", [-30.0, 30.0])
+def test_a_clock_that_was_set_costs_one_tick(by):
+    watch = guard()
+    for k in range(5):
+        watch.check(good(k / 10))
+    found = [refusals(watch.check(good(k / 10 + by))) for k in range(5, 10)]
+    assert found == [[("clock", "jumped")], [], [], [], []]
+
+
+def test_a_late_picture_is_put_where_it_was_taken():
+    watch = guard()
+    for k in range(5):
+        watch.check(good(k / 10, x=5 + 0.1 * k, frame=None))
+    reading = watch.check(good(0.5, x=5.5, frame=Stamped(0.35, picture())))
+    assert reading.frame_pose == pytest.approx((5.35, 5.0, 0.0))
+    assert reading.pose == Pose(5.5, 5.0, 0.0)
+
+
+def test_rates_are_measured_for_the_preflight_list():
+    watch = guard()
+    for k in range(30):
+        watch.check(good(k / 10, velocity=Stamped(k / 10, STILL) if k % 2 else None))
+    assert watch.rate_hz("pose") == pytest.approx(10.0)
+    assert watch.rate_hz("velocity") == pytest.approx(5.0)
+    assert watch.rate_hz("attitude") == 0.0
+
+
+def test_a_picture_in_another_memory_layout_is_copied_and_not_refused():
+    turned = picture()
+    turned = dataclasses.replace(turned, depth=np.asfortranarray(turned.depth))
+    reading = guard().check(good(0.0, frame=Stamped(0.0, turned)))
+    assert reading.frame.depth.flags.c_contiguous
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.lists(st.floats(0.0, 3.0), max_size=6).flatmap(lambda ts: st.tuples(*[observations(t, 6, 8) for t in ts])))
+def test_no_garbage_raises_and_nothing_that_is_not_finite_passes(garbage):
+    watch, last = guard(), -math.inf
+    for seen in garbage:
+        reading = watch.check(seen)
+        assert reading.t >= last
+        last = reading.t
+        for value in (reading.pose, reading.velocity, reading.frame_pose):
+            assert value is None or np.isfinite(value).all()
+        if reading.frame is not None:
+            assert reading.frame.depth.shape == (6, 8)
