@@ -104,6 +104,9 @@ def test_refused_arming_comes_with_the_autopilots_words(vehicle):
         assert not vehicle.run(1.0).armed
     finally:
         vehicle.set_parameter("BATT_ARM_VOLT", 0.0)
+    vehicle.run(2.0)
+    vehicle.link.arm()
+    assert vehicle.link.report().armed
 
 
 def test_a_mode_chosen_elsewhere_takes_over_until_the_operators_word(vehicle):
@@ -136,10 +139,28 @@ def test_a_leak_is_reported(vehicle):
     assert vehicle.run(1.0).leak
 
 
+def test_without_a_position_the_joystick_drives(vehicle):
+    vehicle.set_parameter("SIM_GPS1_ENABLE", 0.0)
+    try:
+        for _ in range(30):
+            if not vehicle.run(0.5).has_position:
+                break
+        vehicle.link.arm()
+        assert vehicle.link.report().mode == "ALT_HOLD"
+        before = vehicle.run(10.0, (0.0, 0.0, 1.0))
+        report = vehicle.run(8.0, (0.2, 0.1, 1.0))
+        assert not report.has_position
+        assert not report.manual_override
+        assert report.depth_m == pytest.approx(1.0, abs=0.2)
+        assert (report.tether_turns - before.tether_turns) * math.tau == pytest.approx(0.8, abs=0.15)
+    finally:
+        vehicle.set_parameter("SIM_GPS1_ENABLE", 1.0)
+
+
 # What only the simulated one can be told to do.
 
 
-def test_without_a_position_the_joystick_drives():
+def test_the_joystick_moves_it_ahead_before_there_was_a_position():
     vehicle = SimulatedVehicle()
     vehicle.autopilot.parameters.write("SIM_GPS1_ENABLE", 0.0)
     vehicle.run(3.0)
@@ -179,6 +200,26 @@ def test_numbers_that_are_not_finite_stop(simulated, command):
     simulated.link.arm()
     simulated.run(4.0, AHEAD)
     assert simulated.run(3.0, command).velocity == pytest.approx((0.0, 0.0, 0.0), abs=0.02)
+
+
+@pytest.mark.parametrize("taken_by", ["pilot", "hold", "disarming"])
+def test_no_set_point_is_sent_to_a_vehicle_that_is_not_ours(simulated, taken_by):
+    simulated.link.arm()
+    simulated.run(2.0, AHEAD)
+    if taken_by == "pilot":
+        simulated.autopilot.choose("MANUAL")
+    elif taken_by == "hold":
+        simulated.link.hold()
+    else:
+        simulated.autopilot._disarm()
+    simulated.run(2.5, AHEAD)
+    sent = []
+    simulated.autopilot.receive = lambda data, peer: sent.append(data)
+    simulated.run(1.0, AHEAD)
+    reader = mavlink.MAVLink(None, 0, 0)
+    names = {message.get_type() for message in reader.parse_buffer(b"".join(sent))}
+    assert "HEARTBEAT" in names
+    assert "SET_POSITION_TARGET_LOCAL_NED" not in names
 
 
 def test_a_depth_that_is_not_finite_holds_the_depth(simulated):
@@ -237,7 +278,7 @@ def test_a_cut_link_is_seen_by_its_ages_and_the_vehicle_helps_itself(simulated):
     report = simulated.run(1.0, AHEAD)
     assert report.heartbeat_age_s > 0.9
     assert simulated.now() - report.pose_stamp_s > 0.9
-    simulated.run(3.5, AHEAD)
+    simulated.run(3.7, AHEAD)
     assert simulated.autopilot.body.velocity[0] < 0.1
     simulated.run(2.0, AHEAD)
     assert not simulated.autopilot.armed
@@ -251,7 +292,7 @@ def test_a_closed_link_leaves_the_vehicle_to_its_failsafes(simulated):
     simulated.link.arm()
     simulated.run(4.0, AHEAD)
     simulated.link.close()
-    simulated.autopilot.step(4.0)
+    simulated.autopilot.step(4.7)
     assert simulated.autopilot.body.velocity[0] < 0.1
     simulated.autopilot.step(2.0)
     assert not simulated.autopilot.armed

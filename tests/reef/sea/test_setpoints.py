@@ -11,6 +11,11 @@ def test_without_measurements_the_axes_are_the_feed_forward():
     assert StickLoop().axes(0.5, 0.15, (None, None), 0.1) == (500, 0, 500, -200)
 
 
+def test_slow_turns_get_past_the_dead_zone():
+    assert StickLoop().axes(0.0, 0.03, (None, None), 0.1)[3] == -120
+    assert StickLoop().axes(0.0, -0.03, (None, None), 0.1)[3] == 120
+
+
 def test_no_command_is_neutral():
     assert StickLoop().axes(0.0, 0.0, (None, None), 0.1) == NEUTRAL
 

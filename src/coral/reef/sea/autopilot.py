@@ -24,8 +24,9 @@ LEAK_S = 3.0
 EARTH_M = 6_378_137.0
 EKF_GOOD, EKF_LOST, EKF_STANDING = 831, 37, 167
 """Flags as ArduSub's filter shows them: all well; the position lost; none yet."""
-FULL_TURN_RAD_S = 1.5
-"""Yaw rate of a full stick at full gain. r = 200 at gain 0.5 gave 0.15 rad/s with ArduSub."""
+TURN_RAD_S, TURN_DEAD = 3.0, 0.05
+"""Yaw rate of a full stick at full gain, and the share of the stick about its middle that turns nothing. ArduSub turned
+at 0.06 and 0.15 rad/s with r = 145 and 200 at gain 0.5."""
 DEAD_ZONE_M_S = 0.07
 """Climb rate that the throttle axis loses about its centre: z = 300 gave 0.13 m/s with ArduSub."""
 STICKS_S = 3.0
@@ -48,6 +49,9 @@ class AutopilotCfg:
     guided_share: Fraction = 0.85
     """Share of a wanted forward speed that GUIDED reaches. ArduSub in the loop: 0.85, 0.83, 0.84, 0.87
     at 0.2, 0.3, 0.5, 0.6 m/s after 6 s."""
+    response_s: Positive = 0.5
+    """Time constant with which a speed follows in modes that hold a position. ArduSub in the loop falls from 0.4 to
+    0.1 m/s in 1.0 s in GUIDED and 1.7 s in POSHOLD."""
     latitude_deg: Signed = 43.0
     longitude_deg: Signed = -70.0
     """Origin of the estimator's frame: the world's (0, 0)."""
@@ -84,6 +88,7 @@ class SimulatedAutopilot:
         self.seen = Circumstances(volts=self.parameters["SIM_BATT_VOLTAGE"])
         self._used_v = 0.0
         self._fix_s = -math.inf
+        self._forward, self._followed_s = 0.0, -math.inf
         self._goal = (0.0, 0.0, 0.0)
         self._goal_s = -math.inf
         self._sticks, self._sticks_s = NEUTRAL, -math.inf
@@ -158,7 +163,7 @@ class SimulatedAutopilot:
             self._hold_sticks(NEUTRAL)
         x, _, z, r = self._sticks
         gain = self.parameters["JS_GAIN_DEFAULT"]
-        turn = -FULL_TURN_RAD_S * gain * r / 1000.0
+        turn = -math.copysign(TURN_RAD_S * max(gain * abs(r) / 1000.0 - TURN_DEAD, 0.0), r)
         climb = gain * (z - 500) / 500.0 * self.parameters["PILOT_SPEED_UP"] / 100.0
         climb = math.copysign(max(abs(climb) - DEAD_ZONE_M_S, 0.0), climb)
         if not self.armed:
@@ -166,17 +171,25 @@ class SimulatedAutopilot:
         elif self.mode == "GUIDED":
             fresh = self.time_s - self._goal_s <= GUIDED_TIMEOUT_S
             forward, yaw_rate, down = self._goal if fresh else (0.0, 0.0, 0.0)
-            body.swim(self.cfg.guided_share * forward, turn or yaw_rate, down, dt)
+            self._follow(self.cfg.guided_share * forward, turn or yaw_rate, down, dt)
         elif self.mode == "SURFACE":
-            body.swim(0.0, turn, -0.5, dt)
+            self._follow(0.0, turn, -0.5, dt)
             if body.depth_m <= 0.1:
                 self._enter("ALT_HOLD")
         elif self.mode == "POSHOLD":
-            body.swim(0.0, turn, -climb, dt)
+            self._follow(0.0, turn, -climb, dt)
         elif self.mode == "ALT_HOLD":
             body.push(x / 1000.0 * gain, turn, -climb, dt)
         else:
             body.push(x / 1000.0 * gain, turn, 0.0 if z == 500 else -climb, dt)
+
+    def _follow(self, forward: float, yaw_rate: float, down: float, dt: float) -> None:
+        """Follow a velocity as the autopilot's controller does: with a lag."""
+        if self._followed_s < self.time_s - 1.5 * dt:
+            self._forward = self.body.velocity[0]
+        self._followed_s = self.time_s
+        self._forward += -math.expm1(-dt / self.cfg.response_s) * (forward - self._forward)
+        self.body.swim(self._forward, yaw_rate, down, dt)
 
     def _enter(self, mode: str) -> bool:
         if mode in POSITION_MODES and not self.has_position:
@@ -285,15 +298,16 @@ class SimulatedAutopilot:
             m.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._do_reboot,
         }
         order = orders.get(message.command)
+        before, self._out = self._out, []
         result = m.MAV_RESULT_UNSUPPORTED if order is None else order(first, second)
+        words, self._out = self._out, before  # ArduSub acknowledges first and explains then
         acknowledge = m.MAVLink_command_ack_message(
             message.command, result, 0, 0, message.get_srcSystem(), message.get_srcComponent()
         )
-        if message.command == m.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN and result == m.MAV_RESULT_ACCEPTED:
-            self._say(acknowledge)
-            self.reboot()
-            return
         self._say(acknowledge)
+        self._out += words
+        if message.command == m.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN and result == m.MAV_RESULT_ACCEPTED:
+            self.reboot()
 
     def _do_set_mode(self, flags: float, number: float) -> int:
         mode = ardusub.MODES.get(int(number))

@@ -22,7 +22,10 @@ RISE_M_S = 0.1
 class Mover(Protocol):
     """What moves in the plane; `ReefSimulator` is one, with obstacles, contacts and coverage."""
 
-    vehicle: Vehicle
+    @property
+    def vehicle(self) -> Vehicle:
+        """The vehicle that moves."""
+        ...
 
     def act(self, command: tuple[float, float], dt: float) -> Sequence[Any]:
         """Drive at (m/s forward, rad/s left) for `dt` seconds."""

@@ -21,11 +21,13 @@ class StickLoopCfg:
     """Our own loop over the joystick axes, for a vehicle without a position.
 
     The feed-forwards were measured with ArduSub 4.7.0-dev and its simulated BlueROV2 Heavy at the default joystick gain
-    of 0.5 (x = 500 gives 0.5 m/s, r = 200 gives 0.15 rad/s).
+    of 0.5: x = 500 gives 0.5 m/s; r = 145 gives 0.06 rad/s and r = 200 gives 0.15 rad/s, past a dead zone of 100.
     """
 
     x_per_m_s: Positive = 1000.0
-    r_per_rad_s: Positive = 1333.0
+    r_per_rad_s: Positive = 667.0
+    r_dead: float = 100.0
+    """Axis units about the middle that turn nothing."""
     speed_p: float = 400.0
     """Axis units per m/s of error."""
     speed_i: float = 200.0
@@ -62,7 +64,7 @@ class StickLoop:
             dt: Seconds since the last call.
         """
         cfg = self.cfg
-        x, r = cfg.x_per_m_s * forward_m_s, -cfg.r_per_rad_s * yaw_rate_rad_s
+        x, turning = cfg.x_per_m_s * forward_m_s, cfg.r_per_rad_s * yaw_rate_rad_s
         speed, turn = measured
         if forward_m_s == 0.0:
             self.integral = 0.0
@@ -72,8 +74,10 @@ class StickLoop:
                 self.integral = min(max(self.integral + cfg.speed_i * error * dt, -500.0), 500.0)
             x += cfg.speed_p * error + self.integral
         if turn is not None:
-            r -= cfg.yaw_p * (yaw_rate_rad_s - turn)
-        return _axis(x), 0, 500, _axis(r)
+            turning += cfg.yaw_p * (yaw_rate_rad_s - turn)
+        if yaw_rate_rad_s == 0.0:
+            return _axis(x), 0, 500, 0  # the autopilot holds the heading itself
+        return _axis(x), 0, 500, _axis(-turning - math.copysign(cfg.r_dead, turning))
 
 
 def _axis(value: float) -> int:
