@@ -19,7 +19,7 @@ RISE_M_S = 0.1
 """Upward speed without thrust: positive buoyancy, as the simulated vehicle of ArduSub rises."""
 
 
-class Mover(Protocol):
+class PlanarMover(Protocol):
     """What moves in the plane; `ReefSimulator` is one, with obstacles, contacts and coverage."""
 
     @property
@@ -53,7 +53,7 @@ class ReefWaters:
         Raises:
             InputError: There is no such world.
         """
-        self.mover: Mover = OpenWater()
+        self.mover: PlanarMover = OpenWater()
         if world:
             self.mover = ReefSimulator(find_world(world), cfg or SimulatorCfg(), np.random.default_rng(0))
         self.collisions = 0
@@ -79,7 +79,7 @@ class Body:
     Simplifications: sway is held at zero. A vehicle without thrust coasts and rises, but no current carries it.
     """
 
-    def __init__(self, mover: Mover, depth_m: float = 0.0) -> None:
+    def __init__(self, mover: PlanarMover, depth_m: float = 0.0) -> None:
         self.mover = mover
         self.depth_m = depth_m
         self.down_m_s = 0.0
