@@ -24,7 +24,7 @@ from coral.reef.sea.address import parse_address
 from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWithDvl
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
-from coral.reef.sea.picture import LatestShot, PictureSource
+from coral.reef.sea.picture import LatestShot, CameraSource
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.sea.simulated_camera import SimulatedCamera
 from coral.reef.sea.simulated_link import SimulatedLink
@@ -118,7 +118,7 @@ def open_parts(
         if flags.dvl != "autopilot":
             parts.link = LinkWithDvl(parts.link, _dvl(flags.dvl, opened))
             parts.pose_source = f"DVL A50 at {flags.dvl.removeprefix('a50:')}"
-        source: PictureSource
+        source: CameraSource
         if flags.camera == "simulated":
             if world is None:
                 raise InputError("--camera", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")

@@ -44,7 +44,7 @@ class Perception(Protocol):
         ...
 
 
-class PictureSource(Protocol):
+class CameraSource(Protocol):
     """A camera."""
 
     name: str
@@ -66,7 +66,7 @@ class LatestShot:
 
     def __init__(
         self,
-        source: PictureSource,
+        source: CameraSource,
         perception: Perception | None = None,
         *,
         clock: Callable[[], float] = time.monotonic,
