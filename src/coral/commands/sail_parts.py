@@ -24,7 +24,7 @@ from coral.reef.sea.address import parse_address
 from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWithDvl
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
-from coral.reef.sea.picture import LatestShot, CameraSource
+from coral.reef.sea.picture import CameraSource, LatestShot
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.sea.simulated_camera import SimulatedCamera
 from coral.reef.sea.simulated_link import SimulatedLink

@@ -29,8 +29,7 @@ class Gui:
         self.clicks = {}
 
     def add_button(self, label, **_):
-        handle = SimpleNamespace(disabled=False, on_click=lambda click: self.clicks.__setitem__(label, click))
-        return handle
+        return SimpleNamespace(disabled=False, on_click=lambda click: self.clicks.__setitem__(label, click))
 
 
 def mission():
